@@ -1,0 +1,110 @@
+#!/usr/bin/env bash
+# The one entry: sets up .venv, builds the FMU, then does what it was asked. See `./build.sh help`.
+set -euo pipefail
+
+usage() {
+    cat <<'TEXT'
+usage: ./build.sh [command] [arguments]
+
+  (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
+  test     build, then run the tests; arguments go to pytest
+  bench    build, then run benchmarks/step_cost.py; arguments go to it
+  check    lint, type check, and the C code under sanitizers and valgrind
+  help     this text
+
+Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. gcc and valgrind are used by
+the tests when present. Everything it makes is in .venv/ and build/.
+TEXT
+}
+
+say() { printf '== %s\n' "$*"; }
+die() { printf 'build.sh: %s\n' "$*" >&2; exit 1; }
+
+repository() { # the directory of this file, also when it was called through symbolic links
+    local self=${BASH_SOURCE[0]} link
+    while [ -h "$self" ]; do
+        link=$(readlink "$self")
+        case $link in
+            /*) self=$link ;;
+            *) self=$(dirname "$self")/$link ;;
+        esac
+    done
+    cd -P "$(dirname "$self")" && pwd
+}
+
+make_venv() {
+    local candidate found=""
+    rm -rf .venv
+    for candidate in python3.14 python3.13 python3.12 python3.11 python3 python; do
+        # Run it rather than look for it: a version manager's stub exists but may not work.
+        "$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 || continue
+        found="$found $candidate"
+        say "make .venv with $candidate"
+        if "$candidate" -m venv .venv >/dev/null 2>&1 || "$candidate" -m virtualenv .venv >/dev/null 2>&1; then
+            return
+        fi
+        rm -rf .venv
+    done
+    [ -n "$found" ] || die "no Python >= 3.11 found (tried python3.14 ... python3.11, python3, python)"
+    die "found$found, but none can make a virtual environment: install its venv package (Debian and" \
+        "Ubuntu: apt install python3-venv) or virtualenv"
+}
+
+# install_dependencies REQUIREMENT: pip-installs "." or ".[test]", only when pyproject.toml, the place
+# of the repository or the interpreter is not what it was at the last installation.
+install_dependencies() {
+    local requirement=$1 name stamp
+    .venv/bin/python -c '' >/dev/null 2>&1 || make_venv
+    name=.venv/installed${requirement//[^a-z]/-}
+    stamp="$(cksum <pyproject.toml) $PWD $(.venv/bin/python -V)"
+    [ -f "$name" ] && [ "$(cat "$name")" = "$stamp" ] && return
+    say "install dependencies of pyproject.toml into .venv (about 1 GB on disk, mostly the C compiler)"
+    .venv/bin/python -m pip install --disable-pip-version-check -e "$requirement"
+    printf '%s\n' "$stamp" >"$name"
+}
+
+build() { .venv/bin/python fmu_src/build_fmu.py; }
+
+command=${1-example}
+[ $# -eq 0 ] || shift
+cd "$(repository)"
+export ZIG_GLOBAL_CACHE_DIR="${ZIG_GLOBAL_CACHE_DIR:-$PWD/build/zig-cache}"
+export ZIG_LOCAL_CACHE_DIR="${ZIG_LOCAL_CACHE_DIR:-$PWD/build/zig-cache}"
+
+case $command in
+    example)
+        install_dependencies .
+        build
+        say "run system_examples/robot_joint.py"
+        exec .venv/bin/python system_examples/robot_joint.py "$@"
+        ;;
+    test)
+        install_dependencies '.[test]'
+        build
+        say "run the tests"
+        exec .venv/bin/python -m pytest -n 2 --dist loadgroup "$@"
+        ;;
+    bench)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/step_cost.py "$@"
+        ;;
+    check)
+        install_dependencies '.[test]'
+        say "ruff"
+        .venv/bin/python -m ruff check .
+        say "mypy"
+        .venv/bin/python -m mypy
+        build
+        say "sanitizers and valgrind"
+        exec .venv/bin/python -m pytest tests/test_native.py -v -rs "$@"
+        ;;
+    help | -h | --help)
+        usage
+        ;;
+    *)
+        printf 'build.sh: unknown command: %s\n\n' "$command" >&2
+        usage >&2
+        exit 2
+        ;;
+esac

@@ -1,0 +1,306 @@
+"""Builds the FMUs: variables.def -> modelDescription.xml -> shared library -> .fmu.
+
+    python fmu_src/build_fmu.py             build/DualCamForward.fmu and build/NullFmu.fmu
+    python fmu_src/build_fmu.py --check     the same, but fail if the committed XML is not fresh
+    python fmu_src/build_fmu.py --sanitize  the native test driver, with sanitizers and without
+
+The compiler is the one in the `ziglang` wheel, so any machine with Python builds the same binary; it
+runs on every Linux with glibc >= 2.17. Nothing is done when no input has changed since the last time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.metadata
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = ROOT / "build"
+DESCRIPTIONS = ROOT / "modelDescription"
+LIFECYCLE = ROOT / "tests/native/lifecycle.c"
+
+NEWEST_GLIBC = (2, 17)
+TARGET = ["-target", "x86_64-linux-gnu.{}.{}".format(*NEWEST_GLIBC)]
+WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
+# -ffp-contract=off: no fused multiply-add, so the last digit is the same on every processor.
+# -fno-math-errno: nobody reads errno, and sqrt becomes one instruction. Every other IEEE rule stays
+# (-ffast-math would let the compiler undo compensated sums and NaN checks).
+ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
+# -flto: one concept per file costs no call. -z defs: an undefined symbol fails here, not in a master.
+SHARED = ["-O3", "-flto", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-z,defs", "-s"]
+
+HOST_SOURCES = {"emit_xml.c"}  # run while building, not part of an FMU
+
+
+class BuildError(Exception):
+    pass
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """One FMU: what it is compiled from and where its description comes from."""
+
+    identifier: str
+    sources: list[Path]
+    description: str
+    guid: str
+    extra: dict[str, Path] = field(default_factory=dict)  # name in the archive -> file
+    defines: list[str] = field(default_factory=list)
+
+    @property
+    def path(self) -> Path:
+        return BUILD / f"{self.identifier}.fmu"
+
+
+def say(text: str) -> None:
+    print(f"-- {text}", flush=True)
+
+
+def relative(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def fmi_headers() -> Path:
+    """The FMI 2.0 headers, which FMPy's wheel holds. Found without importing FMPy, which takes a second."""
+    spec = importlib.util.find_spec("fmpy")
+    if spec is None or spec.origin is None:
+        raise BuildError("fmpy is not installed: run ./build.sh, or pip install -e .")
+    return Path(spec.origin).parent / "c-code"
+
+
+def core_sources() -> list[Path]:
+    return sorted(p for p in (ROOT / "fmu_src").glob("*.c") if p.name not in HOST_SOURCES)
+
+
+def headers() -> list[Path]:
+    return [*(ROOT / "fmu_src").glob("*.h"), *(ROOT / "fmu_src").glob("*.def")]
+
+
+def fingerprint(files: Iterable[Path], *words: str) -> str:
+    """Hash of everything that a product depends on: files, flags, versions."""
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(f"{relative(path)}\0{path.stat().st_mode & 0o111}\0".encode())
+        digest.update(path.read_bytes() + b"\0")
+    for word in (*words, *(importlib.metadata.version(p) for p in ("ziglang", "fmpy"))):
+        digest.update(f"{word}\0".encode())
+    return digest.hexdigest()
+
+
+def is_fresh(product: Path, stamp: str) -> bool:
+    stamp_file = product.with_name(product.name + ".stamp")
+    return product.exists() and stamp_file.exists() and stamp_file.read_text() == stamp
+
+
+def set_stamp(product: Path, stamp: str) -> None:
+    product.with_name(product.name + ".stamp").write_text(stamp)
+
+
+def run(command: Sequence[str | Path], purpose: str) -> str:
+    """Runs `command` in ROOT, so that file names in messages are short and none ends up in a binary."""
+    environment = os.environ.copy()
+    for name in ("ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"):
+        environment.setdefault(name, str(BUILD / "zig-cache"))
+    result = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    if result.returncode != 0:
+        words = " ".join(map(str, command))
+        raise BuildError(f"{purpose} failed\n{words}\n{result.stdout}{result.stderr}".rstrip())
+    sys.stderr.write(result.stderr)
+    return result.stdout
+
+
+def compile_c(compiler: Sequence[str], flags: Sequence[str], sources: Iterable[Path], product: Path) -> None:
+    product.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = product.with_name(f"{product.name}.{os.getpid()}")
+    inputs = [relative(s) for s in sources]
+    common = [*WARNINGS, *ARITHMETIC, "-isystem", str(fmi_headers()), "-Ifmu_src"]
+    try:
+        run([*compiler, *common, *flags, *inputs, "-o", str(unfinished), "-lm"], f"compile {product.name}")
+        unfinished.replace(product)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+ZIG = [sys.executable, "-m", "ziglang", "cc"]
+
+
+def emit_description(identifier: str, check: bool) -> str:
+    """The modelDescription.xml of `identifier`: emitted by emit_xml.c from variables.def and compared
+    with the committed file, which is rewritten (or, with `check`, refused) if it differs."""
+    committed = DESCRIPTIONS / f"{identifier}.xml"
+    emitter = ROOT / "fmu_src/emit_xml.c"
+    fresh = BUILD / "description" / committed.name
+    stamp = fingerprint([emitter, *headers()])
+    if not is_fresh(fresh, stamp):
+        say(f"emit {relative(committed)}")
+        program = BUILD / "host" / "emit_xml"
+        compile_c(ZIG, ["-O1"], [emitter], program)
+        fresh.parent.mkdir(parents=True, exist_ok=True)
+        fresh.write_bytes(run([program, identifier], "emit_xml").encode())
+        set_stamp(fresh, stamp)
+    if not committed.exists() or committed.read_bytes() != fresh.read_bytes():
+        if check:
+            raise BuildError(f"{relative(committed)} is out of date: run ./build.sh and commit it")
+        committed.parent.mkdir(exist_ok=True)
+        shutil.copyfile(fresh, committed)
+        say(f"{relative(committed)} was out of date: rewritten, commit it")
+    return committed.read_text(encoding="utf-8")
+
+
+def forward_fmu(check: bool) -> Fmu:
+    identifier = "DualCamForward"
+    description = emit_description(identifier, check)
+    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE"}
+    for folder in ("documentation", "resources", "terminalsAndIcons"):
+        for path in (DESCRIPTIONS / folder).rglob("*"):
+            if path.is_file():
+                extra[path.relative_to(DESCRIPTIONS).as_posix()] = path
+    if (DESCRIPTIONS / "model.png").exists():
+        extra["model.png"] = DESCRIPTIONS / "model.png"
+    guid = ET.fromstring(description).attrib["guid"]
+    return Fmu(identifier, core_sources(), description, guid, extra)
+
+
+def null_fmu(like: Fmu) -> Fmu:
+    """The do-nothing FMU: `like`'s variables, plain co-simulation without any capability."""
+    identifier = "NullFmu"
+    guid = hashlib.sha256(like.description.encode()).hexdigest()[:32]
+    root = ET.fromstring(like.description)
+    root.attrib.update(modelName=identifier, guid=guid, description="Does nothing: what FMI itself costs")
+    for kind in [*root.findall("ModelExchange"), *root.findall("CoSimulation")]:
+        position = list(root).index(kind)
+        root.remove(kind)
+    root.insert(position, ET.Element("CoSimulation", modelIdentifier=identifier))
+    ET.indent(root)
+    count = 1 + max(int(v.attrib["valueReference"]) for v in root.iter("ScalarVariable"))
+    return Fmu(
+        identifier,
+        [ROOT / "benchmarks/null_fmu/null_fmu.c"],
+        '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n",
+        guid,
+        defines=[f"-DVALUE_COUNT={count}"],
+    )
+
+
+def check_glibc(library: Path) -> None:
+    """Refuses a library that needs a newer glibc than promised. The versions it needs stand as plain
+    text in its string table."""
+    needed = [tuple(map(int, m.split(b"."))) for m in re.findall(rb"\0GLIBC_([0-9.]+)", library.read_bytes())]
+    newer = [v for v in needed if v > NEWEST_GLIBC]
+    if newer:
+        raise BuildError(f"{library.name} needs GLIBC {max(newer)}, newer than {NEWEST_GLIBC}")
+
+
+def write_archive(path: Path, members: dict[str, bytes]) -> None:
+    """A zip that depends on its members alone: sorted, no clock, no owner, and stored, since what
+    deflate writes depends on the zlib at hand."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(members):
+            info = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            info.create_system = 3  # Unix, whatever the host: the permissions below are Unix ones
+            info.external_attr = (0o100755 if name.endswith(".so") else 0o100644) << 16
+            archive.writestr(info, members[name])
+
+
+def validate(path: Path) -> None:
+    from fmpy.validation import validate_fmu
+
+    findings = validate_fmu(str(path))
+    if findings:
+        raise BuildError(f"{relative(path)} is not a valid FMU:\n" + "\n".join(findings))
+
+
+def build(fmu: Fmu) -> None:
+    flags = [*TARGET, *SHARED, *fmu.defines, *identity(fmu)]
+    inputs = [*fmu.sources, *fmu.extra.values(), *headers(), Path(__file__).resolve()]
+    stamp = fingerprint(inputs, fmu.description, *flags)
+    if is_fresh(fmu.path, stamp):
+        return
+    say(f"compile {fmu.identifier}.so ({len(fmu.sources)} files)")
+    library = BUILD / "linux64" / f"{fmu.identifier}.so"
+    compile_c(ZIG, flags, fmu.sources, library)
+    check_glibc(library)
+    members = {name: path.read_bytes() for name, path in fmu.extra.items()}
+    members["modelDescription.xml"] = fmu.description.encode()
+    members[f"binaries/linux64/{fmu.identifier}.so"] = library.read_bytes()
+    unfinished = BUILD / f"{fmu.identifier}.{os.getpid()}.fmu"
+    try:
+        write_archive(unfinished, members)
+        validate(unfinished)
+        unfinished.replace(fmu.path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    set_stamp(fmu.path, stamp)
+    say(f"{relative(fmu.path)} ({fmu.path.stat().st_size // 1024} kB, valid)")
+
+
+def identity(fmu: Fmu) -> list[str]:
+    return [f'-DMODEL_GUID="{fmu.guid}"', f"-DMODEL_IDENTIFIER={fmu.identifier}"]
+
+
+def sanitizing_compiler(scratch: Path) -> tuple[list[str], list[str], str]:
+    """The strictest at hand: a system compiler with AddressSanitizer, else zig's UBSan (zig ships no
+    AddressSanitizer runtime)."""
+    probe = scratch / "probe.c"
+    scratch.mkdir(parents=True, exist_ok=True)
+    probe.write_text("int main(void) { return 0; }\n")
+    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    for compiler in ("gcc", "clang"):
+        if shutil.which(compiler) is None:
+            continue
+        program = scratch / "probe"
+        made = subprocess.run([compiler, *flags, probe, "-o", program], capture_output=True)
+        if made.returncode == 0 and subprocess.run([program], capture_output=True).returncode == 0:
+            return [compiler], flags, f"{compiler} address,undefined"
+    return ZIG, ["-fsanitize=undefined", "-fno-sanitize-recover=all"], "zig undefined"
+
+
+def build_native_drivers(fmu: Fmu) -> None:
+    """tests/native/lifecycle.c linked with the FMU's sources: `lifecycle-sanitized`, and `lifecycle`
+    for valgrind. Warnings are left to the pinned compiler: those of a system's gcc differ by version."""
+    folder = BUILD / "native"
+    compiler, sanitizers, name = sanitizing_compiler(folder)
+    plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
+    for program, command, flags in (
+        (folder / "lifecycle-sanitized", compiler, sanitizers),
+        (folder / "lifecycle", plain, []),
+    ):
+        flags = ["-g", "-O1", "-w", *flags, *identity(fmu)]
+        stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), Path(__file__).resolve()], *command, *flags)
+        if not is_fresh(program, stamp):
+            say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
+            compile_c(command, flags, [*fmu.sources, LIFECYCLE], program)
+            set_stamp(program, stamp)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--check", action="store_true", help="fail if the committed XML is not fresh")
+    parser.add_argument("--sanitize", action="store_true", help="build the native test driver instead")
+    arguments = parser.parse_args()
+    try:
+        fmu = forward_fmu(arguments.check)
+        if arguments.sanitize:
+            build_native_drivers(fmu)
+        else:
+            build(fmu)
+            build(null_fmu(fmu))
+    except BuildError as error:
+        print(f"build_fmu: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,23 @@
+/* Groove laws and kinematics: how far pin and follower move when cam 2 turns.
+ *
+ * z = g1(gamma) = g2(phi) with gamma + phi = theta. With the slopes a_i = g_i'
+ *     dgamma/dtheta = a2/(a1+a2)    dphi/dtheta = a1/(a1+a2)    dz/dtheta = a1 a2/(a1+a2)
+ * No slope is divided by alone, so a dwell (one a_i = 0) is an ordinary place. */
+#ifndef DUALCAM_CAM_H
+#define DUALCAM_CAM_H
+
+#include "params.h"
+
+typedef struct {
+    double radius[2];   /* m, r_i */
+    double friction[2]; /* mu_i */
+    double slope[2];    /* m/rad, a_i = r_i tan(lambda_i) */
+    double length[2];   /* m, hypot(r_i, a_i): groove length per angle */
+    double turn[2];     /* gamma' and phi': share of theta turned in cam i */
+    double lift;        /* m/rad, z' */
+} Geometry;
+
+/* Geometry of two helical grooves: the same everywhere. */
+Geometry cam_geometry(const CamParams cam[2]);
+
+#endif

@@ -1,0 +1,268 @@
+#include "event.h"
+
+#include <math.h>
+
+/* A quantity along an arc with its derivatives. curvature is homogeneous in oscillator.h's sense. */
+typedef struct {
+    double t, value, rate, curvature, third;
+} Track;
+
+enum { TRACK_SPEED = 2 }; /* 0, 1: contact i */
+
+typedef struct {
+    const Stretch *stretch;
+    int quantity; /* contact 0 or 1, or TRACK_SPEED */
+    double sign;  /* the track is sign * quantity: events are descents through zero */
+} Probe;
+
+static Track track_of_speed(const Probe *probe, const Arc *arc) {
+    const Oscillator *osc = &probe->stretch->slip->oscillator;
+    return (Track){
+        .t = arc->t,
+        .value = probe->sign * arc->omega,
+        .rate = probe->sign * arc->alpha,
+        .curvature = probe->sign * arc->jerk,
+        .third = probe->sign * (-osc->decay2 * arc->jerk - osc->stiffness * arc->alpha),
+    };
+}
+
+static Track track_of_contact(const Probe *probe, const Arc *arc) {
+    const Stretch *s = probe->stretch;
+    const Oscillator *osc = &s->slip->oscillator;
+    const int i = probe->quantity;
+    const Contact c = slip_contact(s->slip, s->params, s->geometry, &s->launch, arc, i);
+    const double snap = -osc->decay2 * arc->jerk - osc->stiffness * arc->alpha;
+    const double crackle = -osc->decay2 * snap - osc->stiffness * arc->jerk;
+    const double spring = s->slip->transfer.axial[i] * s->params->spring.stiffness * s->geometry->lift;
+    return (Track){
+        .t = arc->t,
+        .value = probe->sign * c.value,
+        .rate = probe->sign * c.rate,
+        .curvature = probe->sign * c.curvature,
+        .third = probe->sign *
+                 (spring * arc->jerk + s->slip->speed[i] * snap + s->slip->acceleration[i] * crackle),
+    };
+}
+
+static Track track_at(const Probe *probe, double t) {
+    const Arc arc = slip_arc_at(probe->stretch->slip, &probe->stretch->launch, t);
+    return probe->quantity == TRACK_SPEED ? track_of_speed(probe, &arc) : track_of_contact(probe, &arc);
+}
+
+/* Root of f = value (order 0) or rate (order 1) in [left, right] where f changes sign: Newton, kept
+ * inside a shrinking bracket, until the bracket is two neighbouring numbers or f is 0. Each step that
+ * Newton does not halve the bracket is followed by a bisection, so about 2 x 60 steps bound it. */
+static double root(const Probe *probe, int order, double left, double f_left, double right) {
+    double t = 0.5 * (left + right), width = right - left;
+    for (int n = 0; n < 200; n++) {
+        const Track k = track_at(probe, t);
+        const double f = order == 0 ? k.value : k.rate;
+        const double slope = order == 0 ? k.rate : k.curvature;
+        if (f == 0.0) return t;
+        if ((f > 0.0) == (f_left > 0.0)) {
+            left = t;
+        } else {
+            right = t;
+        }
+        double next = t - f / slope;
+        const bool slow = right - left > 0.5 * width;
+        width = right - left;
+        if (!(next > left && next < right) || (slow && n % 2 == 1)) next = 0.5 * (left + right);
+        if (next == t || !(next > left && next < right)) return right;
+        t = next;
+    }
+    return right;
+}
+
+/* Descent through zero where the track is monotone between a and b, or infinity. */
+static double descent_in_piece(const Probe *probe, const Track *a, const Track *b) {
+    if (!(b->value < 0.0)) return INFINITY;
+    if (a->value <= 0.0) return a->rate > 0.0 ? INFINITY : a->t;
+    return root(probe, 0, a->t, a->value, b->t);
+}
+
+/* Descent where the rate is monotone between a and b. */
+static double descent_in_bow(const Probe *probe, const Track *a, const Track *b) {
+    if (a->rate * b->rate >= 0.0) return descent_in_piece(probe, a, b);
+    const Track m = track_at(probe, root(probe, 1, a->t, a->rate, b->t));
+    const double t = descent_in_piece(probe, a, &m);
+    return t < INFINITY ? t : descent_in_piece(probe, &m, b);
+}
+
+/* How many whole half periods from `k` on surely hold no descent. The track is a straight line plus a
+ * decaying oscillation y; y and y' follow from y'' and y''' by the homogeneous equation. */
+static double bows_to_skip(const Probe *probe, const Track *k) {
+    const Oscillator *osc = &probe->stretch->slip->oscillator;
+    const double dy = -(k->third + osc->decay2 * k->curvature) / osc->stiffness;
+    const double y = -(k->curvature + osc->decay2 * dy) / osc->stiffness;
+    const double drift = k->rate - dy;
+    if (!(drift < 0.0)) return INFINITY; /* later minima lie higher than the ones seen */
+    const double amplitude = hypot(y, (dy + 0.5 * osc->decay2 * y) / osc->frequency);
+    const double clear = (k->value - y - amplitude) / -drift;
+    return floor(fmax(clear, 0.0) / osc->half_period);
+}
+
+/* First descent through zero in [0, t_end], or infinity. */
+static double first_descent(const Probe *probe, double t_end) {
+    enum { SURE_BOWS = 3 }; /* hold the first minimum, whatever the phase */
+    const Oscillator *osc = &probe->stretch->slip->oscillator;
+    Track a = track_at(probe, 0.0);
+    double next = oscillator_zero(osc, a.curvature, a.third);
+    for (int bow = 1;; bow++) {
+        const Track b = track_at(probe, fmin(next, t_end));
+        const double t = descent_in_bow(probe, &a, &b);
+        if (t < INFINITY) return t;
+        if (next >= t_end) return INFINITY;
+        a = b;
+        if (bow >= SURE_BOWS) {
+            const double skip = bows_to_skip(probe, &a);
+            if (next + skip * osc->half_period >= t_end) return INFINITY;
+            if (skip > 0.0) {
+                next += skip * osc->half_period;
+                a = track_at(probe, next);
+            }
+        }
+        next += osc->half_period;
+    }
+}
+
+/* First rest in (0, t_end], or infinity. Under constant inputs omega itself is homogeneous. */
+static double first_rest(const Stretch *s, double t_end) {
+    const Launch *l = &s->launch;
+    if (l->drive == 0.0) {
+        const double t = oscillator_zero(&s->slip->oscillator, l->omega, l->alpha);
+        return t <= t_end ? t : INFINITY;
+    }
+    return first_descent(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = s->slip->direction}, t_end);
+}
+
+/* Time at which the way `room` is used up; theta is monotone up to t_end, where it is used up. */
+static double time_of_way(const Stretch *s, double t_end) {
+    const double sign = s->slip->direction;
+    double left = 0.0, right = t_end, t = 0.5 * t_end;
+    if (s->room <= 0.0) return 0.0;
+    for (int n = 0; n < 200; n++) {
+        const Arc arc = slip_arc_at(s->slip, &s->launch, t);
+        const double f = s->room - sign * arc.dtheta;
+        if (f == 0.0) return t;
+        if (f > 0.0) {
+            left = t;
+        } else {
+            right = t;
+        }
+        double next = t + f / (sign * arc.omega);
+        if (!(next > left && next < right) || n % 8 == 7) next = 0.5 * (left + right);
+        if (next == t || !(next > left && next < right)) return right;
+        t = next;
+    }
+    return right;
+}
+
+static void keep_earlier(Event *event, EventKind kind, double t) {
+    if (t < event->t) *event = (Event){.kind = kind, .t = t};
+}
+
+Event event_first(const Stretch *s, double t_end) {
+    Event event = {.kind = EVENT_NONE, .t = INFINITY};
+    const double rest = first_rest(s, t_end);
+    const double t_monotone = fmin(rest, t_end);
+    const Arc arc = slip_arc_at(s->slip, &s->launch, t_monotone);
+    if (s->slip->direction * arc.dtheta >= s->room) keep_earlier(&event, EVENT_STOP, time_of_way(s, t_monotone));
+    keep_earlier(&event, EVENT_REST, rest);
+    for (int i = 0; s->flanks && i < 2; i++) {
+        const Probe probe = {.stretch = s, .quantity = i, .sign = s->slip->flank[i]};
+        keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));
+    }
+    return event;
+}
+
+void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *ends) {
+    const Launch *l = &s->launch;
+    const Arc start = {.omega = l->omega,
+                       .alpha = l->alpha,
+                       .jerk = l->curvature - s->slip->oscillator.decay2 * l->alpha};
+    ends->arc = slip_arc(s->slip, l, kernel);
+    for (int i = 0; contacts && i < 2; i++) {
+        ends->start[i] = slip_contact(s->slip, s->params, s->geometry, l, &start, i);
+        ends->end[i] = slip_contact(s->slip, s->params, s->geometry, l, &ends->arc, i);
+    }
+}
+
+/* Within half a period a homogeneous quantity has at most one zero. So if the rate is homogeneous
+ * (constant inputs) or monotone (no zero of the curvature), the track dips below both its ends only
+ * where its rate goes from - to +. */
+static bool dips(const Contact *start, const Contact *end, double sign, bool constant) {
+    const bool one_extremum = constant || start->curvature * end->curvature >= 0.0;
+    return !one_extremum || (sign * start->rate < 0.0 && sign * end->rate > 0.0);
+}
+
+static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
+    const double sign = s->slip->flank[i];
+    const bool constant = s->launch.tau_rate == 0.0 && s->launch.F_ext_rate == 0.0;
+    return sign * ends->start[i].value >= 0.0 && sign * ends->end[i].value >= 0.0 &&
+           !dips(&ends->start[i], &ends->end[i], sign, constant);
+}
+
+bool event_quiet(const Stretch *s, const Ends *ends) {
+    const double sign = s->slip->direction;
+    const Arc *arc = &ends->arc;
+    if (!(arc->t < s->slip->oscillator.half_period)) return false;
+    if (!(sign * arc->omega > 0.0) || !(sign * arc->dtheta < s->room)) return false;
+    if (sign * s->launch.alpha < 0.0 && sign * arc->alpha > 0.0) return false;
+    return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
+}
+
+/* Largest |track| between a and b, rate monotone between them. */
+static double peak_in_bow(const Probe *probe, const Track *a, const Track *b) {
+    double peak = fmax(fabs(a->value), fabs(b->value));
+    if (a->rate * b->rate < 0.0)
+        peak = fmax(peak, fabs(track_at(probe, root(probe, 1, a->t, a->rate, b->t)).value));
+    return peak;
+}
+
+/* Largest |track| over `bows` bows from the zero of the curvature at or after `from`, up to t_end. */
+static double peak_in_bows(const Probe *probe, double from, double next, double t_end, int bows) {
+    double peak = 0.0;
+    Track a = track_at(probe, from);
+    for (int bow = 0; bow < bows && a.t < t_end; bow++) {
+        const Track b = track_at(probe, fmin(next, t_end));
+        peak = fmax(peak, peak_in_bow(probe, &a, &b));
+        a = b;
+        next += probe->stretch->slip->oscillator.half_period;
+    }
+    return peak;
+}
+
+/* A line plus a decaying oscillation: successive maxima form a convex sequence, so the largest is
+ * among the first or the last ones. */
+static double peak_of(const Probe *probe, double t_end) {
+    enum { BOWS = 4 };
+    const Oscillator *osc = &probe->stretch->slip->oscillator;
+    const Track start = track_at(probe, 0.0);
+    const double first = oscillator_zero(osc, start.curvature, start.third);
+    double peak = peak_in_bows(probe, 0.0, first, t_end, BOWS);
+    const double late = floor((t_end - first) / osc->half_period) - (BOWS - 2);
+    if (late > 0.0) {
+        const double from = first + late * osc->half_period;
+        peak = fmax(peak, peak_in_bows(probe, from, from + osc->half_period, t_end, BOWS));
+    }
+    return peak;
+}
+
+static bool has_inner_peak(const Stretch *s, const Contact *start, const Contact *end) {
+    const bool constant = s->launch.tau_rate == 0.0 && s->launch.F_ext_rate == 0.0;
+    return start->rate * end->rate < 0.0 || (!constant && start->curvature * end->curvature < 0.0);
+}
+
+void event_peaks(const Stretch *s, const Ends *ends, double *omega, double reaction[2]) {
+    const bool long_step = !(ends->arc.t < s->slip->oscillator.half_period);
+    *omega = fmax(fabs(s->launch.omega), fabs(ends->arc.omega));
+    if (long_step || s->launch.alpha * ends->arc.alpha < 0.0)
+        *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t));
+    for (int i = 0; i < 2; i++) {
+        double x = fmax(fabs(ends->start[i].value), fabs(ends->end[i].value));
+        if (long_step || has_inner_peak(s, &ends->start[i], &ends->end[i]))
+            x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t));
+        reaction[i] = x * s->slip->reaction[i];
+    }
+}

@@ -1,0 +1,47 @@
+/* Where a stretch of slip ends: velocity zero, an end stop, a contact changing its flank.
+ *
+ * Everything watched is a combination of 1, t, theta, omega and alpha along one arc, so its second
+ * derivative obeys the homogeneous equation of oscillator.h, whose zeros are known in closed form. They
+ * cut time into bows on which the first derivative is monotone; its root, if any, cuts a bow into
+ * pieces on which the quantity itself is monotone. So the first zero is bracketed with certainty, never
+ * stepped over, and then found to rounding by Newton steps that fall back to bisection. */
+#ifndef DUALCAM_EVENT_H
+#define DUALCAM_EVENT_H
+
+#include "flow.h"
+
+typedef enum { EVENT_NONE, EVENT_REST, EVENT_STOP, EVENT_FLANK } EventKind;
+
+typedef struct {
+    EventKind kind;
+    double t; /* s since the launch */
+} Event;
+
+/* A stretch of slip: all that describes the motion from a launch on. */
+typedef struct {
+    const Slip *slip;
+    const Params *params;
+    const Geometry *geometry;
+    Launch launch;
+    double room;  /* rad, >= 0: way to the end stop ahead */
+    bool flanks;  /* friction acts, so the sign of the reactions matters */
+} Stretch;
+
+/* Reactions and speeds at both ends of a stretch of length arc.t: what tells that nothing happens. */
+typedef struct {
+    Arc arc;
+    Contact start[2], end[2];
+} Ends;
+
+void event_ends(const Stretch *stretch, const Kernel *kernel, bool contacts, Ends *ends);
+
+/* True if no event can lie in (0, ends->arc.t]: a cheap sufficient test, exact but for rare cases. */
+bool event_quiet(const Stretch *stretch, const Ends *ends);
+
+/* The first event in [0, t_end], or EVENT_NONE. */
+Event event_first(const Stretch *stretch, double t_end);
+
+/* Largest |omega| and |R_i| on [0, ends->arc.t] into *omega and reaction[2]. */
+void event_peaks(const Stretch *stretch, const Ends *ends, double *omega, double reaction[2]);
+
+#endif

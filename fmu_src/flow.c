@@ -1,0 +1,199 @@
+#include "flow.h"
+
+#include <math.h>
+
+double spring_force(const SpringParams *spring, double z) {
+    return spring->preload + z * spring->stiffness;
+}
+
+double spring_energy(const SpringParams *spring, double z) {
+    return z * (spring->preload + 0.5 * z * spring->stiffness);
+}
+
+static FlowKind kind_of(const Params *p, double damping) {
+    if (p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0)
+        return FLOW_INERTIAL;
+    return damping != 0.0 ? FLOW_VISCOUS : FLOW_QUASISTATIC;
+}
+
+static bool is_possible(const Slip *slip) {
+    if (!slip->transfer.regular) return false;
+    if (slip->kind == FLOW_INERTIAL) return slip->mass > 0.0;
+    return slip->kind == FLOW_QUASISTATIC || slip->damping > 0.0;
+}
+
+static Oscillator oscillator_of_slip(const Slip *slip) {
+    if (slip->kind == FLOW_INERTIAL)
+        return oscillator_of(slip->damping / slip->mass, slip->stiffness / slip->mass);
+    if (slip->kind == FLOW_VISCOUS) return oscillator_of(slip->stiffness / slip->damping, 0.0);
+    return oscillator_of(0.0, 0.0);
+}
+
+void slip_build(Slip *slip, const Params *p, const Geometry *g, int direction, const int flank[2]) {
+    const Transfer t = contact_transfer(g, direction, flank);
+    const double c = direction > 0 ? p->damper.c_load : p->damper.c_release;
+    const double follower = p->inertia.follower_mass * g->lift;
+    const double twist = p->inertia.follower * g->turn[0];
+    *slip = (Slip){
+        .direction = direction,
+        .flank = {flank[0], flank[1]},
+        .transfer = t,
+        .mass = p->inertia.shaft + t.rho * follower + t.rho_kappa1 * twist,
+        .damping = p->shaft.damping + t.rho * c * g->lift,
+        .stiffness = t.rho * p->spring.stiffness * g->lift,
+        .damper = c,
+    };
+    for (int i = 0; i < 2; i++) {
+        slip->speed[i] = t.axial[i] * c * g->lift;
+        slip->acceleration[i] = t.axial[i] * follower + t.twist[i] * twist;
+        slip->reaction[i] = g->length[i] / p->contacts;
+        slip->heat[i] = direction * flank[i] * g->friction[i] * g->length[i] * g->length[i] * g->turn[i];
+    }
+    slip->kind = kind_of(p, slip->damping);
+    slip->possible = is_possible(slip);
+    if (slip->possible) slip->oscillator = oscillator_of_slip(slip);
+}
+
+double slip_net_torque(const Slip *slip, const Launch *launch) {
+    return launch->tau - slip->transfer.rho * launch->force;
+}
+
+/* Rate at which the net torque changes by the inputs alone. */
+static double load_rate(const Slip *slip, const Launch *l) {
+    return l->tau_rate - slip->transfer.rho * l->F_ext_rate;
+}
+
+/* Slip begins only where the torque presses past the band's edge, so rounding at the edge must not
+ * start it backwards: both launches keep to the direction. */
+static void launch_inertial(const Slip *slip, Launch *l) {
+    l->alpha = (slip_net_torque(slip, l) - slip->damping * l->omega) / slip->mass;
+    if (l->omega == 0.0 && slip->direction * l->alpha < 0.0) l->alpha = 0.0;
+    l->drive = load_rate(slip, l) / slip->mass;
+    l->curvature = l->drive - slip->oscillator.stiffness * l->omega;
+}
+
+static void launch_viscous(const Slip *slip, Launch *l) {
+    l->omega = slip_net_torque(slip, l) / slip->damping;
+    if (slip->direction * l->omega < 0.0) l->omega = 0.0;
+    l->alpha = (load_rate(slip, l) - slip->stiffness * l->omega) / slip->damping;
+}
+
+/* On the edge of the band N stays 0: the spring takes what the inputs bring. What rounding has left of
+ * N is moved off, or a long ramp in many steps would drift away from the edge. */
+static void launch_quasistatic(const Slip *slip, Launch *l) {
+    if (slip->stiffness == 0.0) return;
+    l->omega = load_rate(slip, l) / slip->stiffness;
+    l->offset = slip_net_torque(slip, l) / slip->stiffness;
+}
+
+Launch slip_launch(const Slip *slip, const Params *p, const Geometry *g, double theta, double omega,
+                   const Inputs *inputs) {
+    Launch l = {
+        .theta = theta,
+        .omega = omega,
+        .tau = inputs->tau[0],
+        .tau_rate = inputs->tau[1],
+        .F_ext = inputs->F_ext[0],
+        .F_ext_rate = inputs->F_ext[1],
+        .force = spring_force(&p->spring, g->lift * theta) + inputs->F_ext[0],
+    };
+    switch (slip->kind) {
+        case FLOW_INERTIAL: launch_inertial(slip, &l); break;
+        case FLOW_VISCOUS: launch_viscous(slip, &l); break;
+        case FLOW_QUASISTATIC: launch_quasistatic(slip, &l); break;
+    }
+    return l;
+}
+
+Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
+    const double decay2 = slip->oscillator.decay2;
+    const double domega = l->alpha * k->s + l->curvature * k->p1;
+    const double alpha = l->alpha * k->ds + l->curvature * k->s;
+    const double omega = l->omega + domega;
+    return (Arc){
+        .t = k->t,
+        .dtheta = l->omega * (k->s + decay2 * k->p1) + l->alpha * k->p1 + l->drive * k->p2 + l->offset,
+        .domega = domega,
+        .omega = omega,
+        .alpha = alpha,
+        .jerk = l->drive - decay2 * alpha - slip->oscillator.stiffness * omega,
+    };
+}
+
+Arc slip_arc_at(const Slip *slip, const Launch *l, double t) {
+    Kernel kernel;
+    oscillator_kernel(&slip->oscillator, t, &kernel);
+    return slip_arc(slip, l, &kernel);
+}
+
+Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc, int i) {
+    const double axial = slip->transfer.axial[i];
+    const double spring = p->spring.stiffness * g->lift;
+    const double w2 = slip->oscillator.stiffness, decay2 = slip->oscillator.decay2;
+    const double snap = -decay2 * arc->jerk - w2 * arc->alpha; /* d jerk/dt */
+    const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
+    return (Contact){
+        .value = axial * force + slip->speed[i] * arc->omega + slip->acceleration[i] * arc->alpha,
+        .rate = axial * (spring * arc->omega + l->F_ext_rate) + slip->speed[i] * arc->alpha +
+                slip->acceleration[i] * arc->jerk,
+        .curvature = axial * spring * arc->alpha + slip->speed[i] * arc->jerk + slip->acceleration[i] * snap,
+    };
+}
+
+double slip_contact_scale(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, int i) {
+    const double spring = fabs(p->spring.preload) + fabs(p->spring.stiffness * g->lift * l->theta);
+    return fabs(slip->transfer.axial[i]) * (spring + fabs(l->F_ext)) + fabs(slip->speed[i] * l->omega) +
+           fabs(slip->acceleration[i] * l->alpha);
+}
+
+/* integral of omega^2 over the arc, J per N.m.s/rad */
+static double integral_of_square(const Slip *slip, const Launch *l, Kernel *k) {
+    if (!k->squared) oscillator_square(&slip->oscillator, k);
+    const double *q = k->square;
+    return q[0] * l->omega * l->omega + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
+           2.0 * (q[1] * l->omega * l->alpha + (q[2] * l->omega + q[4] * l->alpha) * l->drive);
+}
+
+/* The reactions' power follows from the axial side, so that the balance with the torque's work is a
+ * check of the motion and not an identity:
+ *     integral of x_i omega = axial integral of (F_s + F_ext) omega + speed integral of omega^2
+ *                             + acceleration (omega1^2 - omega0^2)/2 */
+Booking slip_booking(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc, Kernel *k) {
+    const double dtheta = arc->dtheta;
+    double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' */
+    if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) {
+        /* integral of t omega = t (theta1 - theta0) - integral of (theta - theta0) */
+        const double sweep = l->omega * (k->p1 + slip->oscillator.decay2 * k->p2) + l->alpha * k->p2 +
+                             l->drive * k->p3;
+        const double moment = arc->t * dtheta - sweep;
+        work_in += l->tau_rate * moment;
+        work_ext += l->F_ext_rate * moment;
+    }
+    const double lift = g->lift;
+    const double force = l->force - l->F_ext; /* F_s at the start */
+    const double work_axial = dtheta * (force + 0.5 * p->spring.stiffness * lift * dtheta) + work_ext;
+    const bool damped = slip->damper != 0.0 || p->shaft.damping != 0.0;
+    const double square = damped ? integral_of_square(slip, l, k) : 0.0;
+    const double kinetic = arc->domega * (l->omega + 0.5 * arc->domega);
+    Booking booking = {
+        .work_in = work_in,
+        .work_ext = lift * work_ext,
+        .heat_damper = slip->damper * lift * lift * square,
+        .heat_shaft = p->shaft.damping * square,
+    };
+    for (int i = 0; i < 2; i++) {
+        booking.heat_cam[i] = slip->heat[i] * (slip->transfer.axial[i] * work_axial + slip->speed[i] * square +
+                                               slip->acceleration[i] * kinetic);
+    }
+    return booking;
+}
+
+Booking slip_jump_booking(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, double dtheta) {
+    const double work_axial = dtheta * (l->force + 0.5 * p->spring.stiffness * g->lift * dtheta);
+    Booking booking = {
+        .work_in = slip->transfer.rho * work_axial,
+        .work_ext = g->lift * l->F_ext * dtheta,
+    };
+    for (int i = 0; i < 2; i++) booking.heat_cam[i] = slip->heat[i] * slip->transfer.axial[i] * work_axial;
+    return booking;
+}

@@ -1,0 +1,99 @@
+/* Motion inside one mode: one direction of slip, one pair of flanks.
+ *
+ * For two helical grooves, a linear spring and a linear damper, every coefficient below is constant,
+ * so the motion is known in closed form at any time (oscillator.h). With A the axial load,
+ *     A = F_s(z) + F_ext + c v + m dv/dt           T = tau - b omega - J alpha = rho A + rho kappa_1 I gamma''
+ * the equation of motion is, with z' and gamma' constant,
+ *     M alpha + B omega = tau - rho (F_s(z) + F_ext) =: N(theta, t)
+ *     M = J + rho m z' + rho kappa_1 I gamma'    B = b + rho c z'    dN/dtheta = -K = -rho k z'
+ * Three regimes, by what is zero: M > 0 inertial; M = 0, B > 0 viscous (omega = N/B); both zero:
+ * quasi-static (N = 0, theta follows the edge of the stick band). */
+#ifndef DUALCAM_FLOW_H
+#define DUALCAM_FLOW_H
+
+#include <stdbool.h>
+
+#include "cam.h"
+#include "contact.h"
+#include "ledger.h"
+#include "oscillator.h"
+#include "params.h"
+
+typedef enum { FLOW_INERTIAL, FLOW_VISCOUS, FLOW_QUASISTATIC } FlowKind;
+
+/* One way to slip and its constant coefficients. */
+typedef struct {
+    bool possible; /* false: singular, or the inertia felt is not positive (friction then jams it) */
+    int direction; /* sigma: +1 loading, -1 releasing */
+    int flank[2];  /* e_i */
+    FlowKind kind;
+    Transfer transfer;
+    double mass, damping, stiffness; /* kg.m^2, N.m.s/rad, N.m/rad: M, B, K */
+    Oscillator oscillator;
+    /* x_i = axial (F_s + F_ext) + speed omega + acceleration alpha, see contact.h */
+    double speed[2], acceleration[2];
+    double reaction[2]; /* N per unit of x_i: reaction of one contact */
+    double heat[2];     /* heat flow at contact i = heat x_i omega, >= 0 */
+    double damper;      /* N.s/m, c in this direction */
+} Slip;
+
+enum { SLIP_COUNT = 8 }; /* direction x flank of cam 1 x flank of cam 2 */
+
+/* Index of a way to slip in a table of SLIP_COUNT. */
+static inline int slip_index(int direction, const int flank[2]) {
+    return (direction > 0 ? 0 : 4) + (flank[0] > 0 ? 0 : 2) + (flank[1] > 0 ? 0 : 1);
+}
+
+/* Start of a stretch of motion. Rates are those of the inputs over the stretch (inputs are linear). */
+typedef struct {
+    double theta, omega, alpha; /* rad, rad/s, rad/s^2 */
+    double curvature;           /* rad/s^3, d alpha/dt + 2a alpha = U - w2 omega */
+    double drive;               /* rad/s^3, U: rate of the load over M (0 without inertia) */
+    double tau, tau_rate;       /* N.m, N.m/s */
+    double F_ext, F_ext_rate;   /* N, N/s */
+    double force;               /* N, F_s + F_ext */
+    double offset;              /* rad, quasi-static only: way back to the edge of the band, a rounding */
+} Launch;
+
+/* Increments over, and values at the end of, the time t since the launch. */
+typedef struct {
+    double t;
+    double dtheta, domega;          /* rad, rad/s */
+    double omega, alpha, jerk;      /* rad/s, rad/s^2, rad/s^3 at t */
+} Arc;
+
+void slip_build(Slip *slip, const Params *params, const Geometry *g, int direction, const int flank[2]);
+
+/* omega is the state's speed; without inertia the launch finds its own. */
+Launch slip_launch(const Slip *slip, const Params *params, const Geometry *g, double theta, double omega,
+                   const Inputs *inputs);
+
+/* Torque left to move it: N = tau - rho (F_s + F_ext), N.m. */
+double slip_net_torque(const Slip *slip, const Launch *launch);
+
+Arc slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel);
+Arc slip_arc_at(const Slip *slip, const Launch *launch, double t);
+
+/* State of contact i along the arc: x_i and its first and second time derivatives. */
+typedef struct {
+    double value, rate, curvature;
+} Contact;
+
+Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
+                     const Arc *arc, int i);
+
+/* A size that x_i has by the loads alone: its rounding error is a few eps of this. */
+double slip_contact_scale(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch, int i);
+
+/* Work and heat over the arc that `kernel` describes. */
+Booking slip_booking(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
+                     const Arc *arc, Kernel *kernel);
+
+/* The quasi-static jump by dtheta along the edge of the stick band: the torque taken is rho F. */
+Booking slip_jump_booking(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
+                          double dtheta);
+
+double spring_force(const SpringParams *spring, double z);  /* N */
+double spring_energy(const SpringParams *spring, double z); /* J, 0 at z = 0 */
+
+#endif

@@ -1,0 +1,146 @@
+/* The dual cylindrical cam: parameters, inputs, state, outputs and the step.
+ *
+ * Two coaxial cylindrical cams share one follower pin that a spring and a damper load along the
+ * axis. Cam 1 is fixed; torque tau acts on cam 2, which turns by theta and lifts the follower by z.
+ *
+ * Source of the model: M. Monfrini, R. Pagani, A. Borboni, "Optimisation of a Dual Cylindrical Cam
+ * Mechanism for Energy Storage and Torque Efficiency", Reports in Mechanical Engineering, 2026,
+ * with the corrections listed in README.md. Everything is SI. Nothing here knows of FMI.
+ *
+ * Four kinds of data, kept apart:
+ *   Params   what the user chose                      (constant while the mechanism moves)
+ *   Inputs   torque and axial force, polynomials in time over the coming step
+ *   State    all that a restored run needs: one assignment saves it
+ *   Outputs  computed from the other three, and only when somebody asks
+ * Model holds what Params imply (geometry, the coefficients of every way to slip); Cache holds
+ * values that are recomputed bit for bit when they are missing, so it is never saved.
+ */
+#ifndef DUALCAM_MECHANISM_H
+#define DUALCAM_MECHANISM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "cam.h"
+#include "contact.h"
+#include "flow.h"
+#include "ledger.h"
+#include "params.h"
+#include "sum.h"
+
+/* Values of the variable `mode`. */
+typedef enum {
+    MODE_STICK = 1,      /* at rest inside the stick band */
+    MODE_LOADING = 2,    /* omega > 0 (or about to be): follower rises, spring is compressed */
+    MODE_RELEASING = 3,  /* omega < 0 (or about to be) */
+    MODE_LOWER_STOP = 4, /* at rest, pressed into the lower end stop */
+    MODE_UPPER_STOP = 5, /* at rest, pressed into the upper end stop */
+    MODE_WEDGED = 6      /* at rest, pushed in a direction in which no torque moves it */
+} Mode;
+
+typedef struct {
+    Sum theta;      /* rad */
+    Sum omega;      /* rad/s */
+    int64_t events; /* mode changes so far */
+    Mode mode;
+    int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other one */
+    Ledger ledger;
+} State;
+
+typedef struct {
+    double z; /* m */
+    double v; /* m/s */
+} Motion;
+
+typedef struct {
+    double alpha;            /* rad/s^2 */
+    double jerk;             /* rad/s^3 */
+    double gamma;            /* rad */
+    double spring_force;     /* N */
+    double damper_force;     /* N */
+    double reaction[2];      /* N, per contact, signed: + on the flank that supports F > 0 */
+    double sliding_speed[2]; /* m/s */
+    double torque_load;      /* N.m, upper edge of the stick band; +inf: jammed */
+    double torque_release;   /* N.m, lower edge of the stick band; -inf: wedged */
+    double efficiency;       /* torque_release / torque_load */
+    int mode;                /* Mode, decided with the present inputs */
+    int64_t events;
+} Loads;
+
+typedef struct {
+    double work_in, work_ext, work_tuning;
+    double spring, kinetic;
+    double heat_cam[2], heat_damper, heat_shaft, heat_stop;
+    double residual; /* J, all of them */
+} Energy;
+
+typedef struct {
+    Motion motion;
+    Loads loads;
+    Energy energy;
+} Outputs;
+
+/* What Params imply. */
+typedef struct {
+    Geometry geometry;
+    Slip slip[SLIP_COUNT]; /* every way to slip: direction x flank of cam 1 x flank of cam 2 */
+    BandFactors band;      /* T_load / F_0 and T_release / F_0 */
+} Model;
+
+/* A hold is the interval of torque in which a mechanism at rest stays as it is. */
+typedef struct {
+    double lower, upper; /* N.m */
+    double F_ext;        /* N, the force it holds for */
+    bool valid;
+} Hold;
+
+typedef struct {
+    Hold hold;
+    Kernel kernel[SLIP_COUNT]; /* propagation over the latest full step, by way to slip */
+} Cache;
+
+typedef struct {
+    Params params;
+    Inputs inputs;
+    State state;
+    Model model;
+    Cache cache;
+} Mechanism;
+
+/* Message of a refused parameter set: names the variable, its value and what is allowed. */
+typedef struct {
+    char text[256];
+} Fault;
+
+/* Checks what a single variable's range cannot: stops in order, start between them, a geometry
+ * that can move. Returns false and fills `fault` if `params` cannot work; changes nothing else. */
+bool mechanism_check(const Params *params, Fault *fault);
+
+/* Starts from m->params (which must pass mechanism_check) and m->inputs: builds the model and sets
+ * the state to its start values, in the mode that the present inputs ask for. */
+void mechanism_start(Mechanism *m);
+
+/* Builds the model anew from m->params and forgets cached values; the state stays. To be called after
+ * params, state and inputs were replaced from a snapshot. */
+void mechanism_rebuild(Mechanism *m);
+
+/* Replaces m->params while the mechanism stands at a communication point. Only friction, spring and
+ * damper may differ. Books the spring's jump in stored energy as work_tuning. */
+void mechanism_retune(Mechanism *m, const Params *params);
+
+/* Advances by h > 0 seconds with m->inputs and leaves in m->inputs their values at the end of the
+ * step. Returns false, with the mechanism as before, if mode changes do not end (see
+ * MAX_EVENTS_PER_STEP) or a value is no longer finite; `fault` says which. */
+bool mechanism_advance(Mechanism *m, double h, Fault *fault);
+
+/* The three groups of outputs, from state, params and present inputs. The mode is decided with the
+ * present inputs, on a copy: reading never changes the mechanism. */
+void mechanism_motion(const Mechanism *m, Motion *out);
+void mechanism_loads(const Mechanism *m, Loads *out);
+void mechanism_energy(const Mechanism *m, Energy *out);
+
+/* Time derivative of z of order 1 (v) or 2 (v'), one-sided at a mode change: what comes next. */
+double mechanism_axial_derivative(const Mechanism *m, int order);
+
+#endif

@@ -1,0 +1,76 @@
+/* What the user chooses (Params) and what acts from outside (Inputs). SI units throughout. */
+#ifndef DUALCAM_PARAMS_H
+#define DUALCAM_PARAMS_H
+
+#include <stdbool.h>
+
+enum { INPUT_ORDER = 1 }; /* highest time derivative of an input that a step can carry */
+
+enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
+enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
+
+typedef struct {
+    double radius;     /* m, > 0 */
+    double lead_angle; /* rad, in [0, pi/2) */
+    double ellipse_a;  /* m */
+    double ellipse_b;  /* m */
+    double friction;   /* Coulomb coefficient mu */
+    int profile;       /* PROFILE_* */
+    int ellipse_curvature;
+    char table[TABLE_PATH_SIZE];
+} CamParams;
+
+typedef struct {
+    double preload;    /* N */
+    double stiffness;  /* N/m */
+    double stiffness2; /* N/m^2 */
+    double stiffness3; /* N/m^3 */
+} SpringParams;
+
+typedef struct {
+    double c_load;    /* N.s/m, acts while v > 0 */
+    double q_load;    /* N.s^2/m^2 */
+    double c_release; /* N.s/m, acts while v < 0 */
+    double q_release; /* N.s^2/m^2 */
+} DamperParams;
+
+typedef struct {
+    double shaft;         /* kg.m^2, J */
+    double follower_mass; /* kg, m */
+    double follower;      /* kg.m^2, I */
+} InertiaParams;
+
+typedef struct {
+    double damping; /* N.m.s/rad, b */
+} ShaftParams;
+
+typedef struct {
+    double lower;       /* rad */
+    double upper;       /* rad, > lower */
+    double restitution; /* e in [0, 1] */
+} StopParams;
+
+typedef struct {
+    double theta; /* rad */
+    double omega; /* rad/s; without inertia the speed is no state and this is not used */
+} InitialParams;
+
+typedef struct {
+    CamParams cam[2];
+    SpringParams spring;
+    DamperParams damper;
+    InertiaParams inertia;
+    ShaftParams shaft;
+    StopParams stop;
+    InitialParams initial;
+    int contacts; /* follower ends that share the load, 1 or 2 */
+    bool ledger;  /* keep energy and peak accounts */
+} Params;
+
+/* value[k] is the k-th time derivative at the start of the step: u(t) = sum value[k] t^k / k! */
+typedef struct {
+    double tau[INPUT_ORDER + 1];   /* N.m, applied to cam 2, + loads */
+    double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
+} Inputs;
+
+#endif

@@ -1,0 +1,143 @@
+#include "variables.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const Unit UNITS[UNIT_COUNT] = {
+#define UNIT(id, unit_name, kg_, m_, s_, rad_) \
+    [UNIT_##id] = {.name = unit_name, .kg = kg_, .m = m_, .s = s_, .rad = rad_},
+#define VARIABLE(...)
+#define STARTS_FROM(...)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef STARTS_FROM
+};
+
+/* The struct of each group. */
+typedef Params TypeOf_PARAMS;
+typedef Inputs TypeOf_INPUTS;
+typedef State TypeOf_STATE;
+typedef Motion TypeOf_MOTION;
+typedef Loads TypeOf_LOADS;
+typedef Energy TypeOf_ENERGY;
+
+/* The C type of each kind: a field of another type does not compile. */
+typedef double TypeOf_REAL;
+typedef int TypeOf_INTEGER;
+typedef int TypeOf_SIGN;
+typedef int64_t TypeOf_COUNT;
+typedef bool TypeOf_BOOLEAN;
+typedef char *TypeOf_TEXT;
+
+#define UNIT(...)
+#define VARIABLE(model, kind, id, group, field, ...) \
+    _Static_assert(_Generic(((TypeOf_##group *)0)->field, TypeOf_##kind: 1, default: 0), #id ": field of another type");
+#define STARTS_FROM(...)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef STARTS_FROM
+
+enum {
+    TYPE_OF_REAL = TYPE_REAL,
+    TYPE_OF_INTEGER = TYPE_INTEGER,
+    TYPE_OF_SIGN = TYPE_INTEGER,
+    TYPE_OF_COUNT = TYPE_INTEGER,
+    TYPE_OF_BOOLEAN = TYPE_BOOLEAN,
+    TYPE_OF_TEXT = TYPE_STRING
+};
+
+const Variable VARIABLES[VARIABLE_COUNT] = {
+#define UNIT(...)
+#define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, max_, text) \
+    [VR_##id] = {.offset = offsetof(TypeOf_##group_, field),                                                         \
+                 .group = GROUP_##group_,                                                                            \
+                 .type = (Type)TYPE_OF_##kind_,                                                                      \
+                 .kind = KIND_##kind_,                                                                               \
+                 .causality = CAUSALITY_##causality_,                                                                \
+                 .variability = VARIABILITY_##variability_,                                                          \
+                 .models = MODEL_##model_,                                                                           \
+                 .start = start_,                                                                                    \
+                 .min = min_,                                                                                        \
+                 .max = max_,                                                                                        \
+                 .name = name_,                                                                                      \
+                 .description = text,                                                                                \
+                 .unit = UNIT_##unit_},
+#define STARTS_FROM(...)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef STARTS_FROM
+};
+
+static size_t group_offset(Group group) {
+    switch (group) {
+        case GROUP_PARAMS: return offsetof(Values, mechanism.params);
+        case GROUP_INPUTS: return offsetof(Values, mechanism.inputs);
+        case GROUP_STATE: return offsetof(Values, mechanism.state);
+        case GROUP_MOTION: return offsetof(Values, outputs.motion);
+        case GROUP_LOADS: return offsetof(Values, outputs.loads);
+        case GROUP_ENERGY: break;
+    }
+    return offsetof(Values, outputs.energy);
+}
+
+const void *variable_address(const Variable *variable, const Values *values) {
+    return (const char *)values + group_offset(variable->group) + variable->offset;
+}
+
+static void write_start(const Variable *variable, void *address) {
+    switch (variable->kind) {
+        case KIND_REAL: *(double *)address = variable->start; break;
+        case KIND_INTEGER:
+        case KIND_SIGN: *(int *)address = (int)variable->start; break;
+        case KIND_BOOLEAN: *(bool *)address = variable->start != 0.0; break;
+        case KIND_TEXT: *(char *)address = '\0'; break;
+        case KIND_COUNT: break; /* never a parameter or an input */
+    }
+}
+
+void variables_start(Values *values) {
+    for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
+        const Variable *variable = &VARIABLES[i];
+        if (variable->group == GROUP_PARAMS)
+            write_start(variable, (char *)&values->mechanism.params + variable->offset);
+        if (variable->group == GROUP_INPUTS)
+            write_start(variable, (char *)&values->mechanism.inputs + variable->offset);
+    }
+}
+
+bool variable_allows(const Variable *variable, double value) {
+    if (variable->kind == KIND_SIGN && value == 0.0) return false;
+    return isfinite(value) && value >= variable->min && value <= variable->max;
+}
+
+Text variable_allowed(const Variable *variable) {
+    Text allowed;
+    const Text min = text_of_real(variable->min), max = text_of_real(variable->max);
+    if (variable->kind == KIND_TEXT)
+        snprintf(allowed.text, sizeof allowed.text, "\"\" or a text of at most %s bytes", max.text);
+    else if (variable->kind == KIND_SIGN)
+        snprintf(allowed.text, sizeof allowed.text, "-1 or +1");
+    else if (variable->min == variable->max)
+        snprintf(allowed.text, sizeof allowed.text, "only %s", min.text);
+    else if (isfinite(variable->min) && isfinite(variable->max))
+        snprintf(allowed.text, sizeof allowed.text, "%s to %s", min.text, max.text);
+    else if (isfinite(variable->min))
+        snprintf(allowed.text, sizeof allowed.text, "any finite number that is at least %s", min.text);
+    else
+        snprintf(allowed.text, sizeof allowed.text, "any finite number");
+    return allowed;
+}
+
+Text text_of_real(double value) {
+    Text shortest;
+    for (int digits = 1; digits <= 17; ++digits) {
+        snprintf(shortest.text, sizeof shortest.text, "%.*g", digits, value);
+        if (strtod(shortest.text, NULL) == value) break;
+    }
+    return shortest;
+}

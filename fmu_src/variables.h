@@ -1,0 +1,105 @@
+/* The FMU's variables as a table: one row of variables.def each, in the order of value references.
+ * Knows of names, ranges and places; nothing here knows of FMI functions or of physics. */
+#ifndef DUALCAM_VARIABLES_H
+#define DUALCAM_VARIABLES_H
+
+#include <stddef.h>
+
+#include "mechanism.h"
+
+typedef enum { MODEL_FORWARD = 1, MODEL_INVERSE = 2, MODEL_BOTH = MODEL_FORWARD | MODEL_INVERSE } Models;
+
+enum { MODEL_BUILT = MODEL_FORWARD };
+
+typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
+
+/* How a value is stored and what is allowed beyond its range. */
+typedef enum { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
+
+typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL } Causality;
+
+typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_DISCRETE, VARIABILITY_CONTINUOUS } Variability;
+
+/* The struct that holds a value. As bits, so that a set of groups is a number. */
+typedef enum {
+    GROUP_PARAMS = 1,
+    GROUP_INPUTS = 2,
+    GROUP_STATE = 4,
+    GROUP_MOTION = 8, /* this and the following are computed when somebody asks */
+    GROUP_LOADS = 16,
+    GROUP_ENERGY = 32
+} Group;
+
+typedef enum {
+    UNIT_NONE,
+#define UNIT(id, name, kg, m, s, rad) UNIT_##id,
+#define VARIABLE(...)
+#define STARTS_FROM(...)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef STARTS_FROM
+    UNIT_COUNT
+} UnitId;
+
+/* Value references. */
+typedef enum {
+#define UNIT(...)
+#define VARIABLE(model, kind, id, ...) VR_##id,
+#define STARTS_FROM(...)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef STARTS_FROM
+    VARIABLE_COUNT
+} VariableId;
+
+typedef struct {
+    const char *name;
+    int kg, m, s, rad;
+} Unit;
+
+typedef struct {
+    size_t offset; /* bytes, in the struct of its group */
+    Group group;
+    Type type;
+    Kind kind;
+    Causality causality;
+    Variability variability;
+    Models models;
+    double start, min, max; /* as in variables.def */
+    const char *name;
+    const char *description;
+    UnitId unit;
+} Variable;
+
+/* Everything that a variable can be read from. */
+typedef struct {
+    Mechanism mechanism;
+    Outputs outputs;
+} Values;
+
+extern const Unit UNITS[UNIT_COUNT];
+extern const Variable VARIABLES[VARIABLE_COUNT];
+
+/* The variable of this FMU with that value reference, or NULL. */
+static inline const Variable *variable_find(unsigned reference) {
+    return reference < VARIABLE_COUNT && (VARIABLES[reference].models & MODEL_BUILT) != 0 ? &VARIABLES[reference] : NULL;
+}
+
+const void *variable_address(const Variable *variable, const Values *values);
+
+/* Writes the start values of all parameters and inputs. */
+void variables_start(Values *values);
+
+/* Range check of a Real, Integer or Boolean value, and of the length of a String. */
+bool variable_allows(const Variable *variable, double value);
+
+typedef struct {
+    char text[96];
+} Text;
+
+Text variable_allowed(const Variable *variable); /* in words: what variable_allows() accepts */
+Text text_of_real(double value);                 /* the fewest digits that read back as `value` */
+
+#endif
