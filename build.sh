@@ -13,7 +13,7 @@ usage: ./build.sh [command] [arguments]
   help     this text
 
 Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. gcc and valgrind are used by
-the tests when present. Everything it makes is in .venv/ and build/.
+the tests when present. Nothing outside this directory is written, apart from the cache of pip.
 TEXT
 }
 

@@ -139,9 +139,9 @@ def emit_description(identifier: str, check: bool) -> str:
     """The modelDescription.xml of `identifier`: emitted by emit_xml.c from variables.def and compared
     with the committed file, which is rewritten (or, with `check`, refused) if it differs."""
     committed = DESCRIPTIONS / f"{identifier}.xml"
-    emitter = ROOT / "fmu_src/emit_xml.c"
+    emitter, included = ROOT / "fmu_src/emit_xml.c", ROOT / "fmu_src/variables.c"
     fresh = BUILD / "description" / committed.name
-    stamp = fingerprint([emitter, *headers()])
+    stamp = fingerprint([emitter, included, *headers()])
     if not is_fresh(fresh, stamp):
         say(f"emit {relative(committed)}")
         program = BUILD / "host" / "emit_xml"
@@ -154,7 +154,7 @@ def emit_description(identifier: str, check: bool) -> str:
             raise BuildError(f"{relative(committed)} is out of date: run ./build.sh and commit it")
         committed.parent.mkdir(exist_ok=True)
         shutil.copyfile(fresh, committed)
-        say(f"{relative(committed)} was out of date: rewritten, commit it")
+        say(f"{relative(committed)} was missing or out of date: rewritten, commit it")
     return committed.read_text(encoding="utf-8")
 
 

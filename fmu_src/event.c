@@ -7,11 +7,11 @@ typedef struct {
     double t, value, rate, curvature, third;
 } Track;
 
-enum { TRACK_SPEED = 2 }; /* 0, 1: contact i */
+enum { TRACK_SPEED = 2, TRACK_EDGE = 3 }; /* 0, 1: contact i */
 
 typedef struct {
     const Stretch *stretch;
-    int quantity; /* contact 0 or 1, or TRACK_SPEED */
+    int quantity; /* contact 0 or 1, or TRACK_* */
     double sign;  /* the track is sign * quantity: events are descents through zero */
 } Probe;
 
@@ -44,9 +44,28 @@ static Track track_of_contact(const Probe *probe, const Arc *arc) {
     };
 }
 
+/* Torque beyond the edge of the stick band, tau - edge F_0. */
+static Track track_of_edge(const Probe *probe, const Arc *arc) {
+    const Stretch *s = probe->stretch;
+    const Launch *l = &s->launch;
+    const double spring = s->edge * s->params->spring.stiffness * s->geometry->lift;
+    const double rate = l->tau_rate - s->edge * l->F_ext_rate;
+    return (Track){
+        .t = arc->t,
+        .value = probe->sign * (l->tau - s->edge * l->force - spring * arc->dtheta + rate * arc->t),
+        .rate = probe->sign * (rate - spring * arc->omega),
+        .curvature = probe->sign * -spring * arc->alpha,
+        .third = probe->sign * -spring * arc->jerk,
+    };
+}
+
 static Track track_at(const Probe *probe, double t) {
     const Arc arc = slip_arc_at(probe->stretch->slip, &probe->stretch->launch, t);
-    return probe->quantity == TRACK_SPEED ? track_of_speed(probe, &arc) : track_of_contact(probe, &arc);
+    switch (probe->quantity) {
+        case TRACK_SPEED: return track_of_speed(probe, &arc);
+        case TRACK_EDGE: return track_of_edge(probe, &arc);
+        default: return track_of_contact(probe, &arc);
+    }
 }
 
 /* Root of f = value (order 0) or rate (order 1) in [left, right] where f changes sign: Newton, kept
@@ -169,6 +188,10 @@ Event event_first(const Stretch *s, double t_end) {
     const Arc arc = slip_arc_at(s->slip, &s->launch, t_monotone);
     if (s->slip->direction * arc.dtheta >= s->room) keep_earlier(&event, EVENT_STOP, time_of_way(s, t_monotone));
     keep_earlier(&event, EVENT_REST, rest);
+    if (s->slip->kind == FLOW_VISCOUS && s->edge != s->slip->transfer.rho) {
+        const Probe probe = {.stretch = s, .quantity = TRACK_EDGE, .sign = s->slip->direction};
+        keep_earlier(&event, EVENT_REST, first_descent(&probe, fmin(t_monotone, event.t)));
+    }
     for (int i = 0; s->flanks && i < 2; i++) {
         const Probe probe = {.stretch = s, .quantity = i, .sign = s->slip->flank[i]};
         keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));

@@ -25,6 +25,9 @@ typedef struct {
     Launch launch;
     double room;  /* rad, >= 0: way to the end stop ahead */
     bool flanks;  /* friction acts, so the sign of the reactions matters */
+    /* m, edge of the stick band per F_0. Without inertia the pin rests as soon as the torque is back in
+     * the band. That is where the speed is zero, unless the damper has put it on other flanks. */
+    double edge;
 } Stretch;
 
 /* Reactions and speeds at both ends of a stretch of length arc.t: what tells that nothing happens. */

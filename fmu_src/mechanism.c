@@ -384,6 +384,7 @@ static bool hold_again(Mechanism *m) {
 /* ---- slipping ---- */
 
 static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
+    const EdgeFactors edges = edge_factors(&m->model.band, axial_load(m));
     const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     return (Stretch){
         .slip = slip,
@@ -392,6 +393,7 @@ static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
         .launch = launch_of(m, slip),
         .room = fmax(slip->direction * (stop - m->state.theta.hi), 0.0),
         .flanks = has_friction(&m->params),
+        .edge = slip->direction > 0 ? edges.load : edges.release,
     };
 }
 

@@ -33,8 +33,9 @@ typedef bool TypeOf_BOOLEAN;
 typedef char *TypeOf_TEXT;
 
 #define UNIT(...)
-#define VARIABLE(model, kind, id, group, field, ...) \
-    _Static_assert(_Generic(((TypeOf_##group *)0)->field, TypeOf_##kind: 1, default: 0), #id ": field of another type");
+#define VARIABLE(model, kind, id, group, field, ...)                                     \
+    _Static_assert(_Generic(((TypeOf_##group *)0)->field, TypeOf_##kind: 1, default: 0), \
+                   #id ": field of another type");
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
@@ -52,19 +53,20 @@ enum {
 
 const Variable VARIABLES[VARIABLE_COUNT] = {
 #define UNIT(...)
-#define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, max_, text) \
-    [VR_##id] = {.offset = offsetof(TypeOf_##group_, field),                                                         \
-                 .group = GROUP_##group_,                                                                            \
-                 .type = (Type)TYPE_OF_##kind_,                                                                      \
-                 .kind = KIND_##kind_,                                                                               \
-                 .causality = CAUSALITY_##causality_,                                                                \
-                 .variability = VARIABILITY_##variability_,                                                          \
-                 .models = MODEL_##model_,                                                                           \
-                 .start = start_,                                                                                    \
-                 .min = min_,                                                                                        \
-                 .max = max_,                                                                                        \
-                 .name = name_,                                                                                      \
-                 .description = text,                                                                                \
+#define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
+                 max_, text)                                                                             \
+    [VR_##id] = {.offset = offsetof(TypeOf_##group_, field),                                             \
+                 .group = GROUP_##group_,                                                                \
+                 .type = (Type)TYPE_OF_##kind_,                                                          \
+                 .kind = KIND_##kind_,                                                                   \
+                 .causality = CAUSALITY_##causality_,                                                    \
+                 .variability = VARIABILITY_##variability_,                                              \
+                 .models = MODEL_##model_,                                                               \
+                 .start = start_,                                                                        \
+                 .min = min_,                                                                            \
+                 .max = max_,                                                                            \
+                 .name = name_,                                                                          \
+                 .description = text,                                                                    \
                  .unit = UNIT_##unit_},
 #define STARTS_FROM(...)
 #include "variables.def"
@@ -72,6 +74,14 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 #undef VARIABLE
 #undef STARTS_FROM
 };
+
+const char *type_name(Type type) {
+    static const char *const names[] = {[TYPE_REAL] = "Real",
+                                        [TYPE_INTEGER] = "Integer",
+                                        [TYPE_BOOLEAN] = "Boolean",
+                                        [TYPE_STRING] = "String"};
+    return names[type];
+}
 
 static size_t group_offset(Group group) {
     switch (group) {
@@ -101,7 +111,7 @@ static void write_start(const Variable *variable, void *address) {
 }
 
 void variables_start(Values *values) {
-    for (size_t i = 0; i < VARIABLE_COUNT; ++i) {
+    for (size_t i = 0; i < VARIABLE_COUNT; i++) {
         const Variable *variable = &VARIABLES[i];
         if (variable->group == GROUP_PARAMS)
             write_start(variable, (char *)&values->mechanism.params + variable->offset);
@@ -115,29 +125,33 @@ bool variable_allows(const Variable *variable, double value) {
     return isfinite(value) && value >= variable->min && value <= variable->max;
 }
 
-Text variable_allowed(const Variable *variable) {
-    Text allowed;
-    const Text min = text_of_real(variable->min), max = text_of_real(variable->max);
-    if (variable->kind == KIND_TEXT)
-        snprintf(allowed.text, sizeof allowed.text, "\"\" or a text of at most %s bytes", max.text);
-    else if (variable->kind == KIND_SIGN)
-        snprintf(allowed.text, sizeof allowed.text, "-1 or +1");
-    else if (variable->min == variable->max)
-        snprintf(allowed.text, sizeof allowed.text, "only %s", min.text);
-    else if (isfinite(variable->min) && isfinite(variable->max))
-        snprintf(allowed.text, sizeof allowed.text, "%s to %s", min.text, max.text);
-    else if (isfinite(variable->min))
-        snprintf(allowed.text, sizeof allowed.text, "any finite number that is at least %s", min.text);
-    else
-        snprintf(allowed.text, sizeof allowed.text, "any finite number");
-    return allowed;
-}
-
-Text text_of_real(double value) {
-    Text shortest;
-    for (int digits = 1; digits <= 17; ++digits) {
+Digits digits_of(double value) {
+    Digits shortest;
+    if (fabs(value) < 1e15 && value == floor(value)) { /* 50000, not 5e+04 */
+        snprintf(shortest.text, sizeof shortest.text, "%.0f", value);
+        return shortest;
+    }
+    for (int digits = 1; digits <= 17; digits++) {
         snprintf(shortest.text, sizeof shortest.text, "%.*g", digits, value);
         if (strtod(shortest.text, NULL) == value) break;
     }
     return shortest;
+}
+
+Words variable_allowed(const Variable *variable) {
+    Words words;
+    const Digits min = digits_of(variable->min), max = digits_of(variable->max);
+    if (variable->kind == KIND_TEXT)
+        snprintf(words.text, sizeof words.text, "\"\" or a text of at most %s bytes", max.text);
+    else if (variable->kind == KIND_SIGN)
+        snprintf(words.text, sizeof words.text, "-1 or +1");
+    else if (variable->min == variable->max)
+        snprintf(words.text, sizeof words.text, "only %s", min.text);
+    else if (isfinite(variable->min) && isfinite(variable->max))
+        snprintf(words.text, sizeof words.text, "%s to %s", min.text, max.text);
+    else if (isfinite(variable->min))
+        snprintf(words.text, sizeof words.text, "any finite number from %s", min.text);
+    else
+        snprintf(words.text, sizeof words.text, "any finite number");
+    return words;
 }

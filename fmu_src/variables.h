@@ -18,7 +18,12 @@ typedef enum { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIN
 
 typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL } Causality;
 
-typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_DISCRETE, VARIABILITY_CONTINUOUS } Variability;
+typedef enum {
+    VARIABILITY_FIXED,
+    VARIABILITY_TUNABLE,
+    VARIABILITY_DISCRETE,
+    VARIABILITY_CONTINUOUS
+} Variability;
 
 /* The struct that holds a value. As bits, so that a set of groups is a number. */
 typedef enum {
@@ -84,8 +89,11 @@ extern const Variable VARIABLES[VARIABLE_COUNT];
 
 /* The variable of this FMU with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {
-    return reference < VARIABLE_COUNT && (VARIABLES[reference].models & MODEL_BUILT) != 0 ? &VARIABLES[reference] : NULL;
+    if (reference >= VARIABLE_COUNT || (VARIABLES[reference].models & MODEL_BUILT) == 0) return NULL;
+    return &VARIABLES[reference];
 }
+
+const char *type_name(Type type); /* as FMI writes it: "Real", ... */
 
 const void *variable_address(const Variable *variable, const Values *values);
 
@@ -96,10 +104,14 @@ void variables_start(Values *values);
 bool variable_allows(const Variable *variable, double value);
 
 typedef struct {
-    char text[96];
-} Text;
+    char text[32];
+} Digits;
 
-Text variable_allowed(const Variable *variable); /* in words: what variable_allows() accepts */
-Text text_of_real(double value);                 /* the fewest digits that read back as `value` */
+typedef struct {
+    char text[80];
+} Words;
+
+Digits digits_of(double value);                   /* the fewest that read back as `value` */
+Words variable_allowed(const Variable *variable); /* what variable_allows() accepts */
 
 #endif

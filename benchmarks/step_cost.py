@@ -1,0 +1,507 @@
+"""What one communication step costs: against one exp and one sincos, and against an FMU that does nothing.
+
+    ./build.sh bench
+
+One step is fmi2SetReal(tau), fmi2DoStep(1 ms), fmi2GetReal(theta, omega). Everything is measured in one
+process and in turns: every round runs a block of each quantity, in an order that is shuffled anew, so
+that a slow moment of the machine hits all alike. What is reported are ratios of blocks of the same
+round, as the median over the rounds, with quartiles. Before each block the FMU is set back, untimed, to
+the state saved after set-up: all rounds do the same work, and the mode of motion is verified by reading
+`mode` and `events` before and after. tau differs from step to step in every scene.
+
+The unit is the plain loop of benchmarks/step_cost.c: exp(-x) and sincos(x) of the machine's own libm,
+called through pointers, x in [0, 2 pi] from memory, results summed, so that consecutive calls may
+overlap. The same with each call waiting for the one before is printed as well; it is the slower of the
+two and not used in any ratio.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import ctypes
+import functools
+import math
+import platform
+import random
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "fmu_src"))
+import build_fmu  # noqa: E402
+
+STEP = 1e-3  # s
+STEPS = 1000  # per block in C
+FMPY_STEPS = 200  # per block through FMPy
+STUCK_TARGET, SLIP_TARGET, FMPY_TARGET = 5.0, 15.0, 1.05
+STICK, LOADING = 1, 2
+
+Array = NDArray[np.float64]
+
+
+class SlaveStruct(ctypes.Structure):
+    """`Slave` of step_cost.c."""
+
+    _fields_ = [
+        ("set_real", ctypes.c_void_p),
+        ("do_step", ctypes.c_void_p),
+        ("get_real", ctypes.c_void_p),
+        ("component", ctypes.c_void_p),
+        ("input", ctypes.c_uint),
+        ("outputs", ctypes.c_uint * 2),
+    ]
+
+
+@functools.cache
+def unpacked(path: Path) -> str:
+    """An FMU is unpacked once, however many instances there are: they run from the same file."""
+    return str(extract(str(path), unzipdir=str(build_fmu.BUILD / "step_cost" / path.stem)))
+
+
+class Slave:
+    """An instance of one of the FMUs with its variables by name."""
+
+    def __init__(self, identifier: str) -> None:
+        path = build_fmu.BUILD / f"{identifier}.fmu"
+        description = read_model_description(str(path))
+        self.references = {v.name: v.valueReference for v in description.modelVariables}
+        self.types = {v.name: v.type for v in description.modelVariables}
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=unpacked(path),
+            modelIdentifier=identifier,
+            instanceName=identifier,
+        )
+        self.fmu.instantiate()
+
+    def set(self, values: dict[str, float]) -> None:
+        for name, value in values.items():
+            if self.types[name] == "Real":
+                self.fmu.setReal([self.references[name]], [value])
+            elif self.types[name] == "Integer":
+                self.fmu.setInteger([self.references[name]], [int(value)])
+            else:
+                self.fmu.setBoolean([self.references[name]], [bool(value)])
+
+    def real(self, name: str) -> float:
+        return float(self.fmu.getReal([self.references[name]])[0])
+
+    def integer(self, name: str) -> int:
+        return int(self.fmu.getInteger([self.references[name]])[0])
+
+    def struct(self) -> SlaveStruct:
+        def address(name: str) -> int | None:
+            return ctypes.cast(getattr(self.fmu.dll, name), ctypes.c_void_p).value
+
+        return SlaveStruct(
+            address("fmi2SetReal"),
+            address("fmi2DoStep"),
+            address("fmi2GetReal"),
+            self.fmu.component,
+            self.references["tau"],
+            (ctypes.c_uint * 2)(self.references["theta"], self.references["omega"]),
+        )
+
+
+@dataclass
+class Scene:
+    """Parameters, the torque of every step given the stick band at the start, and what must be seen."""
+
+    name: str
+    what: str
+    target: float | None
+    parameters: dict[str, float]
+    torque: Callable[[float, float], Array]  # (torque_release, torque_load) -> N.m, one per step
+    mode: int | None = None  # throughout, without any event; None: events are the point
+    lead_in: int = 0  # untimed steps before the state is saved
+    steps: Array = field(default_factory=lambda: np.full(STEPS, STEP))
+
+
+def jitter(low: float, high: float) -> Array:
+    return np.random.default_rng(1).uniform(low, high, STEPS)
+
+
+# Spring as soft and stops as wide as it takes to slip through a whole block: a half swing then lasts
+# about 1.7 s. The FMU does the same arithmetic at any stiffness > 0.
+SWING = {"spring.stiffness": 50.0, "stop.upper": 1000.0, "initial.theta": 1.0}
+DAMPED = {
+    "damper.c_load": 20.0,
+    "damper.c_release": 20.0,
+    "inertia.follower_mass": 0.3,
+    "inertia.follower": 3e-5,
+}
+
+
+def drive(release: float, load: float) -> Array:
+    return load * jitter(1.28, 1.32)
+
+
+def scenes() -> list[Scene]:
+    instant = np.arange(STEPS) * STEP
+    return [
+        Scene(
+            "stuck",
+            "at rest, tau anywhere inside the stick band",
+            STUCK_TARGET,
+            {"initial.theta": 0.7},
+            lambda release, load: release + (load - release) * jitter(0.1, 0.9),
+            STICK,
+        ),
+        Scene(
+            "slip undamped",
+            "helices, soft spring, one half swing, tau = 1.30 +- 0.02 T_load",
+            SLIP_TARGET,
+            SWING,
+            drive,
+            LOADING,
+            lead_in=10,
+        ),
+        Scene(
+            "slip, no ledger",
+            "slip undamped with ledger = false",
+            SLIP_TARGET,
+            {**SWING, "ledger": False},
+            drive,
+            LOADING,
+            lead_in=10,
+        ),
+        Scene(
+            "slip damped",
+            "slip undamped, but with follower mass 0.3 kg, its inertia, damper 20 N.s/m",
+            SLIP_TARGET,
+            {**SWING, **DAMPED},
+            drive,
+            LOADING,
+            lead_in=10,
+        ),
+        Scene(
+            "slip damped, h varies",
+            "slip damped with steps of 0.9 to 1.1 ms: nothing can be kept from the step before",
+            None,
+            {**SWING, **DAMPED},
+            drive,
+            LOADING,
+            lead_in=10,
+            steps=jitter(0.9e-3, 1.1e-3),
+        ),
+        Scene(
+            "slip damped, h = dt",
+            "slip damped with h = t[k+1] - t[k], as some masters compute it: its last digits vary",
+            None,
+            {**SWING, **DAMPED},
+            drive,
+            LOADING,
+            lead_in=10,
+            steps=np.diff(np.arange(STEPS + 1) * STEP),
+        ),
+        Scene(
+            "stick-slip",
+            "default mechanism, tau = 4 + 4 sin(2 pi 5 t) N.m: sticks, slips both ways, meets the stop",
+            None,
+            {},
+            lambda release, load: 4.0 + 4.0 * np.sin(2.0 * math.pi * 5.0 * instant),
+        ),
+    ]
+
+
+class Run:
+    """A slave that has been set up, the torques and steps of a block, and how to time one."""
+
+    def __init__(self, loops: ctypes.CDLL, slave: Slave, torque: Array, steps: Array, instant: float) -> None:
+        self.loops, self.slave = loops, slave
+        self.torque, self.steps, self.instant = np.ascontiguousarray(torque), steps, instant
+        self.struct = slave.struct()
+        self.state: ctypes.c_void_p | None = None
+
+    def save(self) -> None:
+        self.state = self.slave.fmu.getFMUState()
+
+    def restore(self) -> None:
+        if self.state is not None:
+            self.slave.fmu.setFMUState(self.state)
+
+    def block(self) -> float:
+        """Seconds per step of one block in C."""
+        self.restore()
+        status, total = ctypes.c_int(), ctypes.c_double()
+        seconds = self.loops.seconds_steps(
+            ctypes.byref(self.struct),
+            ctypes.c_double(self.instant),
+            pointer(self.steps),
+            pointer(self.torque),
+            ctypes.c_size_t(STEPS),
+            ctypes.byref(status),
+            ctypes.byref(total),
+        )
+        if status.value != 0 or not math.isfinite(total.value):
+            raise SystemExit(f"step_cost: status {status.value}, sum of outputs {total.value}")
+        return float(seconds) / STEPS
+
+    def fmpy_block(self) -> float:
+        """Seconds per step of one block through FMPy's own methods."""
+        self.restore()
+        fmu, inputs = self.slave.fmu, [self.slave.references["tau"]]
+        outputs = [self.slave.references["theta"], self.slave.references["omega"]]
+        values = [[tau] for tau in self.torque[:FMPY_STEPS].tolist()]
+        steps, instant = self.steps[:FMPY_STEPS].tolist(), self.instant
+        start = time.perf_counter()
+        for value, step in zip(values, steps, strict=True):
+            fmu.setReal(inputs, value)
+            fmu.doStep(instant, step)
+            fmu.getReal(outputs)
+            instant += step
+        return (time.perf_counter() - start) / FMPY_STEPS
+
+
+def prepare(scene: Scene, loops: ctypes.CDLL) -> tuple[Run, float]:
+    """Sets the scene up, saves its state, and runs one block to see which modes it goes through.
+    Returns the run and its mode changes per step."""
+    slave = Slave("DualCamForward")
+    slave.set(scene.parameters)
+    slave.fmu.setupExperiment(startTime=0.0)
+    slave.fmu.enterInitializationMode()
+    torque = scene.torque(slave.real("torque_release"), slave.real("torque_load"))
+    slave.set({"tau": float(torque[0])})
+    slave.fmu.exitInitializationMode()
+    instant = 0.0
+    for tau in torque[: scene.lead_in]:
+        slave.set({"tau": float(tau)})
+        slave.fmu.doStep(instant, STEP)
+        instant += STEP
+    run = Run(loops, slave, torque, scene.steps, instant)
+    run.save()
+
+    first_mode, first_events = slave.integer("mode"), slave.integer("events")
+    run.block()
+    events = slave.integer("events") - first_events
+    modes = {first_mode, slave.integer("mode")}
+    if scene.mode is None and events == 0:
+        raise SystemExit(f"{scene.name}: no mode change at all")
+    if scene.mode is not None and (events != 0 or modes != {scene.mode}):
+        raise SystemExit(f"{scene.name}: modes {modes} and {events} events, not mode {scene.mode} alone")
+    return run, events / STEPS
+
+
+def pointer(array: Array) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def elementary(loops: ctypes.CDLL, loop: str) -> Callable[[], float]:
+    """Seconds for one exp and one sincos of the machine's libm. Looked up by name, they are its newest
+    versions, also where an FMU built for an older glibc gets the older ones."""
+    libm = ctypes.CDLL("libm.so.6")
+    functions = [ctypes.cast(getattr(libm, name), ctypes.c_void_p) for name in ("exp", "sincos")]
+    angles = np.random.default_rng(2).uniform(0.0, 2.0 * math.pi, STEPS)
+
+    def block() -> float:
+        total = ctypes.c_double()
+        seconds = getattr(loops, loop)(
+            *functions, pointer(angles), ctypes.c_size_t(STEPS), ctypes.byref(total)
+        )
+        return float(seconds) / STEPS
+
+    return block
+
+
+def compile_loops() -> ctypes.CDLL:
+    library = build_fmu.BUILD / "step_cost.so"
+    flags = [*build_fmu.TARGET, "-O3", "-fPIC", "-shared", "-fvisibility=hidden"]
+    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "benchmarks/step_cost.c"], library)
+    loops = ctypes.CDLL(str(library))
+    for name in ("seconds_plain", "seconds_dependent", "seconds_steps"):
+        getattr(loops, name).restype = ctypes.c_double
+    return loops
+
+
+def processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return f"{names[0]}, {len(names)} processors" if names else platform.processor()
+
+
+def commit() -> str:
+    def git(*words: str) -> str:
+        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+
+    try:
+        revision = git("rev-parse", "--short", "HEAD")
+        changed = git("status", "--porcelain", "--untracked-files=no")
+    except OSError:
+        return "unknown"
+    return (revision or "none yet") + (" with changes" if changed else "")
+
+
+def circumstances() -> dict[str, str]:
+    return {
+        "command": "./build.sh bench" + "".join(f" {word}" for word in sys.argv[1:]),
+        "date": time.strftime("%Y-%m-%d"),
+        "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
+        "versions": f"Python {platform.python_version()}, FMPy {version('fmpy')}, zig {version('ziglang')}",
+        "commit": commit(),
+    }
+
+
+@dataclass
+class Ratio:
+    """Median and quartiles of the ratios of blocks of the same round."""
+
+    median: float
+    lower: float
+    upper: float
+
+    @classmethod
+    def of(cls, above: list[float], below: list[float]) -> Ratio:
+        lower, median, upper = statistics.quantiles(
+            [a / b for a, b in zip(above, below, strict=True)], n=4, method="inclusive"
+        )
+        return cls(median, lower, upper)
+
+    def __str__(self) -> str:
+        return f"{self.median:.3g} ({self.lower:.3g}-{self.upper:.3g})"
+
+
+def in_turns(
+    blocks: dict[str, Callable[[], float]], rounds: int, what: str, console: Console
+) -> dict[str, list[float]]:
+    """Times of every block over the rounds, each round in a new order."""
+    order = list(blocks)
+    shuffle = random.Random(3).shuffle
+    times: dict[str, list[float]] = {name: [] for name in blocks}
+    for number in track(range(-1, rounds), what, console=console, total=rounds + 1, transient=True):
+        shuffle(order)
+        for name in order:
+            seconds = blocks[name]()
+            if number >= 0:  # the first round warms up
+                times[name].append(seconds)
+    return times
+
+
+def table(title: str, *columns: str) -> Table:
+    made = Table(title=title, box=SIMPLE, title_justify="left", pad_edge=False)
+    for number, column in enumerate(columns):
+        made.add_column(column, no_wrap=True, justify="left" if number == 0 else "right")
+    return made
+
+
+def verdict(value: float, target: float | None) -> str:
+    return "" if target is None else f"{target:g} {'met' if value <= target else 'MISSED'}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rounds", type=int, default=301, help="rounds of blocks in C (default 301)")
+    parser.add_argument("--fmpy-rounds", type=int, default=151, help="rounds of blocks through FMPy (151)")
+    parser.add_argument(
+        "--output", type=Path, default=ROOT / "benchmarks/results/step_cost.csv", help="the CSV file"
+    )
+    arguments = parser.parse_args()
+    console = Console()
+
+    loops = compile_loops()
+    cast = scenes()
+    runs = {scene.name: prepare(scene, loops) for scene in cast}
+    null = Slave("NullFmu")
+    nothing = Run(loops, null, jitter(0.0, 1.0), np.full(STEPS, STEP), 0.0)
+    times = in_turns(
+        {
+            "exp+sincos": elementary(loops, "seconds_plain"),
+            "dependent": elementary(loops, "seconds_dependent"),
+            "null": nothing.block,
+            **{name: run.block for name, (run, _) in runs.items()},
+        },
+        arguments.rounds,
+        "in C",
+        console,
+    )
+    fmpy_times = in_turns(
+        {"null": nothing.fmpy_block, **{name: run.fmpy_block for name, (run, _) in runs.items()}},
+        arguments.fmpy_rounds,
+        "through FMPy",
+        console,
+    )
+
+    facts = circumstances()
+    rows: list[dict[str, str]] = []
+    in_c = table("One step in C", "scene", "ns", "/(exp+sincos)", "target <=", "/null", "events")
+    in_fmpy = table("One step through FMPy", "scene", "/null", "target <=")
+
+    def add(name: str, what: str, target: float | None, events: float | None) -> None:
+        unit = Ratio.of(times[name], times["exp+sincos"])
+        floor = Ratio.of(times[name], times["null"])
+        through = Ratio.of(fmpy_times[name], fmpy_times["null"]) if name in fmpy_times else None
+        nanoseconds = statistics.median(times[name]) * 1e9
+        changes = "" if events is None else f"{events:g}"
+        in_c.add_row(
+            name,
+            f"{nanoseconds:.1f}",
+            str(unit),
+            verdict(unit.median, target),
+            f"{floor.median:.3g}",
+            changes,
+        )
+        fmpy_target = FMPY_TARGET if events is not None else None
+        if through and fmpy_target:
+            in_fmpy.add_row(name, str(through), verdict(through.median, fmpy_target))
+        rows.append(
+            {
+                "scene": name,
+                "what": what,
+                "ns_per_step": f"{nanoseconds:.2f}",
+                "ratio_to_exp_sincos": f"{unit.median:.4f}",
+                "lower_quartile": f"{unit.lower:.4f}",
+                "upper_quartile": f"{unit.upper:.4f}",
+                "target": "" if target is None else f"{target:g}",
+                "ratio_to_null_fmu": f"{floor.median:.4f}",
+                "events_per_step": changes,
+                "fmpy_ratio_to_null_fmu": f"{through.median:.4f}" if through else "",
+                "fmpy_lower_quartile": f"{through.lower:.4f}" if through else "",
+                "fmpy_upper_quartile": f"{through.upper:.4f}" if through else "",
+                "fmpy_target": f"{fmpy_target:g}" if fmpy_target else "",
+                **facts,
+            }
+        )
+
+    add("exp+sincos", "one exp and one sincos, calls independent", None, None)
+    add("dependent", "one exp and one sincos, each waiting for the one before", None, None)
+    add("null", "an FMU that does nothing", None, None)
+    for scene in cast:
+        add(scene.name, scene.what, scene.target, runs[scene.name][1])
+    console.print("Median ratio (quartiles); events: mode changes per step", in_c, in_fmpy, sep="\n")
+    for scene in cast:
+        console.print(f"{scene.name}: {scene.what}", highlight=False, markup=False)
+    fmpy_null = statistics.median(fmpy_times["null"]) * 1e6
+    console.print(
+        f"A step of the null FMU through FMPy takes {fmpy_null:.2f} us.", highlight=False, markup=False
+    )
+    for name, value in facts.items():
+        console.print(f"{name}: {value}", highlight=False, markup=False)
+
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    with arguments.output.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+
+
+if __name__ == "__main__":
+    main()

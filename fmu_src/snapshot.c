@@ -1,0 +1,118 @@
+#include "snapshot.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#ifndef MODEL_GUID
+#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
+#endif
+
+static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
+static const uint64_t SEAL_MAGIC = UINT64_C(0x6d61636c6175642e);
+enum { FORMAT = 1 }; /* to be raised when the meaning of the bytes changes but the GUID does not */
+
+/* Equal states must have equal bytes, so the few bytes that belong to no member are cleared. A new member
+ * fails here until its padding is looked at. */
+enum {
+    PARAMS_END = offsetof(Params, ledger) + sizeof(bool),
+    STATE_GAP = offsetof(State, flank) + 2 * sizeof(int)
+};
+_Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int) + TABLE_PATH_SIZE,
+               "padding in CamParams");
+_Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
+                                 sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
+                                 sizeof(InitialParams) + sizeof(int) + sizeof(bool),
+               "padding in Params");
+_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),
+               "padding in State");
+_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger), "padding in State");
+_Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
+_Static_assert(sizeof(Run) == sizeof(double) + sizeof(Phase) + sizeof(uint32_t), "padding in Run");
+_Static_assert(sizeof(Snapshot) ==
+                   sizeof(uint64_t) + sizeof(Params) + sizeof(Inputs) + sizeof(State) + sizeof(Run),
+               "padding in Snapshot");
+
+static void clear_padding(Snapshot *snapshot) {
+    memset((char *)&snapshot->params + PARAMS_END, 0, sizeof(Params) - PARAMS_END);
+    memset((char *)&snapshot->state + STATE_GAP, 0, offsetof(State, ledger) - STATE_GAP);
+}
+
+void snapshot_take(Snapshot *snapshot, const Instance *instance) {
+    const Mechanism *mechanism = &instance->values.mechanism;
+    snapshot->magic = SNAPSHOT_MAGIC;
+    snapshot->params = mechanism->params;
+    snapshot->inputs = mechanism->inputs;
+    snapshot->state = mechanism->state;
+    snapshot->run = instance->run;
+    clear_padding(snapshot);
+}
+
+/* Before the run has begun there is no model yet: the parameters may not even be possible. */
+void snapshot_restore(const Snapshot *snapshot, Instance *instance) {
+    Mechanism *mechanism = &instance->values.mechanism;
+    mechanism->params = snapshot->params;
+    mechanism->inputs = snapshot->inputs;
+    mechanism->state = snapshot->state;
+    instance->run = snapshot->run;
+    instance_changed(instance);
+    if (instance->valid & GROUP_STATE) mechanism_rebuild(mechanism);
+}
+
+bool snapshot_is_valid(const Snapshot *snapshot) {
+    return snapshot != NULL && snapshot->magic == SNAPSHOT_MAGIC;
+}
+
+/* ---- bytes ---- */
+
+/* FNV-1a, 64 bits: any single changed byte changes it, since each round is invertible. */
+static uint64_t checksum(const void *bytes, size_t size) {
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+static SealedSnapshot seal(const Snapshot *snapshot) {
+    SealedSnapshot sealed = {
+        .magic = SEAL_MAGIC,
+        .format = FORMAT,
+        .size = sizeof(Snapshot),
+        .checksum = checksum(snapshot, sizeof *snapshot),
+        .guid = MODEL_GUID,
+    };
+    /* not by assignment, which need not copy the cleared padding */
+    memcpy(&sealed.snapshot, snapshot, sizeof *snapshot);
+    return sealed;
+}
+
+void snapshot_seal(const Snapshot *snapshot, char *bytes) {
+    const SealedSnapshot sealed = seal(snapshot);
+    memcpy(bytes, &sealed, sizeof sealed);
+}
+
+bool snapshot_open(const char *bytes, size_t size, Snapshot *snapshot, Fault *fault) {
+    if (size != sizeof(SealedSnapshot)) {
+        snprintf(fault->text, sizeof fault->text, "serialized state of %zu bytes: allowed are only %zu", size,
+                 sizeof(SealedSnapshot));
+        return false;
+    }
+    SealedSnapshot sealed;
+    memcpy(&sealed, bytes, sizeof sealed);
+    const SealedSnapshot expected = seal(&sealed.snapshot);
+    const char *wrong = NULL;
+    if (sealed.magic != expected.magic)
+        wrong = "does not begin like a state of this FMU";
+    else if (sealed.format != expected.format || sealed.size != expected.size)
+        wrong = "is of another version of this FMU";
+    else if (memcmp(sealed.guid, expected.guid, sizeof sealed.guid) != 0)
+        wrong = "is of an FMU with another GUID than " MODEL_GUID;
+    else if (sealed.checksum != expected.checksum || !snapshot_is_valid(&sealed.snapshot))
+        wrong = "is damaged: its checksum differs";
+    if (wrong != NULL) {
+        snprintf(fault->text, sizeof fault->text,
+                 "serialized state %s: allowed are only unchanged bytes from fmi2SerializeFMUstate", wrong);
+        return false;
+    }
+    memcpy(snapshot, &sealed.snapshot, sizeof *snapshot);
+    return true;
+}

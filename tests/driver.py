@@ -1,0 +1,300 @@
+"""Drives the FMU's C functions by name, without hiding a status or a message.
+
+fmpy's FMU2Slave raises on the first error and supplies its own logger; here an error is often what is
+wanted, so the binary is called directly.
+"""
+
+import ctypes
+import math
+import xml.etree.ElementTree as ET
+from ctypes import CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+FMU = ROOT / "build" / "DualCamForward.fmu"
+XML = ROOT / "modelDescription" / "DualCamForward.xml"
+
+OK, ERROR = 0, 3
+MODEL_EXCHANGE, CO_SIMULATION = 0, 1
+DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
+UNKNOWN_REFERENCE = 4_000_000_000
+
+INSTANTIATED, INITIALIZATION, STEP, END = "instantiated", "initialization mode", "step mode", "terminated"
+PHASES = [INSTANTIATED, INITIALIZATION, STEP, END]
+
+
+@dataclass(frozen=True)
+class Variable:
+    name: str
+    reference: int
+    type: str
+    causality: str
+    variability: str
+    start: float | int | bool | str | None
+    min: float
+    max: float
+    unit: str | None
+
+    @property
+    def index(self) -> int:
+        """Place in the XML, from 1."""
+        return list(VARIABLES).index(self.name) + 1
+
+
+def _number(element: ET.Element, name: str, default: float) -> float:
+    return float(element.attrib[name]) if name in element.attrib else default
+
+
+def _variable(element: ET.Element) -> Variable:
+    kind = element[0]
+    read = {"Real": float, "Integer": int, "Boolean": lambda text: text == "true", "String": str}[kind.tag]
+    return Variable(
+        element.attrib["name"],
+        int(element.attrib["valueReference"]),
+        kind.tag,
+        element.attrib["causality"],
+        element.attrib["variability"],
+        read(kind.attrib["start"]) if "start" in kind.attrib else None,
+        _number(kind, "min", -math.inf),
+        _number(kind, "max", math.inf),
+        kind.attrib.get("unit"),
+    )
+
+
+_ROOT = ET.parse(XML).getroot()
+GUID = _ROOT.attrib["guid"]
+VARIABLES = {v.name: v for v in map(_variable, _ROOT.iter("ScalarVariable"))}
+VALUE = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
+
+LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+
+
+class Callbacks(Structure):
+    _fields_ = (
+        ("logger", LOGGER),
+        ("allocateMemory", c_void_p),
+        ("freeMemory", c_void_p),
+        ("stepFinished", c_void_p),
+        ("componentEnvironment", c_void_p),
+    )
+
+
+_REFERENCES, _ORDERS = POINTER(c_uint), POINTER(c_int)
+_ACCESS = {f"fmi2{way}{t}": (_REFERENCES, c_size_t, POINTER(VALUE[t])) for t in VALUE for way in ("Get", "Set")}
+_STATUS = {"": c_int, "Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
+# arguments after the instance
+ARGUMENTS = {
+    **_ACCESS,
+    **{f"fmi2Get{t}Status": (c_int, POINTER(value)) for t, value in _STATUS.items()},
+    "fmi2SetDebugLogging": (c_int, c_size_t, POINTER(c_char_p)),
+    "fmi2SetupExperiment": (c_int, c_double, c_double, c_int, c_double),
+    "fmi2EnterInitializationMode": (),
+    "fmi2ExitInitializationMode": (),
+    "fmi2Terminate": (),
+    "fmi2Reset": (),
+    "fmi2GetFMUstate": (POINTER(c_void_p),),
+    "fmi2SetFMUstate": (c_void_p,),
+    "fmi2FreeFMUstate": (POINTER(c_void_p),),
+    "fmi2SerializedFMUstateSize": (c_void_p, POINTER(c_size_t)),
+    "fmi2SerializeFMUstate": (c_void_p, c_char_p, c_size_t),
+    "fmi2DeSerializeFMUstate": (c_char_p, c_size_t, POINTER(c_void_p)),
+    "fmi2GetDirectionalDerivative": (
+        _REFERENCES, c_size_t, _REFERENCES, c_size_t, POINTER(c_double), POINTER(c_double),
+    ),
+    "fmi2SetRealInputDerivatives": (_REFERENCES, c_size_t, _ORDERS, POINTER(c_double)),
+    "fmi2GetRealOutputDerivatives": (_REFERENCES, c_size_t, _ORDERS, POINTER(c_double)),
+    "fmi2DoStep": (c_double, c_double, c_int),
+    "fmi2CancelStep": (),
+}  # fmt: skip
+
+
+def load(binary: Path) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(binary))
+    for name, arguments in ARGUMENTS.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = c_int, (c_void_p, *arguments)
+    library.fmi2Instantiate.restype = c_void_p
+    library.fmi2Instantiate.argtypes = (
+        c_char_p, c_int, c_char_p, c_char_p, POINTER(Callbacks), c_int, c_int,
+    )  # fmt: skip
+    library.fmi2FreeInstance.restype = None
+    library.fmi2FreeInstance.argtypes = (c_void_p,)
+    for name in ("fmi2GetVersion", "fmi2GetTypesPlatform"):
+        getattr(library, name).restype = c_char_p
+    return library
+
+
+def references(names):
+    return (c_uint * len(names))(*(VARIABLES[n].reference if isinstance(n, str) else n for n in names))
+
+
+def to_c(type_, values):
+    encoded = [v.encode() if isinstance(v, str) else v for v in values]
+    return (VALUE[type_] * len(encoded))(*encoded)
+
+
+@dataclass(frozen=True)
+class Message:
+    instance: str
+    status: int
+    category: str
+    text: str
+
+
+class Driver:
+    """One instance. `set`, `get`, `start`, `step` and the like insist on fmi2OK; `call` and the `try_` forms
+    return the status; `refused` insists on an fmi2Error that is what it should be."""
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        name: str | None = "dualcam",
+        guid: str | None = GUID,
+        kind: int = CO_SIMULATION,
+        resources: str | None = "file:///tmp/resources",
+        logging: int = 0,
+    ) -> None:
+        self.library = library
+        self.messages: list[Message] = []
+        self.time = 0.0
+
+        def log(_environment, instance, status, category, text):
+            self.messages.append(Message(instance.decode(), status, category.decode(), text.decode()))
+
+        self._logger = LOGGER(log)
+        callbacks = Callbacks(logger=self._logger)
+        encoded = [None if text is None else text.encode() for text in (name, guid, resources)]
+        self.component = library.fmi2Instantiate(
+            encoded[0], kind, encoded[1], encoded[2], byref(callbacks), 0, logging
+        )
+        # The FMU has to have its own copy.
+        ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
+
+    def free(self) -> None:
+        self.library.fmi2FreeInstance(self.component)
+        self.component = None
+
+    def call(self, function: str, *arguments) -> int:
+        return getattr(self.library, function)(self.component, *arguments)
+
+    def ok(self, function: str, *arguments) -> None:
+        status = self.call(function, *arguments)
+        assert status == OK, f"{function}: {status}, {self.messages[-1:]}"
+
+    def refused(self, function: str, *arguments, mentions: tuple[str, ...] = ()) -> str:
+        """The call is an fmi2Error with exactly one message and has changed nothing."""
+        before, count = self.everything(), len(self.messages)
+        assert self.call(function, *arguments) == ERROR
+        assert len(self.messages) == count + 1
+        message = self.messages[-1]
+        assert (message.status, message.category) == (ERROR, "logStatusError")
+        assert function in message.text
+        assert "allowed" in message.text or "must" in message.text or "jam" in message.text
+        for word in mentions:
+            assert word in message.text
+        assert self.everything() == before
+        return message.text
+
+    # variables
+
+    def try_set(self, values: dict) -> int:
+        """All in one call; they must be of one type."""
+        (type_,) = {VARIABLES[n].type for n in values}
+        return self.call(f"fmi2Set{type_}", *self.arguments(values))
+
+    @staticmethod
+    def arguments(values: dict):
+        """vr, nvr, value of a call that sets `values`."""
+        type_ = VARIABLES[next(iter(values))].type
+        return references(list(values)), len(values), to_c(type_, list(values.values()))
+
+    def set(self, values: dict) -> None:
+        for name, value in values.items():
+            assert self.try_set({name: value}) == OK, self.messages[-1:]
+
+    def refused_set(self, values: dict, mentions: tuple[str, ...] = ()) -> str:
+        type_ = VARIABLES[next(iter(values))].type
+        return self.refused(f"fmi2Set{type_}", *self.arguments(values), mentions=mentions)
+
+    def try_get(self, names: list[str]):
+        """Status and values; they must be of one type."""
+        (type_,) = {VARIABLES[n].type for n in names}
+        values = (VALUE[type_] * len(names))()
+        return self.call(f"fmi2Get{type_}", references(names), len(names), values), list(values)
+
+    def get(self, name: str):
+        status, (value,) = self.try_get([name])
+        assert status == OK, f"{name}: {self.messages[-1:]}"
+        type_ = VARIABLES[name].type
+        return bool(value) if type_ == "Boolean" else value.decode() if type_ == "String" else value
+
+    def everything(self) -> dict:
+        """All that can be read, exactly; where reading is refused, that."""
+        quiet = len(self.messages)
+        values: dict = {}
+        for name in VARIABLES:
+            status, (value,) = self.try_get([name])
+            values[name] = "refused" if status != OK else value.hex() if isinstance(value, float) else value
+        time = c_double()
+        self.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
+        values["time"] = time.value.hex()
+        del self.messages[quiet:]
+        return values
+
+    # life
+
+    def setup(self, time: float = 0.0, tolerance: float | None = None, stop: float | None = None) -> None:
+        self.ok("fmi2SetupExperiment", tolerance is not None, tolerance or 0.0, time, stop is not None, stop or 0.0)
+        self.time = time
+
+    def enter(self, phase: str) -> "Driver":
+        """From instantiated to `phase`."""
+        steps = ["fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Terminate"]
+        for function in steps[: PHASES.index(phase)]:
+            self.ok(function)
+        return self
+
+    def start(self, values: dict | None = None, time: float = 0.0) -> "Driver":
+        self.set(values or {})
+        self.setup(time)
+        return self.enter(STEP)
+
+    def step(self, h: float, **inputs: float) -> None:
+        """One step of h seconds with these inputs, which stay until they are set again."""
+        self.set(inputs)
+        self.ok("fmi2DoStep", self.time, h, 1)
+        self.time += h
+
+    def set_rates(self, **rates: float) -> None:
+        arguments = references(list(rates)), len(rates), (c_int * len(rates))(*[1] * len(rates))
+        self.ok("fmi2SetRealInputDerivatives", *arguments, to_c("Real", list(rates.values())))
+
+    def output_derivative(self, name: str, order: int) -> float:
+        value = c_double()
+        self.ok("fmi2GetRealOutputDerivatives", references([name]), 1, (c_int * 1)(order), byref(value))
+        return value.value
+
+    # states
+
+    def take(self) -> c_void_p:
+        state = c_void_p()
+        self.ok("fmi2GetFMUstate", byref(state))
+        return state
+
+    def restore(self, state: c_void_p) -> None:
+        self.ok("fmi2SetFMUstate", state)
+
+    def free_state(self, state: c_void_p) -> None:
+        self.ok("fmi2FreeFMUstate", byref(state))
+
+    def to_bytes(self, state: c_void_p) -> bytes:
+        size = c_size_t()
+        self.ok("fmi2SerializedFMUstateSize", state, byref(size))
+        room = ctypes.create_string_buffer(size.value)
+        self.ok("fmi2SerializeFMUstate", state, room, size)
+        return room.raw
+
+    def try_from_bytes(self, content: bytes):
+        state = c_void_p()
+        return self.call("fmi2DeSerializeFMUstate", content, len(content), byref(state)), state

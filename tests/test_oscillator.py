@@ -1,0 +1,158 @@
+"""The closed forms inside one mode (fmu_src/oscillator.c) against 50-digit arithmetic."""
+
+import ctypes
+import sys
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "fmu_src"))
+import build_fmu  # noqa: E402
+
+mpmath.mp.dps = 50
+
+
+class Oscillator(ctypes.Structure):
+    _fields_ = [(n, ctypes.c_double) for n in ("decay2", "stiffness", "separation", "frequency", "half_period")]
+
+
+class Kernel(ctypes.Structure):
+    _fields_ = [
+        *((n, ctypes.c_double) for n in ("t", "s", "ds", "p1", "p2", "p3")),
+        ("square", ctypes.c_double * 6),
+        ("squared", ctypes.c_bool),
+    ]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    path = tmp_path_factory.mktemp("core") / "liboscillator.so"
+    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
+    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "fmu_src/oscillator.c"], path)
+    library = ctypes.CDLL(str(path))
+    library.oscillator_of.restype = Oscillator
+    library.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
+    library.oscillator_zero.restype = ctypes.c_double
+    library.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
+    library.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
+    return library
+
+
+def kernel_of(library, decay2, stiffness, t):
+    osc, kernel = library.oscillator_of(decay2, stiffness), Kernel()
+    library.oscillator_kernel(osc, t, kernel)
+    return osc, kernel
+
+
+def roots(decay2, stiffness):
+    a = mpmath.mpf(decay2) / 2
+    d = mpmath.sqrt(a * a - mpmath.mpf(stiffness))
+    if d == 0:
+        d = mpmath.mpf(10) ** -22  # the double root as the limit of two: error of the order d^2
+    return -a + d, -a - d
+
+
+def phi(k, x):
+    if abs(x) < 2:
+        return sum(x**n / mpmath.factorial(n + k) for n in range(60))
+    value = mpmath.exp(x)
+    for j in range(k):
+        value = (value - 1 / mpmath.factorial(j)) / x
+    return value
+
+
+def exact(decay2, stiffness, t):
+    """s, s', p1, p2, p3: divided differences of the exponential over the two roots and k zeros."""
+    one, two = roots(decay2, stiffness)
+    t = mpmath.mpf(t)
+    e1, e2 = mpmath.exp(one * t), mpmath.exp(two * t)
+    values = [(e1 - e2) / (one - two), (one * e1 - two * e2) / (one - two)]
+    values += [t**k * (phi(k, one * t) - phi(k, two * t)) / (one - two) for k in (1, 2, 3)]
+    return [mpmath.re(v) for v in values]
+
+
+def random_rates(rng, kind, t):
+    x = 10 ** rng.uniform(-3, 2)
+    if kind == "undamped":
+        return 0.0, (x / t) ** 2
+    if kind == "unsprung":
+        return x / t, 0.0
+    if kind == "nearly critical":
+        return x / t, (rng.uniform(0.49, 0.51) * x / t) ** 2
+    if kind == "exactly critical":
+        return x / t, (0.5 * x / t) ** 2
+    if kind == "stiff":
+        return x / t, (x / t) ** 2 * 10 ** rng.uniform(-12, 0)
+    if kind == "hyperbolic":
+        return rng.uniform(-1, 1) * min(x, 10) / t, -((min(x, 20) / t) ** 2)
+    return x / t * 10 ** rng.uniform(-3, 1), (x / t) ** 2
+
+
+KINDS = ["undamped", "unsprung", "nearly critical", "exactly critical", "stiff", "hyperbolic", "any"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_kernel(library, kind):
+    rng = np.random.default_rng(KINDS.index(kind))
+    for _ in range(60):
+        t = 10 ** rng.uniform(-6, 1)
+        decay2, stiffness = random_rates(rng, kind, t)
+        _, k = kernel_of(library, decay2, stiffness, t)
+        got = [k.s, k.ds, k.p1, k.p2, k.p3]
+        # s and s' pass through zero and decay; their error counts against t and 1, which multiply them
+        growth = max(1, *(abs(mpmath.exp(r * t)) for r in roots(decay2, stiffness)))
+        reference = exact(decay2, stiffness, t)
+        for value, r, size in zip(got[:2], reference[:2], [t * growth, growth], strict=True):
+            assert abs(value - r) <= 2e-15 * size * (1 + mpmath.sqrt(abs(stiffness)) * t)
+        for n, (value, r) in enumerate(zip(got[2:], reference[2:], strict=True), start=2):
+            floor = abs(r) if kind != "undamped" else max(abs(r), 1 / mpmath.mpf(stiffness) * t ** (n - 2) / 100)
+            assert abs(value - r) <= 1e-13 * floor
+
+
+@pytest.mark.parametrize("kind", ["undamped", "unsprung", "nearly critical", "stiff", "any"])
+def test_integral_of_square(library, kind):
+    rng = np.random.default_rng(100 + KINDS.index(kind))
+    for _ in range(2):
+        decay2, stiffness = random_rates(rng, kind, 1.0)
+        osc, k = kernel_of(library, decay2, stiffness, 1.0)
+        library.oscillator_square(ctypes.byref(osc), ctypes.byref(k))
+        omega, alpha, drive = rng.normal(size=3) * [1, 10, 30]
+
+        def square(t, rates=(decay2, stiffness), start=(omega, alpha, drive)):
+            s, _, p1, *_ = exact(*rates, t)
+            return (start[0] * (1 - rates[1] * p1) + start[1] * s + start[2] * p1) ** 2
+
+        fast = abs(roots(decay2, stiffness)[1])
+        cuts = sorted({0, 1, *(10**-i for i in range(1, 4)), *np.linspace(0, 1, 3 + int(fast / 2)).tolist()})
+        q = list(k.square)
+        got = q[0] * omega**2 + 2 * q[1] * omega * alpha + 2 * q[2] * omega * drive
+        got += q[3] * alpha**2 + 2 * q[4] * alpha * drive + q[5] * drive**2
+        with mpmath.workdps(25):
+            assert got == pytest.approx(float(mpmath.quad(square, cuts)), rel=1e-13)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_first_zero(library, kind):
+    """y(t*) = 0 and y keeps its sign before."""
+    rng = np.random.default_rng(200 + KINDS.index(kind))
+    for _ in range(25):
+        decay2, stiffness = random_rates(rng, kind, 1.0)
+        osc = library.oscillator_of(decay2, stiffness)
+        y0, dy0 = rng.normal(), rng.normal() * (abs(decay2) + np.sqrt(abs(stiffness)))
+        t = library.oscillator_zero(osc, y0, dy0)
+        one, two = roots(decay2, stiffness)
+        a, b = (dy0 - two * y0) / (one - two), (one * y0 - dy0) / (one - two)
+
+        def y(x, a=a, b=b, one=one, two=two):
+            return mpmath.re(a * mpmath.exp(one * x) + b * mpmath.exp(two * x))
+
+        if t == np.inf:
+            span = 50 / abs(one) if one != 0 else 50
+            assert all(y(span * x) * y0 > 0 for x in (0.001, 0.01, 0.1, 1))
+        else:
+            width = 1e-12 * t
+            assert y(t - width) * y(t + width) < 0
+            assert all(y(t * x) * y0 > 0 for x in (0.01, 0.2, 0.5, 0.8, 0.999))
