@@ -82,7 +82,7 @@ case $command in
         install_dependencies '.[test]'
         build
         say "run the tests"
-        exec .venv/bin/python -m pytest -n 2 --dist loadgroup "$@"
+        exec .venv/bin/python -m pytest -n 2 "$@"
         ;;
     bench)
         install_dependencies .

@@ -191,7 +191,7 @@ def scenes() -> list[Scene]:
             lead_in=10,
         ),
         Scene(
-            "slip damped, h varies",
+            "damped, h varies",
             "slip damped with steps of 0.9 to 1.1 ms: nothing can be kept from the step before",
             None,
             {**SWING, **DAMPED},
@@ -201,7 +201,7 @@ def scenes() -> list[Scene]:
             steps=jitter(0.9e-3, 1.1e-3),
         ),
         Scene(
-            "slip damped, h = dt",
+            "damped, h = dt",
             "slip damped with h = t[k+1] - t[k], as some masters compute it: its last digits vary",
             None,
             {**SWING, **DAMPED},

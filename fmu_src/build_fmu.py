@@ -11,6 +11,7 @@ runs on every Linux with glibc >= 2.17. Nothing is done when no input has change
 from __future__ import annotations
 
 import argparse
+import fcntl
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -250,8 +251,8 @@ def identity(fmu: Fmu) -> list[str]:
 
 
 def sanitizing_compiler(scratch: Path) -> tuple[list[str], list[str], str]:
-    """The strictest at hand: a system compiler with AddressSanitizer, else zig's UBSan (zig ships no
-    AddressSanitizer runtime)."""
+    """The strictest at hand that works: a system compiler with AddressSanitizer, else zig's UBSan (zig
+    ships no AddressSanitizer runtime)."""
     probe = scratch / "probe.c"
     scratch.mkdir(parents=True, exist_ok=True)
     probe.write_text("int main(void) { return 0; }\n")
@@ -289,13 +290,16 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="fail if the committed XML is not fresh")
     parser.add_argument("--sanitize", action="store_true", help="build the native test driver instead")
     arguments = parser.parse_args()
+    BUILD.mkdir(exist_ok=True)
     try:
-        fmu = forward_fmu(arguments.check)
-        if arguments.sanitize:
-            build_native_drivers(fmu)
-        else:
-            build(fmu)
-            build(null_fmu(fmu))
+        with (BUILD / "lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)  # parallel test workers may ask at the same time
+            fmu = forward_fmu(arguments.check)
+            if arguments.sanitize:
+                build_native_drivers(fmu)
+            else:
+                build(fmu)
+                build(null_fmu(fmu))
     except BuildError as error:
         print(f"build_fmu: {error}", file=sys.stderr)
         return 1

@@ -676,5 +676,5 @@ double mechanism_axial_derivative(const Mechanism *m, int order) {
     if (order == 1) return m->model.geometry.lift * m->state.omega.hi;
     Loads loads;
     mechanism_loads(m, &loads);
-    return m->model.geometry.lift * loads.alpha;
+    return m->model.geometry.lift * (order == 2 ? loads.alpha : loads.jerk);
 }

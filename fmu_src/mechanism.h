@@ -140,7 +140,7 @@ void mechanism_motion(const Mechanism *m, Motion *out);
 void mechanism_loads(const Mechanism *m, Loads *out);
 void mechanism_energy(const Mechanism *m, Energy *out);
 
-/* Time derivative of z of order 1 (v) or 2 (v'), one-sided at a mode change: what comes next. */
+/* Time derivative of z of order 1 (v) to 3, one-sided at a mode change: what comes next. */
 double mechanism_axial_derivative(const Mechanism *m, int order);
 
 #endif

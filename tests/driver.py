@@ -81,7 +81,9 @@ class Callbacks(Structure):
 
 
 _REFERENCES, _ORDERS = POINTER(c_uint), POINTER(c_int)
-_ACCESS = {f"fmi2{way}{t}": (_REFERENCES, c_size_t, POINTER(VALUE[t])) for t in VALUE for way in ("Get", "Set")}
+_ACCESS = {
+    f"fmi2{way}{t}": (_REFERENCES, c_size_t, POINTER(VALUE[t])) for t in VALUE for way in ("Get", "Set")
+}
 _STATUS = {"": c_int, "Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 # arguments after the instance
 ARGUMENTS = {
@@ -244,8 +246,8 @@ class Driver:
 
     # life
 
-    def setup(self, time: float = 0.0, tolerance: float | None = None, stop: float | None = None) -> None:
-        self.ok("fmi2SetupExperiment", tolerance is not None, tolerance or 0.0, time, stop is not None, stop or 0.0)
+    def setup(self, time: float = 0.0) -> None:
+        self.ok("fmi2SetupExperiment", 0, 0.0, time, 0, 0.0)
         self.time = time
 
     def enter(self, phase: str) -> "Driver":

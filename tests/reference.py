@@ -952,6 +952,7 @@ class Simulation:
             self._settle(mode, until)
             return
         # on the edge, and the ramp leads on: follow it
+        self._set_mode(LOADING if sigma > 0 else RELEASING)
         kin, tau = mech.groove.at(self.theta), self._tau(self.t)
         rounding = self.arithmetic.tiny * (abs(self.tau[0]) + abs(self.tau[1] * self.length))
         ratio = self._edge(sigma * (sign(self.tau[1]) if abs(tau) <= rounding else sign(tau)))

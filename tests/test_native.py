@@ -12,8 +12,6 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 DRIVERS = ROOT / "build" / "native"
 
-pytestmark = pytest.mark.xdist_group("native")  # one worker: both tests share the compilation
-
 
 @pytest.fixture(scope="module")
 def references() -> list[str]:
