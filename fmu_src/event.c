@@ -229,7 +229,7 @@ static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const double sign = s->slip->direction;
     const Arc *arc = &ends->arc;
-    if (!(arc->t < s->slip->oscillator.half_period)) return false;
+    if (!(arc->t < s->slip->oscillator.half_period && arc->t <= s->slip->oscillator.horizon)) return false;
     if (!(sign * arc->omega > 0.0) || !(sign * arc->dtheta < s->room)) return false;
     if (sign * s->launch.alpha < 0.0 && sign * arc->alpha > 0.0) return false;
     return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));

@@ -67,7 +67,8 @@ static double load_rate(const Slip *slip, const Launch *l) {
  * start it backwards: both launches keep to the direction. */
 static void launch_inertial(const Slip *slip, Launch *l) {
     l->alpha = (slip_net_torque(slip, l) - slip->damping * l->omega) / slip->mass;
-    if (l->omega == 0.0 && slip->direction * l->alpha < 0.0) l->alpha = 0.0;
+    l->settled = slip->damping != 0.0 ? slip_net_torque(slip, l) / slip->damping : 0.0;
+    if (l->omega == 0.0 && slip->direction * l->alpha < 0.0) l->alpha = l->settled = 0.0;
     l->drive = load_rate(slip, l) / slip->mass;
     l->curvature = l->drive - slip->oscillator.stiffness * l->omega;
 }
@@ -76,6 +77,7 @@ static void launch_viscous(const Slip *slip, Launch *l) {
     l->omega = slip_net_torque(slip, l) / slip->damping;
     if (slip->direction * l->omega < 0.0) l->omega = 0.0;
     l->alpha = (load_rate(slip, l) - slip->stiffness * l->omega) / slip->damping;
+    l->settled = slip->stiffness != 0.0 ? load_rate(slip, l) / slip->stiffness : 0.0;
 }
 
 /* On the edge of the band N stays 0: the spring takes what the inputs bring. What rounding has left of
@@ -149,9 +151,9 @@ double slip_contact_scale(const Slip *slip, const Params *p, const Geometry *g, 
 /* integral of omega^2 over the arc, J per N.m.s/rad */
 static double integral_of_square(const Slip *slip, const Launch *l, Kernel *k) {
     if (!k->squared) oscillator_square(&slip->oscillator, k);
-    const double *q = k->square;
-    return q[0] * l->omega * l->omega + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
-           2.0 * (q[1] * l->omega * l->alpha + (q[2] * l->omega + q[4] * l->alpha) * l->drive);
+    const double *q = k->square, b = k->lead != 0.0 ? l->settled : l->omega;
+    return q[0] * b * b + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
+           2.0 * (q[1] * b * l->alpha + (q[2] * b + q[4] * l->alpha) * l->drive);
 }
 
 /* The reactions' power follows from the axial side, so that the balance with the torque's work is a

@@ -181,7 +181,7 @@ static bool can_read(Instance *instance, const char *function, const fmi2ValueRe
 }
 
 static const void *address(const Instance *instance, fmi2ValueReference reference) {
-    return variable_address(&VARIABLES[reference], &instance->values);
+    return (const char *)&instance->values + VARIABLES[reference].offset;
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
@@ -222,15 +222,17 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 typedef struct {
     Params params;
     Inputs inputs;
-} Draft;
+} Draft; /* the beginning of Values */
+
+_Static_assert(offsetof(Values, mechanism.params) == offsetof(Draft, params), "one offset for both");
+_Static_assert(offsetof(Values, mechanism.inputs) == offsetof(Draft, inputs), "one offset for both");
 
 static Draft draft_of(const Instance *instance) {
     return (Draft){.params = instance->values.mechanism.params, .inputs = instance->values.mechanism.inputs};
 }
 
 static void *draft_address(Draft *draft, const Variable *variable) {
-    void *group = variable->group == GROUP_INPUTS ? (void *)&draft->inputs : (void *)&draft->params;
-    return (char *)group + variable->offset;
+    return (char *)draft + variable->offset;
 }
 
 /* During the run only tunable parameters can be in the draft, see find_settable(). */
@@ -297,7 +299,7 @@ static bool are_good_inputs(const fmi2ValueReference vr[], size_t nvr, const fmi
 }
 
 static double *input_address(Instance *instance, fmi2ValueReference reference) {
-    return (double *)((char *)&instance->values.mechanism.inputs + VARIABLES[reference].offset);
+    return (double *)((char *)&instance->values + VARIABLES[reference].offset);
 }
 
 static fmi2Status set_reals_on_draft(Instance *instance, const char *function, const fmi2ValueReference vr[],

@@ -10,14 +10,19 @@
  * time of a step, and no mechanism that makes sense changes its mode so often between two samples. */
 enum { MAX_EVENTS_PER_STEP = 1000000 };
 
+/* Moving contacts can jam (see jam()), and let go again at once. Without inertia of the shaft a locked contact
+ * can do so for ever, in ever shorter time: rigid bodies under Coulomb friction then have no motion at all
+ * (P. Painleve, 1895). */
+enum { MAX_JAMS_PER_STEP = 1000 };
+
 /* Torque and load are known to a few roundings; a difference below this share of their size is none. */
 static const double TIE = 8.0 * DBL_EPSILON;
 
 /* A reaction this small against the loads that make it is zero: the flank is decided by its rate. */
 static const double NO_REACTION = 1e-13;
 
-/* A bounce whose excursion is below this share of the stop's range is below the rounding of theta. */
-static const double NO_BOUNCE = 4.0 * DBL_EPSILON;
+/* A bounce whose excursion is below this share of the angles involved is lost in the rounding of theta. */
+static const double NO_BOUNCE = 16.0 * DBL_EPSILON;
 
 static int sign_of(double x) {
     return (x > 0.0) - (x < 0.0);
@@ -117,8 +122,8 @@ typedef struct {
 } EdgeFactors;
 
 /* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
-static EdgeFactors edge_factors(const BandFactors *band, double F_0) {
-    if (F_0 >= 0.0) return (EdgeFactors){.release = band->release, .load = band->load};
+static EdgeFactors edge_factors(const BandFactors *band, double side) {
+    if (side >= 0.0) return (EdgeFactors){.release = band->release, .load = band->load};
     return (EdgeFactors){.release = band->load, .load = band->release};
 }
 
@@ -130,10 +135,20 @@ static double axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
 }
 
+/* The sign that F_0 has, or is about to take. */
+static double load_side(const Mechanism *m, double F_0) {
+    return F_0 != 0.0 ? F_0 : m->inputs.F_ext[1];
+}
+
 /* The size of what axial_load adds up: its rounding error is a few eps of this. */
 static double axial_size(const Mechanism *m) {
     return fabs(m->params.spring.preload) + fabs(m->params.spring.stiffness * axial_position(m)) +
            fabs(m->inputs.F_ext[0]);
+}
+
+/* The size of tau - factor F_0, likewise. */
+static double torque_size(const Mechanism *m, double factor) {
+    return fabs(m->inputs.tau[0]) + fabs(factor) * axial_size(m);
 }
 
 /* Does the torque press past an edge of the band? At the edge itself its rate decides. */
@@ -145,10 +160,10 @@ static bool presses(double excess, double size, double rate) {
 /* +1: the torque loads, -1: it releases, 0: it is inside the stick band. The inclusion of section 3. */
 static int pressed_direction(const Mechanism *m, double F_0) {
     const double tau = m->inputs.tau[0], tau_rate = m->inputs.tau[1], F_rate = m->inputs.F_ext[1];
-    const EdgeFactors f = edge_factors(&m->model.band, F_0 != 0.0 ? F_0 : F_rate);
+    const EdgeFactors f = edge_factors(&m->model.band, load_side(m, F_0));
     const double load = edge(f.load, F_0), release = edge(f.release, F_0);
-    if (isfinite(load) && presses(tau - load, fabs(tau) + fabs(load), tau_rate - edge(f.load, F_rate))) return 1;
-    if (isfinite(release) && presses(release - tau, fabs(tau) + fabs(release), edge(f.release, F_rate) - tau_rate))
+    if (isfinite(f.load) && presses(tau - load, torque_size(m, f.load), tau_rate - edge(f.load, F_rate))) return 1;
+    if (isfinite(f.release) && presses(release - tau, torque_size(m, f.release), edge(f.release, F_rate) - tau_rate))
         return -1;
     return 0;
 }
@@ -156,11 +171,11 @@ static int pressed_direction(const Mechanism *m, double F_0) {
 /* At rest and inside the band. Where an edge is infinite, torque beyond the frictionless balance
  * z' F_0 pushes into the wedge. */
 static Mode resting_mode(const Mechanism *m, double F_0) {
-    const EdgeFactors f = edge_factors(&m->model.band, F_0);
-    const bool wedge_below = isinf(edge(f.release, F_0)), wedge_above = isinf(edge(f.load, F_0));
+    const EdgeFactors f = edge_factors(&m->model.band, load_side(m, F_0));
+    const bool wedge_below = isinf(f.release), wedge_above = isinf(f.load);
     if (!wedge_below && !wedge_above) return MODE_STICK;
     const double lift = m->model.geometry.lift, tau = m->inputs.tau[0];
-    const double size = fabs(tau) + fabs(lift * F_0), rate = m->inputs.tau[1] - lift * m->inputs.F_ext[1];
+    const double size = torque_size(m, lift), rate = m->inputs.tau[1] - lift * m->inputs.F_ext[1];
     if (wedge_below && presses(lift * F_0 - tau, size, -rate)) return MODE_WEDGED;
     if (wedge_above && presses(tau - lift * F_0, size, rate)) return MODE_WEDGED;
     return MODE_STICK;
@@ -178,9 +193,8 @@ static Launch launch_of(const Mechanism *m, const Slip *slip) {
 }
 
 /* From rest the net torque must point the way of the slip, or vanish (its rate then decides). */
-static bool starts(const Slip *slip, const Launch *l) {
-    const double size = fabs(l->tau) + fabs(slip->transfer.rho * l->force);
-    return slip->direction * slip_net_torque(slip, l) >= -TIE * size;
+static bool starts(const Mechanism *m, const Slip *slip, const Launch *l) {
+    return slip->direction * slip_net_torque(slip, l) >= -TIE * torque_size(m, slip->transfer.rho);
 }
 
 /* Is x_i on the flank that the slip assumes? */
@@ -196,7 +210,7 @@ static bool flank_agrees(const Mechanism *m, const Slip *slip, const Launch *l, 
 static bool agrees(const Mechanism *m, const Slip *slip, bool at_rest) {
     if (!slip->possible) return false;
     const Launch l = launch_of(m, slip);
-    if (at_rest && !starts(slip, &l)) return false;
+    if (at_rest && !starts(m, slip, &l)) return false;
     if (!has_friction(&m->params)) return true;
     return flank_agrees(m, slip, &l, 0) && flank_agrees(m, slip, &l, 1);
 }
@@ -281,19 +295,25 @@ static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
 }
 
-/* Torque interval, as factors of F_0 and of one sign of F_0, in which a resting mode stays. */
-static EdgeFactors hold_factors(const Mechanism *m, double F_0, double tau) {
-    const EdgeFactors band = edge_factors(&m->model.band, F_0);
+/* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
+static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
+    const double lift = m->model.geometry.lift, excess = m->inputs.tau[0] - lift * F_0;
+    return fabs(excess) <= TIE * torque_size(m, lift) ? isinf(band->load) : excess > 0.0;
+}
+
+/* Torque interval, as factors of F_0, in which a resting mode stays while F_0 has the sign of `side`. */
+static EdgeFactors hold_factors(const Mechanism *m, double F_0, double side) {
+    const EdgeFactors band = edge_factors(&m->model.band, side);
     const double balance = m->model.geometry.lift;
     const double release = isfinite(band.release) ? band.release : balance;
     const double load = isfinite(band.load) ? band.load : balance;
-    const double open = F_0 < 0.0 ? -INFINITY : INFINITY;
+    const double open = side < 0.0 ? -INFINITY : INFINITY;
     switch (m->state.mode) {
         case MODE_LOWER_STOP: return (EdgeFactors){.release = -open, .load = release};
         case MODE_UPPER_STOP: return (EdgeFactors){.release = load, .load = open};
         case MODE_WEDGED:
-            return tau < balance * F_0 ? (EdgeFactors){.release = -open, .load = release}
-                                       : (EdgeFactors){.release = load, .load = open};
+            return wedged_above(m, &band, F_0) ? (EdgeFactors){.release = load, .load = open}
+                                               : (EdgeFactors){.release = -open, .load = release};
         default: return (EdgeFactors){.release = release, .load = load};
     }
 }
@@ -308,7 +328,7 @@ static double time_of_excess(double value, double rate, double t_end) {
 /* The torque leaves the hold while F_0 keeps its sign: both move linearly, so this is one division. */
 static double time_of_release(const Mechanism *m, double F_0, double tau, double t_end) {
     const double F_rate = m->inputs.F_ext[1], tau_rate = m->inputs.tau[1];
-    const EdgeFactors f = hold_factors(m, F_0 != 0.0 ? F_0 : F_rate, tau);
+    const EdgeFactors f = hold_factors(m, F_0, load_side(m, F_0));
     const double above = isinf(f.load) ? INFINITY : time_of_excess(tau - edge(f.load, F_0), tau_rate - edge(f.load, F_rate), t_end);
     const double below = isinf(f.release) ? INFINITY
                                           : time_of_excess(edge(f.release, F_0) - tau,
@@ -344,7 +364,7 @@ static bool inputs_constant(const Inputs *inputs) {
  * one comparison. */
 static void remember_hold(Mechanism *m) {
     const double F_0 = axial_load(m);
-    const EdgeFactors f = hold_factors(m, F_0, m->inputs.tau[0]);
+    const EdgeFactors f = hold_factors(m, F_0, F_0);
     /* a tie at the edge of the band is stick, so the other modes end short of it */
     const double tie = m->state.mode == MODE_STICK ? TIE : -2.0 * TIE;
     const double lower = isinf(f.release) ? -INFINITY : edge(f.release, F_0);
@@ -391,7 +411,7 @@ static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
         .params = &m->params,
         .geometry = &m->model.geometry,
         .launch = launch_of(m, slip),
-        .room = fmax(slip->direction * (stop - m->state.theta.hi), 0.0),
+        .room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0),
         .flanks = has_friction(&m->params),
         .edge = slip->direction > 0 ? edges.load : edges.release,
     };
@@ -464,9 +484,9 @@ static void hit_stop(Mechanism *m, int direction) {
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0) {
         const int slip = choose_slip(m, -direction, false);
-        const double range = m->params.stop.upper - m->params.stop.lower;
+        const double size = fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower));
         const double back = slip < 0 ? 0.0 : direction * launch_of(m, &m->model.slip[slip]).alpha;
-        if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * range) stand_still(m);
+        if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * size) stand_still(m);
     }
     stop_heat(m, before - kinetic_energy(m));
 }
@@ -481,8 +501,9 @@ static void land(Mechanism *m, const Slip *slip, EventKind kind) {
 static double slip_to_event(Mechanism *m, double left) {
     const Slip *slip = present_slip(m);
     const Stretch stretch = stretch_of(m, slip);
-    const Event event = event_first(&stretch, left);
-    const double t = event.kind == EVENT_NONE ? left : event.t;
+    const double horizon = fmin(left, slip->oscillator.horizon);
+    const Event event = event_first(&stretch, horizon);
+    const double t = event.kind == EVENT_NONE ? horizon : event.t;
     Kernel kernel;
     Ends ends;
     oscillator_kernel(&slip->oscillator, t, &kernel);
@@ -511,7 +532,7 @@ static bool jump(Mechanism *m, const Slip *slip) {
     const Stretch s = stretch_of(m, slip);
     const double sign = slip->direction, force = s.launch.force, net = sign * slip_net_torque(slip, &s.launch);
     const bool stable = slip->stiffness > 0.0; /* else the way on asks for less and less torque */
-    if (stable && net <= TIE * (fabs(s.launch.tau) + fabs(slip->transfer.rho * force))) return false;
+    if (stable && net <= TIE * torque_size(m, slip->transfer.rho)) return false;
     const double spring = sign * m->params.spring.stiffness * m->model.geometry.lift;
     const bool mirrors = force * spring < 0.0 && fabs(force) > TIE * axial_size(m);
     const double to_edge = stable ? net / slip->stiffness : INFINITY;
@@ -522,6 +543,11 @@ static bool jump(Mechanism *m, const Slip *slip) {
     stand_still(m);
     if (way == s.room) land(m, slip, EVENT_STOP);
     return true;
+}
+
+/* Moving, and in a mode in which it cannot. */
+static bool is_jammed(const Mechanism *m) {
+    return has_inertia(&m->params) && m->state.omega.hi != 0.0 && !is_slip(m->state.mode);
 }
 
 /* No flank agrees while it moves: the contacts jam it at once. Its kinetic energy becomes friction heat,
@@ -541,39 +567,49 @@ static void jam(Mechanism *m) {
 
 /* Spends up to `left` seconds in the mode that the inclusion asks for now; returns how long. */
 static double advance_in_mode(Mechanism *m, double left) {
-    enter(m, decide(m));
-    if (!is_slip(m->state.mode)) {
-        if (m->state.omega.hi == 0.0 || !has_inertia(&m->params)) return hold(m, left);
-        jam(m);
-        return 0.0;
-    }
+    if (!is_slip(m->state.mode)) return hold(m, left);
     const Slip *slip = present_slip(m);
     if (slip->kind == FLOW_QUASISTATIC && jump(m, slip)) return 0.0;
     return slip_to_event(m, left);
+}
+
+static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
+    m->state = *state;
+    m->inputs = *inputs;
+    forget(&m->cache);
+}
+
+static void describe_failure(Fault *fault, const Mechanism *m, double h, double left, int jams) {
+    const char *const what = !(left > 0.0)               ? "the motion leaves the range of numbers"
+                             : jams >= MAX_JAMS_PER_STEP ? "the contacts jam and let go without end"
+                                                         : "the mode changes too often";
+    snprintf(fault->text, sizeof fault->text,
+             "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values, %d mode "
+             "changes and %d jams",
+             h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], what, (int)MAX_EVENTS_PER_STEP,
+             (int)MAX_JAMS_PER_STEP);
 }
 
 static bool advance_through_events(Mechanism *m, double h, Fault *fault) {
     const State state = m->state;
     const Inputs inputs = m->inputs;
     double left = h;
-    for (int n = 0; n < MAX_EVENTS_PER_STEP && left > 0.0; n++) left -= advance_in_mode(m, left);
+    int jams = 0;
+    for (int n = 0; n < MAX_EVENTS_PER_STEP && jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
+        enter(m, decide(m));
+        if (is_jammed(m)) {
+            jam(m);
+            jams++;
+        } else {
+            left -= advance_in_mode(m, left);
+        }
+    }
     if (left == 0.0) {
         enter(m, decide(m)); /* the mode at the communication point itself */
         return true;
     }
-    m->state = state;
-    m->inputs = inputs;
-    forget(&m->cache);
-    if (left > 0.0) {
-        snprintf(fault->text, sizeof fault->text,
-                 "step of %.17g s: more than %d mode changes; allowed are at most that many in a step", h,
-                 (int)MAX_EVENTS_PER_STEP);
-    } else {
-        snprintf(fault->text, sizeof fault->text,
-                 "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: the motion leaves the range of numbers; "
-                 "allowed are finite values",
-                 h, state.theta.hi, state.omega.hi, inputs.tau[0]);
-    }
+    undo(m, &state, &inputs);
+    describe_failure(fault, m, h, left, jams);
     return false;
 }
 

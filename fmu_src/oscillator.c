@@ -53,16 +53,22 @@ static const double INVERSE_FACTORIAL[SERIES_TERMS + 5] = {
     1.0 / 295232799039604140847618609643520000000.0,
 };
 
+/* exp(2 * 300) is still a number, and so is the integral of its square. Whatever is told from rounding
+ * grows past any end stop in that time. */
+static const double MAX_GROWTH = 300.0;
+
 Oscillator oscillator_of(double decay2, double stiffness) {
     const double a = 0.5 * decay2;
     const double separation = a * a - stiffness;
     const double frequency = sqrt(fabs(separation));
+    const double growth = separation > 0.0 ? frequency - a : -a; /* of the faster solution */
     return (Oscillator){
         .decay2 = decay2,
         .stiffness = stiffness,
         .separation = separation,
         .frequency = frequency,
         .half_period = separation < 0.0 ? PI / frequency : INFINITY,
+        .horizon = growth > 0.0 ? MAX_GROWTH / growth : INFINITY,
     };
 }
 
@@ -167,14 +173,14 @@ void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel) {
     }
 }
 
-/* omega = c omega0 + s alpha0 + p1 U with c = 1 - w2 p1 */
-static void add_products(double weight, double c, double s, double p1, double q[6]) {
-    q[0] += weight * c * c;
-    q[1] += weight * c * s;
-    q[2] += weight * c * p1;
-    q[3] += weight * s * s;
-    q[4] += weight * s * p1;
-    q[5] += weight * p1 * p1;
+/* omega = of_b b0 + of_alpha alpha0 + of_drive U */
+static void add_products(double weight, double of_b, double of_alpha, double of_drive, double q[6]) {
+    q[0] += weight * of_b * of_b;
+    q[1] += weight * of_b * of_alpha;
+    q[2] += weight * of_b * of_drive;
+    q[3] += weight * of_alpha * of_alpha;
+    q[4] += weight * of_alpha * of_drive;
+    q[5] += weight * of_drive * of_drive;
 }
 
 typedef struct {
@@ -222,7 +228,8 @@ static int power_series(const Oscillator *osc, double t, double s[SERIES_TERMS],
     return SERIES_TERMS;
 }
 
-static void square_by_quadrature(const Oscillator *osc, double t, double q[6]) {
+/* With c = 1 - w2 p1: omega = c omega0 + s alpha0 + p1 U = c b0 + (s - lead c) alpha0 + p1 U. */
+static void square_by_quadrature(const Oscillator *osc, double lead, double t, double q[6]) {
     const Quadrature *rule = &QUADRATURES[reach(osc, t) <= QUADRATURES[0].reach ? 0 : 1];
     double s_of_x[SERIES_TERMS], p1_of_x[SERIES_TERMS];
     const int terms = power_series(osc, t, s_of_x, p1_of_x);
@@ -236,17 +243,22 @@ static void square_by_quadrature(const Oscillator *osc, double t, double q[6]) {
         }
         s *= t * x;
         p1 *= t * t * x * x;
-        add_products(0.5 * t * rule->weight[i], 1.0 - osc->stiffness * p1, s, p1, q);
+        const double c = 1.0 - osc->stiffness * p1;
+        add_products(0.5 * t * rule->weight[i], c, s - lead * c, p1, q);
     }
 }
 
-/* From [0, t] to [0, 2t]: the second half starts from omega(t), alpha(t) and the same U. Sums of
- * squares only, so nothing cancels. */
-static void square_doubled(const Oscillator *osc, const Kernel *k, double q[6]) {
-    /* rows of the map (omega0, alpha0, U) -> (omega, alpha, U) at t */
-    const double o[3] = {1.0 - osc->stiffness * k->p1, k->s, k->p1};
-    const double a[3] = {-osc->stiffness * k->s, k->ds, k->s};
-    const double row[3][3] = {{o[0], a[0], 0.0}, {o[1], a[1], 0.0}, {o[2], a[2], 1.0}};
+/* From [0, t] to [0, 2t]: the second half starts from b(t), alpha(t) and the same U. Sums of squares only,
+ * so nothing cancels. */
+static void square_doubled(const Oscillator *osc, double lead, const Kernel *k, double q[6]) {
+    /* column j of row: what (b0, alpha0, U) contribute to (b, alpha, U) at t; with lead = 1/(2a) the
+     * contribution of alpha0 to b, s - lead c + lead s', vanishes but for the term in lead^2 */
+    const double pull = osc->stiffness * k->s;
+    const double row[3][3] = {
+        {1.0 - osc->stiffness * k->p1 - lead * pull, -pull, 0.0},
+        {(lead != 0.0 ? 0.0 : k->s) + lead * lead * pull, k->ds + lead * pull, 0.0},
+        {k->p1 + lead * k->s, k->s, 1.0},
+    };
     double half[3][3]; /* Q applied to each row */
     for (int i = 0; i < 3; i++) {
         half[i][0] = q[0] * row[i][0] + q[1] * row[i][1] + q[2] * row[i][2];
@@ -261,16 +273,18 @@ static void square_doubled(const Oscillator *osc, const Kernel *k, double q[6]) 
 }
 
 void oscillator_square(const Oscillator *osc, Kernel *kernel) {
+    const double lead = fabs(osc->decay2) * kernel->t > 1.0 ? 1.0 / osc->decay2 : 0.0;
     int doublings = 0;
     double t = kernel->t;
     for (double x = reach(osc, t); x > QUADRATURES[1].reach; x *= 0.5) doublings++;
     t = ldexp(t, -doublings);
-    square_by_quadrature(osc, t, kernel->square);
+    square_by_quadrature(osc, lead, t, kernel->square);
     for (; doublings > 0; doublings--, t *= 2.0) {
         Kernel k;
         oscillator_kernel(osc, t, &k);
-        square_doubled(osc, &k, kernel->square);
+        square_doubled(osc, lead, &k, kernel->square);
     }
+    kernel->lead = lead;
     kernel->squared = true;
 }
 

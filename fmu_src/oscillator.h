@@ -16,19 +16,21 @@
 #include <stdbool.h>
 
 typedef struct {
-    double decay2;     /* 1/s, 2a */
-    double stiffness;  /* 1/s^2, w2 */
-    double separation; /* 1/s^2, a^2 - w2: > 0 overdamped, < 0 underdamped */
-    double frequency;  /* rad/s, sqrt(|separation|) */
+    double decay2;      /* 1/s, 2a */
+    double stiffness;   /* 1/s^2, w2 */
+    double separation;  /* 1/s^2, a^2 - w2: > 0 overdamped, < 0 underdamped */
+    double frequency;   /* rad/s, sqrt(|separation|) */
     double half_period; /* s, pi/frequency if underdamped, else infinity */
+    double horizon;     /* s, to be used for no longer: a growing solution reaches exp(MAX_GROWTH) */
 } Oscillator;
 
 typedef struct {
     double t;          /* s; NAN: empty */
     double s, ds;      /* s, 1: s and its derivative */
     double p1, p2, p3; /* s^2, s^3, s^4 */
-    /* integral of omega^2 as a quadratic form in (omega0, alpha0, U); see oscillator_square */
+    /* integral of omega^2 as a quadratic form in (omega0 + lead alpha0, alpha0, U); see oscillator_square */
     double square[6];
+    double lead; /* s */
     bool squared;
 } Kernel;
 
@@ -37,8 +39,11 @@ Oscillator oscillator_of(double decay2, double stiffness);
 /* s, ds, p1, p2, p3 at t >= 0. */
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel);
 
-/* Fills kernel->square: integral of omega^2 over [0, t]
- *     = q0 omega0^2 + 2 q1 omega0 alpha0 + 2 q2 omega0 U + q3 alpha0^2 + 2 q4 alpha0 U + q5 U^2 */
+/* Fills kernel->square and kernel->lead: integral of omega^2 over [0, t]
+ *     = q0 b0^2 + 2 q1 b0 alpha0 + 2 q2 b0 U + q3 alpha0^2 + 2 q4 alpha0 U + q5 U^2,  b0 = omega0 + lead alpha0
+ * lead is 0 over a short time. Over a time in which damping settles the motion it is 1/(2a): b0 is then the
+ * speed that is left, which the caller knows better than as a difference (inertial: b0 = N/B). Taken from
+ * omega0 and alpha0, two huge squares would cancel. */
 void oscillator_square(const Oscillator *osc, Kernel *kernel);
 
 /* First t > 0 at which the homogeneous solution with y(0) = y0, y'(0) = dy0 vanishes, or infinity. */

@@ -16,13 +16,13 @@ const Unit UNITS[UNIT_COUNT] = {
 #undef STARTS_FROM
 };
 
-/* The struct of each group. */
-typedef Params TypeOf_PARAMS;
-typedef Inputs TypeOf_INPUTS;
-typedef State TypeOf_STATE;
-typedef Motion TypeOf_MOTION;
-typedef Loads TypeOf_LOADS;
-typedef Energy TypeOf_ENERGY;
+/* Where each group is in Values. */
+#define PATH_PARAMS mechanism.params
+#define PATH_INPUTS mechanism.inputs
+#define PATH_STATE mechanism.state
+#define PATH_MOTION outputs.motion
+#define PATH_LOADS outputs.loads
+#define PATH_ENERGY outputs.energy
 
 /* The C type of each kind: a field of another type does not compile. */
 typedef double TypeOf_REAL;
@@ -33,8 +33,8 @@ typedef bool TypeOf_BOOLEAN;
 typedef char *TypeOf_TEXT;
 
 #define UNIT(...)
-#define VARIABLE(model, kind, id, group, field, ...)                                     \
-    _Static_assert(_Generic(((TypeOf_##group *)0)->field, TypeOf_##kind: 1, default: 0), \
+#define VARIABLE(model, kind, id, group, field, ...)                                          \
+    _Static_assert(_Generic(((Values *)0)->PATH_##group.field, TypeOf_##kind: 1, default: 0), \
                    #id ": field of another type");
 #define STARTS_FROM(...)
 #include "variables.def"
@@ -55,7 +55,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 #define UNIT(...)
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
                  max_, text)                                                                             \
-    [VR_##id] = {.offset = offsetof(TypeOf_##group_, field),                                             \
+    [VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                                        \
                  .group = GROUP_##group_,                                                                \
                  .type = (Type)TYPE_OF_##kind_,                                                          \
                  .kind = KIND_##kind_,                                                                   \
@@ -83,22 +83,6 @@ const char *type_name(Type type) {
     return names[type];
 }
 
-static size_t group_offset(Group group) {
-    switch (group) {
-        case GROUP_PARAMS: return offsetof(Values, mechanism.params);
-        case GROUP_INPUTS: return offsetof(Values, mechanism.inputs);
-        case GROUP_STATE: return offsetof(Values, mechanism.state);
-        case GROUP_MOTION: return offsetof(Values, outputs.motion);
-        case GROUP_LOADS: return offsetof(Values, outputs.loads);
-        case GROUP_ENERGY: break;
-    }
-    return offsetof(Values, outputs.energy);
-}
-
-const void *variable_address(const Variable *variable, const Values *values) {
-    return (const char *)values + group_offset(variable->group) + variable->offset;
-}
-
 static void write_start(const Variable *variable, void *address) {
     switch (variable->kind) {
         case KIND_REAL: *(double *)address = variable->start; break;
@@ -113,10 +97,8 @@ static void write_start(const Variable *variable, void *address) {
 void variables_start(Values *values) {
     for (size_t i = 0; i < VARIABLE_COUNT; i++) {
         const Variable *variable = &VARIABLES[i];
-        if (variable->group == GROUP_PARAMS)
-            write_start(variable, (char *)&values->mechanism.params + variable->offset);
-        if (variable->group == GROUP_INPUTS)
-            write_start(variable, (char *)&values->mechanism.inputs + variable->offset);
+        if ((variable->group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
+            write_start(variable, (char *)values + variable->offset);
     }
 }
 

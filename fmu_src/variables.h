@@ -65,7 +65,7 @@ typedef struct {
 } Unit;
 
 typedef struct {
-    size_t offset; /* bytes, in the struct of its group */
+    size_t offset; /* bytes, in Values */
     Group group;
     Type type;
     Kind kind;
@@ -94,8 +94,6 @@ static inline const Variable *variable_find(unsigned reference) {
 }
 
 const char *type_name(Type type); /* as FMI writes it: "Real", ... */
-
-const void *variable_address(const Variable *variable, const Values *values);
 
 /* Writes the start values of all parameters and inputs. */
 void variables_start(Values *values);

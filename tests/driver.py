@@ -154,7 +154,7 @@ class Driver:
         name: str | None = "dualcam",
         guid: str | None = GUID,
         kind: int = CO_SIMULATION,
-        resources: str | None = "file:///tmp/resources",
+        resources: str | None = "file:///resources",
         logging: int = 0,
     ) -> None:
         self.library = library

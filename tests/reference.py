@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
@@ -844,18 +844,31 @@ class Simulation:
         self.peak = {name: number(0) for name in PEAKS}
         self.doubts: list[str] = []
         self.stored = self._stored()
+        self._start(first)
         self._begin(first)
 
     # -- inputs and accounts
 
+    def _start(self, first: Interval) -> None:
+        """The mode before t = 0: nothing has moved yet, and rates of the inputs are not known yet."""
+        self._set_inputs(replace(first, tau_rate=0.0, F_ext_rate=0.0))
+        if self.omega != 0:
+            self.mode = LOADING if self.omega > 0 else RELEASING
+        else:
+            mode, sigma, _ = self._rest()
+            self.mode = mode or (LOADING if sigma > 0 else RELEASING)
+
     def _begin(self, interval: Interval) -> None:
+        self._set_inputs(interval)
+        if abs(self.omega) <= self.arithmetic.still * self.peak["omega"]:
+            self.omega *= 0
+        self._decide()
+
+    def _set_inputs(self, interval: Interval) -> None:
         number = self.arithmetic.number
         self.t, self.length = number(0), number(interval.duration)
         self.tau = (number(interval.tau), number(interval.tau_rate))
         self.f_ext = (number(interval.F_ext), number(interval.F_ext_rate))
-        if abs(self.omega) <= self.arithmetic.still * self.peak["omega"]:
-            self.omega = number(0)
-        self._decide()
 
     def _tau(self, t: Number) -> Number:
         return self.tau[0] + self.tau[1] * t
@@ -880,7 +893,7 @@ class Simulation:
             self._note_x(*self.mechanism.shared(kin, self.mechanism.spring_force(kin.z) + self._f_ext(t)))
 
     def _set_mode(self, mode: int) -> None:
-        self.events += self.mode not in (0, mode)
+        self.events += mode != self.mode
         self.mode = mode
 
     # -- decisions
@@ -948,12 +961,15 @@ class Simulation:
         self._set_mode(LOADING if sigma > 0 else RELEASING)  # also a jump is motion
         self._jump(sigma)
         mode, sigma, until = self._rest()
+        kin, tau, f_ext = mech.groove.at(self.theta), self._tau(self.t), self._f_ext(self.t)
+        f0, size = mech.spring_force(kin.z) + f_ext, mech.force_scale(kin, f_ext)
+        if self.down is not None and abs((self.up - self.down) * f0) < 1e-12 * self.up * size:
+            self.doubts.append("stick band without width")
         if sigma == 0:
             self._settle(mode, until)
             return
         # on the edge, and the ramp leads on: follow it
         self._set_mode(LOADING if sigma > 0 else RELEASING)
-        kin, tau = mech.groove.at(self.theta), self._tau(self.t)
         rounding = self.arithmetic.tiny * (abs(self.tau[0]) + abs(self.tau[1] * self.length))
         ratio = self._edge(sigma * (sign(self.tau[1]) if abs(tau) <= rounding else sign(tau)))
         if ratio is None or mech.spring[1] == 0:

@@ -16,13 +16,17 @@ mpmath.mp.dps = 50
 
 
 class Oscillator(ctypes.Structure):
-    _fields_ = [(n, ctypes.c_double) for n in ("decay2", "stiffness", "separation", "frequency", "half_period")]
+    _fields_ = [
+        (n, ctypes.c_double)
+        for n in ("decay2", "stiffness", "separation", "frequency", "half_period", "horizon")
+    ]
 
 
 class Kernel(ctypes.Structure):
     _fields_ = [
         *((n, ctypes.c_double) for n in ("t", "s", "ds", "p1", "p2", "p3")),
         ("square", ctypes.c_double * 6),
+        ("lead", ctypes.c_double),
         ("squared", ctypes.c_bool),
     ]
 
@@ -127,8 +131,8 @@ def test_integral_of_square(library, kind):
 
         fast = abs(roots(decay2, stiffness)[1])
         cuts = sorted({0, 1, *(10**-i for i in range(1, 4)), *np.linspace(0, 1, 3 + int(fast / 2)).tolist()})
-        q = list(k.square)
-        got = q[0] * omega**2 + 2 * q[1] * omega * alpha + 2 * q[2] * omega * drive
+        q, b = list(k.square), omega + k.lead * alpha
+        got = q[0] * b**2 + 2 * q[1] * b * alpha + 2 * q[2] * b * drive
         got += q[3] * alpha**2 + 2 * q[4] * alpha * drive + q[5] * drive**2
         with mpmath.workdps(25):
             assert got == pytest.approx(float(mpmath.quad(square, cuts)), rel=1e-13)
