@@ -10,6 +10,9 @@
 
 #include "flow.h"
 
+/* A reaction this small against the loads that make it is zero: the flank is decided by its rate. */
+#define NO_REACTION 1e-13
+
 typedef enum { EVENT_NONE, EVENT_REST, EVENT_STOP, EVENT_FLANK } EventKind;
 
 typedef struct {

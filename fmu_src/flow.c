@@ -142,10 +142,19 @@ Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const
     };
 }
 
-double slip_contact_scale(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, int i) {
-    const double spring = fabs(p->spring.preload) + fabs(p->spring.stiffness * g->lift * l->theta);
-    return fabs(slip->transfer.axial[i]) * (spring + fabs(l->F_ext)) + fabs(slip->speed[i] * l->omega) +
-           fabs(slip->acceleration[i] * l->alpha);
+Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, int i) {
+    const double axial = fabs(slip->transfer.axial[i]);
+    const double speed = fabs(slip->speed[i]), acceleration = fabs(slip->acceleration[i]);
+    const double spring = fabs(p->spring.stiffness * g->lift);
+    const double omega = fabs(l->omega), alpha = fabs(l->alpha);
+    const double decay2 = fabs(slip->oscillator.decay2), w2 = fabs(slip->oscillator.stiffness);
+    const double jerk = fabs(l->drive) + decay2 * alpha + w2 * omega;
+    const double force = fabs(p->spring.preload) + spring * fabs(l->theta) + fabs(l->F_ext);
+    return (Contact){
+        .value = axial * force + speed * omega + acceleration * alpha,
+        .rate = axial * (spring * omega + fabs(l->F_ext_rate)) + speed * alpha + acceleration * jerk,
+        .curvature = axial * spring * alpha + speed * jerk + acceleration * (decay2 * jerk + w2 * alpha),
+    };
 }
 
 /* integral of omega^2 over the arc, J per N.m.s/rad */

@@ -83,8 +83,9 @@ typedef struct {
 Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
                      const Arc *arc, int i);
 
-/* A size that x_i has by the loads alone: its rounding error is a few eps of this. */
-double slip_contact_scale(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch, int i);
+/* The sizes of what adds up to x_i and its derivatives at the launch: their rounding errors are a few eps of
+ * these. */
+Contact slip_contact_size(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch, int i);
 
 /* Work and heat over the arc that `kernel` describes. */
 Booking slip_booking(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,

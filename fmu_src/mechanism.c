@@ -6,9 +6,9 @@
 
 #include "event.h"
 
-/* A step with more mode changes than this is refused: at well under a microsecond each it bounds the
- * time of a step, and no mechanism that makes sense changes its mode so often between two samples. */
-enum { MAX_EVENTS_PER_STEP = 1000000 };
+/* A step with more mode changes than this is refused. At about a microsecond each that bounds the time a step
+ * takes. Only bounces of a restitution near 1, or vibrations of a tiny inertia, come so often in one step. */
+enum { MAX_EVENTS_PER_STEP = 200000 };
 
 /* Moving contacts can jam (see jam()), and let go again at once. Without inertia of the shaft a locked contact
  * can do so for ever, in ever shorter time: rigid bodies under Coulomb friction then have no motion at all
@@ -17,9 +17,6 @@ enum { MAX_JAMS_PER_STEP = 1000 };
 
 /* Torque and load are known to a few roundings; a difference below this share of their size is none. */
 static const double TIE = 8.0 * DBL_EPSILON;
-
-/* A reaction this small against the loads that make it is zero: the flank is decided by its rate. */
-static const double NO_REACTION = 1e-13;
 
 /* A bounce whose excursion is below this share of the angles involved is lost in the rounding of theta. */
 static const double NO_BOUNCE = 16.0 * DBL_EPSILON;
@@ -197,14 +194,24 @@ static bool starts(const Mechanism *m, const Slip *slip, const Launch *l) {
     return slip->direction * slip_net_torque(slip, l) >= -TIE * torque_size(m, slip->transfer.rho);
 }
 
-/* Is x_i on the flank that the slip assumes? */
+/* Quasi-static slip begins with a jump unless the torque is on the edge already. */
+static bool jumps(const Mechanism *m, const Slip *slip, const Launch *l) {
+    const double net = slip->direction * slip_net_torque(slip, l);
+    return slip->kind == FLOW_QUASISTATIC && net > TIE * torque_size(m, slip->transfer.rho);
+}
+
+/* Is x_i on the flank that the slip assumes, or about to be? Where it is zero, its rate tells, and then the
+ * rate of that. Zero throughout (no load at all) suits either flank. */
 static bool flank_agrees(const Mechanism *m, const Slip *slip, const Launch *l, int i) {
     const Arc start = {.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
     const Contact c = slip_contact(slip, &m->params, &m->model.geometry, l, &start, i);
-    const double scale = slip_contact_scale(slip, &m->params, &m->model.geometry, l, i);
-    const double value = slip->flank[i] * c.value;
-    if (fabs(value) > NO_REACTION * scale) return value > 0.0;
-    return slip->flank[i] * (c.rate != 0.0 ? c.rate : c.curvature) >= 0.0;
+    const Contact size = slip_contact_size(slip, &m->params, &m->model.geometry, l, i);
+    const double flank = slip->flank[i];
+    if (fabs(c.value) > NO_REACTION * size.value) return flank * c.value > 0.0;
+    if (jumps(m, slip, l)) /* only the spring's force changes */
+        return flank * slip->direction * slip->transfer.axial[i] * m->params.spring.stiffness >= 0.0;
+    if (fabs(c.rate) > NO_REACTION * size.rate) return flank * c.rate > 0.0;
+    return fabs(c.curvature) <= NO_REACTION * size.curvature || flank * c.curvature > 0.0;
 }
 
 static bool agrees(const Mechanism *m, const Slip *slip, bool at_rest) {
@@ -360,18 +367,20 @@ static bool inputs_constant(const Inputs *inputs) {
     return inputs->tau[1] == 0.0 && inputs->F_ext[1] == 0.0;
 }
 
+/* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
+static double hold_margin(const Mechanism *m, double factor) {
+    if (m->state.mode == MODE_STICK) return 0.0;
+    return 4.0 * TIE * fabs(factor) * axial_size(m) + DBL_MIN;
+}
+
 /* Remembers the interval of torque in which nothing can happen, so that the next step at rest costs
  * one comparison. */
 static void remember_hold(Mechanism *m) {
     const double F_0 = axial_load(m);
     const EdgeFactors f = hold_factors(m, F_0, F_0);
-    /* a tie at the edge of the band is stick, so the other modes end short of it */
-    const double tie = m->state.mode == MODE_STICK ? TIE : -2.0 * TIE;
-    const double lower = isinf(f.release) ? -INFINITY : edge(f.release, F_0);
-    const double upper = isinf(f.load) ? INFINITY : edge(f.load, F_0);
     m->cache.hold = (Hold){
-        .lower = isinf(lower) ? lower : lower - tie * fabs(lower),
-        .upper = isinf(upper) ? upper : upper + tie * fabs(upper),
+        .lower = isinf(f.release) ? -INFINITY : edge(f.release, F_0) + hold_margin(m, f.release),
+        .upper = isinf(f.load) ? INFINITY : edge(f.load, F_0) - hold_margin(m, f.load),
         .F_ext = m->inputs.F_ext[0],
         .valid = true,
     };
@@ -532,7 +541,7 @@ static bool jump(Mechanism *m, const Slip *slip) {
     const Stretch s = stretch_of(m, slip);
     const double sign = slip->direction, force = s.launch.force, net = sign * slip_net_torque(slip, &s.launch);
     const bool stable = slip->stiffness > 0.0; /* else the way on asks for less and less torque */
-    if (stable && net <= TIE * torque_size(m, slip->transfer.rho)) return false;
+    if (stable && !jumps(m, slip, &s.launch)) return false;
     const double spring = sign * m->params.spring.stiffness * m->model.geometry.lift;
     const bool mirrors = force * spring < 0.0 && fabs(force) > TIE * axial_size(m);
     const double to_edge = stable ? net / slip->stiffness : INFINITY;

@@ -165,12 +165,11 @@ class Helices:
 
     def __init__(self, a1: Number, a2: Number) -> None:
         self.a1, self.a2 = a1, a2
+        self.dgamma, self.dz = a2 / (a1 + a2), a1 * a2 / (a1 + a2)
 
     def at(self, theta: Number) -> Kinematics:
-        a1, a2 = self.a1, self.a2
-        dgamma, dz = a2 / (a1 + a2), a1 * a2 / (a1 + a2)
-        zero = theta * 0
-        return Kinematics(a1, a2, dgamma * theta, dgamma, zero, dz * theta, dz, zero)
+        dgamma, dz = self.dgamma, self.dz
+        return Kinematics(self.a1, self.a2, dgamma * theta, dgamma, 0, dz * theta, dz, 0)
 
 
 class Balance(NamedTuple):
@@ -227,6 +226,7 @@ class Mechanism:
         self.theta0, self.omega0 = p["initial.theta"], p["initial.omega"]
         self.contacts = p["contacts"]
         self.inertial = bool(self.J + self.m + self.I > 0)
+        self._balances: dict[Slip, tuple[Number, Number, Balance]] = {}
         self.linear = not any(self.spring[2:]) and not any(q for _, q in self.damper.values())
 
     def force_scale(self, kin: Kinematics, f_ext: Number) -> Number:
@@ -254,6 +254,12 @@ class Mechanism:
         return (self.J + self.m * kin.dz**2 + self.I * kin.dgamma**2) * omega**2 / 2
 
     def balance(self, kin: Kinematics, slip: Slip) -> Balance:
+        known = self._balances.get(slip)
+        if known is None or known[0] is not kin.a1 or known[1] is not kin.a2:
+            known = self._balances[slip] = (kin.a1, kin.a2, self._balance(kin, slip))
+        return known[2]
+
+    def _balance(self, kin: Kinematics, slip: Slip) -> Balance:
         f1, f2 = slip.sigma * slip.e[0] * self.mu1, slip.sigma * slip.e[1] * self.mu2
         n1, n2 = kin.a1 + f1 * self.r1, kin.a2 + f2 * self.r2
         d1, d2 = self.r1 - f1 * kin.a1, self.r2 - f2 * kin.a2
@@ -501,6 +507,7 @@ class ExactFlow:
 
     def _set_basis(self, basis: list[tuple[int, Number]]) -> None:
         self.basis = basis
+        self._latest: tuple[Number, dict[Number, Number]] = (None, {})
         self.exponents = [rate for _, rate in basis]
 
     def _line(self, value: Number, slope: Number) -> list[Number]:
@@ -520,9 +527,20 @@ class ExactFlow:
     def _value(self, u: list[Number], t: Number) -> Number:
         total = MP.mpf(0)
         for c, (power, rate) in zip(u, self.basis, strict=True):
-            if c != 0:
-                total += c * (t**power if power else 1) * (MP.exp(rate * t) if rate != 0 else 1)
+            if c:
+                term = c * t**power if power else c
+                total += term * self._exp(rate, t) if rate else term
         return MP.re(total)
+
+    def _exp(self, rate: Number, t: Number) -> Number:
+        """exp(rate t), remembered for the conjugate rate and the next function at the same time."""
+        if self._latest[0] is not t:
+            self._latest = (t, {})
+        known = self._latest[1]
+        if rate not in known:
+            known[rate] = MP.exp(rate * t)
+            known[MP.conj(rate)] = MP.conj(known[rate])
+        return known[rate]
 
     def _zeros(self, u: list[Number], end: Number) -> list[Number]:
         """All sign changes in (0, end]: between those of the derivative the function is monotone."""
@@ -597,11 +615,11 @@ class ExactFlow:
         return table
 
     def _integral(self, u: list[Number], w: list[Number], table: dict[tuple[int, int], Number]) -> Number:
+        terms = [(j, b) for j, b in enumerate(w) if b]
         total = MP.mpf(0)
         for i, a in enumerate(u):
-            for j, b in enumerate(w):
-                if a != 0 and b != 0:
-                    total += a * b * table[min(i, j), max(i, j)]
+            if a:
+                total += a * sum(b * table[min(i, j), max(i, j)] for j, b in terms)
         return MP.re(total)
 
 

@@ -10,6 +10,7 @@ matter of rounding, and is not compared in that interval and the next; what is m
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ def drive(fmu: Driver, params, intervals, cut) -> list[dict]:
     read = []
     for i in intervals:
         times = cut(i.duration)
-        for start, end in zip(times, times[1:], strict=False):
+        for start, end in pairwise(times):
             fmu.set({"tau": i.tau + i.tau_rate * start, "F_ext": i.F_ext + i.F_ext_rate * start})
             if i.tau_rate or i.F_ext_rate:
                 fmu.set_rates(tau=i.tau_rate, F_ext=i.F_ext_rate)
@@ -106,7 +107,7 @@ def errors(read: list[dict], exact: list[Point], response: list[dict[str, float]
         faded = faded or FADING in point.doubts
         for name in MEASURED:
             # bounces whose height is rounding have speeds, thus reactions, of its square root
-            allowed = (1e-6 if faded and name.startswith("peak.reaction") else TOLERANCE) * size[name]
+            allowed = (1e-5 if faded and name.startswith("peak.reaction") else TOLERANCE) * size[name]
             allowed += 10 * response[number][name] if response else 0.0
             if not abs(values[name] - point.value(name)) <= allowed:
                 wrong.append(f"interval {number}: {name} {values[name]!r}, not {point.value(name)!r}")
@@ -125,40 +126,43 @@ def verdict(fmu: Driver, params, intervals, exact: list[Point], rng) -> list[str
         read = drive(fmu, params, intervals, lambda duration: cuts(rng, duration))
     except AssertionError as failure:
         return [str(failure).splitlines()[0]]
-    return errors(read, exact) and errors(read, exact, ulp_response(params, intervals, exact))
+    wrong = errors(read, exact)
+    return wrong and errors(read, exact, ulp_response(params, intervals, exact))
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 def test_random_scenes(chunk, make):
-    rng, wrong = np.random.default_rng([chunk, 1_000_000]), []
+    wrong = []
     for title, params, intervals, exact in well_posed_scenes(chunk):
-        wrong += [f"{title}: {text}" for text in verdict(make(), params, intervals, exact, rng)]
+        rng = np.random.default_rng([chunk, len(intervals)])
+        wrong += [f"{title}: {text}" for text in verdict(make(), params, intervals, exact, rng)[:4]]
     assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize("chunk", range(4))
 def test_answer_does_not_depend_on_how_an_interval_is_cut(chunk, make):
-    """The same scenes in whole intervals, and in steps of about 1/300 of an interval."""
+    """The same scenes in whole intervals, and in 300 steps per interval."""
     for title, params, intervals, exact in well_posed_scenes(chunk):
         whole = drive(make(), params, intervals, lambda duration: [0.0, duration])
         pieces = drive(make(), params, intervals, lambda duration: np.linspace(0.0, duration, 301))
-        response, size = ulp_response(params, intervals, exact), scales(exact)
-        sure = True
-        for values, others, point, moved in zip(whole, pieces, exact, response, strict=True):
+        size, response, sure = scales(exact), None, True
+        for number, (values, others, point) in enumerate(zip(whole, pieces, exact, strict=True)):
             for name in MEASURED:
-                allowed = TOLERANCE * size[name] + 10 * moved[name]
-                if name.startswith("peak.reaction"):
-                    allowed += 1e-6 * size[name]
-                assert abs(values[name] - others[name]) <= allowed, (title, name)
+                allowed = (1e-5 if name.startswith("peak.reaction") else TOLERANCE) * size[name]
+                if abs(values[name] - others[name]) > allowed:
+                    response = response or ulp_response(params, intervals, exact)
+                    allowed += 10 * response[number][name]
+                assert abs(values[name] - others[name]) <= allowed, (title, number, name)
             sure = sure and not point.doubts
             if sure:
-                assert (values["mode"], values["events"]) == (others["mode"], others["events"]), title
+                found = values["mode"], values["events"]
+                assert found == (others["mode"], others["events"]), (title, number)
 
 
 def test_scenes_are_varied():
     """What the random scenes must exercise, counted over a part of them."""
     modes, doubts, regimes, lowest = [], 0, set(), math.inf
-    for chunk in range(3):
+    for chunk in range(2):
         for _, params, _, exact in well_posed_scenes(chunk):
             modes += [point.mode for point in exact]
             doubts += sum(bool(point.doubts) for point in exact)

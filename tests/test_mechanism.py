@@ -120,8 +120,8 @@ def test_optimum_for_unequal_friction(make):
 
 @pytest.mark.parametrize("name", ["one contact locks", "scissors"])
 def test_one_locked_contact(make, name):
-    """Section 3: contact 1 locks (lambda_1 < atan 0.14), contact 2 does not. Releasing, the pin of contact 2 bears
-    on its other flank: kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), kappa_1 = (1 + mu s1)/(r1 (s1 - mu)) < 0."""
+    """Section 3: contact 1 locks (lambda_1 < atan 0.14), contact 2 does not. Releasing, the pin of contact 2
+    bears on its other flank: kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), kappa_1 = (1 + mu s1)/(r1 (s1 - mu)) < 0."""
     r1, r2, l1, l2, mu1, mu2, force, _, _ = STATICS[name]
     s1, s2 = math.tan(l1), math.tan(l2)
     kappa = (1 + mu1 * s1) / (r1 * (s1 - mu1)) + (1 - mu2 * s2) / (r2 * (s2 + mu2))
@@ -206,8 +206,8 @@ def test_impact(make, restitution):
 
 
 def test_bouncing_ends(make):
-    """Constant torque g J into the upper stop, no friction: bounces last 2 v_n/g with v_n = e^n v_0, so all is
-    over after v_0/g (1 + 2 e/(1 - e)) from the first impact on, and all energy went into the stop."""
+    """Constant torque g J into the upper stop, no friction: bounces last 2 v_n/g with v_n = e^n v_0, so all
+    is over after v_0/g (1 + 2 e/(1 - e)), and all energy went into the stop."""
     values = {"spring.preload": 0.0, "spring.stiffness": 0.0, "cam1.friction": 0.0, "cam2.friction": 0.0}
     values |= {"stop.restitution": 0.7, "initial.theta": 1.3963 - 0.1}
     gravity = 50.0  # rad/s2
@@ -322,7 +322,8 @@ def test_play(make):
 
 def test_follower_mass_is_felt_more_when_loading(make):
     """Section 6: M = J + rho m z' + rho kappa_1 I gamma', here with gamma' = 1/2, rho kappa_1 = 1/2."""
-    values = {"inertia.follower_mass": 0.5, "inertia.follower": 2e-4, "initial.theta": 0.5, "spring.stiffness": 0.0}
+    values = {"inertia.follower_mass": 0.5, "inertia.follower": 2e-4, "initial.theta": 0.5}
+    values |= {"spring.stiffness": 0.0}
     for tau, rho in ((2.0, RHO_LOAD), (0.2, RHO_RELEASE)):
         fmu = make().start(values)
         fmu.step(1e-4, tau=tau)
@@ -337,9 +338,7 @@ def test_power_balance(make):
     fmu.step(0.02, tau=6.0)
     assert fmu.get("mode") == LOADING
     omega, v = fmu.get("omega"), fmu.get("v")
-    friction = sum(
-        MU * 2 * fmu.get(f"cam{i}.reaction") * fmu.get(f"cam{i}.sliding_speed") for i in (1, 2)
-    )
+    friction = sum(MU * 2 * fmu.get(f"cam{i}.reaction") * fmu.get(f"cam{i}.sliding_speed") for i in (1, 2))
     force = fmu.get("spring.force") + fmu.get("damper.force")
     losses = force * v + friction + 0.01 * omega**2 + INERTIA * fmu.get("alpha") * omega
     assert 6.0 * omega == pytest.approx(losses, rel=1e-12)

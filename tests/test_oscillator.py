@@ -112,7 +112,9 @@ def test_kernel(library, kind):
         for value, r, size in zip(got[:2], reference[:2], [t * growth, growth], strict=True):
             assert abs(value - r) <= 2e-15 * size * (1 + mpmath.sqrt(abs(stiffness)) * t)
         for n, (value, r) in enumerate(zip(got[2:], reference[2:], strict=True), start=2):
-            floor = abs(r) if kind != "undamped" else max(abs(r), 1 / mpmath.mpf(stiffness) * t ** (n - 2) / 100)
+            floor = (
+                abs(r) if kind != "undamped" else max(abs(r), 1 / mpmath.mpf(stiffness) * t ** (n - 2) / 100)
+            )
             assert abs(value - r) <= 1e-13 * floor
 
 
