@@ -13,7 +13,8 @@ typedef struct {
     const Stretch *stretch;
     int quantity; /* contact 0 or 1, or TRACK_* */
     double sign;  /* the track is sign * quantity: events are descents through zero */
-    double floor; /* what is less than this below zero is rounding */
+    /* what is at time t less than floor + floor_rate t below zero is rounding */
+    double floor, floor_rate;
 } Probe;
 
 static Track track_of_speed(const Probe *probe, const Arc *arc) {
@@ -96,7 +97,7 @@ static double root(const Probe *probe, int order, double left, double f_left, do
 
 /* Descent through zero where the track is monotone between a and b, or infinity. */
 static double descent_in_piece(const Probe *probe, const Track *a, const Track *b) {
-    if (!(b->value < -probe->floor)) return INFINITY;
+    if (!(b->value < -(probe->floor + probe->floor_rate * b->t))) return INFINITY;
     if (a->value <= 0.0) return a->rate > 0.0 ? INFINITY : a->t;
     return root(probe, 0, a->t, a->value, b->t);
 }
@@ -194,9 +195,12 @@ Event event_first(const Stretch *s, double t_end) {
         keep_earlier(&event, EVENT_REST, first_descent(&probe, fmin(t_monotone, event.t)));
     }
     for (int i = 0; s->flanks && i < 2; i++) {
-        const double size = slip_contact_size(s->slip, s->params, s->geometry, &s->launch, i).value;
-        const Probe probe = {
-            .stretch = s, .quantity = i, .sign = s->slip->flank[i], .floor = NO_REACTION * size};
+        const Contact size = slip_contact_size(s->slip, s->params, s->geometry, &s->launch, i);
+        const Probe probe = {.stretch = s,
+                             .quantity = i,
+                             .sign = s->slip->flank[i],
+                             .floor = NO_REACTION * size.value,
+                             .floor_rate = NO_REACTION * size.rate};
         keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));
     }
     return event;

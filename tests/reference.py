@@ -950,6 +950,9 @@ class Simulation:
         towards = sign(tau - kin.dz * f0) if abs(tau - kin.dz * f0) > near else 0
         if (towards > 0 and load is None) or (towards < 0 and release is None):
             return WEDGED, 0, until
+        ahead = abs(self._tau(until)), abs(self.up * (fs + self._f_ext(until)))
+        if until < self.length and max(ahead) <= near:  # the band will shrink to the torque, for a moment
+            self.doubts.append("stick band without width")
         if constant and self.omega == 0 and mech.inertial and near > 0:
             edges = [r * f0 for r in (load, release) if r is not None]
             if any(0 < abs(tau - edge) < 1e-11 * size for edge in edges):
@@ -1134,6 +1137,8 @@ class Simulation:
             self.doubts.append("speed within rounding")
         if abs(self.length - self.t) < 1e-12 * self.length and "end" not in out.causes:
             self.doubts.append("event at the end of the interval")
+        if len(out.causes & {"rest", "stop", "kink"}) > 1:
+            self.doubts.append("two switches at once")
         if "end" in out.causes:
             if abs(self.omega) < 1e-10 * self.peak["omega"]:
                 self.doubts.append("speed within rounding")
@@ -1252,6 +1257,8 @@ class Simulation:
                 ends["kink"] = kink
         cause = min(ends, key=lambda name: ends[name])
         dt = ends[cause]
+        if any(abs(t - dt) <= 1e-12 * self.length for name, t in ends.items() if name != cause):
+            self.doubts.append("two switches at once")
         theta = limit if cause == "stop" else self.theta + speed * dt
         fs = mech.spring_force(kin.z)
         fs_end = mech.spring_force(mech.groove.at(theta).z)
