@@ -67,9 +67,8 @@ static double load_rate(const Slip *slip, const Launch *l) {
  * start it backwards: both launches keep to the direction. */
 static void launch_inertial(const Slip *slip, Launch *l) {
     l->alpha = (slip_net_torque(slip, l) - slip->damping * l->omega) / slip->mass;
-    l->settled = slip->damping != 0.0 ? slip_net_torque(slip, l) / slip->damping : 0.0;
-    if (l->omega == 0.0 && slip->direction * l->alpha < 0.0) l->alpha = l->settled = 0.0;
-    l->drive = load_rate(slip, l) / slip->mass;
+    if (l->omega == 0.0 && slip->direction * l->alpha < 0.0) l->alpha = 0.0;
+    if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) l->drive = load_rate(slip, l) / slip->mass;
     l->curvature = l->drive - slip->oscillator.stiffness * l->omega;
 }
 
@@ -77,7 +76,6 @@ static void launch_viscous(const Slip *slip, Launch *l) {
     l->omega = slip_net_torque(slip, l) / slip->damping;
     if (slip->direction * l->omega < 0.0) l->omega = 0.0;
     l->alpha = (load_rate(slip, l) - slip->stiffness * l->omega) / slip->damping;
-    l->settled = slip->stiffness != 0.0 ? load_rate(slip, l) / slip->stiffness : 0.0;
 }
 
 /* On the edge of the band N stays 0: the spring takes what the inputs bring. What rounding has left of
@@ -157,10 +155,18 @@ Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, 
     };
 }
 
+/* omega + alpha/(2a), the speed that damping alone would settle at, without the cancellation in that sum:
+ * 2a = B/M and M alpha = N - B omega, or without inertia 2a = K/B and B alpha = dN/dt - K omega. */
+static double settled_speed(const Slip *slip, const Launch *l) {
+    if (slip->kind == FLOW_VISCOUS) return load_rate(slip, l) / slip->stiffness;
+    const bool held_back = l->omega == 0.0 && l->alpha == 0.0; /* see launch_inertial */
+    return held_back ? 0.0 : slip_net_torque(slip, l) / slip->damping;
+}
+
 /* integral of omega^2 over the arc, J per N.m.s/rad */
 static double integral_of_square(const Slip *slip, const Launch *l, Kernel *k) {
     if (!k->squared) oscillator_square(&slip->oscillator, k);
-    const double *q = k->square, b = k->lead != 0.0 ? l->settled : l->omega;
+    const double *q = k->square, b = k->lead != 0.0 ? settled_speed(slip, l) : l->omega;
     return q[0] * b * b + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
            2.0 * (q[1] * b * l->alpha + (q[2] * b + q[4] * l->alpha) * l->drive);
 }

@@ -49,7 +49,6 @@ typedef struct {
     double theta, omega, alpha; /* rad, rad/s, rad/s^2 */
     double curvature;           /* rad/s^3, d alpha/dt + 2a alpha = U - w2 omega */
     double drive;               /* rad/s^3, U: rate of the load over M (0 without inertia) */
-    double settled;             /* rad/s, omega + alpha/(2a): the speed that damping alone leads to */
     double tau, tau_rate;       /* N.m, N.m/s */
     double F_ext, F_ext_rate;   /* N, N/s */
     double force;               /* N, F_s + F_ext */

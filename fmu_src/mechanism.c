@@ -412,8 +412,12 @@ static bool hold_again(Mechanism *m) {
 
 /* ---- slipping ---- */
 
-static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
+static double band_edge(const Mechanism *m, int direction) {
     const EdgeFactors edges = edge_factors(&m->model.band, axial_load(m));
+    return direction > 0 ? edges.load : edges.release;
+}
+
+static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
     const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     return (Stretch){
         .slip = slip,
@@ -422,7 +426,7 @@ static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
         .launch = launch_of(m, slip),
         .room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0),
         .flanks = has_friction(&m->params),
-        .edge = slip->direction > 0 ? edges.load : edges.release,
+        .edge = slip->kind == FLOW_VISCOUS ? band_edge(m, slip->direction) : slip->transfer.rho,
     };
 }
 

@@ -989,6 +989,9 @@ class Simulation:
         if sigma == 0:
             self._settle(mode, until)
             return
+        if mech.viscous(sigma):  # in the other direction than the jump
+            self._enter(sigma, None)
+            return
         # on the edge, and the ramp leads on: follow it
         self._set_mode(LOADING if sigma > 0 else RELEASING)
         rounding = self.arithmetic.tiny * (abs(self.tau[0]) + abs(self.tau[1] * self.length))
