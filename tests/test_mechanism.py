@@ -121,7 +121,8 @@ def test_optimum_for_unequal_friction(make):
 @pytest.mark.parametrize("name", ["one contact locks", "scissors"])
 def test_one_locked_contact(make, name):
     """Section 3: contact 1 locks (lambda_1 < atan 0.14), contact 2 does not. Releasing, the pin of contact 2
-    bears on its other flank: kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), kappa_1 = (1 + mu s1)/(r1 (s1 - mu)) < 0."""
+    bears on its other flank: kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), kappa_1 = (1 + mu s1)/(r1 (s1 - mu)).
+    """
     r1, r2, l1, l2, mu1, mu2, force, _, _ = STATICS[name]
     s1, s2 = math.tan(l1), math.tan(l2)
     kappa = (1 + mu1 * s1) / (r1 * (s1 - mu1)) + (1 - mu2 * s2) / (r2 * (s2 + mu2))

@@ -56,5 +56,7 @@ def test_table_of_the_robot_joint():
 def test_variables_named_exist():
     from driver import VARIABLES
 
-    named = set(re.findall(r"`((?:cam[12]|spring|damper|inertia|stop|shaft|initial|energy|peak)\.\w+)`", README))
+    named = set(
+        re.findall(r"`((?:cam[12]|spring|damper|inertia|stop|shaft|initial|energy|peak)\.\w+)`", README)
+    )
     assert named <= set(VARIABLES)
