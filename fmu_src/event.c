@@ -208,9 +208,7 @@ Event event_first(const Stretch *s, double t_end) {
 
 void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *ends) {
     const Launch *l = &s->launch;
-    const Arc start = {.omega = l->omega,
-                       .alpha = l->alpha,
-                       .jerk = l->curvature - s->slip->oscillator.decay2 * l->alpha};
+    const Arc start = slip_arc_start(s->slip, l);
     ends->arc = slip_arc(s->slip, l, kernel);
     for (int i = 0; contacts && i < 2; i++) {
         ends->start[i] = slip_contact(s->slip, s->params, s->geometry, l, &start, i);

@@ -11,8 +11,7 @@ double spring_energy(const SpringParams *spring, double z) {
 }
 
 static FlowKind kind_of(const Params *p, double damping) {
-    if (p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0)
-        return FLOW_INERTIAL;
+    if (has_inertia(p)) return FLOW_INERTIAL;
     return damping != 0.0 ? FLOW_VISCOUS : FLOW_QUASISTATIC;
 }
 
@@ -103,6 +102,10 @@ Launch slip_launch(const Slip *slip, const Params *p, const Geometry *g, double 
         case FLOW_QUASISTATIC: launch_quasistatic(slip, &l); break;
     }
     return l;
+}
+
+Arc slip_arc_start(const Slip *slip, const Launch *l) {
+    return (Arc){.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
 }
 
 Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {

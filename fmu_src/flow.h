@@ -71,6 +71,7 @@ Launch slip_launch(const Slip *slip, const Params *params, const Geometry *g, do
 /* Torque left to move it: N = tau - rho (F_s + F_ext), N.m. */
 double slip_net_torque(const Slip *slip, const Launch *launch);
 
+Arc slip_arc_start(const Slip *slip, const Launch *launch); /* the arc of length 0 */
 Arc slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel);
 Arc slip_arc_at(const Slip *slip, const Launch *launch, double t);
 

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "decide.h"
 #include "event.h"
+#include "stick.h"
 
 /* A step with more mode changes than this is refused. At about a microsecond each that bounds the time a step
  * takes. Only bounces of a restitution near 1, or vibrations of a tiny inertia, come so often in one step. */
@@ -15,35 +17,8 @@ enum { MAX_EVENTS_PER_STEP = 200000 };
  * (P. Painleve, 1895). */
 enum { MAX_JAMS_PER_STEP = 1000 };
 
-/* Torque and load are known to a few roundings; a difference below this share of their size is none. */
-static const double TIE = 8.0 * DBL_EPSILON;
-
 /* A bounce whose excursion is below this share of the angles involved is lost in the rounding of theta. */
 static const double NO_BOUNCE = 16.0 * DBL_EPSILON;
-
-static int sign_of(double x) {
-    return (x > 0.0) - (x < 0.0);
-}
-
-static bool is_slip(Mode mode) {
-    return mode == MODE_LOADING || mode == MODE_RELEASING;
-}
-
-static int direction_of(Mode mode) {
-    return mode == MODE_LOADING ? 1 : -1;
-}
-
-static double axial_position(const Mechanism *m) {
-    return m->model.geometry.lift * m->state.theta.hi;
-}
-
-static bool has_inertia(const Params *p) {
-    return p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0;
-}
-
-static bool has_friction(const Params *p) {
-    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
-}
 
 /* J + m z'^2 + I gamma'^2, kg.m^2 */
 static double total_inertia(const Mechanism *m) {
@@ -112,170 +87,6 @@ bool mechanism_check(const Params *p, Fault *fault) {
     return true;
 }
 
-/* ---- the stick band ---- */
-
-typedef struct {
-    double release, load; /* multiply F_0, signed: edges of the band; may be infinite */
-} EdgeFactors;
-
-/* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
-static EdgeFactors edge_factors(const BandFactors *band, double side) {
-    if (side >= 0.0) return (EdgeFactors){.release = band->release, .load = band->load};
-    return (EdgeFactors){.release = band->load, .load = band->release};
-}
-
-static double edge(double factor, double F_0) {
-    return F_0 == 0.0 ? 0.0 : factor * F_0; /* no load, no friction, however locked */
-}
-
-static double axial_load(const Mechanism *m) {
-    return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
-}
-
-/* The sign that F_0 has, or is about to take. */
-static double load_side(const Mechanism *m, double F_0) {
-    return F_0 != 0.0 ? F_0 : m->inputs.F_ext[1];
-}
-
-/* The size of what axial_load adds up: its rounding error is a few eps of this. */
-static double axial_size(const Mechanism *m) {
-    return fabs(m->params.spring.preload) + fabs(m->params.spring.stiffness * axial_position(m)) +
-           fabs(m->inputs.F_ext[0]);
-}
-
-/* The size of tau - factor F_0, likewise. */
-static double torque_size(const Mechanism *m, double factor) {
-    return fabs(m->inputs.tau[0]) + fabs(factor) * axial_size(m);
-}
-
-/* Does the torque press past an edge of the band? At the edge itself its rate decides. */
-static bool presses(double excess, double size, double rate) {
-    if (fabs(excess) <= TIE * size) return rate > 0.0;
-    return excess > 0.0;
-}
-
-/* +1: the torque loads, -1: it releases, 0: it is inside the stick band. The inclusion of section 3. */
-static int pressed_direction(const Mechanism *m, double F_0) {
-    const double tau = m->inputs.tau[0], tau_rate = m->inputs.tau[1], F_rate = m->inputs.F_ext[1];
-    const EdgeFactors f = edge_factors(&m->model.band, load_side(m, F_0));
-    const double load = edge(f.load, F_0), release = edge(f.release, F_0);
-    if (isfinite(f.load) && presses(tau - load, torque_size(m, f.load), tau_rate - edge(f.load, F_rate))) return 1;
-    if (isfinite(f.release) && presses(release - tau, torque_size(m, f.release), edge(f.release, F_rate) - tau_rate))
-        return -1;
-    return 0;
-}
-
-/* At rest and inside the band. Where an edge is infinite, torque beyond the frictionless balance
- * z' F_0 pushes into the wedge. */
-static Mode resting_mode(const Mechanism *m, double F_0) {
-    const EdgeFactors f = edge_factors(&m->model.band, load_side(m, F_0));
-    const bool wedge_below = isinf(f.release), wedge_above = isinf(f.load);
-    if (!wedge_below && !wedge_above) return MODE_STICK;
-    const double lift = m->model.geometry.lift, tau = m->inputs.tau[0];
-    const double size = torque_size(m, lift), rate = m->inputs.tau[1] - lift * m->inputs.F_ext[1];
-    if (wedge_below && presses(lift * F_0 - tau, size, -rate)) return MODE_WEDGED;
-    if (wedge_above && presses(tau - lift * F_0, size, rate)) return MODE_WEDGED;
-    return MODE_STICK;
-}
-
-/* ---- choosing a mode: the friction inclusion, from torque and never from a small velocity ---- */
-
-typedef struct {
-    Mode mode;
-    int slip; /* index into Model.slip; used in the slip modes */
-} Decision;
-
-static Launch launch_of(const Mechanism *m, const Slip *slip) {
-    return slip_launch(slip, &m->params, &m->model.geometry, m->state.theta.hi, m->state.omega.hi, &m->inputs);
-}
-
-/* From rest the net torque must point the way of the slip, or vanish (its rate then decides). */
-static bool starts(const Mechanism *m, const Slip *slip, const Launch *l) {
-    return slip->direction * slip_net_torque(slip, l) >= -TIE * torque_size(m, slip->transfer.rho);
-}
-
-/* Quasi-static slip begins with a jump unless the torque is on the edge already. */
-static bool jumps(const Mechanism *m, const Slip *slip, const Launch *l) {
-    const double net = slip->direction * slip_net_torque(slip, l);
-    return slip->kind == FLOW_QUASISTATIC && net > TIE * torque_size(m, slip->transfer.rho);
-}
-
-/* Is x_i on the flank that the slip assumes, or about to be? Where it is zero, its rate tells, and then the
- * rate of that. Zero throughout (no load at all) suits either flank. */
-static bool flank_agrees(const Mechanism *m, const Slip *slip, const Launch *l, int i) {
-    const Arc start = {.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
-    const Contact c = slip_contact(slip, &m->params, &m->model.geometry, l, &start, i);
-    const Contact size = slip_contact_size(slip, &m->params, &m->model.geometry, l, i);
-    const double flank = slip->flank[i];
-    if (fabs(c.value) > NO_REACTION * size.value) return flank * c.value > 0.0;
-    if (jumps(m, slip, l)) /* only the spring's force changes */
-        return flank * slip->direction * slip->transfer.axial[i] * m->params.spring.stiffness >= 0.0;
-    if (fabs(c.rate) > NO_REACTION * size.rate) return flank * c.rate > 0.0;
-    return fabs(c.curvature) <= NO_REACTION * size.curvature || flank * c.curvature > 0.0;
-}
-
-static bool agrees(const Mechanism *m, const Slip *slip, bool at_rest) {
-    if (!slip->possible) return false;
-    const Launch l = launch_of(m, slip);
-    if (at_rest && !starts(m, slip, &l)) return false;
-    if (!has_friction(&m->params)) return true;
-    return flank_agrees(m, slip, &l, 0) && flank_agrees(m, slip, &l, 1);
-}
-
-/* Sign of the axial load when motion in `direction` begins or goes on. */
-static int load_sign(const Mechanism *m, int direction) {
-    const double c = direction > 0 ? m->params.damper.c_load : m->params.damper.c_release;
-    const double spring = spring_force(&m->params.spring, axial_position(m));
-    const double damper = has_inertia(&m->params) ? c * m->model.geometry.lift * m->state.omega.hi : 0.0;
-    const double force = spring + m->inputs.F_ext[0] + damper;
-    if (fabs(force) > TIE * axial_size(m)) return sign_of(force);
-    const int coming = sign_of(m->inputs.F_ext[1]);
-    return coming != 0 ? coming : (m->params.spring.stiffness > 0.0 ? direction : 1);
-}
-
-/* The way to slip in `direction` whose flanks agree with their own reactions, or -1. Several can agree
- * where a contact locks; then both supporting flanks come first, as in section 3. */
-static int choose_slip(const Mechanism *m, int direction, bool at_rest) {
-    const int s = load_sign(m, direction);
-    const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
-    for (int k = 0; k < 4; k++) {
-        const int index = slip_index(direction, candidate[k]);
-        if (agrees(m, &m->model.slip[index], at_rest)) return index;
-    }
-    return -1;
-}
-
-static Mode slip_mode(int direction) {
-    return direction > 0 ? MODE_LOADING : MODE_RELEASING;
-}
-
-static Decision decide_at_rest(const Mechanism *m) {
-    const double F_0 = axial_load(m);
-    const int direction = pressed_direction(m, F_0);
-    if (direction == 0) return (Decision){.mode = resting_mode(m, F_0), .slip = -1};
-    if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
-        return (Decision){.mode = MODE_UPPER_STOP, .slip = -1};
-    if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
-        return (Decision){.mode = MODE_LOWER_STOP, .slip = -1};
-    const int slip = choose_slip(m, direction, true);
-    return (Decision){.mode = slip < 0 ? MODE_WEDGED : slip_mode(direction), .slip = slip};
-}
-
-/* While slipping the flanks stay as they are as long as they agree. */
-static Decision decide_moving(const Mechanism *m) {
-    const int direction = sign_of(m->state.omega.hi);
-    const Mode mode = slip_mode(direction);
-    const int present = slip_index(direction, m->state.flank);
-    if (m->state.mode == mode && agrees(m, &m->model.slip[present], false))
-        return (Decision){.mode = mode, .slip = present};
-    const int slip = choose_slip(m, direction, false);
-    return (Decision){.mode = slip < 0 ? MODE_WEDGED : mode, .slip = slip};
-}
-
-static Decision decide(const Mechanism *m) {
-    return has_inertia(&m->params) && m->state.omega.hi != 0.0 ? decide_moving(m) : decide_at_rest(m);
-}
-
 static void enter(Mechanism *m, Decision d) {
     State *state = &m->state;
     if (state->mode != d.mode) {
@@ -292,63 +103,8 @@ static void enter(Mechanism *m, Decision d) {
 
 /* ---- holding ---- */
 
-/* Frictionless sharing: in stick the two reactions are not unique (section 3). N per contact. */
-static double resting_reaction(const Mechanism *m, double F_0, int i) {
-    const Geometry *g = &m->model.geometry;
-    return F_0 * g->turn[i] * g->length[i] / g->radius[i] / m->params.contacts;
-}
-
 static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
-}
-
-/* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
-static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
-    const double lift = m->model.geometry.lift, excess = m->inputs.tau[0] - lift * F_0;
-    return fabs(excess) <= TIE * torque_size(m, lift) ? isinf(band->load) : excess > 0.0;
-}
-
-/* Torque interval, as factors of F_0, in which a resting mode stays while F_0 has the sign of `side`. */
-static EdgeFactors hold_factors(const Mechanism *m, double F_0, double side) {
-    const EdgeFactors band = edge_factors(&m->model.band, side);
-    const double balance = m->model.geometry.lift;
-    const double release = isfinite(band.release) ? band.release : balance;
-    const double load = isfinite(band.load) ? band.load : balance;
-    const double open = side < 0.0 ? -INFINITY : INFINITY;
-    switch (m->state.mode) {
-        case MODE_LOWER_STOP: return (EdgeFactors){.release = -open, .load = release};
-        case MODE_UPPER_STOP: return (EdgeFactors){.release = load, .load = open};
-        case MODE_WEDGED:
-            return wedged_above(m, &band, F_0) ? (EdgeFactors){.release = load, .load = open}
-                                               : (EdgeFactors){.release = -open, .load = release};
-        default: return (EdgeFactors){.release = release, .load = load};
-    }
-}
-
-/* First time in (0, t_end] at which value + rate t exceeds 0, or infinity. */
-static double time_of_excess(double value, double rate, double t_end) {
-    if (!(rate > 0.0)) return INFINITY;
-    const double t = fmax(-value, 0.0) / rate;
-    return t <= t_end ? t : INFINITY;
-}
-
-/* The torque leaves the hold while F_0 keeps its sign: both move linearly, so this is one division. */
-static double time_of_release(const Mechanism *m, double F_0, double tau, double t_end) {
-    const double F_rate = m->inputs.F_ext[1], tau_rate = m->inputs.tau[1];
-    const EdgeFactors f = hold_factors(m, F_0, load_side(m, F_0));
-    const double above = isinf(f.load) ? INFINITY : time_of_excess(tau - edge(f.load, F_0), tau_rate - edge(f.load, F_rate), t_end);
-    const double below = isinf(f.release) ? INFINITY
-                                          : time_of_excess(edge(f.release, F_0) - tau,
-                                                           edge(f.release, F_rate) - tau_rate, t_end);
-    return fmin(above, below);
-}
-
-/* Until when a resting mechanism surely stays at rest under ramps: release, or F_0 changing its sign
- * (the band is mirrored there, so the hold is looked at anew). */
-static double hold_time(const Mechanism *m, double left) {
-    const double F_0 = axial_load(m), F_rate = m->inputs.F_ext[1];
-    const double mirror = F_0 * F_rate < 0.0 ? -F_0 / F_rate : INFINITY;
-    return fmin(fmin(mirror, left), time_of_release(m, F_0, m->inputs.tau[0], fmin(mirror, left)));
 }
 
 static void advance_inputs(Inputs *inputs, double t) {
@@ -358,32 +114,8 @@ static void advance_inputs(Inputs *inputs, double t) {
 
 static void record_rest(Mechanism *m) {
     Peaks *peak = &m->state.ledger.peak;
-    const double F_0 = axial_load(m);
     peak_raise(&peak->torque, m->inputs.tau[0]);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], resting_reaction(m, F_0, i));
-}
-
-static bool inputs_constant(const Inputs *inputs) {
-    return inputs->tau[1] == 0.0 && inputs->F_ext[1] == 0.0;
-}
-
-/* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
-static double hold_margin(const Mechanism *m, double factor) {
-    if (m->state.mode == MODE_STICK) return 0.0;
-    return 4.0 * TIE * fabs(factor) * axial_size(m) + DBL_MIN;
-}
-
-/* Remembers the interval of torque in which nothing can happen, so that the next step at rest costs
- * one comparison. */
-static void remember_hold(Mechanism *m) {
-    const double F_0 = axial_load(m);
-    const EdgeFactors f = hold_factors(m, F_0, F_0);
-    m->cache.hold = (Hold){
-        .lower = isinf(f.release) ? -INFINITY : edge(f.release, F_0) + hold_margin(m, f.release),
-        .upper = isinf(f.load) ? INFINITY : edge(f.load, F_0) - hold_margin(m, f.load),
-        .F_ext = m->inputs.F_ext[0],
-        .valid = true,
-    };
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], stick_reaction(m, i));
 }
 
 /* Stays at rest for up to `left` seconds; returns how long. */
@@ -391,10 +123,10 @@ static double hold(Mechanism *m, double left) {
     stand_still(m);
     if (m->params.ledger) record_rest(m);
     if (inputs_constant(&m->inputs)) {
-        remember_hold(m);
+        m->cache.hold = stick_hold(m); /* the next step at rest costs one comparison */
         return left;
     }
-    const double t = hold_time(m, left);
+    const double t = stick_hold_time(m, left);
     advance_inputs(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
     return t;
@@ -412,8 +144,13 @@ static bool hold_again(Mechanism *m) {
 
 /* ---- slipping ---- */
 
+static int direction_of(Mode mode) {
+    return mode == MODE_LOADING ? 1 : -1;
+}
+
+/* T per F_0 at the edge of the stick band that was passed. */
 static double band_edge(const Mechanism *m, int direction) {
-    const EdgeFactors edges = edge_factors(&m->model.band, axial_load(m));
+    const EdgeFactors edges = stick_edges(m, stick_axial_load(m));
     return direction > 0 ? edges.load : edges.release;
 }
 
@@ -496,7 +233,7 @@ static void hit_stop(Mechanism *m, int direction) {
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0) {
-        const int slip = choose_slip(m, -direction, false);
+        const int slip = decide_slip(m, -direction, false);
         const double size = fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower));
         const double back = slip < 0 ? 0.0 : direction * launch_of(m, &m->model.slip[slip]).alpha;
         if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * size) stand_still(m);
@@ -545,9 +282,9 @@ static bool jump(Mechanism *m, const Slip *slip) {
     const Stretch s = stretch_of(m, slip);
     const double sign = slip->direction, force = s.launch.force, net = sign * slip_net_torque(slip, &s.launch);
     const bool stable = slip->stiffness > 0.0; /* else the way on asks for less and less torque */
-    if (stable && !jumps(m, slip, &s.launch)) return false;
+    if (stable && !decide_jump(m, slip, &s.launch)) return false;
     const double spring = sign * m->params.spring.stiffness * m->model.geometry.lift;
-    const bool mirrors = force * spring < 0.0 && fabs(force) > TIE * axial_size(m);
+    const bool mirrors = force * spring < 0.0 && fabs(force) > TIE * stick_axial_size(m);
     const double to_edge = stable ? net / slip->stiffness : INFINITY;
     const double to_mirror = mirrors ? -force / spring : INFINITY;
     const double way = fmin(to_edge, fmin(to_mirror, s.room));
@@ -666,15 +403,15 @@ static double damper_force(const Mechanism *m, double v) {
 
 /* T_release/T_load; where both vanish with F_0, the ratio they had before. */
 static double efficiency(const Mechanism *m, const EdgeFactors *f, double F_0) {
-    const double load = F_0 == 0.0 ? f->load : edge(f->load, F_0);
-    const double release = F_0 == 0.0 ? f->release : edge(f->release, F_0);
+    const double load = F_0 == 0.0 ? f->load : stick_edge(f->load, F_0);
+    const double release = F_0 == 0.0 ? f->release : stick_edge(f->release, F_0);
     if (load == 0.0 && release == 0.0) return has_friction(&m->params) ? 0.0 : 1.0;
     return release / load;
 }
 
 static void slip_loads(const Mechanism *m, const Slip *slip, Loads *out) {
     const Launch l = launch_of(m, slip);
-    const Arc now = {.omega = l.omega, .alpha = l.alpha, .jerk = l.curvature - slip->oscillator.decay2 * l.alpha};
+    const Arc now = slip_arc_start(slip, &l);
     out->alpha = now.alpha;
     out->jerk = now.jerk;
     for (int i = 0; i < 2; i++) {
@@ -685,22 +422,22 @@ static void slip_loads(const Mechanism *m, const Slip *slip, Loads *out) {
 
 void mechanism_loads(const Mechanism *m, Loads *out) {
     const Geometry *g = &m->model.geometry;
-    const double F_0 = axial_load(m);
-    const EdgeFactors f = edge_factors(&m->model.band, F_0);
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = stick_edges(m, F_0);
     const Decision now = decide(m);
     *out = (Loads){
         .gamma = g->turn[0] * m->state.theta.hi,
         .spring_force = spring_force(&m->params.spring, axial_position(m)),
         .damper_force = damper_force(m, g->lift * m->state.omega.hi),
-        .torque_load = edge(f.load, F_0),
-        .torque_release = edge(f.release, F_0),
+        .torque_load = stick_edge(f.load, F_0),
+        .torque_release = stick_edge(f.release, F_0),
         .efficiency = efficiency(m, &f, F_0),
         .mode = (int)now.mode,
         .events = m->state.events,
     };
     for (int i = 0; i < 2; i++) {
         out->sliding_speed[i] = g->turn[i] * fabs(m->state.omega.hi) * g->length[i];
-        out->reaction[i] = resting_reaction(m, F_0, i);
+        out->reaction[i] = stick_reaction(m, i);
     }
     if (is_slip(now.mode)) slip_loads(m, &m->model.slip[now.slip], out);
 }

@@ -73,4 +73,16 @@ typedef struct {
     double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
 } Inputs;
 
+static inline bool has_inertia(const Params *p) {
+    return p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0;
+}
+
+static inline bool has_friction(const Params *p) {
+    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
+}
+
+static inline bool inputs_constant(const Inputs *inputs) {
+    return inputs->tau[1] == 0.0 && inputs->F_ext[1] == 0.0;
+}
+
 #endif

@@ -1,0 +1,125 @@
+#include "stick.h"
+
+#include <math.h>
+
+double stick_axial_load(const Mechanism *m) {
+    return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
+}
+
+double stick_axial_size(const Mechanism *m) {
+    return fabs(m->params.spring.preload) + fabs(m->params.spring.stiffness * axial_position(m)) +
+           fabs(m->inputs.F_ext[0]);
+}
+
+double stick_torque_size(const Mechanism *m, double factor) {
+    return fabs(m->inputs.tau[0]) + fabs(factor) * stick_axial_size(m);
+}
+
+/* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
+EdgeFactors stick_edges(const Mechanism *m, double side) {
+    const BandFactors *band = &m->model.band;
+    if (side >= 0.0) return (EdgeFactors){.release = band->release, .load = band->load};
+    return (EdgeFactors){.release = band->load, .load = band->release};
+}
+
+double stick_edge(double factor, double F_0) {
+    return F_0 == 0.0 ? 0.0 : factor * F_0; /* no load, no friction, however locked */
+}
+
+/* The sign that F_0 has, or is about to take. */
+static double side_of(const Mechanism *m, double F_0) {
+    return F_0 != 0.0 ? F_0 : m->inputs.F_ext[1];
+}
+
+/* Does the torque press past an edge? At the edge itself its rate decides. */
+static bool presses(double excess, double size, double rate) {
+    if (fabs(excess) <= TIE * size) return rate > 0.0;
+    return excess > 0.0;
+}
+
+/* Is tau beyond factor F_0, on the side of `sign`? No torque is beyond an infinite edge. */
+static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
+    if (isinf(factor)) return false;
+    const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
+    const double rate = m->inputs.tau[1] - stick_edge(factor, m->inputs.F_ext[1]);
+    return presses(sign * excess, stick_torque_size(m, factor), sign * rate);
+}
+
+int stick_pressed(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
+}
+
+Mode stick_mode(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m), balance = m->model.geometry.lift;
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    if (isinf(f.release) && is_beyond(m, balance, F_0, -1.0)) return MODE_WEDGED;
+    if (isinf(f.load) && is_beyond(m, balance, F_0, 1.0)) return MODE_WEDGED;
+    return MODE_STICK;
+}
+
+/* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
+static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
+    const double balance = m->model.geometry.lift, excess = m->inputs.tau[0] - balance * F_0;
+    return fabs(excess) <= TIE * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
+}
+
+/* The torque interval in which the present mode of rest stays while F_0 has the sign of `side`. */
+static EdgeFactors hold_factors(const Mechanism *m, double F_0, double side) {
+    const EdgeFactors band = stick_edges(m, side);
+    const double balance = m->model.geometry.lift;
+    const double release = isfinite(band.release) ? band.release : balance;
+    const double load = isfinite(band.load) ? band.load : balance;
+    const double open = side < 0.0 ? -INFINITY : INFINITY;
+    const EdgeFactors above = {.release = load, .load = open}, below = {.release = -open, .load = release};
+    switch (m->state.mode) {
+        case MODE_LOWER_STOP: return below;
+        case MODE_UPPER_STOP: return above;
+        case MODE_WEDGED: return wedged_above(m, &band, F_0) ? above : below;
+        default: return (EdgeFactors){.release = release, .load = load};
+    }
+}
+
+/* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
+static double margin(const Mechanism *m, double factor) {
+    if (m->state.mode == MODE_STICK) return 0.0;
+    return 4.0 * TIE * fabs(factor) * stick_axial_size(m) + DBL_MIN;
+}
+
+Hold stick_hold(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = hold_factors(m, F_0, F_0);
+    return (Hold){
+        .lower = isinf(f.release) ? -INFINITY : stick_edge(f.release, F_0) + margin(m, f.release),
+        .upper = isinf(f.load) ? INFINITY : stick_edge(f.load, F_0) - margin(m, f.load),
+        .F_ext = m->inputs.F_ext[0],
+        .valid = m->state.mode != MODE_WEDGED || stick_pressed(m) == 0,
+    };
+}
+
+/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, or infinity: both move
+ * linearly. */
+static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double t_end) {
+    if (isinf(factor)) return INFINITY;
+    const double excess = sign * (m->inputs.tau[0] - stick_edge(factor, F_0));
+    const double rate = sign * (m->inputs.tau[1] - stick_edge(factor, m->inputs.F_ext[1]));
+    if (!(rate > 0.0)) return INFINITY;
+    const double t = fmax(-excess, 0.0) / rate;
+    return t <= t_end ? t : INFINITY;
+}
+
+/* To the torque leaving the interval, or to F_0 changing its sign: the band is mirrored there, so the hold is
+ * looked at anew. */
+double stick_hold_time(const Mechanism *m, double left) {
+    const double F_0 = stick_axial_load(m), F_rate = m->inputs.F_ext[1];
+    const EdgeFactors f = hold_factors(m, F_0, side_of(m, F_0));
+    const double t_end = F_0 * F_rate < 0.0 ? fmin(-F_0 / F_rate, left) : left;
+    const double above = time_beyond(m, f.load, F_0, 1.0, t_end), below = time_beyond(m, f.release, F_0, -1.0, t_end);
+    return fmin(t_end, fmin(above, below));
+}
+
+double stick_reaction(const Mechanism *m, int i) {
+    const Geometry *g = &m->model.geometry;
+    return stick_axial_load(m) * g->turn[i] * g->length[i] / g->radius[i] / m->params.contacts;
+}
