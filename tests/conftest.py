@@ -1,7 +1,12 @@
+import ctypes
+import sys
 import zipfile
 
 import pytest
-from driver import FMU, Driver, load
+from driver import FMU, ROOT, Driver, load
+
+sys.path.insert(0, str(ROOT / "fmu_src"))
+import build_fmu
 
 
 @pytest.fixture(scope="session")
@@ -42,3 +47,13 @@ def make(library):
 @pytest.fixture
 def fmu(make):
     return make()
+
+
+@pytest.fixture(scope="session")
+def core(tmp_path_factory):
+    """The C core's pure functions (no FMI), to be called one by one."""
+    library = tmp_path_factory.mktemp("core") / "libcore.so"
+    sources = [ROOT / "fmu_src" / f"{name}.c" for name in ("contact", "oscillator")]
+    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
+    build_fmu.compile_c(build_fmu.ZIG, flags, sources, library)
+    return ctypes.CDLL(str(library))

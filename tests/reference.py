@@ -1007,8 +1007,10 @@ class Simulation:
         self.slip, self.omega, self.rest_until = None, self.omega * 0, until
         self._set_mode(mode)
 
-    def _enter(self, sigma: int, present: Flanks | None, crossed: Flanks | None = None) -> None:
-        slip = self._choose(sigma, present, crossed)
+    def _enter(
+        self, sigma: int, present: Flanks | None, crossed: Flanks | None = None, *, crossing: bool = False
+    ) -> None:
+        slip = self._choose(sigma, present, crossed, crossing)
         if slip is None:
             if not self.mechanism.inertial:
                 raise Refused("no consistent flanks")
@@ -1016,28 +1018,37 @@ class Simulation:
         self.slip = slip
         self._set_mode(LOADING if sigma > 0 else RELEASING)
 
-    def _choose(self, sigma: int, present: Flanks | None, crossed: Flanks | None) -> Slip | None:
-        """`present`: flanks to keep if they are consistent; `crossed`: flanks to try first."""
+    def _choose(
+        self, sigma: int, present: Flanks | None, crossed: Flanks | None, crossing: bool
+    ) -> Slip | None:
+        """`present`: flanks to keep if they are consistent; `crossed`: flanks to try first, at a crossing."""
         mech = self.mechanism
         kin = mech.groove.at(self.theta)
         s = self._axial_sign(sigma)
-        order = [(s, s), (s, -s), (-s, s), (-s, -s)]
+        order = [e for e in self._preference(s) if mech.balance(kin, Slip(sigma, e)).delta != 0]
+        if not mech.inertial:  # the damper's share of F depends on the flanks: each counts with its own
+            own = {e: sign(self._ahead(Slip(sigma, e))[2]) or s for e in order}
+            order.sort(key=lambda e: self._preference(own[e]).index(e))
         first = present or crossed
         if first is not None:
             order = [first] + [e for e in order if e != first]
-        chosen: Slip | None = None
-        speed: list[Number] = []
-        for e in order:
-            slip = Slip(sigma, e)
-            if mech.balance(kin, slip).delta == 0 or not self._consistent(slip):
-                continue
-            load = mech.load(kin, slip, self.omega, self._tau(self.t), self._f_ext(self.t))
-            speed.append(load.alpha if mech.inertial else load.omega)
-            if chosen is None:
-                chosen = slip
-        if any(abs(other - speed[0]) > 1e-9 * abs(speed[0]) for other in speed[1:]):
-            self.doubts.append("several flank pairs are consistent")
-        return chosen
+        found = [Slip(sigma, e) for e in order if self._consistent(Slip(sigma, e))]
+        if len(found) > 1:
+            # which one is a convention only at an entry, and while more torque means more acceleration
+            loads = [
+                mech.load(kin, slip, self.omega, self._tau(self.t), self._f_ext(self.t)) for slip in found
+            ]
+            rates = [load.alpha if mech.inertial else load.omega for load in loads]
+            differ = any(abs(rate - rates[0]) > 1e-9 * abs(rates[0]) for rate in rates)
+            masses = [mech._inertia_and_drag(kin, s)[1] * mech.balance(kin, s).delta for s in found]
+            if differ and (crossing or min(masses) < 0):
+                self.doubts.append("several flank pairs are consistent")
+        return found[0] if found else None
+
+    @staticmethod
+    def _preference(s: int) -> list[Flanks]:
+        """Order of trial under an axial load of sign s."""
+        return [(s, s), (s, -s), (-s, s), (-s, -s)]
 
     def _ahead(self, slip: Slip) -> tuple[Load, Load, Number]:
         """Load now, load a hair later, and the axial force F a hair later."""
@@ -1165,7 +1176,7 @@ class Simulation:
         flipped = None
         if not {"cross1", "cross2"} <= causes:
             flipped = (-slip.e[0], slip.e[1]) if "cross1" in causes else (slip.e[0], -slip.e[1])
-        self._enter(slip.sigma, None, flipped)
+        self._enter(slip.sigma, None, flipped, crossing=True)
 
     def _impact(self) -> None:
         mech = self.mechanism

@@ -1,16 +1,10 @@
 """The closed forms inside one mode (fmu_src/oscillator.c) against 50-digit arithmetic."""
 
 import ctypes
-import sys
-from pathlib import Path
 
 import mpmath
 import numpy as np
 import pytest
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "fmu_src"))
-import build_fmu  # noqa: E402
 
 mpmath.mp.dps = 50
 
@@ -32,17 +26,13 @@ class Kernel(ctypes.Structure):
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    path = tmp_path_factory.mktemp("core") / "liboscillator.so"
-    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
-    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "fmu_src/oscillator.c"], path)
-    library = ctypes.CDLL(str(path))
-    library.oscillator_of.restype = Oscillator
-    library.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
-    library.oscillator_zero.restype = ctypes.c_double
-    library.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
-    library.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
-    return library
+def library(core):
+    core.oscillator_of.restype = Oscillator
+    core.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
+    core.oscillator_zero.restype = ctypes.c_double
+    core.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
+    core.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
+    return core
 
 
 def kernel_of(library, decay2, stiffness, t):
