@@ -8,6 +8,7 @@ usage: ./build.sh [command] [arguments]
 
   (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
   test     build, then run the tests; arguments go to pytest
+  fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
@@ -83,6 +84,11 @@ case $command in
         build
         say "run the tests"
         exec .venv/bin/python -m pytest -n 2 "$@"
+        ;;
+    fuzz)
+        install_dependencies '.[test]'
+        build
+        exec .venv/bin/python -m pytest tests/test_properties.py --hypothesis-profile long "$@"
         ;;
     bench)
         install_dependencies .

@@ -5,6 +5,7 @@
 /* A quantity along an arc with its derivatives. curvature is homogeneous in oscillator.h's sense. */
 typedef struct {
     double t, value, rate, curvature, third;
+    double noise; /* a value of less than this is rounding */
 } Track;
 
 enum { TRACK_SPEED = 2, TRACK_EDGE = 3 }; /* 0, 1: contact i */
@@ -13,8 +14,6 @@ typedef struct {
     const Stretch *stretch;
     int quantity; /* contact 0 or 1, or TRACK_* */
     double sign;  /* the track is sign * quantity: events are descents through zero */
-    /* what is at time t less than floor + floor_rate t below zero is rounding */
-    double floor, floor_rate;
 } Probe;
 
 static Track track_of_speed(const Probe *probe, const Arc *arc) {
@@ -26,6 +25,18 @@ static Track track_of_speed(const Probe *probe, const Arc *arc) {
         .curvature = probe->sign * arc->jerk,
         .third = probe->sign * (-osc->decay2 * arc->jerk - osc->stiffness * arc->alpha),
     };
+}
+
+/* Rounding of x_i at the end of the arc: that of its terms, and of what is left of the start in omega, alpha. */
+static double contact_noise(const Stretch *s, const Arc *arc, int i) {
+    const double LEFT = 0.01; /* of the start's size: with NO_REACTION a few eps */
+    const Launch *l = &s->launch;
+    const double spring = fabs(s->params->spring.stiffness * s->geometry->lift);
+    const double force = fabs(s->params->spring.preload) + spring * (fabs(l->theta) + fabs(arc->dtheta)) +
+                         fabs(l->F_ext) + fabs(l->F_ext_rate) * arc->t;
+    return NO_REACTION * (fabs(s->slip->transfer.axial[i]) * force +
+                          fabs(s->slip->speed[i]) * (fabs(arc->omega) + LEFT * fabs(l->omega)) +
+                          fabs(s->slip->acceleration[i]) * (fabs(arc->alpha) + LEFT * fabs(l->alpha)));
 }
 
 static Track track_of_contact(const Probe *probe, const Arc *arc) {
@@ -43,6 +54,7 @@ static Track track_of_contact(const Probe *probe, const Arc *arc) {
         .curvature = probe->sign * c.curvature,
         .third = probe->sign *
                  (spring * arc->jerk + s->slip->speed[i] * snap + s->slip->acceleration[i] * crackle),
+        .noise = contact_noise(s, arc, i),
     };
 }
 
@@ -97,7 +109,7 @@ static double root(const Probe *probe, int order, double left, double f_left, do
 
 /* Descent through zero where the track is monotone between a and b, or infinity. */
 static double descent_in_piece(const Probe *probe, const Track *a, const Track *b) {
-    if (!(b->value < -(probe->floor + probe->floor_rate * b->t))) return INFINITY;
+    if (!(b->value < -b->noise)) return INFINITY;
     if (a->value <= 0.0) return a->rate > 0.0 ? INFINITY : a->t;
     return root(probe, 0, a->t, a->value, b->t);
 }
@@ -195,12 +207,7 @@ Event event_first(const Stretch *s, double t_end) {
         keep_earlier(&event, EVENT_REST, first_descent(&probe, fmin(t_monotone, event.t)));
     }
     for (int i = 0; s->flanks && i < 2; i++) {
-        const Contact size = slip_contact_size(s->slip, s->params, s->geometry, &s->launch, i);
-        const Probe probe = {.stretch = s,
-                             .quantity = i,
-                             .sign = s->slip->flank[i],
-                             .floor = NO_REACTION * size.value,
-                             .floor_rate = NO_REACTION * size.rate};
+        const Probe probe = {.stretch = s, .quantity = i, .sign = s->slip->flank[i]};
         keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));
     }
     return event;
@@ -216,27 +223,50 @@ void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *end
     }
 }
 
-/* Within half a period a homogeneous quantity has at most one zero. So if the rate is homogeneous
- * (constant inputs) or monotone (no zero of the curvature), the track dips below both its ends only
- * where its rate goes from - to +. */
-static bool dips(const Contact *start, const Contact *end, double sign, bool constant) {
-    const bool one_extremum = constant || start->curvature * end->curvature >= 0.0;
-    return !one_extremum || (sign * start->rate < 0.0 && sign * end->rate > 0.0);
+/* Might a quantity with at most one zero have it between start and end? Where it has all but died away, its
+ * last sign is rounding. */
+static bool may_turn(double start, double end) {
+    const double DEAD = 1e-12;
+    return start == 0.0 ? end != 0.0 : !(end * start > DEAD * start * start);
 }
 
+/* Inertial slip at constant speed: is alpha at both ends no more than the rounding of the torques that make it? */
+static bool alpha_is_noise(const Stretch *s, const Ends *ends) {
+    const Launch *l = &s->launch;
+    if (s->slip->kind != FLOW_INERTIAL) return false;
+    const double spring = fabs(s->params->spring.preload) +
+                          fabs(s->params->spring.stiffness * s->geometry->lift * l->theta) + fabs(l->F_ext);
+    const double torque = fabs(l->tau) + fabs(s->slip->transfer.rho) * spring + fabs(s->slip->damping * l->omega);
+    const double ROUNDING = 1e-14;
+    return fmax(fabs(l->alpha), fabs(ends->arc.alpha)) * s->slip->mass <= ROUNDING * torque;
+}
+
+static bool constant_inputs(const Launch *l) {
+    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
+}
+
+/* Within half a period a homogeneous quantity has at most one zero. So if the rate is homogeneous (constant
+ * inputs) or monotone (no zero of the curvature), a track that rises at the start is lowest at an end, and one
+ * that falls is so unless its rate turns. */
 static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
     const double sign = s->slip->flank[i];
-    const bool constant = s->launch.tau_rate == 0.0 && s->launch.F_ext_rate == 0.0;
-    return sign * ends->start[i].value >= 0.0 && sign * ends->end[i].value >= 0.0 &&
-           !dips(&ends->start[i], &ends->end[i], sign, constant);
+    const Contact *start = &ends->start[i], *end = &ends->end[i];
+    if (!(sign * start->value >= 0.0 && sign * end->value >= 0.0)) return false;
+    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
+    return sign * start->rate >= 0.0 || !may_turn(start->rate, end->rate);
+}
+
+static bool speed_quiet(const Stretch *s, const Ends *ends) {
+    const double sign = s->slip->direction;
+    if (!(sign * ends->arc.omega > 0.0)) return false;
+    if (sign * s->launch.alpha >= 0.0 || !may_turn(s->launch.alpha, ends->arc.alpha)) return true;
+    return alpha_is_noise(s, ends);
 }
 
 bool event_quiet(const Stretch *s, const Ends *ends) {
-    const double sign = s->slip->direction;
     const Arc *arc = &ends->arc;
     if (!(arc->t < s->slip->oscillator.half_period && arc->t <= s->slip->oscillator.horizon)) return false;
-    if (!(sign * arc->omega > 0.0) || !(sign * arc->dtheta < s->room)) return false;
-    if (sign * s->launch.alpha < 0.0 && sign * arc->alpha > 0.0) return false;
+    if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends)) return false;
     return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
 }
 
@@ -277,19 +307,20 @@ static double peak_of(const Probe *probe, double t_end) {
     return peak;
 }
 
-static bool has_inner_peak(const Stretch *s, const Contact *start, const Contact *end) {
-    const bool constant = s->launch.tau_rate == 0.0 && s->launch.F_ext_rate == 0.0;
-    return start->rate * end->rate < 0.0 || (!constant && start->curvature * end->curvature < 0.0);
+/* Is |x_i| surely largest at an end? */
+static bool peaks_at_end(const Stretch *s, const Contact *start, const Contact *end) {
+    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
+    return !may_turn(start->rate, end->rate);
 }
 
 void event_peaks(const Stretch *s, const Ends *ends, double *omega, double reaction[2]) {
     const bool long_step = !(ends->arc.t < s->slip->oscillator.half_period);
     *omega = fmax(fabs(s->launch.omega), fabs(ends->arc.omega));
-    if (long_step || s->launch.alpha * ends->arc.alpha < 0.0)
+    if ((long_step || may_turn(s->launch.alpha, ends->arc.alpha)) && !alpha_is_noise(s, ends))
         *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t));
     for (int i = 0; i < 2; i++) {
         double x = fmax(fabs(ends->start[i].value), fabs(ends->end[i].value));
-        if (long_step || has_inner_peak(s, &ends->start[i], &ends->end[i]))
+        if ((long_step || !peaks_at_end(s, &ends->start[i], &ends->end[i])) && !alpha_is_noise(s, ends))
             x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t));
         reaction[i] = x * s->slip->reaction[i];
     }

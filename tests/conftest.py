@@ -4,9 +4,14 @@ import zipfile
 
 import pytest
 from driver import FMU, ROOT, Driver, load
+from hypothesis import settings
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
 import build_fmu
+
+settings.register_profile("short", max_examples=500, deadline=None, derandomize=True)
+settings.register_profile("long", max_examples=20_000, deadline=None)
+settings.load_profile("short")
 
 
 @pytest.fixture(scope="session")
