@@ -104,22 +104,39 @@ Launch slip_launch(const Slip *slip, const Params *p, const Geometry *g, double 
     return l;
 }
 
+/* omega + alpha/(2a), the speed that damping alone would settle at, without the cancellation in that sum:
+ * 2a = B/M and M alpha = N - B omega, or without inertia 2a = K/B and B alpha = dN/dt - K omega. */
+static double settled_speed(const Slip *slip, const Launch *l) {
+    if (slip->kind == FLOW_VISCOUS) return load_rate(slip, l) / slip->stiffness;
+    const bool held_back = l->omega == 0.0 && l->alpha == 0.0; /* see launch_inertial */
+    return held_back ? 0.0 : slip_net_torque(slip, l) / slip->damping;
+}
+
+/* The speed that the closed forms start from: see oscillator.h. */
+static double base_speed(const Slip *slip, const Launch *l, const Kernel *k) {
+    return k->lead != 0.0 ? settled_speed(slip, l) : l->omega;
+}
+
 Arc slip_arc_start(const Slip *slip, const Launch *l) {
     return (Arc){.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
 }
 
 Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
-    const double decay2 = slip->oscillator.decay2;
-    const double domega = l->alpha * k->s + l->curvature * k->p1;
+    const double decay2 = slip->oscillator.decay2, w2 = slip->oscillator.stiffness;
+    const double b = base_speed(slip, l, k);
+    const bool settles = k->lead != 0.0;
     const double alpha = l->alpha * k->ds + l->curvature * k->s;
-    const double omega = l->omega + domega;
+    const double omega = settles ? b * (1.0 - w2 * k->p1) - k->lead * k->ds * l->alpha + l->drive * k->p1
+                                 : l->omega + (l->alpha * k->s + l->curvature * k->p1);
     return (Arc){
         .t = k->t,
-        .dtheta = l->omega * (k->s + decay2 * k->p1) + l->alpha * k->p1 + l->drive * k->p2 + l->offset,
-        .domega = domega,
+        .dtheta = b * (k->s + decay2 * k->p1) + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 +
+                  l->offset,
+        .domega = settles ? omega - l->omega : l->alpha * k->s + l->curvature * k->p1,
         .omega = omega,
         .alpha = alpha,
-        .jerk = l->drive - decay2 * alpha - slip->oscillator.stiffness * omega,
+        .jerk = l->drive - decay2 * alpha - w2 * omega,
+        .settled = settles,
     };
 }
 
@@ -158,18 +175,10 @@ Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, 
     };
 }
 
-/* omega + alpha/(2a), the speed that damping alone would settle at, without the cancellation in that sum:
- * 2a = B/M and M alpha = N - B omega, or without inertia 2a = K/B and B alpha = dN/dt - K omega. */
-static double settled_speed(const Slip *slip, const Launch *l) {
-    if (slip->kind == FLOW_VISCOUS) return load_rate(slip, l) / slip->stiffness;
-    const bool held_back = l->omega == 0.0 && l->alpha == 0.0; /* see launch_inertial */
-    return held_back ? 0.0 : slip_net_torque(slip, l) / slip->damping;
-}
-
 /* integral of omega^2 over the arc, J per N.m.s/rad */
 static double integral_of_square(const Slip *slip, const Launch *l, Kernel *k) {
     if (!k->squared) oscillator_square(&slip->oscillator, k);
-    const double *q = k->square, b = k->lead != 0.0 ? settled_speed(slip, l) : l->omega;
+    const double *q = k->square, b = base_speed(slip, l, k);
     return q[0] * b * b + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
            2.0 * (q[1] * b * l->alpha + (q[2] * b + q[4] * l->alpha) * l->drive);
 }
@@ -183,8 +192,8 @@ Booking slip_booking(const Slip *slip, const Params *p, const Geometry *g, const
     double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' */
     if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) {
         /* integral of t omega = t (theta1 - theta0) - integral of (theta - theta0) */
-        const double sweep = l->omega * (k->p1 + slip->oscillator.decay2 * k->p2) + l->alpha * k->p2 +
-                             l->drive * k->p3;
+        const double sweep = base_speed(slip, l, k) * (k->p1 + slip->oscillator.decay2 * k->p2) +
+                             l->alpha * (k->lead != 0.0 ? -k->lead * k->p1 : k->p2) + l->drive * k->p3;
         const double moment = arc->t * dtheta - sweep;
         work_in += l->tau_rate * moment;
         work_ext += l->F_ext_rate * moment;

@@ -60,6 +60,7 @@ typedef struct {
     double t;
     double dtheta, domega;          /* rad, rad/s */
     double omega, alpha, jerk;      /* rad/s, rad/s^2, rad/s^3 at t */
+    bool settled;                   /* omega is exact to its own rounding, not to that of the start's */
 } Arc;
 
 void slip_build(Slip *slip, const Params *params, const Geometry *g, int direction, const int flank[2]);

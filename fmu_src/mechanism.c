@@ -192,7 +192,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
         record_slip(m, s, ends);
     }
     sum_add(&m->state.theta, arc->dtheta);
-    if (s->slip->kind == FLOW_INERTIAL) {
+    if (s->slip->kind == FLOW_INERTIAL && !arc->settled) {
         sum_add(&m->state.omega, arc->domega);
     } else {
         m->state.omega = sum_of(arc->omega);

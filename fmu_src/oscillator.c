@@ -161,6 +161,7 @@ static void nearly_critical(const Oscillator *osc, double t, Kernel *k) {
 
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel) {
     kernel->t = t;
+    kernel->lead = fabs(osc->decay2) * t > 1.0 ? 1.0 / osc->decay2 : 0.0;
     kernel->squared = false;
     if (reach(osc, t) <= SERIES_LIMIT) {
         series(osc, t, kernel);
@@ -273,7 +274,7 @@ static void square_doubled(const Oscillator *osc, double lead, const Kernel *k, 
 }
 
 void oscillator_square(const Oscillator *osc, Kernel *kernel) {
-    const double lead = fabs(osc->decay2) * kernel->t > 1.0 ? 1.0 / osc->decay2 : 0.0;
+    const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
     for (double x = reach(osc, t); x > QUADRATURES[1].reach; x *= 0.5) doublings++;
@@ -284,7 +285,6 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
         oscillator_kernel(osc, t, &k);
         square_doubled(osc, lead, &k, kernel->square);
     }
-    kernel->lead = lead;
     kernel->squared = true;
 }
 

@@ -3,11 +3,17 @@
  * Inside one mode of a helical scene the angle obeys M theta'' + B theta' + K theta = u0 + u1 t, so
  * alpha = theta'' obeys the homogeneous equation with 2a = B/M and w2 = K/M (without inertia: with
  * 2a = K/B and w2 = 0). Let s be its solution with s(0) = 0, s'(0) = 1, and p1, p2, p3 the first to
- * third integral of s from 0. Everything else follows without cancellation at any step length, as
- * increments from the start values omega0, alpha0 and the drive U (= u1/M):
+ * third integral of s from 0. Everything else follows as increments from the start values omega0, alpha0
+ * and the drive U (= u1/M), over a time in which the damping changes little:
  *     omega - omega0 = alpha0 s + (U - w2 omega0) p1
  *     theta - theta0 = omega0 (s + 2a p1) + alpha0 p1 + U p2
  *     integral of (theta - theta0) = omega0 (p1 + 2a p2) + alpha0 p2 + U p3
+ * Over a time in which damping settles the motion, terms in omega0 and alpha0 would nearly cancel. Then the
+ * speed that is left, b0 = omega0 + alpha0/(2a), replaces omega0; the caller knows it better than as a sum
+ * (inertial: b0 = N/B). With lead = 1/(2a):
+ *     omega = b0 (1 - w2 p1) - lead s' alpha0 + U p1
+ *     theta - theta0 = b0 (s + 2a p1) - lead s alpha0 + U p2
+ *     integral of (theta - theta0) = b0 (p1 + 2a p2) - lead p1 alpha0 + U p3
  * a may be negative and w2 of either sign (a locked contact drives itself), but not a < 0 with
  * w2 > a^2: a growing oscillation has no cause here. */
 #ifndef DUALCAM_OSCILLATOR_H
@@ -28,22 +34,19 @@ typedef struct {
     double t;          /* s; NAN: empty */
     double s, ds;      /* s, 1: s and its derivative */
     double p1, p2, p3; /* s^2, s^3, s^4 */
-    /* integral of omega^2 as a quadratic form in (omega0 + lead alpha0, alpha0, U); see oscillator_square */
+    double lead;       /* s, 1/(2a) if |2a| t > 1, else 0: which of the two forms above to use */
+    /* integral of omega^2 as a quadratic form in (b0, alpha0, U); see oscillator_square */
     double square[6];
-    double lead; /* s */
     bool squared;
 } Kernel;
 
 Oscillator oscillator_of(double decay2, double stiffness);
 
-/* s, ds, p1, p2, p3 at t >= 0. */
+/* s, ds, p1, p2, p3 and lead at t >= 0. */
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel);
 
-/* Fills kernel->square and kernel->lead: integral of omega^2 over [0, t]
- *     = q0 b0^2 + 2 q1 b0 alpha0 + 2 q2 b0 U + q3 alpha0^2 + 2 q4 alpha0 U + q5 U^2,  b0 = omega0 + lead alpha0
- * lead is 0 over a short time. Over a time in which damping settles the motion it is 1/(2a): b0 is then the
- * speed that is left, which the caller knows better than as a difference (inertial: b0 = N/B). Taken from
- * omega0 and alpha0, two huge squares would cancel. */
+/* Fills kernel->square: integral of omega^2 over [0, t]
+ *     = q0 b0^2 + 2 q1 b0 alpha0 + 2 q2 b0 U + q3 alpha0^2 + 2 q4 alpha0 U + q5 U^2,  b0 = omega0 + lead alpha0 */
 void oscillator_square(const Oscillator *osc, Kernel *kernel);
 
 /* First t > 0 at which the homogeneous solution with y(0) = y0, y'(0) = dy0 vanishes, or infinity. */

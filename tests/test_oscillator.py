@@ -19,8 +19,8 @@ class Oscillator(ctypes.Structure):
 class Kernel(ctypes.Structure):
     _fields_ = [
         *((n, ctypes.c_double) for n in ("t", "s", "ds", "p1", "p2", "p3")),
-        ("square", ctypes.c_double * 6),
         ("lead", ctypes.c_double),
+        ("square", ctypes.c_double * 6),
         ("squared", ctypes.c_bool),
     ]
 
