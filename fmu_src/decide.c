@@ -51,14 +51,26 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness > 0.0 ? direction : 1);
 }
 
+/* Without inertia and damping, on the edge of the band: does theta follow the edge in the slip's direction, or
+ * does the way on ask for less and less torque? */
+static bool follows_edge(const Mechanism *m, const Slip *slip) {
+    if (slip->kind != FLOW_QUASISTATIC) return true;
+    const Launch l = launch_of(m, slip);
+    return decide_jump(m, slip, &l) || (slip->stiffness > 0.0 && slip->direction * l.omega > 0.0);
+}
+
 int decide_slip(const Mechanism *m, int direction, bool at_rest) {
     const int s = load_sign(m, direction);
     const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
+    int snaps = -1; /* only where nothing else agrees */
     for (int k = 0; k < 4; k++) {
         const int index = slip_index(direction, candidate[k]);
-        if (agrees(m, &m->model.slip[index], at_rest)) return index;
+        const Slip *slip = &m->model.slip[index];
+        if (!agrees(m, slip, at_rest)) continue;
+        if (follows_edge(m, slip)) return index;
+        if (snaps < 0) snaps = index;
     }
-    return -1;
+    return snaps;
 }
 
 static Mode slip_mode(int direction) {

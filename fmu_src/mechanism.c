@@ -181,6 +181,14 @@ static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
     for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], reaction[i]);
 }
 
+/* theta is known to rounding, which must not carry it past a stop. */
+static void turn(Mechanism *m, double dtheta) {
+    Sum *theta = &m->state.theta;
+    sum_add(theta, dtheta);
+    if (theta->hi > m->params.stop.upper) *theta = sum_of(m->params.stop.upper);
+    if (theta->hi < m->params.stop.lower) *theta = sum_of(m->params.stop.lower);
+}
+
 /* Moves along the stretch to its end; false if a value would not be finite. */
 static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *kernel) {
     const Arc *arc = &ends->arc;
@@ -191,7 +199,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
         ledger_book(&m->state.ledger, &booking);
         record_slip(m, s, ends);
     }
-    sum_add(&m->state.theta, arc->dtheta);
+    turn(m, arc->dtheta);
     if (s->slip->kind == FLOW_INERTIAL && !arc->settled) {
         sum_add(&m->state.omega, arc->domega);
     } else {
@@ -289,7 +297,7 @@ static bool jump(Mechanism *m, const Slip *slip) {
     const double to_mirror = mirrors ? -force / spring : INFINITY;
     const double way = fmin(to_edge, fmin(to_mirror, s.room));
     if (m->params.ledger) book_jump(m, &s, sign * way);
-    sum_add(&m->state.theta, sign * way);
+    turn(m, sign * way);
     stand_still(m);
     if (way == s.room) land(m, slip, EVENT_STOP);
     return true;

@@ -896,6 +896,11 @@ class Simulation:
     def _f_ext(self, t: Number) -> Number:
         return self.f_ext[0] + self.f_ext[1] * t
 
+    def _input_sizes(self) -> tuple[Number, Number]:
+        """Largest torque and pull of the interval, about: zeros within their rounding are zeros."""
+        tau, f_ext = (abs(u) + abs(rate) * self.length for u, rate in (self.tau, self.f_ext))
+        return tau, f_ext
+
     def _stored(self) -> Number:
         kin = self.mechanism.groove.at(self.theta)
         return self.mechanism.spring_energy(kin.z) + self.mechanism.kinetic_energy(kin, self.omega)
@@ -938,7 +943,8 @@ class Simulation:
         constant = self.tau[1] == 0 and self.f_ext[1] == 0
         middle = self.t if constant else (self.t + until) / 2
         tau, f0 = self._tau(middle), fs + self._f_ext(middle)
-        size = abs(tau) + abs(self.up) * mech.force_scale(kin, self._f_ext(middle))
+        tau_size, f_size = self._input_sizes()
+        size = tau_size + abs(self.up) * mech.force_scale(kin, f_size)
         near = self.arithmetic.tiny * size
         load, release = (self.up, self.down) if f0 >= 0 else (self.down, self.up)
         if (
@@ -1070,7 +1076,7 @@ class Simulation:
         kin = mech.groove.at(self.theta)
         damping = mech.damper_force(sigma, kin.dz * self.omega) if mech.inertial else self.omega * 0
         force = mech.spring_force(kin.z) + self._f_ext(self.t) + damping
-        if abs(force) > self.arithmetic.tiny * (mech.force_scale(kin, self._f_ext(self.t)) + abs(damping)):
+        if abs(force) > self.arithmetic.tiny * (mech.force_scale(kin, self._input_sizes()[1]) + abs(damping)):
             return sign(force)
         return sign(self._ahead(Slip(sigma, (sigma, sigma)))[2]) or sigma
 
@@ -1079,7 +1085,7 @@ class Simulation:
         mech, tiny = self.mechanism, self.arithmetic.tiny
         kin = mech.groove.at(self.theta)
         now, later, _ = self._ahead(slip)
-        size = mech.scales(kin, slip, self.omega, self._tau(self.t), self._f_ext(self.t))
+        size = mech.scales(kin, slip, self.omega, *self._input_sizes())
         pairs = ((now.x1, later.x1, size.x1, mech.mu1), (now.x2, later.x2, size.x2, mech.mu2))
         for e, (x, x_later, scale, mu) in zip(slip.e, pairs, strict=True):
             if mu == 0:
@@ -1124,7 +1130,7 @@ class Simulation:
         edge = None
         if not mech.inertial:
             f0 = mech.spring_force(kin.z) + self._f_ext(self.t)
-            if abs(f0) <= self.arithmetic.tiny * mech.force_scale(kin, self._f_ext(self.t)):
+            if abs(f0) <= self.arithmetic.tiny * mech.force_scale(kin, self._input_sizes()[1]):
                 now, _, _ = self._ahead(slip)
                 f0 = (mech.spring[1] * kin.dz * now.omega + self.f_ext[1]) or f0 * 0 + slip.sigma
             edge = self._edge(slip.sigma * (sign(f0) or slip.sigma))
