@@ -33,10 +33,17 @@ static bool flank_agrees(const Mechanism *m, const Slip *slip, const Launch *l, 
     return fabs(c.curvature) <= NO_REACTION * size.curvature || flank * c.curvature > 0.0;
 }
 
+/* Quasi-static slip that does not begin with a jump follows the moving edge of the band, in its own direction. */
+static bool follows(const Mechanism *m, const Slip *slip, const Launch *l) {
+    if (slip->kind != FLOW_QUASISTATIC || !(slip->stiffness > 0.0) || decide_jump(m, slip, l)) return true;
+    return slip->direction * l->omega > 0.0;
+}
+
 static bool agrees(const Mechanism *m, const Slip *slip, bool at_rest) {
     if (!slip->possible) return false;
     const Launch l = launch_of(m, slip);
     if (at_rest && !starts(m, slip, &l)) return false;
+    if (!follows(m, slip, &l)) return false;
     if (!has_friction(&m->params)) return true;
     return flank_agrees(m, slip, &l, 0) && flank_agrees(m, slip, &l, 1);
 }
@@ -51,26 +58,23 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness > 0.0 ? direction : 1);
 }
 
-/* Without inertia and damping, on the edge of the band: does theta follow the edge in the slip's direction, or
- * does the way on ask for less and less torque? */
-static bool follows_edge(const Mechanism *m, const Slip *slip) {
-    if (slip->kind != FLOW_QUASISTATIC) return true;
-    const Launch l = launch_of(m, slip);
-    return decide_jump(m, slip, &l) || (slip->stiffness > 0.0 && slip->direction * l.omega > 0.0);
+/* Without inertia and damping, on the edge of the band: unstable, since the way on asks for less and less torque. */
+static bool is_snap(const Slip *slip) {
+    return slip->kind == FLOW_QUASISTATIC && !(slip->stiffness > 0.0);
 }
 
 int decide_slip(const Mechanism *m, int direction, bool at_rest) {
     const int s = load_sign(m, direction);
     const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
-    int snaps = -1; /* only where nothing else agrees */
+    int snap = -1; /* only where nothing else agrees */
     for (int k = 0; k < 4; k++) {
         const int index = slip_index(direction, candidate[k]);
         const Slip *slip = &m->model.slip[index];
         if (!agrees(m, slip, at_rest)) continue;
-        if (follows_edge(m, slip)) return index;
-        if (snaps < 0) snaps = index;
+        if (!is_snap(slip)) return index;
+        if (snap < 0) snap = index;
     }
-    return snaps;
+    return snap;
 }
 
 static Mode slip_mode(int direction) {

@@ -26,9 +26,10 @@ double stick_edge(double factor, double F_0) {
     return F_0 == 0.0 ? 0.0 : factor * F_0; /* no load, no friction, however locked */
 }
 
-/* The sign that F_0 has, or is about to take. */
+/* The sign that F_0 has, or is about to take where it is no more than rounding. */
 static double side_of(const Mechanism *m, double F_0) {
-    return F_0 != 0.0 ? F_0 : m->inputs.F_ext[1];
+    const double F_rate = m->inputs.F_ext[1];
+    return F_rate != 0.0 && fabs(F_0) <= TIE * stick_axial_size(m) ? F_rate : F_0;
 }
 
 /* Does the torque press past an edge? At the edge itself its rate decides. */
