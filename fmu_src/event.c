@@ -114,9 +114,17 @@ static double descent_in_piece(const Probe *probe, const Track *a, const Track *
     return root(probe, 0, a->t, a->value, b->t);
 }
 
+/* The rate is monotone between a and b: has it a zero? A rate that has died away at b has no sign to go by;
+ * then the values tell. */
+static bool has_extremum(const Track *a, const Track *b) {
+    if (a->rate > 0.0 && b->value < a->value) return true;
+    if (a->rate < 0.0 && b->value > a->value) return true;
+    return a->rate * b->rate < 0.0;
+}
+
 /* Descent where the rate is monotone between a and b. */
 static double descent_in_bow(const Probe *probe, const Track *a, const Track *b) {
-    if (a->rate * b->rate >= 0.0) return descent_in_piece(probe, a, b);
+    if (!has_extremum(a, b)) return descent_in_piece(probe, a, b);
     const Track m = track_at(probe, root(probe, 1, a->t, a->rate, b->t));
     const double t = descent_in_piece(probe, a, &m);
     return t < INFINITY ? t : descent_in_piece(probe, &m, b);
@@ -273,7 +281,7 @@ bool event_quiet(const Stretch *s, const Ends *ends) {
 /* Largest |track| between a and b, rate monotone between them. */
 static double peak_in_bow(const Probe *probe, const Track *a, const Track *b) {
     double peak = fmax(fabs(a->value), fabs(b->value));
-    if (a->rate * b->rate < 0.0)
+    if (has_extremum(a, b))
         peak = fmax(peak, fabs(track_at(probe, root(probe, 1, a->t, a->rate, b->t)).value));
     return peak;
 }
