@@ -82,17 +82,21 @@ static Track track_at(const Probe *probe, double t) {
     }
 }
 
+/* A rate of less than this share of the one at the start of its bow has died away: its sign is rounding. */
+static const double DEAD_RATE = 1e-13;
+
 /* Root of f = value (order 0) or rate (order 1) in [left, right] where f changes sign: Newton, kept
  * inside a shrinking bracket, until the bracket is two neighbouring numbers or f is 0. Each step that
- * Newton does not halve the bracket is followed by a bisection, so about 2 x 60 steps bound it. */
+ * Newton does not halve the bracket is followed by a bisection, so about 2 x 60 steps bound it. A rate that has
+ * died away counts as past its zero. */
 static double root(const Probe *probe, int order, double left, double f_left, double right) {
     double t = 0.5 * (left + right), width = right - left;
     for (int n = 0; n < 200; n++) {
         const Track k = track_at(probe, t);
         const double f = order == 0 ? k.value : k.rate;
         const double slope = order == 0 ? k.rate : k.curvature;
-        if (f == 0.0) return t;
-        if ((f > 0.0) == (f_left > 0.0)) {
+        if (f == 0.0 && order == 0) return t;
+        if (f * f_left > (order == 0 ? 0.0 : DEAD_RATE * f_left * f_left)) {
             left = t;
         } else {
             right = t;
@@ -114,12 +118,9 @@ static double descent_in_piece(const Probe *probe, const Track *a, const Track *
     return root(probe, 0, a->t, a->value, b->t);
 }
 
-/* The rate is monotone between a and b: has it a zero? A rate that has died away at b has no sign to go by;
- * then the values tell. */
+/* The rate is monotone between a and b: might it have a zero? One that has died away at b might. */
 static bool has_extremum(const Track *a, const Track *b) {
-    if (a->rate > 0.0 && b->value < a->value) return true;
-    if (a->rate < 0.0 && b->value > a->value) return true;
-    return a->rate * b->rate < 0.0;
+    return a->rate * b->rate < DEAD_RATE * a->rate * a->rate;
 }
 
 /* Descent where the rate is monotone between a and b. */

@@ -441,10 +441,10 @@ class ExactFlow:
             watched["cross2"] = x2
         length, found = segment.length, {}
         for name, function in watched.items():
-            roots = self._zeros(function, length)
-            if roots:
-                found[name] = roots[0]
-                length = min(length, roots[0] * (1 + self.zero))
+            root = self._first_zero(function, length)
+            if root is not None:
+                found[name] = root
+                length = min(length, root * (1 + self.zero))
         length = min(found.values(), default=segment.length)
         causes = {name for name, t in found.items() if t <= length * (1 + self.zero)} or {"end"}
 
@@ -541,6 +541,16 @@ class ExactFlow:
             known[rate] = MP.exp(rate * t)
             known[MP.conj(rate)] = MP.conj(known[rate])
         return known[rate]
+
+    def _first_zero(self, u: list[Number], end: Number) -> Number | None:
+        """Looks at two periods first: a swing mostly ends in its first one."""
+        frequency = max(abs(MP.im(rate)) for rate in self.exponents)
+        window = min(end, 4 * MP.pi / frequency) if frequency > 0 else end
+        while True:
+            roots = self._zeros(u, window)
+            if roots or window == end:
+                return roots[0] if roots else None
+            window = min(end, 4 * window)
 
     def _zeros(self, u: list[Number], end: Number) -> list[Number]:
         """All sign changes in (0, end]: between those of the derivative the function is monotone."""
@@ -1175,6 +1185,8 @@ class Simulation:
             return False
         self.omega = self.omega * 0
         self._decide()
+        if mech.inertial and self.slip is not None and self.slip.sigma == slip.sigma:
+            self.doubts.append("speed grazes zero")
         return False
 
     def _cross(self, slip: Slip, causes: set[str]) -> None:
