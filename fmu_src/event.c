@@ -96,7 +96,8 @@ static double root(const Probe *probe, int order, double left, double f_left, do
         const double f = order == 0 ? k.value : k.rate;
         const double slope = order == 0 ? k.rate : k.curvature;
         if (f == 0.0 && order == 0) return t;
-        if (f * f_left > (order == 0 ? 0.0 : DEAD_RATE * f_left * f_left)) {
+        const bool before = (f > 0.0) == (f_left > 0.0);
+        if (before && (order == 0 || fabs(f) > DEAD_RATE * fabs(f_left))) {
             left = t;
         } else {
             right = t;
@@ -120,7 +121,7 @@ static double descent_in_piece(const Probe *probe, const Track *a, const Track *
 
 /* The rate is monotone between a and b: might it have a zero? One that has died away at b might. */
 static bool has_extremum(const Track *a, const Track *b) {
-    return a->rate * b->rate < DEAD_RATE * a->rate * a->rate;
+    return (a->rate > 0.0) != (b->rate > 0.0) || fabs(b->rate) < DEAD_RATE * fabs(a->rate);
 }
 
 /* Descent where the rate is monotone between a and b. */

@@ -560,9 +560,9 @@ class ExactFlow:
             return [t for t in self._zeros_of_tail(tail, end) if self.zero * end < t <= end]
         du = self._derivative(u)
         knots = [MP.mpf(0), *(t for t in self._zeros(du, end) if t < end), end]
+        nothing = self.zero * MP.fsum(abs(c) for c in u)
         values = [self._value(u, t) for t in knots]
-        if abs(values[0]) <= self.zero * MP.fsum(abs(c) for c in u):
-            values[0] = MP.mpf(0)
+        values = [MP.mpf(0) if abs(value) <= nothing else value for value in values]
         roots = []
         for a, b, fa, fb in zip(knots, knots[1:], values, values[1:], strict=False):
             if fb == 0:

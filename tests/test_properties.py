@@ -108,7 +108,8 @@ def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
         way = min(parameters["stop.upper"] - parameters["stop.lower"], values["peak.omega"] * one[0])
         rounding = 1e-14 * values["peak.torque"] * way
         assert abs(values["energy.residual"]) <= 1e-9 * turned_over + rounding
-        assert min(values[name] for name in HEATS) >= -1e-12 * turned_over - rounding
+        # lead angles of 1e-6 rad make the terms of a reaction 1e6 times the reaction: six digits less
+        assert min(values[name] for name in HEATS) >= -1e-9 * turned_over - rounding
 
 
 @FIXTURE
