@@ -121,6 +121,7 @@ static double descent_in_piece(const Probe *probe, const Track *a, const Track *
 
 /* The rate is monotone between a and b: might it have a zero? One that has died away at b might. */
 static bool has_extremum(const Track *a, const Track *b) {
+    if (a->rate == 0.0) return false;
     return (a->rate > 0.0) != (b->rate > 0.0) || fabs(b->rate) < DEAD_RATE * fabs(a->rate);
 }
 

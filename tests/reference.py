@@ -691,7 +691,8 @@ class OdeFlow:
         longest = self.stiffness_limit / max(mechanism.rate(kin, slip), self.stiffness_limit / length)
         solver = DOP853(derivative, 0.0, y, length, rtol=self.rtol, atol=scale, max_step=longest)
         while solver.status == "running":
-            message = solver.step()
+            with np.errstate(invalid="ignore", divide="ignore"):  # error estimate 0/0 where it underflows
+                message = solver.step()
             if solver.status == "failed":
                 raise ArithmeticError(message)
             dense, start, end = solver.dense_output(), float(solver.t_old), float(solver.t)
@@ -757,8 +758,9 @@ class OdeFlow:
         if end <= start:
             return y
         solver = DOP853(derivative, start, y, end, rtol=rtol, atol=scale, first_step=end - start)
-        while solver.status == "running":
-            solver.step()
+        with np.errstate(invalid="ignore", divide="ignore"):
+            while solver.status == "running":
+                solver.step()
         return np.array(solver.y)
 
     def _polish(
