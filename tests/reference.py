@@ -1074,10 +1074,12 @@ class Simulation:
         kin = mech.groove.at(self.theta)
         hair = self.arithmetic.probe / (mech.rate(kin, slip) + 1 / self.length)
         now = mech.load(kin, slip, self.omega, self._tau(self.t), self._f_ext(self.t))
-        theta = self.theta + hair * (now.omega + hair * now.alpha / 2)
-        omega = now.omega + hair * now.alpha
+        theta, omega, t = self.theta + hair * now.omega, now.omega + hair * now.alpha, self.t + hair
+        first = mech.load(mech.groove.at(theta), slip, omega, self._tau(t), self._f_ext(t))
+        # by the mean of both: a start on a ramp has no acceleration yet
+        theta += hair * (first.omega - now.omega) / 2 + hair**2 * (first.alpha - now.alpha) / 6
+        omega = now.omega + hair * (now.alpha + first.alpha) / 2
         later_kin = mech.groove.at(theta)
-        t = self.t + hair
         later = mech.load(later_kin, slip, omega, self._tau(t), self._f_ext(t))
         force = mech.spring_force(later_kin.z) + self._f_ext(t)
         return now, later, force + mech.damper_force(slip.sigma, later_kin.dz * later.omega)
