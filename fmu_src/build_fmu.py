@@ -1,6 +1,6 @@
 """Builds the FMUs: variables.def -> modelDescription.xml -> shared library -> .fmu.
 
-    python fmu_src/build_fmu.py             build/DualCamForward.fmu and build/NullFmu.fmu
+    python fmu_src/build_fmu.py             build/DualCamForward.fmu, DualCamInverse.fmu and NullFmu.fmu
     python fmu_src/build_fmu.py --check     the same, but fail if the committed XML is not fresh
     python fmu_src/build_fmu.py --sanitize  the native test driver, with sanitizers and without
 
@@ -43,6 +43,9 @@ SHARED = ["-O3", "-flto", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-z,def
 
 HOST_SOURCES = {"emit_xml.c"}  # run while building, not part of an FMU
 
+# Both FMUs are compiled from the same files, but for the one that hands the FMI calls on (see model.h).
+MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
+
 
 class BuildError(Exception):
     pass
@@ -80,8 +83,13 @@ def fmi_headers() -> Path:
     return Path(spec.origin).parent / "c-code"
 
 
-def core_sources() -> list[Path]:
-    return sorted(p for p in (ROOT / "fmu_src").glob("*.c") if p.name not in HOST_SOURCES)
+def model_define(identifier: str) -> str:
+    return f"-DMODEL_BUILT=MODEL_{MODELS[identifier].upper()}"
+
+
+def core_sources(identifier: str) -> list[Path]:
+    others = {f"model_{model}.c" for name, model in MODELS.items() if name != identifier}
+    return sorted(p for p in (ROOT / "fmu_src").glob("*.c") if p.name not in HOST_SOURCES | others)
 
 
 def headers() -> list[Path]:
@@ -145,10 +153,10 @@ def emit_description(identifier: str, check: bool) -> str:
     stamp = fingerprint([emitter, included, *headers()])
     if not is_fresh(fresh, stamp):
         say(f"emit {relative(committed)}")
-        program = BUILD / "host" / "emit_xml"
-        compile_c(ZIG, ["-O1"], [emitter], program)
+        program = BUILD / "host" / f"emit_{identifier}"
+        compile_c(ZIG, ["-O1", model_define(identifier)], [emitter], program)
         fresh.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_bytes(run([program, identifier], "emit_xml").encode())
+        fresh.write_bytes(run([program], "emit_xml").encode())
         set_stamp(fresh, stamp)
     if not committed.exists() or committed.read_bytes() != fresh.read_bytes():
         if check:
@@ -159,8 +167,7 @@ def emit_description(identifier: str, check: bool) -> str:
     return committed.read_text(encoding="utf-8")
 
 
-def forward_fmu(check: bool) -> Fmu:
-    identifier = "DualCamForward"
+def dual_cam(identifier: str, check: bool) -> Fmu:
     description = emit_description(identifier, check)
     extra = {"documentation/licenses/license.txt": ROOT / "LICENSE"}
     for folder in ("documentation", "resources", "terminalsAndIcons"):
@@ -170,7 +177,8 @@ def forward_fmu(check: bool) -> Fmu:
     if (DESCRIPTIONS / "model.png").exists():
         extra["model.png"] = DESCRIPTIONS / "model.png"
     guid = ET.fromstring(description).attrib["guid"]
-    return Fmu(identifier, core_sources(), description, guid, extra)
+    sources, defines = core_sources(identifier), [model_define(identifier)]
+    return Fmu(identifier, sources, description, guid, extra, defines)
 
 
 def null_fmu(like: Fmu) -> Fmu:
@@ -277,7 +285,7 @@ def build_native_drivers(fmu: Fmu) -> None:
         (folder / "lifecycle-sanitized", compiler, sanitizers),
         (folder / "lifecycle", plain, []),
     ):
-        flags = ["-g", "-O1", "-w", *flags, *identity(fmu)]
+        flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
         stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), Path(__file__).resolve()], *command, *flags)
         if not is_fresh(program, stamp):
             say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
@@ -294,12 +302,13 @@ def main() -> int:
     try:
         with (BUILD / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # parallel test workers may ask at the same time
-            fmu = forward_fmu(arguments.check)
+            forward, inverse = (dual_cam(identifier, arguments.check) for identifier in MODELS)
             if arguments.sanitize:
-                build_native_drivers(fmu)
+                build_native_drivers(forward)
             else:
-                build(fmu)
-                build(null_fmu(fmu))
+                build(forward)
+                build(inverse)
+                build(null_fmu(forward))
     except BuildError as error:
         print(f"build_fmu: {error}", file=sys.stderr)
         return 1

@@ -2,12 +2,12 @@
 
 #include <math.h>
 
-Geometry cam_geometry(const CamParams cam[2]) {
+Geometry cam_geometry(const CamParams cam[2], const double slope[2]) {
     Geometry g = {.lift = 0.0};
     for (int i = 0; i < 2; i++) {
         g.radius[i] = cam[i].radius;
         g.friction[i] = cam[i].friction;
-        g.slope[i] = cam[i].radius * tan(cam[i].lead_angle);
+        g.slope[i] = slope[i];
         g.length[i] = hypot(g.radius[i], g.slope[i]);
     }
     const double sum = g.slope[0] + g.slope[1];

@@ -17,7 +17,7 @@ typedef struct {
     double lift;        /* m/rad, z' */
 } Geometry;
 
-/* Geometry of two helical grooves: the same everywhere. */
-Geometry cam_geometry(const CamParams cam[2]);
+/* The geometry where the grooves have these slopes. */
+Geometry cam_geometry(const CamParams cam[2], const double slope[2]);
 
 #endif

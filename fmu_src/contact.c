@@ -27,25 +27,26 @@ static bool carries(const Transfer *t, const int flank[2]) {
     return t->regular && flank[0] * t->axial[0] >= 0.0 && flank[1] * t->axial[1] >= 0.0;
 }
 
-static double load_factor(const Geometry *g) {
-    static const int supporting[2] = {1, 1};
-    const Transfer t = contact_transfer(g, 1, supporting);
-    return carries(&t, supporting) ? t.rho : INFINITY;
-}
-
-/* Releasing against F > 0. Both supporting flanks, unless one contact locks and the other does not:
- * then the unlocked pin bears on its other flank. */
-static double release_factor(const Geometry *g) {
-    /* both lead angles exactly at the friction angle: n_1 = n_2 = 0, no torque at any load */
-    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1]) return 0.0;
+/* Loading: both supporting flanks. Releasing: the same, unless one contact locks and the other does not; then the
+ * unlocked pin bears on its other flank. */
+bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
     static const int candidate[3][2] = {{1, 1}, {1, -1}, {-1, 1}};
-    for (int k = 0; k < 3; k++) {
-        const Transfer t = contact_transfer(g, -1, candidate[k]);
-        if (carries(&t, candidate[k])) return t.rho;
+    const int candidates = direction > 0 ? 1 : 3;
+    for (int k = 0; k < candidates; k++) {
+        *transfer = contact_transfer(g, direction, candidate[k]);
+        flank[0] = candidate[k][0];
+        flank[1] = candidate[k][1];
+        if (carries(transfer, flank)) return true;
     }
-    return -INFINITY;
+    return false;
 }
 
 BandFactors contact_band(const Geometry *g) {
-    return (BandFactors){.load = load_factor(g), .release = release_factor(g)};
+    int flank[2];
+    Transfer t;
+    const double load = contact_edge(g, 1, flank, &t) ? t.rho : INFINITY;
+    /* both lead angles exactly at the friction angle: n_1 = n_2 = 0, no torque at any load */
+    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1])
+        return (BandFactors){.load = load, .release = 0.0};
+    return (BandFactors){.load = load, .release = contact_edge(g, -1, flank, &t) ? t.rho : -INFINITY};
 }

@@ -36,4 +36,8 @@ Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]);
 
 BandFactors contact_band(const Geometry *g);
 
+/* The pair of flanks and the transfer by which motion in `direction` along the band's edge carries F_0 > 0; false
+ * where no torque moves it that way. */
+bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer);
+
 #endif

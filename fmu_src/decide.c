@@ -6,75 +6,156 @@
 #include "stick.h"
 
 Launch launch_of(const Mechanism *m, const Slip *slip) {
-    return slip_launch(slip, &m->params, &m->model.geometry, m->state.theta.hi, m->state.omega.hi, &m->inputs);
+    return slip_launch(slip, &m->params, &m->place.geometry, m->state.theta.hi, m->state.omega.hi, &m->inputs);
 }
+
+bool is_closed_form(const Mechanism *m) {
+    return m->model.closed_form && inputs_within(&m->inputs, 1);
+}
+
+/* ---- looking along a way to slip ---- */
+
+Way way_from_here(const Mechanism *m, int index) {
+    int flank[2];
+    slip_flanks(index, flank);
+    return way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, slip_direction(index), flank);
+}
+
+Balance balance_from_here(const Mechanism *m, const Way *way) {
+    Balance now;
+    balance_at(way, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
+    const bool starts = way->kind == FLOW_INERTIAL && m->state.omega.hi == 0.0;
+    if (starts && way->direction * now.alpha < 0.0) now.alpha = now.pace.value = 0.0;
+    if (way->kind == FLOW_VISCOUS && way->direction * now.omega < 0.0) now.omega = now.pace.value = 0.0;
+    return now;
+}
+
+/* Without inertia a locked contact can turn the damper's resistance round: then less torque drives it faster. */
+static bool is_backward(const Slip *slip) {
+    return slip->kind == FLOW_VISCOUS && slip->damping < 0.0;
+}
+
+/* Without inertia and damping, on the edge of the band: unstable if the way on asks for less and less torque. */
+static bool is_stable(const Slip *slip) {
+    return slip->kind == FLOW_QUASISTATIC ? slip->stiffness > 0.0 : !is_backward(slip);
+}
+
+static Look look_at_closed_form(const Mechanism *m, const Slip *slip) {
+    if (!slip->possible) return (Look){.possible = false};
+    const Launch l = launch_of(m, slip);
+    const Arc start = slip_arc_start(slip, &l);
+    Look look = {
+        .possible = true,
+        .kind = slip->kind,
+        .stable = is_stable(slip),
+        .net = is_backward(slip) ? -slip_net_torque(slip, &l) : slip_net_torque(slip, &l),
+        .net_size = stick_torque_size(m, slip->transfer.rho),
+        .tie = stick_tie(m),
+        .omega = l.omega,
+        .alpha = l.alpha,
+        .jerk = start.jerk,
+        .stiffness = slip->stiffness,
+    };
+    for (int i = 0; has_friction(&m->params) && i < 2; i++) {
+        look.axial[i] = slip->transfer.axial[i] * m->params.spring.stiffness;
+        look.contact[i] = slip_contact(slip, &m->params, &m->place.geometry, &l, &start, i);
+        look.size[i] = slip_contact_size(slip, &m->params, &m->place.geometry, &l, i);
+    }
+    return look;
+}
+
+static Look look_at_any_form(const Mechanism *m, int index) {
+    const Way way = way_from_here(m, index);
+    const Balance now = balance_from_here(m, &way);
+    if (!now.pace.possible || !isfinite(now.pace.value)) return (Look){.possible = false};
+    Trend trend;
+    balance_trend(&way, &now, 0.0, &trend);
+    const bool inertial = way.kind == FLOW_INERTIAL;
+    Look look = {
+        .possible = true,
+        .kind = way.kind,
+        .stable = now.pace.stable,
+        .net = way.kind == FLOW_VISCOUS && !now.pace.stable ? -trend.net : trend.net,
+        .net_size = trend.net_size,
+        .tie = stick_tie(m),
+        .omega = now.omega,
+        .alpha = inertial ? now.alpha : trend.pace,
+        .jerk = inertial ? trend.pace : 0.0,
+        .stiffness = now.pace.by_theta,
+    };
+    const double spring = spring_rate(&m->params.spring, m->place.z);
+    for (int i = 0; i < 2; i++) {
+        look.axial[i] = now.axial[i] * spring;
+        look.contact[i] = (Contact){.value = now.x[i], .rate = trend.contact[i]};
+        look.size[i] = (Contact){.value = trend.size[i], .rate = trend.rate_size[i]};
+    }
+    return look;
+}
+
+Look look_at(const Mechanism *m, int index) {
+    return is_closed_form(m) ? look_at_closed_form(m, &m->model.slip[index]) : look_at_any_form(m, index);
+}
+
+/* ---- does a way to slip agree with itself? ---- */
 
 /* From rest the net torque must point the way of the slip, or vanish (its rate then decides). */
-static bool starts(const Mechanism *m, const Slip *slip, const Launch *l) {
-    return slip->direction * slip_net_torque(slip, l) >= -TIE * stick_torque_size(m, slip->transfer.rho);
+static bool starts(const Look *look, int direction) {
+    return direction * look->net >= -look->tie * look->net_size;
 }
 
-bool decide_jump(const Mechanism *m, const Slip *slip, const Launch *l) {
-    const double net = slip->direction * slip_net_torque(slip, l);
-    return slip->kind == FLOW_QUASISTATIC && net > TIE * stick_torque_size(m, slip->transfer.rho);
+bool decide_jump(const Look *look, int direction) {
+    return look->kind == FLOW_QUASISTATIC && direction * look->net > look->tie * look->net_size;
 }
 
 /* Is x_i on the flank that the slip assumes, or about to be? Where it is zero, its rate tells, and then the
  * rate of that. Zero throughout (no load at all) suits either flank. */
-static bool flank_agrees(const Mechanism *m, const Slip *slip, const Launch *l, int i) {
-    const Arc start = slip_arc_start(slip, l);
-    const Contact c = slip_contact(slip, &m->params, &m->model.geometry, l, &start, i);
-    const Contact size = slip_contact_size(slip, &m->params, &m->model.geometry, l, i);
-    const double flank = slip->flank[i];
-    if (fabs(c.value) > NO_REACTION * size.value) return flank * c.value > 0.0;
-    if (decide_jump(m, slip, l)) /* only the spring's force changes */
-        return flank * slip->direction * slip->transfer.axial[i] * m->params.spring.stiffness >= 0.0;
-    if (fabs(c.rate) > NO_REACTION * size.rate) return flank * c.rate > 0.0;
-    return fabs(c.curvature) <= NO_REACTION * size.curvature || flank * c.curvature > 0.0;
+static bool flank_agrees(const Look *look, int direction, int flank, int i) {
+    const Contact *c = &look->contact[i], *size = &look->size[i];
+    if (fabs(c->value) > NO_REACTION * size->value) return flank * c->value > 0.0;
+    if (decide_jump(look, direction)) /* only the spring's force changes, by direction times its stiffness */
+        return flank * direction * look->axial[i] >= 0.0;
+    if (fabs(c->rate) > NO_REACTION * size->rate) return flank * c->rate > 0.0;
+    return fabs(c->curvature) <= NO_REACTION * size->curvature || flank * c->curvature > 0.0;
 }
 
 /* Quasi-static slip that does not begin with a jump follows the moving edge of the band, in its own direction. */
-static bool follows(const Mechanism *m, const Slip *slip, const Launch *l) {
-    if (slip->kind != FLOW_QUASISTATIC || !(slip->stiffness > 0.0) || decide_jump(m, slip, l)) return true;
-    return slip->direction * l->omega > 0.0;
+static bool follows(const Look *look, int direction) {
+    if (look->kind != FLOW_QUASISTATIC || !(look->stiffness > 0.0) || decide_jump(look, direction)) return true;
+    return direction * look->omega > 0.0;
 }
 
-static bool agrees(const Mechanism *m, const Slip *slip, bool at_rest) {
-    if (!slip->possible) return false;
-    const Launch l = launch_of(m, slip);
-    if (at_rest && !starts(m, slip, &l)) return false;
-    if (!follows(m, slip, &l)) return false;
+static bool agrees(const Mechanism *m, int index, const Look *look, bool at_rest) {
+    const int direction = slip_direction(index);
+    int flank[2];
+    slip_flanks(index, flank);
+    if (!look->possible) return false;
+    if (at_rest && !starts(look, direction)) return false;
+    if (!follows(look, direction)) return false;
     if (!has_friction(&m->params)) return true;
-    return flank_agrees(m, slip, &l, 0) && flank_agrees(m, slip, &l, 1);
+    return flank_agrees(look, direction, flank[0], 0) && flank_agrees(look, direction, flank[1], 1);
 }
 
 /* Sign of the axial load when motion in `direction` begins or goes on. */
 static int load_sign(const Mechanism *m, int direction) {
-    const double c = direction > 0 ? m->params.damper.c_load : m->params.damper.c_release;
-    const double damper = has_inertia(&m->params) ? c * m->model.geometry.lift * m->state.omega.hi : 0.0;
-    const double force = stick_axial_load(m) + damper;
-    if (fabs(force) > TIE * stick_axial_size(m)) return sign_of(force);
+    const double v = has_inertia(&m->params) ? m->place.geometry.lift * m->state.omega.hi : 0.0;
+    const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
+    if (fabs(force) > stick_tie(m) * stick_axial_size(m)) return sign_of(force);
     const int coming = sign_of(m->inputs.F_ext[1]);
-    return coming != 0 ? coming : (m->params.spring.stiffness > 0.0 ? direction : 1);
-}
-
-/* Without inertia and damping, on the edge of the band: unstable, since the way on asks for less and less torque. */
-static bool is_snap(const Slip *slip) {
-    return slip->kind == FLOW_QUASISTATIC && !(slip->stiffness > 0.0);
+    return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
 }
 
 int decide_slip(const Mechanism *m, int direction, bool at_rest) {
     const int s = load_sign(m, direction);
     const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
-    int snap = -1; /* only where nothing else agrees */
+    int unstable = -1;
     for (int k = 0; k < 4; k++) {
         const int index = slip_index(direction, candidate[k]);
-        const Slip *slip = &m->model.slip[index];
-        if (!agrees(m, slip, at_rest)) continue;
-        if (!is_snap(slip)) return index;
-        if (snap < 0) snap = index;
+        const Look look = look_at(m, index);
+        if (!agrees(m, index, &look, at_rest)) continue;
+        if (look.stable) return index;
+        if (unstable < 0) unstable = index;
     }
-    return snap;
+    return unstable;
 }
 
 static Mode slip_mode(int direction) {
@@ -97,8 +178,8 @@ static Decision decide_moving(const Mechanism *m) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
     const int present = slip_index(direction, m->state.flank);
-    if (m->state.mode == mode && agrees(m, &m->model.slip[present], false))
-        return (Decision){.mode = mode, .slip = present};
+    const Look look = look_at(m, present);
+    if (m->state.mode == mode && agrees(m, present, &look, false)) return (Decision){.mode = mode, .slip = present};
     const int slip = decide_slip(m, direction, false);
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : mode, .slip = slip};
 }

@@ -2,6 +2,7 @@
 #ifndef DUALCAM_DECIDE_H
 #define DUALCAM_DECIDE_H
 
+#include "balance.h"
 #include "mechanism.h"
 
 typedef struct {
@@ -17,10 +18,45 @@ Decision decide(const Mechanism *m);
  * of the mechanism page. */
 int decide_slip(const Mechanism *m, int direction, bool at_rest);
 
+/* What one way to slip would be like from the present state on. */
+typedef struct {
+    bool possible;
+    bool stable; /* more torque means more speed; else taken only where nothing else agrees */
+    FlowKind kind;
+    double net, net_size;    /* N.m: torque that drives it, beyond what holds the load, and the size of its terms */
+    double tie;              /* share of net_size below which net is none */
+    double omega, alpha;     /* rad/s, rad/s^2 */
+    double jerk;             /* rad/s^3 */
+    double stiffness;        /* N.m/rad: how the torque that holds the load grows along the way */
+    double axial[2];         /* x_i per z, 1/m^2 N: through the spring */
+    Contact contact[2];      /* x_i and its derivatives, only with friction */
+    Contact size[2];         /* sizes of the terms in them */
+} Look;
+
+/* index: see slip_index(). */
+Look look_at(const Mechanism *m, int index);
+
 /* Quasi-static slip begins with a jump unless the torque is on the edge of the band already. */
-bool decide_jump(const Mechanism *m, const Slip *slip, const Launch *launch);
+bool decide_jump(const Look *look, int direction);
+
+/* Does the closed form hold now? */
+bool is_closed_form(const Mechanism *m);
 
 Launch launch_of(const Mechanism *m, const Slip *slip);
+Way way_from_here(const Mechanism *m, int index);
+
+/* The balance on that way now. Where slip begins it keeps to its direction: rounding at the edge of the band does not
+ * start it backwards. */
+Balance balance_from_here(const Mechanism *m, const Way *way);
+
+static inline int slip_direction(int index) {
+    return index < 4 ? 1 : -1;
+}
+
+static inline void slip_flanks(int index, int flank[2]) {
+    flank[0] = index & 2 ? -1 : 1;
+    flank[1] = index & 1 ? -1 : 1;
+}
 
 static inline bool is_slip(Mode mode) {
     return mode == MODE_LOADING || mode == MODE_RELEASING;

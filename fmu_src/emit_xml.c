@@ -1,6 +1,5 @@
-/* Host program of the build: prints the modelDescription.xml of an FMU, from variables.def.
- *
- *     emit_xml DualCamForward
+/* Host program of the build: prints the modelDescription.xml of the FMU that MODEL_BUILT chooses, from
+ * variables.def.
  *
  * The GUID is a hash of the text printed with an empty GUID, so equal descriptions have equal GUIDs and
  * there is no clock in it. */
@@ -12,12 +11,18 @@
 
 #include "variables.c" /* so that one file is all there is to compile */
 
+#if MODEL_BUILT == MODEL_FORWARD
 static const char *const IDENTIFIER = "DualCamForward";
-static const char *const VERSION = "0.1.0";
 static const char *const DESCRIPTION =
-    "Dual cylindrical cam: torque on cam 2 turns it and lifts a spring-loaded follower in two helical "
-    "grooves; "
-    "stick and slip are resolved exactly";
+    "Dual cylindrical cam, forward dynamics: torque on cam 2 turns it and lifts a spring-loaded follower in two "
+    "grooves; stick and slip are resolved exactly";
+#else
+static const char *const IDENTIFIER = "DualCamInverse";
+static const char *const DESCRIPTION =
+    "Dual cylindrical cam, inverse dynamics: the torque on cam 2 that turns it as imposed and lifts a spring-loaded "
+    "follower in two grooves, friction included";
+#endif
+static const char *const VERSION = "0.1.0";
 
 /* Where the text goes: always into the hash, and to `file` unless that is NULL. */
 typedef struct {
@@ -69,7 +74,7 @@ static void put_number(Sink *sink, const char *name, double value) {
 
 static bool is_used(UnitId unit) {
     for (unsigned i = 0; i < VARIABLE_COUNT; i++)
-        if (variable_find(i) != NULL && VARIABLES[i].unit == unit) return true;
+        if (VARIABLES[i].unit == unit) return true;
     return false;
 }
 
@@ -151,8 +156,7 @@ static void put_variable(Sink *sink, unsigned reference) {
 
 static void put_variables(Sink *sink) {
     put(sink, "  <ModelVariables>\n");
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
-        if (variable_find(i) != NULL) put_variable(sink, i);
+    for (unsigned i = 0; i < VARIABLE_COUNT; i++) put_variable(sink, i);
     put(sink, "  </ModelVariables>\n");
 }
 
@@ -162,44 +166,53 @@ typedef struct {
     VariableId output, known;
 } Dependency;
 
-static const Dependency STARTS_FROM[] = {
+/* Both end with a row that belongs to no output: no list may be empty in C. */
+static const Dependency FOLLOWS[] = {
 #define UNIT(...)
 #define VARIABLE(...)
-#define STARTS_FROM(output, known) {VR_##output, VR_##known},
+#define FOLLOWS(model, output, known) IN_##model({VR_##output, VR_##known},)
+#define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
-};
+    {VARIABLE_COUNT, VARIABLE_COUNT}};
+
+static const Dependency STARTS_FROM[] = {
+#define UNIT(...)
+#define VARIABLE(...)
+#define FOLLOWS(...)
+#define STARTS_FROM(model, output, known) IN_##model({VR_##output, VR_##known},)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef FOLLOWS
+#undef STARTS_FROM
+    {VARIABLE_COUNT, VARIABLE_COUNT}};
 
 /* Place in the list of variables, from 1. */
 static unsigned index_of(VariableId id) {
-    unsigned index = 0;
-    for (unsigned i = 0; i <= (unsigned)id; i++) index += variable_find(i) != NULL;
-    return index;
+    return (unsigned)id + 1;
 }
 
-static void put_initial_dependencies(Sink *sink, VariableId output) {
+static void put_dependencies(Sink *sink, VariableId output, const Dependency *list) {
     const char *separator = "";
     put(sink, " dependencies=\"");
-    for (size_t i = 0; i < sizeof STARTS_FROM / sizeof STARTS_FROM[0]; i++) {
-        if (STARTS_FROM[i].output != output) continue;
-        print(sink, "%s%u", separator, index_of(STARTS_FROM[i].known));
+    for (const Dependency *row = list; row->output != VARIABLE_COUNT; row++) {
+        if (row->output != output) continue;
+        print(sink, "%s%u", separator, index_of(row->known));
         separator = " ";
     }
     put(sink, "\"");
 }
 
-/* At a communication point the outputs follow from the state alone: no input passes through. */
-static void put_unknowns(Sink *sink, const char *element, bool at_start) {
+static void put_unknowns(Sink *sink, const char *element, const Dependency *list) {
     print(sink, "    <%s>\n", element);
     for (unsigned i = 0; i < VARIABLE_COUNT; i++) {
-        if (variable_find(i) == NULL || VARIABLES[i].causality != CAUSALITY_OUTPUT) continue;
+        if (VARIABLES[i].causality != CAUSALITY_OUTPUT) continue;
         print(sink, "      <Unknown index=\"%u\"", index_of((VariableId)i));
-        if (at_start)
-            put_initial_dependencies(sink, (VariableId)i);
-        else
-            put_attribute(sink, "dependencies", "");
+        put_dependencies(sink, (VariableId)i, list);
         put(sink, "/>\n");
     }
     print(sink, "    </%s>\n", element);
@@ -207,8 +220,8 @@ static void put_unknowns(Sink *sink, const char *element, bool at_start) {
 
 static void put_structure(Sink *sink) {
     put(sink, "  <ModelStructure>\n");
-    put_unknowns(sink, "Outputs", false);
-    put_unknowns(sink, "InitialUnknowns", true);
+    put_unknowns(sink, "Outputs", FOLLOWS);
+    put_unknowns(sink, "InitialUnknowns", STARTS_FROM);
     put(sink, "  </ModelStructure>\n");
 }
 
@@ -239,8 +252,9 @@ static void put_capabilities(Sink *sink) {
     put_attribute(sink, "modelIdentifier", IDENTIFIER);
     put(sink,
         "\n    canHandleVariableCommunicationStepSize=\"true\""
-        "\n    canInterpolateInputs=\"true\""
-        "\n    maxOutputDerivativeOrder=\"2\""
+        "\n    canInterpolateInputs=\"true\"");
+    print(sink, "\n    maxOutputDerivativeOrder=\"%d\"", (int)MAX_OUTPUT_ORDER);
+    put(sink,
         "\n    canRunAsynchronuously=\"false\""
         "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
         "\n    canNotUseMemoryManagementFunctions=\"true\""
@@ -267,11 +281,7 @@ static Sink sink_of(FILE *file) {
     return (Sink){.file = file, .hash = {HASH_BASIS[0], HASH_BASIS[1]}, .failed = false};
 }
 
-int main(int count, char *arguments[]) {
-    if (count != 2 || strcmp(arguments[1], IDENTIFIER) != 0) {
-        fprintf(stderr, "usage: emit_xml %s\n", IDENTIFIER);
-        return 2;
-    }
+int main(void) {
     Sink blank = sink_of(NULL);
     put_document(&blank, "");
     char guid[39];

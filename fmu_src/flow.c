@@ -3,11 +3,22 @@
 #include <math.h>
 
 double spring_force(const SpringParams *spring, double z) {
-    return spring->preload + z * spring->stiffness;
+    return spring->preload + z * (spring->stiffness + z * (spring->stiffness2 + z * spring->stiffness3));
+}
+
+double spring_rate(const SpringParams *spring, double z) {
+    return spring->stiffness + z * (2.0 * spring->stiffness2 + 3.0 * spring->stiffness3 * z);
 }
 
 double spring_energy(const SpringParams *spring, double z) {
-    return z * (spring->preload + 0.5 * z * spring->stiffness);
+    return z * (spring->preload +
+                z * (spring->stiffness / 2.0 + z * (spring->stiffness2 / 3.0 + z * (spring->stiffness3 / 4.0))));
+}
+
+double damper_force(const DamperParams *damper, int direction, double v) {
+    const double c = direction > 0 ? damper->c_load : damper->c_release;
+    const double q = direction > 0 ? damper->q_load : damper->q_release;
+    return v * (c + q * fabs(v));
 }
 
 static FlowKind kind_of(const Params *p, double damping) {
@@ -18,7 +29,7 @@ static FlowKind kind_of(const Params *p, double damping) {
 static bool is_possible(const Slip *slip) {
     if (!slip->transfer.regular) return false;
     if (slip->kind == FLOW_INERTIAL) return slip->mass > 0.0;
-    return slip->kind == FLOW_QUASISTATIC || slip->damping > 0.0;
+    return slip->kind == FLOW_QUASISTATIC || slip->damping != 0.0;
 }
 
 static Oscillator oscillator_of_slip(const Slip *slip) {

@@ -97,6 +97,10 @@ Booking slip_jump_booking(const Slip *slip, const Params *params, const Geometry
                           double dtheta);
 
 double spring_force(const SpringParams *spring, double z);  /* N */
+double spring_rate(const SpringParams *spring, double z);   /* N/m */
 double spring_energy(const SpringParams *spring, double z); /* J, 0 at z = 0 */
+
+/* N, of the side that acts in this direction: v (c + q |v|) */
+double damper_force(const DamperParams *damper, int direction, double v);
 
 #endif

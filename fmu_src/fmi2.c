@@ -73,9 +73,9 @@ static const char *reason_not_to_instantiate(fmi2String name, fmi2Type type, fmi
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
-    (void)fmuResourceLocation, (void)visible, (void)loggingOn;
+    (void)visible, (void)loggingOn;
     const char *reason = reason_not_to_instantiate(instanceName, fmuType, fmuGUID);
-    Instance *instance = reason == NULL ? instance_new(instanceName, functions) : NULL;
+    Instance *instance = reason == NULL ? instance_new(instanceName, fmuResourceLocation, functions) : NULL;
     if (instance != NULL) return instance;
     log_error(functions, instanceName != NULL ? instanceName : "",
               reason != NULL ? reason : "fmi2Instantiate: no memory left");
@@ -117,8 +117,8 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     return fmi2OK;
 }
 
-/* Helical scenes have closed-form solutions, so the tolerance is checked but has no use; and the
- * mechanism can go on past the stop time. */
+/* A tolerance beyond TOLERANCE_MIN and TOLERANCE_MAX is taken as the nearest of them. The mechanism can go on
+ * past the stop time. */
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
                                fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     Instance *instance = c;
@@ -134,6 +134,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
                                "%s: stopTime = %.17g: allowed is any finite number from startTime = %.17g",
                                __func__, stopTime, startTime);
     instance->run.time = startTime;
+    instance->values.machine.params.tolerance =
+        toleranceDefined != fmi2False ? fmin(fmax(tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
+    instance_changed(instance);
     return fmi2OK;
 }
 
@@ -221,14 +224,15 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 
 typedef struct {
     Params params;
-    Inputs inputs;
+    MachineInputs inputs;
 } Draft; /* the beginning of Values */
 
-_Static_assert(offsetof(Values, mechanism.params) == offsetof(Draft, params), "one offset for both");
-_Static_assert(offsetof(Values, mechanism.inputs) == offsetof(Draft, inputs), "one offset for both");
+_Static_assert(offsetof(Values, machine.params) == offsetof(Draft, params), "one offset for both");
+_Static_assert(offsetof(Values, machine.inputs) == offsetof(Draft, inputs), "one offset for both");
+_Static_assert(VR_F_EXT < 32, "inputs come first, F_ext last: each has a bit in Run.with_rates");
 
 static Draft draft_of(const Instance *instance) {
-    return (Draft){.params = instance->values.mechanism.params, .inputs = instance->values.mechanism.inputs};
+    return (Draft){.params = instance->values.machine.params, .inputs = instance->values.machine.inputs};
 }
 
 static void *draft_address(Draft *draft, const Variable *variable) {
@@ -237,16 +241,15 @@ static void *draft_address(Draft *draft, const Variable *variable) {
 
 /* During the run only tunable parameters can be in the draft, see find_settable(). */
 static fmi2Status commit(Instance *instance, const char *function, const Draft *draft) {
-    Mechanism *mechanism = &instance->values.mechanism;
+    Machine *machine = &instance->values.machine;
     if (instance->run.phase == PHASE_STEP) {
         Fault fault;
-        if (!mechanism_check(&draft->params, &fault))
+        if (!model_retune(machine, &draft->params, &fault))
             return instance_refuse(instance, "%s: %s", function, fault.text);
-        mechanism_retune(mechanism, &draft->params);
     } else {
-        mechanism->params = draft->params;
+        machine->params = draft->params;
     }
-    mechanism->inputs = draft->inputs;
+    machine->inputs = draft->inputs;
     instance_changed(instance);
     return fmi2OK;
 }
@@ -357,7 +360,7 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     for (size_t i = 0; i < nvr; i++) {
         const Variable *variable = find_settable(instance, __func__, vr[i], TYPE_STRING);
         if (variable == NULL || !accepts_text(instance, __func__, variable, value[i])) return fmi2Error;
-        memcpy(draft_address(&draft, variable), value[i], strlen(value[i]) + 1);
+        strncpy(draft_address(&draft, variable), value[i], (size_t)variable->max + 1); /* zeros to the end */
     }
     return commit(instance, __func__, &draft);
 }
@@ -391,13 +394,6 @@ static bool is_input_derivative(const Instance *instance, const char *function, 
 
 /* Derivatives hold for one step: without new ones the inputs are constant over the next. The old ones
  * stay until then, since the derivatives of outputs at the end of a step depend on them. */
-static void forget_rates(Inputs *inputs) {
-    for (int order = 1; order <= INPUT_ORDER; order++) {
-        inputs->tau[order] = 0.0;
-        inputs->F_ext[order] = 0.0;
-    }
-}
-
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
     Instance *instance = c;
@@ -406,26 +402,13 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     for (size_t i = 0; i < nvr; i++)
         if (!is_input_derivative(instance, __func__, vr[i], order[i], value[i])) return fmi2Error;
     if (nvr == 0) return fmi2OK;
-    if (!instance->run.rates_fresh) forget_rates(&instance->values.mechanism.inputs);
-    for (size_t i = 0; i < nvr; i++) input_address(instance, vr[i])[order[i]] = value[i];
-    instance->run.rates_fresh = 1;
+    if (instance->run.with_rates == 0) model_forget_rates(&instance->values.machine.inputs);
+    for (size_t i = 0; i < nvr; i++) {
+        input_address(instance, vr[i])[order[i]] = value[i];
+        instance->run.with_rates |= UINT32_C(1) << vr[i];
+    }
     instance_changed(instance);
     return fmi2OK;
-}
-
-enum { MAX_OUTPUT_ORDER = 2 };
-
-/* theta, omega and z, v are the first two members of two chains of derivatives. */
-static double output_derivative(const Instance *instance, VariableId id, int order) {
-    const Values *values = &instance->values;
-    const double of_theta[] = {values->mechanism.state.omega.hi, values->outputs.loads.alpha,
-                               values->outputs.loads.jerk};
-    switch (id) {
-        case VR_THETA: return of_theta[order - 1];
-        case VR_OMEGA: return of_theta[order];
-        case VR_Z: return mechanism_axial_derivative(&values->mechanism, order);
-        default: return mechanism_axial_derivative(&values->mechanism, order + 1);
-    }
 }
 
 static bool is_output_derivative(const Instance *instance, const char *function, fmi2ValueReference reference,
@@ -437,8 +420,8 @@ static bool is_output_derivative(const Instance *instance, const char *function,
         return false;
     }
     if (order < 1 || order > MAX_OUTPUT_ORDER) {
-        instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to %d", function,
-                        variable->name, order, (int)MAX_OUTPUT_ORDER);
+        instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to maxOutputDerivativeOrder = %d",
+                        function, variable->name, order, (int)MAX_OUTPUT_ORDER);
         return false;
     }
     return true;
@@ -453,7 +436,9 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     for (size_t i = 0; i < nvr; i++)
         if (!is_output_derivative(instance, __func__, vr[i], order[i])) return fmi2Error;
     if (!instance_provide(instance, __func__, GROUP_STATE | GROUP_LOADS)) return fmi2Error;
-    for (size_t i = 0; i < nvr; i++) value[i] = output_derivative(instance, (VariableId)vr[i], order[i]);
+    const Values *values = &instance->values;
+    for (size_t i = 0; i < nvr; i++)
+        value[i] = model_output_derivative(&values->machine, &values->outputs, vr[i], order[i]);
     return fmi2OK;
 }
 
@@ -490,16 +475,16 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     Instance *instance = c;
     if (!instance_is_in(instance, __func__, PHASE_STEP)) return fmi2Error;
     if (!is_step(instance, __func__, currentCommunicationPoint, communicationStepSize)) return fmi2Error;
-    Mechanism *mechanism = &instance->values.mechanism;
-    const Inputs before = mechanism->inputs;
-    if (!instance->run.rates_fresh) forget_rates(&mechanism->inputs);
+    Machine *machine = &instance->values.machine;
+    const MachineInputs before = machine->inputs;
+    if (instance->run.with_rates == 0) model_forget_rates(&machine->inputs);
     Fault fault;
-    if (!mechanism_advance(mechanism, communicationStepSize, &fault)) {
-        mechanism->inputs = before;
+    if (!model_advance(machine, communicationStepSize, instance->run.with_rates, &fault)) {
+        machine->inputs = before;
         return instance_refuse(instance, "%s: %s", __func__, fault.text);
     }
     instance->run.time = currentCommunicationPoint + communicationStepSize;
-    instance->run.rates_fresh = 0;
+    instance->run.with_rates = 0;
     instance_changed(instance);
     return fmi2OK;
 }
@@ -583,7 +568,9 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
     Instance *instance = c;
     if (instance == NULL || !is_snapshot(instance, __func__, FMUstate)) return fmi2Error;
-    snapshot_restore(FMUstate, instance);
+    Fault fault;
+    if (!snapshot_restore(FMUstate, instance, &fault))
+        return instance_refuse(instance, "%s: %s", __func__, fault.text);
     return fmi2OK;
 }
 

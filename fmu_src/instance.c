@@ -5,23 +5,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "resources.h"
+
 enum { MESSAGE_SIZE = 1024 };
 
 static const char *const ERROR_CATEGORY = "logStatusError";
 
 /* ---- life ---- */
 
-Instance *instance_new(const char *name, const fmi2CallbackFunctions *callbacks) {
-    Instance *instance = calloc(1, sizeof *instance);
-    const size_t size = strlen(name) + 1;
+static char *copy_of(const char *text) {
+    const size_t size = strlen(text) + 1;
     char *copy = malloc(size);
-    if (instance == NULL || copy == NULL) {
-        free(instance);
-        free(copy);
+    if (copy != NULL) memcpy(copy, text, size);
+    return copy;
+}
+
+Instance *instance_new(const char *name, const char *location, const fmi2CallbackFunctions *callbacks) {
+    Instance *instance = calloc(1, sizeof *instance);
+    if (instance == NULL) return NULL;
+    instance->name = copy_of(name);
+    if (instance->name == NULL || !resources_directory(location, &instance->resources)) {
+        instance_free(instance);
         return NULL;
     }
-    memcpy(copy, name, size);
-    instance->name = copy;
     instance->logs_errors = true;
     if (callbacks != NULL) instance->callbacks = *callbacks;
     instance_reset(instance);
@@ -30,40 +36,41 @@ Instance *instance_new(const char *name, const fmi2CallbackFunctions *callbacks)
 
 void instance_free(Instance *instance) {
     if (instance == NULL) return;
+    model_free(&instance->values.machine);
     free(instance->name);
+    free(instance->resources);
     free(instance);
 }
 
 void instance_reset(Instance *instance) {
+    Machine *machine = &instance->values.machine;
+    model_free(machine);
     memset(&instance->values, 0, sizeof instance->values);
     variables_start(&instance->values);
-    instance->run = (Run){.time = 0.0, .phase = PHASE_INSTANTIATED, .rates_fresh = 0};
+    machine->params.tolerance = TOLERANCE_DEFAULT;
+    machine->resources = instance->resources;
+    instance->run = (Run){.time = 0.0, .phase = PHASE_INSTANTIATED, .with_rates = 0};
     instance_changed(instance);
 }
 
 /* ---- what is valid ---- */
 
-static bool start(Instance *instance, const char *function) {
-    Fault fault;
-    Mechanism *mechanism = &instance->values.mechanism;
-    if (!mechanism_check(&mechanism->params, &fault)) {
-        instance_refuse(instance, "%s: %s", function, fault.text);
-        return false;
-    }
-    mechanism_start(mechanism);
-    instance->valid |= GROUP_STATE;
-    return true;
+static bool refuse_for(const Instance *instance, const char *function, const Fault *fault) {
+    instance_refuse(instance, "%s: %s", function, fault->text);
+    return false;
 }
 
 bool instance_provide(Instance *instance, const char *function, unsigned groups) {
     if ((groups & ~instance->valid) == 0) return true;
-    if ((instance->valid & GROUP_STATE) == 0 && !start(instance, function)) return false;
+    Fault fault;
+    Values *values = &instance->values;
+    if ((instance->valid & GROUP_STATE) == 0) {
+        if (!model_start(&values->machine, &fault)) return refuse_for(instance, function, &fault);
+        instance->valid |= GROUP_STATE;
+    }
     const unsigned missing = groups & ~instance->valid;
-    const Mechanism *mechanism = &instance->values.mechanism;
-    Outputs *outputs = &instance->values.outputs;
-    if (missing & GROUP_MOTION) mechanism_motion(mechanism, &outputs->motion);
-    if (missing & GROUP_LOADS) mechanism_loads(mechanism, &outputs->loads);
-    if (missing & GROUP_ENERGY) mechanism_energy(mechanism, &outputs->energy);
+    if (!model_outputs(&values->machine, missing, &values->outputs, &fault))
+        return refuse_for(instance, function, &fault);
     instance->valid |= missing;
     return true;
 }

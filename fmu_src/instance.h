@@ -19,8 +19,7 @@ typedef enum {
 typedef struct {
     double time; /* s, the communication point reached */
     Phase phase;
-    uint32_t
-        rates_fresh; /* 1: input derivatives were set since the last step; not bool, to leave no padding */
+    uint32_t with_rates; /* bit r: derivatives of the input with value reference r were set since the last step */
 } Run;
 
 typedef struct {
@@ -30,14 +29,21 @@ typedef struct {
     bool logs_errors;
     fmi2CallbackFunctions callbacks;
     char *name;
+    char *resources; /* the directory of the FMU's resources, or NULL */
 } Instance;
 
-/* NULL if there is no memory. */
-Instance *instance_new(const char *name, const fmi2CallbackFunctions *callbacks);
+/* NULL if there is no memory. `location` is what fmi2Instantiate got. */
+Instance *instance_new(const char *name, const char *location, const fmi2CallbackFunctions *callbacks);
 void instance_free(Instance *instance);
 
-/* Start values, as after instance_new(). */
+/* Start values, as after instance_new(). What was built from a table file is built anew. */
 void instance_reset(Instance *instance);
+
+/* The relative tolerance where fmi2SetupExperiment gives none, and the range into which it brings others: below,
+ * rounding is larger; above, the answer means nothing. */
+#define TOLERANCE_DEFAULT 1e-9
+#define TOLERANCE_MIN 1e-12
+#define TOLERANCE_MAX 1e-2
 
 /* To be called when params, inputs or state changed: what is computed from them is no longer valid.
  * Before the run has begun that includes the state, which is then the start state. */
@@ -46,7 +52,8 @@ static inline void instance_changed(Instance *instance) {
     instance->valid = begun ? GROUP_PARAMS | GROUP_INPUTS | GROUP_STATE : GROUP_PARAMS | GROUP_INPUTS;
 }
 
-/* Makes these groups valid. Before the run has begun that is a start with the present parameters. */
+/* Makes these groups valid. Before the run has begun that is a start with the present parameters. Logs why, if
+ * it cannot be done. */
 bool instance_provide(Instance *instance, const char *function, unsigned groups);
 
 /* Is the instance in one of these phases? If not, or if there is no instance, logs that `function` is

@@ -3,9 +3,13 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
+#include "check.h"
 #include "decide.h"
 #include "event.h"
+#include "passage.h"
+#include "play.h"
 #include "stick.h"
 
 /* A step with more mode changes than this is refused. At about a microsecond each that bounds the time a step
@@ -23,7 +27,7 @@ static const double NO_BOUNCE = 16.0 * DBL_EPSILON;
 /* J + m z'^2 + I gamma'^2, kg.m^2 */
 static double total_inertia(const Mechanism *m) {
     const InertiaParams *i = &m->params.inertia;
-    const Geometry *g = &m->model.geometry;
+    const Geometry *g = &m->place.geometry;
     return i->shaft + i->follower_mass * g->lift * g->lift + i->follower * g->turn[0] * g->turn[0];
 }
 
@@ -37,54 +41,94 @@ static double stored_energy(const Mechanism *m) {
 
 /* ---- model ---- */
 
-static void build_model(Model *model, const Params *params) {
-    model->geometry = cam_geometry(params->cam);
-    model->band = contact_band(&model->geometry);
+/* Switched off, every scene takes the way of general grooves: a test compares the two. */
+#ifdef DUALCAM_NO_CLOSED_FORM
+enum { USE_CLOSED_FORM = 0 };
+#else
+enum { USE_CLOSED_FORM = 1 };
+#endif
+
+/* Friction is no matter of the course, and may be tuned. */
+static bool is_course_of(const Model *model, const Params *p) {
+    CamParams cam[2];
+    memcpy(cam, p->cam, sizeof cam);
+    for (int i = 0; i < 2; i++) cam[i].friction = model->cam[i].friction;
+    return model->course.piece != NULL && memcmp(model->cam, cam, sizeof cam) == 0 &&
+           model->lower == p->stop.lower && model->upper == p->stop.upper;
+}
+
+static void remember_course(Model *model, const Params *p) {
+    memcpy(model->cam, p->cam, sizeof model->cam);
+    model->lower = p->stop.lower;
+    model->upper = p->stop.upper;
+}
+
+static void build_slips(Mechanism *m) {
     for (int direction = -1; direction <= 1; direction += 2) {
         for (int k = 0; k < 4; k++) {
             const int flank[2] = {k & 2 ? -1 : 1, k & 1 ? -1 : 1};
-            Slip *slip = &model->slip[slip_index(direction, flank)];
-            slip_build(slip, params, &model->geometry, direction, flank);
+            slip_build(&m->model.slip[slip_index(direction, flank)], &m->params, &m->place.geometry, direction, flank);
         }
     }
 }
 
+/* To be called whenever theta changes. */
+static void arrive(Mechanism *m) {
+    const Course *course = &m->model.course;
+    Place *place = &m->place;
+    if (course->straight) {
+        place->z = place->geometry.lift * m->state.theta.hi;
+        return;
+    }
+    const Spot spot = piece_at(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi);
+    place->geometry = cam_geometry(m->params.cam, spot.slope);
+    const double *turn = place->geometry.turn;
+    place->lift_rate = spot.bend[0] * turn[0] * turn[0] + spot.bend[1] * turn[1] * turn[1];
+    place->z = spot.z;
+    /* z''' as in balance.c */
+    const double turn_rate = (spot.bend[1] * turn[1] - spot.bend[0] * turn[0]) / (spot.slope[0] + spot.slope[1]);
+    place->lift_bend = spot.twist[0] * turn[0] * turn[0] + spot.twist[1] * turn[1] * turn[1] +
+                       2.0 * turn_rate * (spot.bend[0] * turn[0] - spot.bend[1] * turn[1]);
+}
+
 static void forget(Cache *cache) {
     cache->hold.valid = false;
+    cache->leap = INFINITY;
     for (int i = 0; i < SLIP_COUNT; i++) cache->kernel[i].t = NAN;
 }
 
-void mechanism_rebuild(Mechanism *m) {
-    build_model(&m->model, &m->params);
+/* All that follows from params and course. */
+static void build_model(Mechanism *m) {
+    const Course *course = &m->model.course;
+    m->model.closed_form = USE_CLOSED_FORM && course->straight && is_linear(&m->params);
+    if (course->straight) {
+        const double slope[2] = {course->piece->slope[0][0], course->piece->slope[1][0]};
+        m->place = (Place){.geometry = cam_geometry(m->params.cam, slope)};
+        m->place.band = contact_band(&m->place.geometry);
+    }
+    if (m->model.closed_form) build_slips(m);
+    arrive(m);
     forget(&m->cache);
 }
 
-bool mechanism_check(const Params *p, Fault *fault) {
-    if (p->cam[0].lead_angle == 0.0 && p->cam[1].lead_angle == 0.0) {
-        snprintf(fault->text, sizeof fault->text,
-                 "cam1.lead_angle = 0 and cam2.lead_angle = 0: at least one must be > 0, or nothing fixes the pin");
-        return false;
+bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+    if (!check_params(&m->params, fault)) return false;
+    if (!is_course_of(&m->model, &m->params)) {
+        Course course;
+        if (!course_build(&course, m->params.cam, m->params.stop.lower, m->params.stop.upper, m->resources, fault))
+            return false;
+        course_free(&m->model.course);
+        m->model.course = course;
+        remember_course(&m->model, &m->params);
     }
-    if (!(p->stop.lower < p->stop.upper)) {
-        snprintf(fault->text, sizeof fault->text, "stop.lower = %.17g must be < stop.upper = %.17g", p->stop.lower,
-                 p->stop.upper);
-        return false;
-    }
-    if (!(p->initial.theta >= p->stop.lower && p->initial.theta <= p->stop.upper)) {
-        snprintf(fault->text, sizeof fault->text,
-                 "initial.theta = %.17g must lie in [stop.lower, stop.upper] = [%.17g, %.17g]", p->initial.theta,
-                 p->stop.lower, p->stop.upper);
-        return false;
-    }
-    const Geometry g = cam_geometry(p->cam);
-    if (isinf(contact_band(&g).load)) {
-        snprintf(fault->text, sizeof fault->text,
-                 "cam1.lead_angle = %.17g, cam2.lead_angle = %.17g jam when loading at cam1.friction = %.17g, "
-                 "cam2.friction = %.17g: kappa_1 + kappa_2 must be > 0",
-                 p->cam[0].lead_angle, p->cam[1].lead_angle, p->cam[0].friction, p->cam[1].friction);
-        return false;
-    }
+    if (!check_jam(&m->params, &m->model.course, fault)) return false;
+    build_model(m);
     return true;
+}
+
+void mechanism_free(Mechanism *m) {
+    course_free(&m->model.course);
+    m->model.course = (Course){.count = 0};
 }
 
 static void enter(Mechanism *m, Decision d) {
@@ -94,11 +138,7 @@ static void enter(Mechanism *m, Decision d) {
         state->mode = d.mode;
         m->cache.hold.valid = false;
     }
-    if (is_slip(d.mode)) {
-        const Slip *slip = &m->model.slip[d.slip];
-        state->flank[0] = slip->flank[0];
-        state->flank[1] = slip->flank[1];
-    }
+    if (is_slip(d.mode)) slip_flanks(d.slip, state->flank);
 }
 
 /* ---- holding ---- */
@@ -107,15 +147,35 @@ static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
 }
 
+/* The polynomial's derivatives t later. */
+static void shift(double u[INPUT_ORDER + 1], double t) {
+    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
+    u[1] += t * (u[2] + t / 2.0 * u[3]);
+    u[2] += t * u[3];
+}
+
 static void advance_inputs(Inputs *inputs, double t) {
-    inputs->tau[0] += inputs->tau[1] * t;
-    inputs->F_ext[0] += inputs->F_ext[1] * t;
+    shift(inputs->tau, t);
+    shift(inputs->F_ext, t);
 }
 
 static void record_rest(Mechanism *m) {
     Peaks *peak = &m->state.ledger.peak;
     peak_raise(&peak->torque, m->inputs.tau[0]);
     for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], stick_reaction(m, i));
+}
+
+/* Torque and load of a curved input may be largest in between. */
+static void record_input_peaks(Mechanism *m, double t) {
+    if (inputs_within(&m->inputs, 1)) return;
+    Peaks *peak = &m->state.ledger.peak;
+    const Bernstein tau = bernstein_of_taylor(m->inputs.tau, t), F_ext = bernstein_of_taylor(m->inputs.F_ext, t);
+    peak_raise(&peak->torque, bernstein_value(&tau, bernstein_peak(&tau)));
+    if (is_slip(m->state.mode)) return;
+    Bernstein load = F_ext;
+    for (int i = 0; i <= load.degree; i++) load.c[i] += spring_force(&m->params.spring, m->place.z);
+    const double F_0 = bernstein_value(&load, bernstein_peak(&load));
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], stick_sharing(m, i) * F_0);
 }
 
 /* Stays at rest for up to `left` seconds; returns how long. */
@@ -127,6 +187,7 @@ static double hold(Mechanism *m, double left) {
         return left;
     }
     const double t = stick_hold_time(m, left);
+    if (m->params.ledger) record_input_peaks(m, t);
     advance_inputs(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
     return t;
@@ -159,7 +220,7 @@ static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
     return (Stretch){
         .slip = slip,
         .params = &m->params,
-        .geometry = &m->model.geometry,
+        .geometry = &m->place.geometry,
         .launch = launch_of(m, slip),
         .room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0),
         .flanks = has_friction(&m->params),
@@ -167,8 +228,12 @@ static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
     };
 }
 
+static int present_index(const Mechanism *m) {
+    return slip_index(direction_of(m->state.mode), m->state.flank);
+}
+
 static Slip *present_slip(Mechanism *m) {
-    return &m->model.slip[slip_index(direction_of(m->state.mode), m->state.flank)];
+    return &m->model.slip[present_index(m)];
 }
 
 static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
@@ -187,6 +252,7 @@ static void turn(Mechanism *m, double dtheta) {
     sum_add(theta, dtheta);
     if (theta->hi > m->params.stop.upper) *theta = sum_of(m->params.stop.upper);
     if (theta->hi < m->params.stop.lower) *theta = sum_of(m->params.stop.lower);
+    arrive(m);
 }
 
 /* Moves along the stretch to its end; false if a value would not be finite. */
@@ -238,21 +304,22 @@ static void hit_stop(Mechanism *m, int direction) {
     State *state = &m->state;
     const double before = kinetic_energy(m);
     state->theta = sum_of(direction > 0 ? m->params.stop.upper : m->params.stop.lower);
+    arrive(m);
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0) {
         const int slip = decide_slip(m, -direction, false);
         const double size = fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower));
-        const double back = slip < 0 ? 0.0 : direction * launch_of(m, &m->model.slip[slip]).alpha;
+        const double back = slip < 0 ? 0.0 : direction * look_at(m, slip).alpha;
         if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * size) stand_still(m);
     }
     stop_heat(m, before - kinetic_energy(m));
 }
 
 /* Velocity zero and stops are set to what they are by definition. A flank change moves nothing. */
-static void land(Mechanism *m, const Slip *slip, EventKind kind) {
+static void land(Mechanism *m, int direction, EventKind kind) {
     if (kind == EVENT_REST) stand_still(m);
-    if (kind == EVENT_STOP) hit_stop(m, slip->direction);
+    if (kind == EVENT_STOP) hit_stop(m, direction);
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
@@ -267,8 +334,138 @@ static double slip_to_event(Mechanism *m, double left) {
     oscillator_kernel(&slip->oscillator, t, &kernel);
     event_ends(&stretch, &kernel, stretch.flanks || m->params.ledger, &ends);
     if (!commit(m, &stretch, &ends, &kernel)) return NAN;
-    land(m, slip, event.kind);
+    land(m, slip->direction, event.kind);
     return t;
+}
+
+/* ---- jams ---- */
+
+/* Moving, and in a mode in which it cannot. */
+static bool is_jammed(const Mechanism *m) {
+    return has_inertia(&m->params) && m->state.omega.hi != 0.0 && !is_slip(m->state.mode);
+}
+
+/* No flank agrees while it moves: the contacts jam it at once. Its kinetic energy becomes friction heat,
+ * shared as frictionless loads would share the sliding. */
+static void jam(Mechanism *m) {
+    const Geometry *g = &m->place.geometry;
+    const double energy = kinetic_energy(m);
+    double share[2];
+    for (int i = 0; i < 2; i++)
+        share[i] = g->friction[i] * g->length[i] * g->length[i] * g->turn[i] * g->turn[i] / g->radius[i];
+    stand_still(m);
+    if (!m->params.ledger || energy == 0.0) return;
+    for (int i = 0; i < 2; i++) sum_add(&m->state.ledger.heat_cam[i], energy * share[i] / (share[0] + share[1]));
+}
+
+/* ---- slipping in grooves of any shape ---- */
+
+static void record_passage(Mechanism *m, const Way *way, Passage *passage) {
+    Peaks *peak = &m->state.ledger.peak;
+    const Leap *leap = &passage->leap;
+    const double known[2] = {peak->reaction[0] * m->params.contacts, peak->reaction[1] * m->params.contacts};
+    passage_peaks(way, passage, peak->omega, known);
+    peak_raise(&peak->omega, passage->omega);
+    peak_raise(&peak->torque, leap->start.tau);
+    peak_raise(&peak->torque, leap->node[leap->method->stages - 1].tau);
+    record_input_peaks(m, leap->h);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], passage->reaction[i] / m->params.contacts);
+}
+
+/* Moves along the leap to its end; false if a value would not be finite. */
+static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
+    const Leap *leap = &passage->leap;
+    const Balance *end = &leap->node[leap->method->stages - 1];
+    const Booking *b = &leap->booking;
+    if (!isfinite(leap->dtheta + end->omega + b->work_in + b->heat_cam[0] + b->heat_cam[1] + b->heat_damper)) return false;
+    if (m->params.ledger) {
+        ledger_book(&m->state.ledger, &leap->booking);
+        record_passage(m, way, passage);
+    }
+    turn(m, leap->dtheta);
+    if (way->kind == FLOW_INERTIAL) {
+        sum_add(&m->state.omega, leap->domega);
+    } else {
+        m->state.omega = sum_of(end->omega);
+    }
+    advance_inputs(&m->inputs, leap->h);
+    return true;
+}
+
+static double room_ahead(const Mechanism *m, int direction) {
+    const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    return fmax(direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
+}
+
+/* The jump in grooves of any shape. Returns false if it leads nowhere. */
+static bool jump_along_course(Mechanism *m, int direction) {
+    Jump jump;
+    play_jump(m, direction, &jump);
+    if (m->params.ledger) {
+        Peaks *peak = &m->state.ledger.peak;
+        ledger_book(&m->state.ledger, &jump.booking);
+        peak_raise(&peak->torque, m->inputs.tau[0]);
+        for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], jump.reaction[i] / m->params.contacts);
+    }
+    turn(m, jump.dtheta);
+    stand_still(m);
+    if (jump.stopped) land(m, direction, EVENT_STOP);
+    return jump.stopped || jump.dtheta != 0.0;
+}
+
+static bool must_jump(const Mechanism *m) {
+    const Look look = look_at(m, present_index(m));
+    if (look.kind != FLOW_QUASISTATIC) return false;
+    return !(look.stiffness > 0.0) || decide_jump(&look, direction_of(m->state.mode));
+}
+
+/* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
+static double jump_or_hold(Mechanism *m, double left) {
+    return jump_along_course(m, direction_of(m->state.mode)) ? 0.0 : hold(m, left);
+}
+
+/* Where the edge of the band stops rising, following it ends, ever faster, in a jump. So short of that place the edge
+ * differs from the torque there by the square of this share of a piece's width. */
+static const double FOLD = 1e-9;
+
+static bool is_at_fold(const Way *way, const Passage *passage, double left) {
+    const Leap *leap = &passage->leap;
+    return way->kind == FLOW_QUASISTATIC && passage->kind == EVENT_NONE && !passage->at_border && leap->h < left &&
+           fabs(leap->dtheta) <= FOLD * (way->piece->upper - way->piece->lower);
+}
+
+/* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
+static double leap_to_event(Mechanism *m, double left) {
+    const Way way = way_from_here(m, present_index(m));
+    const Balance start = balance_from_here(m, &way);
+    const double room = room_ahead(m, way.direction);
+    Passage passage;
+    if (room <= 0.0) {
+        land(m, way.direction, EVENT_STOP);
+        return 0.0;
+    }
+    const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
+    if (way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left))) return jump_or_hold(m, left);
+    if (!found) {
+        jam(m);
+        return 0.0;
+    }
+    if (!commit_leap(m, &way, &passage)) return NAN;
+    m->cache.leap = passage.next;
+    land(m, way.direction, passage.kind);
+    return passage.leap.h;
+}
+
+/* A whole step of inertial slip in which nothing happens: the common case. */
+static bool leap_on(Mechanism *m, double h) {
+    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0 || !has_inertia(&m->params)) return false;
+    if (direction_of(m->state.mode) != sign_of(m->state.omega.hi)) return false;
+    const Way way = way_from_here(m, present_index(m));
+    const Balance start = balance_from_here(m, &way);
+    if (has_friction(&m->params) && !(way.flank[0] * start.x[0] > 0.0 && way.flank[1] * start.x[1] > 0.0)) return false;
+    Passage passage;
+    return start.pace.possible && passage_quiet(&way, &start, room_ahead(m, way.direction), h, &passage) &&
+           commit_leap(m, &way, &passage);
 }
 
 static void book_jump(Mechanism *m, const Stretch *s, double dtheta) {
@@ -290,35 +487,18 @@ static bool jump(Mechanism *m, const Slip *slip) {
     const Stretch s = stretch_of(m, slip);
     const double sign = slip->direction, force = s.launch.force, net = sign * slip_net_torque(slip, &s.launch);
     const bool stable = slip->stiffness > 0.0; /* else the way on asks for less and less torque */
-    if (stable && !decide_jump(m, slip, &s.launch)) return false;
-    const double spring = sign * m->params.spring.stiffness * m->model.geometry.lift;
-    const bool mirrors = force * spring < 0.0 && fabs(force) > TIE * stick_axial_size(m);
+    const Look look = look_at(m, present_index(m));
+    if (stable && !decide_jump(&look, slip->direction)) return false;
+    const double spring = sign * m->params.spring.stiffness * m->place.geometry.lift;
+    const bool mirrors = force * spring < 0.0 && fabs(force) > stick_tie(m) * stick_axial_size(m);
     const double to_edge = stable ? net / slip->stiffness : INFINITY;
     const double to_mirror = mirrors ? -force / spring : INFINITY;
     const double way = fmin(to_edge, fmin(to_mirror, s.room));
     if (m->params.ledger) book_jump(m, &s, sign * way);
     turn(m, sign * way);
     stand_still(m);
-    if (way == s.room) land(m, slip, EVENT_STOP);
+    if (way == s.room) land(m, slip->direction, EVENT_STOP);
     return true;
-}
-
-/* Moving, and in a mode in which it cannot. */
-static bool is_jammed(const Mechanism *m) {
-    return has_inertia(&m->params) && m->state.omega.hi != 0.0 && !is_slip(m->state.mode);
-}
-
-/* No flank agrees while it moves: the contacts jam it at once. Its kinetic energy becomes friction heat,
- * shared as frictionless loads would share the sliding. */
-static void jam(Mechanism *m) {
-    const Geometry *g = &m->model.geometry;
-    const double energy = kinetic_energy(m);
-    double share[2];
-    for (int i = 0; i < 2; i++)
-        share[i] = g->friction[i] * g->length[i] * g->length[i] * g->turn[i] * g->turn[i] / g->radius[i];
-    stand_still(m);
-    if (!m->params.ledger || energy == 0.0) return;
-    for (int i = 0; i < 2; i++) sum_add(&m->state.ledger.heat_cam[i], energy * share[i] / (share[0] + share[1]));
 }
 
 /* ---- the step ---- */
@@ -326,6 +506,7 @@ static void jam(Mechanism *m) {
 /* Spends up to `left` seconds in the mode that the inclusion asks for now; returns how long. */
 static double advance_in_mode(Mechanism *m, double left) {
     if (!is_slip(m->state.mode)) return hold(m, left);
+    if (!is_closed_form(m)) return must_jump(m) ? jump_or_hold(m, left) : leap_to_event(m, left);
     const Slip *slip = present_slip(m);
     if (slip->kind == FLOW_QUASISTATIC && jump(m, slip)) return 0.0;
     return slip_to_event(m, left);
@@ -372,41 +553,44 @@ static bool advance_through_events(Mechanism *m, double h, Fault *fault) {
 }
 
 bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
-    return hold_again(m) || slip_on(m, h) || advance_through_events(m, h, fault);
+    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
+    if (hold_again(m)) return true;
+    const bool quiet = is_closed_form(m) ? slip_on(m, h) : leap_on(m, h);
+    return quiet || advance_through_events(m, h, fault);
 }
 
 /* ---- start and tuning ---- */
 
-void mechanism_start(Mechanism *m) {
-    mechanism_rebuild(m);
+bool mechanism_start(Mechanism *m, Fault *fault) {
+    if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
         .omega = sum_of(has_inertia(&m->params) ? m->params.initial.omega : 0.0),
         .mode = MODE_STICK,
         .flank = {1, 1},
     };
+    arrive(m);
     ledger_open(&m->state.ledger, stored_energy(m));
     enter(m, decide(m));
     m->state.events = 0;
+    return true;
 }
 
-void mechanism_retune(Mechanism *m, const Params *params) {
+bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
+    if (!check_params(params, fault) || !check_jam(params, &m->model.course, fault)) return false;
     const double z = axial_position(m);
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
     m->params = *params;
-    mechanism_rebuild(m);
+    build_model(m);
+    return true;
 }
 
 /* ---- outputs ---- */
 
 void mechanism_motion(const Mechanism *m, Motion *out) {
     out->z = axial_position(m);
-    out->v = m->model.geometry.lift * m->state.omega.hi;
-}
-
-static double damper_force(const Mechanism *m, double v) {
-    return v * (v > 0.0 ? m->params.damper.c_load : m->params.damper.c_release);
+    out->v = m->place.geometry.lift * m->state.omega.hi;
 }
 
 /* T_release/T_load; where both vanish with F_0, the ratio they had before. */
@@ -417,26 +601,48 @@ static double efficiency(const Mechanism *m, const EdgeFactors *f, double F_0) {
     return release / load;
 }
 
+/* d^2 omega/dt^2 without inertia, from how omega itself changes a little later. */
+static double jerk_without_inertia(const Way *way, const Balance *now, const Trend *trend) {
+    const double dt = 1e-4 * fmin(1.0, leap_time_scale(way, now));
+    Balance later;
+    Trend trend_later;
+    balance_at(way, now->theta + dt * (now->omega + 0.5 * dt * trend->pace), 0.0, dt, &later);
+    balance_trend(way, &later, dt, &trend_later);
+    return (trend_later.pace - trend->pace) / dt;
+}
+
+static void leap_loads(const Mechanism *m, int index, Loads *out) {
+    const Way way = way_from_here(m, index);
+    const Balance now = balance_from_here(m, &way);
+    const bool inertial = way.kind == FLOW_INERTIAL;
+    Trend trend;
+    balance_trend(&way, &now, 0.0, &trend);
+    out->alpha = inertial ? now.alpha : trend.pace;
+    out->jerk = inertial ? trend.pace : jerk_without_inertia(&way, &now, &trend);
+    for (int i = 0; i < 2; i++) out->reaction[i] = now.x[i] * sqrt(now.length2[i]) / m->params.contacts;
+}
+
 static void slip_loads(const Mechanism *m, const Slip *slip, Loads *out) {
     const Launch l = launch_of(m, slip);
     const Arc now = slip_arc_start(slip, &l);
     out->alpha = now.alpha;
     out->jerk = now.jerk;
     for (int i = 0; i < 2; i++) {
-        const Contact c = slip_contact(slip, &m->params, &m->model.geometry, &l, &now, i);
+        const Contact c = slip_contact(slip, &m->params, &m->place.geometry, &l, &now, i);
         out->reaction[i] = c.value * slip->reaction[i];
     }
 }
 
 void mechanism_loads(const Mechanism *m, Loads *out) {
-    const Geometry *g = &m->model.geometry;
+    const Geometry *g = &m->place.geometry;
     const double F_0 = stick_axial_load(m);
     const EdgeFactors f = stick_edges(m, F_0);
     const Decision now = decide(m);
     *out = (Loads){
-        .gamma = g->turn[0] * m->state.theta.hi,
+        .gamma = m->model.course.straight ? g->turn[0] * m->state.theta.hi
+                                          : course_gamma(&m->model.course, m->state.theta.hi),
         .spring_force = spring_force(&m->params.spring, axial_position(m)),
-        .damper_force = damper_force(m, g->lift * m->state.omega.hi),
+        .damper_force = damper_force(&m->params.damper, sign_of(m->state.omega.hi), g->lift * m->state.omega.hi),
         .torque_load = stick_edge(f.load, F_0),
         .torque_release = stick_edge(f.release, F_0),
         .efficiency = efficiency(m, &f, F_0),
@@ -447,7 +653,8 @@ void mechanism_loads(const Mechanism *m, Loads *out) {
         out->sliding_speed[i] = g->turn[i] * fabs(m->state.omega.hi) * g->length[i];
         out->reaction[i] = stick_reaction(m, i);
     }
-    if (is_slip(now.mode)) slip_loads(m, &m->model.slip[now.slip], out);
+    if (is_slip(now.mode) && is_closed_form(m)) slip_loads(m, &m->model.slip[now.slip], out);
+    if (is_slip(now.mode) && !is_closed_form(m)) leap_loads(m, now.slip, out);
 }
 
 void mechanism_energy(const Mechanism *m, Energy *out) {
@@ -466,9 +673,14 @@ void mechanism_energy(const Mechanism *m, Energy *out) {
     };
 }
 
+/* v = z' omega, dv/dt = z' alpha + z'' omega^2, and once more. */
 double mechanism_axial_derivative(const Mechanism *m, int order) {
-    if (order == 1) return m->model.geometry.lift * m->state.omega.hi;
+    const double lift = m->place.geometry.lift, omega = m->state.omega.hi;
+    if (order == 1) return lift * omega;
     Loads loads;
     mechanism_loads(m, &loads);
-    return m->model.geometry.lift * (order == 2 ? loads.alpha : loads.jerk);
+    const double lift_rate = m->place.lift_rate;
+    if (order == 2) return lift * loads.alpha + lift_rate * omega * omega;
+    const double bent = m->place.lift_bend * omega * omega + 3.0 * lift_rate * loads.alpha;
+    return lift * loads.jerk + omega * bent;
 }

@@ -24,20 +24,13 @@
 
 #include "cam.h"
 #include "contact.h"
+#include "course.h"
+#include "fault.h"
 #include "flow.h"
 #include "ledger.h"
+#include "mode.h"
 #include "params.h"
 #include "sum.h"
-
-/* Values of the variable `mode`. */
-typedef enum {
-    MODE_STICK = 1,      /* at rest inside the stick band */
-    MODE_LOADING = 2,    /* omega > 0 (or about to be): follower rises, spring is compressed */
-    MODE_RELEASING = 3,  /* omega < 0 (or about to be) */
-    MODE_LOWER_STOP = 4, /* at rest, pressed into the lower end stop */
-    MODE_UPPER_STOP = 5, /* at rest, pressed into the upper end stop */
-    MODE_WEDGED = 6      /* at rest, pushed in a direction in which no torque moves it */
-} Mode;
 
 typedef struct {
     Sum theta;      /* rad */
@@ -83,10 +76,21 @@ typedef struct {
 
 /* What Params imply. */
 typedef struct {
-    Geometry geometry;
-    Slip slip[SLIP_COUNT]; /* every way to slip: direction x flank of cam 1 x flank of cam 2 */
-    BandFactors band;      /* T_load / F_0 and T_release / F_0 */
+    Course course;         /* geometry along theta; the only member that owns memory */
+    CamParams cam[2];      /* what the course was built from */
+    double lower, upper;   /* rad: likewise */
+    bool closed_form;      /* straight grooves, linear forces: slip is known at any time (flow.h), else see leap.h */
+    Slip slip[SLIP_COUNT]; /* if so, every way to slip: direction x flank of cam 1 x flank of cam 2 */
 } Model;
+
+/* What theta implies. */
+typedef struct {
+    Geometry geometry;
+    double z;         /* m */
+    double lift_rate; /* m/rad^2, z'' */
+    double lift_bend; /* m/rad^3, z''' */
+    BandFactors band; /* T_load / F_0 and T_release / F_0; in straight grooves only, see stick_band() */
+} Place;
 
 /* A hold is the interval of torque in which a mechanism at rest stays as it is. */
 typedef struct {
@@ -98,6 +102,7 @@ typedef struct {
 typedef struct {
     Hold hold;
     Kernel kernel[SLIP_COUNT]; /* propagation over the latest full step, by way to slip */
+    double leap;               /* s, length to try for the next leap of this communication step */
 } Cache;
 
 typedef struct {
@@ -105,29 +110,29 @@ typedef struct {
     Inputs inputs;
     State state;
     Model model;
+    Place place; /* belongs to state.theta */
     Cache cache;
+    const char *resources; /* directory that a table's relative path starts from, or NULL; not owned */
 } Mechanism;
 
-/* Message of a refused parameter set: names the variable, its value and what is allowed. */
-typedef struct {
-    char text[256];
-} Fault;
+/* Starts from m->params and m->inputs: builds the model and sets the state to its start values, in the mode that
+ * the present inputs ask for. Returns false and fills `fault` if the parameters cannot work: stops out of order,
+ * start not between them, a groove that ends too early or that friction jams, a table that cannot be read. Then
+ * nothing but m->model has changed. */
+bool mechanism_start(Mechanism *m, Fault *fault);
 
-/* Checks what a single variable's range cannot: stops in order, start between them, a geometry
- * that can move. Returns false and fills `fault` if `params` cannot work; changes nothing else. */
-bool mechanism_check(const Params *params, Fault *fault);
+/* Builds the model anew from m->params and forgets cached values; the state stays. To be called after params, state
+ * and inputs were replaced from a snapshot. A course built from the same cams and stops is kept. Returns false and
+ * fills `fault` if the parameters cannot work. */
+bool mechanism_rebuild(Mechanism *m, Fault *fault);
 
-/* Starts from m->params (which must pass mechanism_check) and m->inputs: builds the model and sets
- * the state to its start values, in the mode that the present inputs ask for. */
-void mechanism_start(Mechanism *m);
+/* Replaces m->params while the mechanism stands at a communication point. Only friction, spring and damper may
+ * differ. Books the spring's jump in stored energy as work_tuning. Returns false, with nothing changed, and fills
+ * `fault` if they cannot work. */
+bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault);
 
-/* Builds the model anew from m->params and forgets cached values; the state stays. To be called after
- * params, state and inputs were replaced from a snapshot. */
-void mechanism_rebuild(Mechanism *m);
-
-/* Replaces m->params while the mechanism stands at a communication point. Only friction, spring and
- * damper may differ. Books the spring's jump in stored energy as work_tuning. */
-void mechanism_retune(Mechanism *m, const Params *params);
+/* Frees what the model owns. Safe on a zeroed Mechanism, and twice. */
+void mechanism_free(Mechanism *m);
 
 /* Advances by h > 0 seconds with m->inputs and leaves in m->inputs their values at the end of the
  * step. Returns false, with the mechanism as before, if mode changes do not end (see

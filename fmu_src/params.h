@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-enum { INPUT_ORDER = 1 }; /* highest time derivative of an input that a step can carry */
+enum { INPUT_ORDER = 3 }; /* highest time derivative of an input that a step can carry */
 
 enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
 enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
@@ -41,7 +41,8 @@ typedef struct {
 } InertiaParams;
 
 typedef struct {
-    double damping; /* N.m.s/rad, b */
+    double damping;   /* N.m.s/rad, b */
+    double stiffness; /* N.m/rad, K between port and cam 2; 0: rigid. Only inverse dynamics uses it. */
 } ShaftParams;
 
 typedef struct {
@@ -63,8 +64,9 @@ typedef struct {
     ShaftParams shaft;
     StopParams stop;
     InitialParams initial;
-    int contacts; /* follower ends that share the load, 1 or 2 */
-    bool ledger;  /* keep energy and peak accounts */
+    double tolerance; /* relative, of what is integrated step by step; no variable of the FMU */
+    int contacts;     /* follower ends that share the load, 1 or 2 */
+    bool ledger;      /* keep energy and peak accounts */
 } Params;
 
 /* value[k] is the k-th time derivative at the start of the step: u(t) = sum value[k] t^k / k! */
@@ -81,8 +83,21 @@ static inline bool has_friction(const Params *p) {
     return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
 }
 
+/* Is the input a polynomial of at most that degree? */
+static inline bool inputs_within(const Inputs *inputs, int degree) {
+    for (int k = degree + 1; k <= INPUT_ORDER; k++)
+        if (inputs->tau[k] != 0.0 || inputs->F_ext[k] != 0.0) return false;
+    return true;
+}
+
+/* Is every force linear in position and speed? Then slip in straight grooves has a closed form. */
+static inline bool is_linear(const Params *p) {
+    return p->spring.stiffness2 == 0.0 && p->spring.stiffness3 == 0.0 && p->damper.q_load == 0.0 &&
+           p->damper.q_release == 0.0;
+}
+
 static inline bool inputs_constant(const Inputs *inputs) {
-    return inputs->tau[1] == 0.0 && inputs->F_ext[1] == 0.0;
+    return inputs_within(inputs, 0);
 }
 
 #endif

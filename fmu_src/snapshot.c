@@ -9,53 +9,58 @@
 
 static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
 static const uint64_t SEAL_MAGIC = UINT64_C(0x6d61636c6175642e);
-enum { FORMAT = 1 }; /* to be raised when the meaning of the bytes changes but the GUID does not */
+enum { FORMAT = 2 }; /* to be raised when the meaning of the bytes changes but the GUID does not */
 
 /* Equal states must have equal bytes, so the few bytes that belong to no member are cleared. A new member
- * fails here until its padding is looked at. */
-enum {
-    PARAMS_END = offsetof(Params, ledger) + sizeof(bool),
-    STATE_GAP = offsetof(State, flank) + 2 * sizeof(int)
-};
+ * fails here (or at model_clear_padding()) until its padding is looked at. */
+enum { PARAMS_END = offsetof(Params, ledger) + sizeof(bool) };
 _Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int) + TABLE_PATH_SIZE,
                "padding in CamParams");
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
-                                 sizeof(InitialParams) + sizeof(int) + sizeof(bool),
+                                 sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool),
                "padding in Params");
-_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),
-               "padding in State");
-_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger), "padding in State");
 _Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
 _Static_assert(sizeof(Run) == sizeof(double) + sizeof(Phase) + sizeof(uint32_t), "padding in Run");
-_Static_assert(sizeof(Snapshot) ==
-                   sizeof(uint64_t) + sizeof(Params) + sizeof(Inputs) + sizeof(State) + sizeof(Run),
+_Static_assert(sizeof(Snapshot) == sizeof(uint64_t) + sizeof(Params) + sizeof(MachineInputs) +
+                                       sizeof(MachineState) + sizeof(Run),
                "padding in Snapshot");
 
 static void clear_padding(Snapshot *snapshot) {
     memset((char *)&snapshot->params + PARAMS_END, 0, sizeof(Params) - PARAMS_END);
-    memset((char *)&snapshot->state + STATE_GAP, 0, offsetof(State, ledger) - STATE_GAP);
+    model_clear_padding(&snapshot->state);
 }
 
 void snapshot_take(Snapshot *snapshot, const Instance *instance) {
-    const Mechanism *mechanism = &instance->values.mechanism;
+    const Machine *machine = &instance->values.machine;
     snapshot->magic = SNAPSHOT_MAGIC;
-    snapshot->params = mechanism->params;
-    snapshot->inputs = mechanism->inputs;
-    snapshot->state = mechanism->state;
+    snapshot->params = machine->params;
+    snapshot->inputs = machine->inputs;
+    snapshot->state = machine->state;
     snapshot->run = instance->run;
     clear_padding(snapshot);
 }
 
-/* Before the run has begun there is no model yet: the parameters may not even be possible. */
-void snapshot_restore(const Snapshot *snapshot, Instance *instance) {
-    Mechanism *mechanism = &instance->values.mechanism;
-    mechanism->params = snapshot->params;
-    mechanism->inputs = snapshot->inputs;
-    mechanism->state = snapshot->state;
+static void put(const Snapshot *snapshot, Instance *instance) {
+    Machine *machine = &instance->values.machine;
+    machine->params = snapshot->params;
+    machine->inputs = snapshot->inputs;
+    machine->state = snapshot->state;
     instance->run = snapshot->run;
+}
+
+/* Before the run has begun there is nothing to build yet: the parameters may not even be possible. */
+bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault) {
+    const bool begun = (snapshot->run.phase & PHASES_BEFORE_START) == 0;
+    Snapshot before;
+    snapshot_take(&before, instance);
+    put(snapshot, instance);
+    if (begun && !model_rebuild(&instance->values.machine, fault)) {
+        put(&before, instance);
+        return false;
+    }
     instance_changed(instance);
-    if (instance->valid & GROUP_STATE) mechanism_rebuild(mechanism);
+    return true;
 }
 
 bool snapshot_is_valid(const Snapshot *snapshot) {

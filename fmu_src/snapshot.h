@@ -7,8 +7,8 @@
 typedef struct {
     uint64_t magic; /* tells a snapshot from other memory */
     Params params;
-    Inputs inputs;
-    State state;
+    MachineInputs inputs;
+    MachineState state;
     Run run;
 } Snapshot;
 
@@ -23,7 +23,11 @@ typedef struct {
 } SealedSnapshot;
 
 void snapshot_take(Snapshot *snapshot, const Instance *instance);
-void snapshot_restore(const Snapshot *snapshot, Instance *instance);
+
+/* Returns false, with the reason in `fault` and the instance as before, if what the parameters imply cannot be
+ * built. A snapshot holds the path of a table, not its contents: a file that has changed since gives another
+ * geometry, and one that is gone none, unless the instance has read it already. */
+bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault);
 
 /* False for NULL and for memory that no snapshot_take() filled. */
 bool snapshot_is_valid(const Snapshot *snapshot);

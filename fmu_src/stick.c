@@ -2,12 +2,18 @@
 
 #include <math.h>
 
+#include "balance.h"
+#include "bernstein.h"
+
 double stick_axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
 }
 
 double stick_axial_size(const Mechanism *m) {
-    return fabs(m->params.spring.preload) + fabs(m->params.spring.stiffness * axial_position(m)) +
+    const SpringParams *s = &m->params.spring;
+    const double COURSE_SHARE = 0.1; /* the course's digits are of its size */
+    const double z = fabs(axial_position(m)) + COURSE_SHARE * m->model.course.z_size;
+    return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
            fabs(m->inputs.F_ext[0]);
 }
 
@@ -15,11 +21,15 @@ double stick_torque_size(const Mechanism *m, double factor) {
     return fabs(m->inputs.tau[0]) + fabs(factor) * stick_axial_size(m);
 }
 
+BandFactors stick_band(const Mechanism *m) {
+    return m->model.course.straight ? m->place.band : contact_band(&m->place.geometry);
+}
+
 /* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
 EdgeFactors stick_edges(const Mechanism *m, double side) {
-    const BandFactors *band = &m->model.band;
-    if (side >= 0.0) return (EdgeFactors){.release = band->release, .load = band->load};
-    return (EdgeFactors){.release = band->load, .load = band->release};
+    const BandFactors band = stick_band(m);
+    if (side >= 0.0) return (EdgeFactors){.release = band.release, .load = band.load};
+    return (EdgeFactors){.release = band.load, .load = band.release};
 }
 
 double stick_edge(double factor, double F_0) {
@@ -28,22 +38,23 @@ double stick_edge(double factor, double F_0) {
 
 /* The sign that F_0 has, or is about to take where it is no more than rounding. */
 static double side_of(const Mechanism *m, double F_0) {
-    const double F_rate = m->inputs.F_ext[1];
-    return F_rate != 0.0 && fabs(F_0) <= TIE * stick_axial_size(m) ? F_rate : F_0;
+    if (fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return F_0;
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (m->inputs.F_ext[k] != 0.0) return m->inputs.F_ext[k];
+    return F_0;
 }
 
-/* Does the torque press past an edge? At the edge itself its rate decides. */
-static bool presses(double excess, double size, double rate) {
-    if (fabs(excess) <= TIE * size) return rate > 0.0;
-    return excess > 0.0;
-}
-
-/* Is tau beyond factor F_0, on the side of `sign`? No torque is beyond an infinite edge. */
+/* Is tau beyond factor F_0, on the side of `sign`? At the edge itself its first derivative that is not zero decides.
+ * No torque is beyond an infinite edge. */
 static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
     if (isinf(factor)) return false;
     const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
-    const double rate = m->inputs.tau[1] - stick_edge(factor, m->inputs.F_ext[1]);
-    return presses(sign * excess, stick_torque_size(m, factor), sign * rate);
+    if (fabs(excess) > stick_tie(m) * stick_torque_size(m, factor)) return sign * excess > 0.0;
+    for (int k = 1; k <= INPUT_ORDER; k++) {
+        const double rate = m->inputs.tau[k] - stick_edge(factor, m->inputs.F_ext[k]);
+        if (rate != 0.0) return sign * rate > 0.0;
+    }
+    return false;
 }
 
 int stick_pressed(const Mechanism *m) {
@@ -53,7 +64,7 @@ int stick_pressed(const Mechanism *m) {
 }
 
 Mode stick_mode(const Mechanism *m) {
-    const double F_0 = stick_axial_load(m), balance = m->model.geometry.lift;
+    const double F_0 = stick_axial_load(m), balance = m->place.geometry.lift;
     const EdgeFactors f = stick_edges(m, side_of(m, F_0));
     if (isinf(f.release) && is_beyond(m, balance, F_0, -1.0)) return MODE_WEDGED;
     if (isinf(f.load) && is_beyond(m, balance, F_0, 1.0)) return MODE_WEDGED;
@@ -62,14 +73,14 @@ Mode stick_mode(const Mechanism *m) {
 
 /* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
 static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
-    const double balance = m->model.geometry.lift, excess = m->inputs.tau[0] - balance * F_0;
-    return fabs(excess) <= TIE * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
+    const double balance = m->place.geometry.lift, excess = m->inputs.tau[0] - balance * F_0;
+    return fabs(excess) <= stick_tie(m) * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
 }
 
 /* The torque interval in which the present mode of rest stays while F_0 has the sign of `side`. */
 static EdgeFactors hold_factors(const Mechanism *m, double F_0, double side) {
     const EdgeFactors band = stick_edges(m, side);
-    const double balance = m->model.geometry.lift;
+    const double balance = m->place.geometry.lift;
     const double release = isfinite(band.release) ? band.release : balance;
     const double load = isfinite(band.load) ? band.load : balance;
     const double open = side < 0.0 ? -INFINITY : INFINITY;
@@ -85,7 +96,7 @@ static EdgeFactors hold_factors(const Mechanism *m, double F_0, double side) {
 /* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
 static double margin(const Mechanism *m, double factor) {
     if (m->state.mode == MODE_STICK) return 0.0;
-    return 4.0 * TIE * fabs(factor) * stick_axial_size(m) + DBL_MIN;
+    return 4.0 * stick_tie(m) * fabs(factor) * stick_axial_size(m) + DBL_MIN;
 }
 
 Hold stick_hold(const Mechanism *m) {
@@ -99,28 +110,54 @@ Hold stick_hold(const Mechanism *m) {
     };
 }
 
-/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, or infinity: both move
- * linearly. */
+/* First time in (0, t_end] at which the polynomial u, with sign, rises above zero; it starts at or below, or within
+ * rounding above. Infinity if it does not. */
+static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
+    if (u[2] == 0.0 && u[3] == 0.0) { /* linear: exact */
+        if (!(sign * u[1] > 0.0)) return INFINITY;
+        const double t = fmax(-sign * u[0], 0.0) / (sign * u[1]);
+        return t <= t_end ? t : INFINITY;
+    }
+    double below[INPUT_ORDER + 1];
+    for (int k = 0; k <= INPUT_ORDER; k++) below[k] = -sign * u[k];
+    below[0] = fmax(below[0], 0.0);
+    const Bernstein p = bernstein_of_taylor(below, t_end);
+    return t_end * bernstein_descent(&p);
+}
+
+/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, or infinity. */
 static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double t_end) {
     if (isinf(factor)) return INFINITY;
-    const double excess = sign * (m->inputs.tau[0] - stick_edge(factor, F_0));
-    const double rate = sign * (m->inputs.tau[1] - stick_edge(factor, m->inputs.F_ext[1]));
-    if (!(rate > 0.0)) return INFINITY;
-    const double t = fmax(-excess, 0.0) / rate;
-    return t <= t_end ? t : INFINITY;
+    double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
+    for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = m->inputs.tau[k] - stick_edge(factor, m->inputs.F_ext[k]);
+    return time_above(excess, sign, t_end);
+}
+
+/* First time in (0, left] at which F_0 changes its sign. */
+static double time_to_mirror(const Mechanism *m, double F_0, double left) {
+    double force[INPUT_ORDER + 1] = {F_0};
+    for (int k = 1; k <= INPUT_ORDER; k++) force[k] = m->inputs.F_ext[k];
+    const double side = side_of(m, F_0);
+    if (side * F_0 <= 0.0) force[0] = 0.0; /* about to take the sign of `side` */
+    if (force[0] == 0.0 && inputs_within(&m->inputs, 1)) return INFINITY;
+    return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
 }
 
 /* To the torque leaving the interval, or to F_0 changing its sign: the band is mirrored there, so the hold is
  * looked at anew. */
 double stick_hold_time(const Mechanism *m, double left) {
-    const double F_0 = stick_axial_load(m), F_rate = m->inputs.F_ext[1];
+    const double F_0 = stick_axial_load(m);
     const EdgeFactors f = hold_factors(m, F_0, side_of(m, F_0));
-    const double t_end = F_0 * F_rate < 0.0 ? fmin(-F_0 / F_rate, left) : left;
+    const double t_end = fmin(time_to_mirror(m, F_0, left), left);
     const double above = time_beyond(m, f.load, F_0, 1.0, t_end), below = time_beyond(m, f.release, F_0, -1.0, t_end);
     return fmin(t_end, fmin(above, below));
 }
 
+double stick_sharing(const Mechanism *m, int i) {
+    const Geometry *g = &m->place.geometry;
+    return g->turn[i] * g->length[i] / g->radius[i] / m->params.contacts;
+}
+
 double stick_reaction(const Mechanism *m, int i) {
-    const Geometry *g = &m->model.geometry;
-    return stick_axial_load(m) * g->turn[i] * g->length[i] / g->radius[i] / m->params.contacts;
+    return stick_axial_load(m) * stick_sharing(m, i);
 }

@@ -9,8 +9,12 @@
 
 #include "mechanism.h"
 
-/* Torque and load are known to a few roundings; a difference below this share of their size is none. */
-#define TIE (8.0 * DBL_EPSILON)
+/* Torque and load are known to a few roundings, in curved grooves to the digits of the course; a difference below this
+ * share of their size is none. */
+static inline double stick_tie(const Mechanism *m) {
+    const double COURSE_DIGITS = 2e-12;
+    return m->model.course.straight ? 8.0 * DBL_EPSILON : COURSE_DIGITS;
+}
 
 typedef struct {
     double release, load; /* multiply F_0, signed: edges of a torque interval; may be infinite */
@@ -21,6 +25,9 @@ double stick_axial_load(const Mechanism *m); /* F_0, N */
 /* The size of what F_0 adds up, N, and of tau - factor F_0, N.m: rounding errors are a few eps of these. */
 double stick_axial_size(const Mechanism *m);
 double stick_torque_size(const Mechanism *m, double factor);
+
+/* The band's edges per F_0 > 0 where it stands. */
+BandFactors stick_band(const Mechanism *m);
 
 /* The band's edges per F_0 for F_0 of the sign of `side`. */
 EdgeFactors stick_edges(const Mechanism *m, double side);
@@ -40,11 +47,14 @@ Hold stick_hold(const Mechanism *m);
 /* How much of `left` seconds a resting mechanism surely stays at rest under ramps. */
 double stick_hold_time(const Mechanism *m, double left);
 
+/* R_i per contact and per F_0. */
+double stick_sharing(const Mechanism *m, int i);
+
 /* N per contact: frictionless sharing, since in stick the two reactions are not unique (section 3). */
 double stick_reaction(const Mechanism *m, int i);
 
 static inline double axial_position(const Mechanism *m) {
-    return m->model.geometry.lift * m->state.theta.hi;
+    return m->place.z;
 }
 
 #endif

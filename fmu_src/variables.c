@@ -9,19 +9,26 @@ const Unit UNITS[UNIT_COUNT] = {
 #define UNIT(id, unit_name, kg_, m_, s_, rad_) \
     [UNIT_##id] = {.name = unit_name, .kg = kg_, .m = m_, .s = s_, .rad = rad_},
 #define VARIABLE(...)
+#define FOLLOWS(...)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
 };
 
 /* Where each group is in Values. */
-#define PATH_PARAMS mechanism.params
-#define PATH_INPUTS mechanism.inputs
-#define PATH_STATE mechanism.state
+#define PATH_PARAMS machine.params
+#define PATH_INPUTS machine.inputs
+#define PATH_STATE machine.state
 #define PATH_MOTION outputs.motion
 #define PATH_LOADS outputs.loads
+#if MODEL_BUILT == MODEL_FORWARD
+#define PATH_CONTACT outputs.loads
+#else
+#define PATH_CONTACT outputs.contact
+#endif
 #define PATH_ENERGY outputs.energy
 
 /* The C type of each kind: a field of another type does not compile. */
@@ -33,13 +40,15 @@ typedef bool TypeOf_BOOLEAN;
 typedef char *TypeOf_TEXT;
 
 #define UNIT(...)
-#define VARIABLE(model, kind, id, group, field, ...)                                          \
-    _Static_assert(_Generic(((Values *)0)->PATH_##group.field, TypeOf_##kind: 1, default: 0), \
-                   #id ": field of another type");
+#define VARIABLE(model, kind, id, group, field, ...)                                                    \
+    IN_##model(_Static_assert(_Generic(((Values *)0)->PATH_##group.field, TypeOf_##kind: 1, default: 0), \
+                              #id ": field of another type");)
+#define FOLLOWS(...)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
 
 enum {
@@ -55,23 +64,24 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 #define UNIT(...)
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
                  max_, text)                                                                             \
-    [VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                                        \
-                 .group = GROUP_##group_,                                                                \
-                 .type = (Type)TYPE_OF_##kind_,                                                          \
-                 .kind = KIND_##kind_,                                                                   \
-                 .causality = CAUSALITY_##causality_,                                                    \
-                 .variability = VARIABILITY_##variability_,                                              \
-                 .models = MODEL_##model_,                                                               \
-                 .start = start_,                                                                        \
-                 .min = min_,                                                                            \
-                 .max = max_,                                                                            \
-                 .name = name_,                                                                          \
-                 .description = text,                                                                    \
-                 .unit = UNIT_##unit_},
+    IN_##model_([VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                            \
+                             .group = GROUP_##group_,                                                    \
+                             .type = (Type)TYPE_OF_##kind_,                                              \
+                             .kind = KIND_##kind_,                                                       \
+                             .causality = CAUSALITY_##causality_,                                        \
+                             .variability = VARIABILITY_##variability_,                                  \
+                             .start = start_,                                                            \
+                             .min = min_,                                                                \
+                             .max = max_,                                                                \
+                             .name = name_,                                                              \
+                             .description = text,                                                        \
+                             .unit = UNIT_##unit_},)
+#define FOLLOWS(...)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
 };
 

@@ -4,12 +4,19 @@
 #define DUALCAM_VARIABLES_H
 
 #include <stddef.h>
+#include <stdint.h>
 
-#include "mechanism.h"
+#include "model.h"
 
-typedef enum { MODEL_FORWARD = 1, MODEL_INVERSE = 2, MODEL_BOTH = MODEL_FORWARD | MODEL_INVERSE } Models;
-
-enum { MODEL_BUILT = MODEL_FORWARD };
+/* Keeps a row of variables.def that this FMU has and drops one that it has not. */
+#if MODEL_BUILT == MODEL_FORWARD
+#define IN_FORWARD(...) __VA_ARGS__
+#define IN_INVERSE(...)
+#else
+#define IN_FORWARD(...)
+#define IN_INVERSE(...) __VA_ARGS__
+#endif
+#define IN_BOTH(...) __VA_ARGS__
 
 typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
 
@@ -32,29 +39,34 @@ typedef enum {
     GROUP_STATE = 4,
     GROUP_MOTION = 8, /* this and the following are computed when somebody asks */
     GROUP_LOADS = 16,
-    GROUP_ENERGY = 32
+    GROUP_CONTACT = 32,
+    GROUP_ENERGY = 64
 } Group;
 
 typedef enum {
     UNIT_NONE,
 #define UNIT(id, name, kg, m, s, rad) UNIT_##id,
 #define VARIABLE(...)
+#define FOLLOWS(...)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
     UNIT_COUNT
 } UnitId;
 
-/* Value references. */
+/* Value references: 0, 1, 2, ... over the variables that this FMU has. */
 typedef enum {
 #define UNIT(...)
-#define VARIABLE(model, kind, id, ...) VR_##id,
+#define VARIABLE(model, kind, id, ...) IN_##model(VR_##id,)
+#define FOLLOWS(...)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
+#undef FOLLOWS
 #undef STARTS_FROM
     VARIABLE_COUNT
 } VariableId;
@@ -71,7 +83,6 @@ typedef struct {
     Kind kind;
     Causality causality;
     Variability variability;
-    Models models;
     double start, min, max; /* as in variables.def */
     const char *name;
     const char *description;
@@ -80,17 +91,16 @@ typedef struct {
 
 /* Everything that a variable can be read from. */
 typedef struct {
-    Mechanism mechanism;
-    Outputs outputs;
+    Machine machine;
+    MachineOutputs outputs;
 } Values;
 
 extern const Unit UNITS[UNIT_COUNT];
 extern const Variable VARIABLES[VARIABLE_COUNT];
 
-/* The variable of this FMU with that value reference, or NULL. */
+/* The variable with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {
-    if (reference >= VARIABLE_COUNT || (VARIABLES[reference].models & MODEL_BUILT) == 0) return NULL;
-    return &VARIABLES[reference];
+    return reference < VARIABLE_COUNT ? &VARIABLES[reference] : NULL;
 }
 
 const char *type_name(Type type); /* as FMI writes it: "Real", ... */

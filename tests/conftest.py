@@ -3,7 +3,7 @@ import sys
 import zipfile
 
 import pytest
-from driver import FMU, ROOT, Driver, load
+from driver import ROOT, Driver, load, models
 from hypothesis import settings
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
@@ -15,38 +15,59 @@ settings.load_profile("short")
 
 
 @pytest.fixture(scope="session")
-def unzipped(tmp_path_factory):
-    if not FMU.exists():
-        pytest.exit(f"{FMU} is missing: run ./build.sh first", returncode=1)
-    directory = tmp_path_factory.mktemp("DualCamForward")
-    with zipfile.ZipFile(FMU) as archive:
-        archive.extractall(directory)
-    return directory
+def binaries(tmp_path_factory):
+    """The shared library of each FMU, by model identifier."""
+    found = {}
+    for name, model in models.items():
+        if not model.fmu.exists():
+            pytest.exit(f"{model.fmu} is missing: run ./build.sh first", returncode=1)
+        directory = tmp_path_factory.mktemp(name)
+        with zipfile.ZipFile(model.fmu) as archive:
+            archive.extractall(directory)
+        found[name] = directory / "binaries" / "linux64" / f"{name}.so"
+    return found
 
 
 @pytest.fixture(scope="session")
-def binary(unzipped):
-    return unzipped / "binaries" / "linux64" / "DualCamForward.so"
+def libraries(binaries):
+    return {name: load(binary) for name, binary in binaries.items()}
 
 
 @pytest.fixture(scope="session")
-def library(binary):
-    return load(binary)
+def model():
+    """The FMU under test: forward, unless a module says otherwise."""
+    return models["DualCamForward"]
+
+
+@pytest.fixture(scope="session")
+def binary(binaries, model):
+    return binaries[model.identifier]
+
+
+@pytest.fixture(scope="session")
+def library(libraries, model):
+    return libraries[model.identifier]
 
 
 @pytest.fixture
-def make(library):
-    """Instances, freed at the end of the test."""
+def make_model(libraries):
+    """Instances of any FMU, freed at the end of the test."""
     made = []
 
-    def make_one(**options):
-        made.append(Driver(library, **options))
+    def make_one(model, **options):
+        made.append(Driver(libraries[model.identifier], model=model, **options))
         assert made[-1].component
         return made[-1]
 
     yield make_one
     for driver in made:
         driver.free()
+
+
+@pytest.fixture
+def make(make_model, model):
+    """Instances of the FMU under test."""
+    return lambda **options: make_model(model, **options)
 
 
 @pytest.fixture

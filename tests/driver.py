@@ -9,11 +9,10 @@ import math
 import xml.etree.ElementTree as ET
 from ctypes import CFUNCTYPE, POINTER, Structure, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FMU = ROOT / "build" / "DualCamForward.fmu"
-XML = ROOT / "modelDescription" / "DualCamForward.xml"
 
 OK, ERROR = 0, 3
 MODEL_EXCHANGE, CO_SIMULATION = 0, 1
@@ -35,18 +34,14 @@ class Variable:
     min: float
     max: float
     unit: str | None
-
-    @property
-    def index(self) -> int:
-        """Place in the XML, from 1."""
-        return list(VARIABLES).index(self.name) + 1
+    index: int  # place in the XML, from 1
 
 
 def _number(element: ET.Element, name: str, default: float) -> float:
     return float(element.attrib[name]) if name in element.attrib else default
 
 
-def _variable(element: ET.Element) -> Variable:
+def _variable(element: ET.Element, index: int) -> Variable:
     kind = element[0]
     read = {"Real": float, "Integer": int, "Boolean": lambda text: text == "true", "String": str}[kind.tag]
     return Variable(
@@ -59,12 +54,50 @@ def _variable(element: ET.Element) -> Variable:
         _number(kind, "min", -math.inf),
         _number(kind, "max", math.inf),
         kind.attrib.get("unit"),
+        index,
     )
 
 
-_ROOT = ET.parse(XML).getroot()
-GUID = _ROOT.attrib["guid"]
-VARIABLES = {v.name: v for v in map(_variable, _ROOT.iter("ScalarVariable"))}
+class Model:
+    """One of the FMUs, as its modelDescription.xml describes it."""
+
+    def __init__(self, identifier: str) -> None:
+        self.identifier = identifier
+        self.fmu = ROOT / "build" / f"{identifier}.fmu"
+        self.xml = ROOT / "modelDescription" / f"{identifier}.xml"
+
+    def __repr__(self) -> str:
+        return self.identifier
+
+    @cached_property
+    def document(self) -> ET.Element:
+        return ET.parse(self.xml).getroot()
+
+    @cached_property
+    def guid(self) -> str:
+        return self.document.attrib["guid"]
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        elements = enumerate(self.document.iter("ScalarVariable"), start=1)
+        return {v.name: v for v in (_variable(element, index) for index, element in elements)}
+
+    def names(self, **wanted: list[str]) -> list[str]:
+        """Variables with these attributes."""
+        return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
+
+    def references(self, names):
+        """As a C array; a number is a reference already."""
+        return (c_uint * len(names))(
+            *(self.variables[n].reference if isinstance(n, str) else n for n in names)
+        )
+
+
+models = {name: Model(name) for name in ("DualCamForward", "DualCamInverse")}
+
+# Most tests are about the forward FMU.
+FORWARD = models["DualCamForward"]
+FMU, XML, GUID, VARIABLES = FORWARD.fmu, FORWARD.xml, FORWARD.guid, FORWARD.variables
 VALUE = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
@@ -127,8 +160,7 @@ def load(binary: Path) -> ctypes.CDLL:
     return library
 
 
-def references(names):
-    return (c_uint * len(names))(*(VARIABLES[n].reference if isinstance(n, str) else n for n in names))
+references = FORWARD.references
 
 
 def to_c(type_, values):
@@ -152,12 +184,16 @@ class Driver:
         self,
         library: ctypes.CDLL,
         name: str | None = "dualcam",
-        guid: str | None = GUID,
+        guid: str | None = "",
         kind: int = CO_SIMULATION,
         resources: str | None = "file:///resources",
         logging: int = 0,
+        model: Model = FORWARD,
     ) -> None:
+        """`guid`: that of `model`, unless another one is given."""
         self.library = library
+        self.model = model
+        self.variables = model.variables
         self.messages: list[Message] = []
         self.time = 0.0
 
@@ -166,6 +202,7 @@ class Driver:
 
         self._logger = LOGGER(log)
         callbacks = Callbacks(logger=self._logger)
+        guid = model.guid if guid == "" else guid
         encoded = [None if text is None else text.encode() for text in (name, guid, resources)]
         self.component = library.fmi2Instantiate(
             encoded[0], kind, encoded[1], encoded[2], byref(callbacks), 0, logging
@@ -198,44 +235,51 @@ class Driver:
         assert self.everything() == before
         return message.text
 
+    def refused_start(self) -> str:
+        """The FMU cannot leave initialization mode; returns why."""
+        count = len(self.messages)
+        assert self.call("fmi2ExitInitializationMode") == ERROR
+        assert len(self.messages) == count + 1
+        assert self.messages[-1].status == ERROR
+        return self.messages[-1].text
+
     # variables
 
     def try_set(self, values: dict) -> int:
         """All in one call; they must be of one type."""
-        (type_,) = {VARIABLES[n].type for n in values}
+        (type_,) = {self.variables[n].type for n in values}
         return self.call(f"fmi2Set{type_}", *self.arguments(values))
 
-    @staticmethod
-    def arguments(values: dict):
+    def arguments(self, values: dict):
         """vr, nvr, value of a call that sets `values`."""
-        type_ = VARIABLES[next(iter(values))].type
-        return references(list(values)), len(values), to_c(type_, list(values.values()))
+        type_ = self.variables[next(iter(values))].type
+        return self.model.references(list(values)), len(values), to_c(type_, list(values.values()))
 
     def set(self, values: dict) -> None:
         for name, value in values.items():
             assert self.try_set({name: value}) == OK, self.messages[-1:]
 
     def refused_set(self, values: dict, mentions: tuple[str, ...] = ()) -> str:
-        type_ = VARIABLES[next(iter(values))].type
+        type_ = self.variables[next(iter(values))].type
         return self.refused(f"fmi2Set{type_}", *self.arguments(values), mentions=mentions)
 
     def try_get(self, names: list[str]):
         """Status and values; they must be of one type."""
-        (type_,) = {VARIABLES[n].type for n in names}
+        (type_,) = {self.variables[n].type for n in names}
         values = (VALUE[type_] * len(names))()
-        return self.call(f"fmi2Get{type_}", references(names), len(names), values), list(values)
+        return self.call(f"fmi2Get{type_}", self.model.references(names), len(names), values), list(values)
 
     def get(self, name: str):
         status, (value,) = self.try_get([name])
         assert status == OK, f"{name}: {self.messages[-1:]}"
-        type_ = VARIABLES[name].type
+        type_ = self.variables[name].type
         return bool(value) if type_ == "Boolean" else value.decode() if type_ == "String" else value
 
     def everything(self) -> dict:
         """All that can be read, exactly; where reading is refused, that."""
         quiet = len(self.messages)
         values: dict = {}
-        for name in VARIABLES:
+        for name in self.variables:
             status, (value,) = self.try_get([name])
             values[name] = "refused" if status != OK else value.hex() if isinstance(value, float) else value
         time = c_double()
@@ -246,8 +290,8 @@ class Driver:
 
     # life
 
-    def setup(self, time: float = 0.0) -> None:
-        self.ok("fmi2SetupExperiment", 0, 0.0, time, 0, 0.0)
+    def setup(self, time: float = 0.0, tolerance: float | None = None) -> None:
+        self.ok("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, time, 0, 0.0)
         self.time = time
 
     def enter(self, phase: str) -> "Driver":
@@ -257,9 +301,11 @@ class Driver:
             self.ok(function)
         return self
 
-    def start(self, values: dict | None = None, time: float = 0.0) -> "Driver":
+    def start(
+        self, values: dict | None = None, time: float = 0.0, tolerance: float | None = None
+    ) -> "Driver":
         self.set(values or {})
-        self.setup(time)
+        self.setup(time, tolerance)
         return self.enter(STEP)
 
     def step(self, h: float, **inputs: float) -> None:
@@ -268,13 +314,28 @@ class Driver:
         self.ok("fmi2DoStep", self.time, h, 1)
         self.time += h
 
+    def try_set_derivatives(self, derivatives: dict[str, list[float]]) -> int:
+        flat = [(n, k, d) for n, ds in derivatives.items() for k, d in enumerate(ds, start=1)]
+        names, orders, values = zip(*flat, strict=True)
+        return self.call(
+            "fmi2SetRealInputDerivatives",
+            self.model.references(names),
+            len(flat),
+            (c_int * len(flat))(*orders),
+            to_c("Real", list(values)),
+        )
+
+    def set_derivatives(self, derivatives: dict[str, list[float]]) -> None:
+        """Time derivatives of inputs, of orders 1, 2, ..., for the next step."""
+        assert self.try_set_derivatives(derivatives) == OK, self.messages[-1:]
+
     def set_rates(self, **rates: float) -> None:
-        arguments = references(list(rates)), len(rates), (c_int * len(rates))(*[1] * len(rates))
-        self.ok("fmi2SetRealInputDerivatives", *arguments, to_c("Real", list(rates.values())))
+        self.set_derivatives({name: [rate] for name, rate in rates.items()})
 
     def output_derivative(self, name: str, order: int) -> float:
         value = c_double()
-        self.ok("fmi2GetRealOutputDerivatives", references([name]), 1, (c_int * 1)(order), byref(value))
+        references = self.model.references([name])
+        self.ok("fmi2GetRealOutputDerivatives", references, 1, (c_int * 1)(order), byref(value))
         return value.value
 
     # states

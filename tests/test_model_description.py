@@ -1,27 +1,55 @@
-"""modelDescription.xml: fresh, valid, complete, and true."""
+"""modelDescription.xml of both FMUs: fresh, valid, complete, and true."""
 
+import math
 import re
 import subprocess
 import sys
 import tomllib
-import xml.etree.ElementTree as ET
 import zipfile
 
 import pytest
-from driver import FMU, GUID, ROOT, VARIABLES, XML
+from driver import OK, ROOT, models
 from fmpy.validation import validate_fmu
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
 import build_fmu
 
-DOCUMENT = ET.parse(XML).getroot()
+FORWARD, INVERSE = models.values()
 
-# The names that others rely on, with unit, start value and causality.
-INTERFACE = """
+
+@pytest.fixture(scope="session", params=models.values(), ids=repr)
+def model(request):
+    return request.param
+
+
+def for_each(items):
+    """Parametrizes `item` over items(model) of each FMU."""
+    pairs = [(m, item) for m in models.values() for item in items(m)]
+    return pytest.mark.parametrize(("model", "item"), pairs, indirect=["model"], ids=str)
+
+
+# The names that others rely on, with unit, start value and causality; first those of one FMU only.
+INTERFACE = {
+    FORWARD: """
 tau N.m 0 input
-F_ext N 0 input
 theta rad - output
 omega rad/s - output
+initial.theta rad 0 fixed
+initial.omega rad/s 0 fixed
+alpha rad/s2 - local
+""",
+    INVERSE: """
+theta rad 0 input
+omega rad/s 0 input
+alpha rad/s2 0 input
+tau N.m - output
+shaft.stiffness N.m/rad 0 fixed
+theta_cam rad - local
+energy.shaft J - local
+""",
+}
+COMMON = """
+F_ext N 0 input
 z m - output
 v m/s - output
 cam1.radius m 0.02 fixed
@@ -55,11 +83,8 @@ shaft.damping N.m.s/rad 0 fixed
 stop.lower rad 0 fixed
 stop.upper rad 1.3963 fixed
 stop.restitution 1 0 fixed
-initial.theta rad 0 fixed
-initial.omega rad/s 0 fixed
 contacts - 2 fixed
 ledger - true fixed
-alpha rad/s2 - local
 gamma rad - local
 spring.force N - local
 damper.force N - local
@@ -90,21 +115,25 @@ peak.reaction2 N - local
 """
 
 
-def test_the_committed_file_is_what_the_emitter_prints():
-    build_fmu.emit_description("DualCamForward", check=True)
+def interface(model):
+    return (INTERFACE[model] + COMMON[1:]).strip().split("\n")
+
+
+def test_the_committed_file_is_what_the_emitter_prints(model):
+    build_fmu.emit_description(model.identifier, check=True)
     printed = subprocess.run(
-        [ROOT / "build/host/emit_xml", "DualCamForward"], capture_output=True, check=True
+        [ROOT / f"build/host/emit_{model.identifier}"], capture_output=True, check=True
     )
-    assert printed.stdout == XML.read_bytes()
+    assert printed.stdout == model.xml.read_bytes()
 
 
-def test_the_fmu_holds_the_committed_file():
-    with zipfile.ZipFile(FMU) as archive:
-        assert archive.read("modelDescription.xml") == XML.read_bytes()
+def test_the_fmu_holds_the_committed_file(model):
+    with zipfile.ZipFile(model.fmu) as archive:
+        assert archive.read("modelDescription.xml") == model.xml.read_bytes()
 
 
-def test_fmpy_finds_nothing():
-    assert validate_fmu(str(FMU)) == []
+def test_fmpy_finds_nothing(model):
+    assert validate_fmu(str(model.fmu)) == []
 
 
 def fnv1a(content, basis):
@@ -113,35 +142,35 @@ def fnv1a(content, basis):
     return basis
 
 
-def test_the_guid_is_a_hash_of_the_content():
-    blank = XML.read_bytes().replace(GUID.encode(), b"")
+def test_the_guid_is_a_hash_of_the_content(model):
+    blank = model.xml.read_bytes().replace(model.guid.encode(), b"")
     digits = "".join(f"{fnv1a(blank, basis):016x}" for basis in (0xCBF29CE484222325, 0x6C62272E07BB0142))
-    assert GUID.strip("{}").replace("-", "") == digits
-    assert [len(part) for part in GUID.strip("{}").split("-")] == [8, 4, 4, 4, 12]
+    assert model.guid.strip("{}").replace("-", "") == digits
+    assert [len(part) for part in model.guid.strip("{}").split("-")] == [8, 4, 4, 4, 12]
 
 
-def test_the_version_is_that_of_the_project():
+def test_the_version_is_that_of_the_project(model):
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert DOCUMENT.attrib["version"] == project["version"]
-    assert DOCUMENT.attrib["license"] == project["license"]
+    assert model.document.attrib["version"] == project["version"]
+    assert model.document.attrib["license"] == project["license"]
 
 
-@pytest.mark.parametrize("row", INTERFACE.split("\n")[1:-1])
-def test_interface(row):
-    name, unit, start, role = row.split()
-    variable = VARIABLES[name]
+@for_each(interface)
+def test_interface(model, item):
+    name, unit, start, role = item.split()
+    variable = model.variables[name]
     assert role in (variable.causality, variable.variability)
     assert (variable.unit or "-") == unit
-    element = next(v for v in DOCUMENT.iter("ScalarVariable") if v.attrib["name"] == name)[0]
+    element = next(v for v in model.document.iter("ScalarVariable") if v.attrib["name"] == name)[0]
     assert (element.attrib.get("start", "-") or '""') == start
 
 
-def test_nothing_is_missing_from_the_list_above():
-    assert sorted(VARIABLES) == sorted(row.split()[0] for row in INTERFACE.split("\n")[1:-1])
+def test_nothing_is_missing_from_the_list_above(model):
+    assert sorted(model.variables) == sorted(row.split()[0] for row in interface(model))
 
 
-def test_references_are_unique():
-    assert len({v.reference for v in VARIABLES.values()}) == len(VARIABLES)
+def test_references_are_dense(model):
+    assert [v.reference for v in model.variables.values()] == list(range(len(model.variables)))
 
 
 # kg, m, s, rad
@@ -167,42 +196,43 @@ def exponents(unit):
     return total
 
 
-def test_units_used_are_the_units_defined():
-    defined = [u.attrib["name"] for u in DOCUMENT.iter("Unit")]
+def test_units_used_are_the_units_defined(model):
+    defined = [u.attrib["name"] for u in model.document.iter("Unit")]
     assert len(set(defined)) == len(defined)
-    assert set(defined) == {v.unit for v in VARIABLES.values()} - {None}
-    assert all(v.unit for v in VARIABLES.values() if v.type == "Real")
+    assert set(defined) == {v.unit for v in model.variables.values()} - {None}
+    assert all(v.unit for v in model.variables.values() if v.type == "Real")
 
 
-@pytest.mark.parametrize("unit", [u.attrib["name"] for u in DOCUMENT.iter("Unit")])
-def test_unit_is_what_its_name_says(unit):
-    element = next(u for u in DOCUMENT.iter("Unit") if u.attrib["name"] == unit)
+@for_each(lambda m: [u.attrib["name"] for u in m.document.iter("Unit")])
+def test_unit_is_what_its_name_says(model, item):
+    element = next(u for u in model.document.iter("Unit") if u.attrib["name"] == item)
     attributes = element.find("BaseUnit").attrib
-    assert [int(attributes.get(base, 0)) for base in ("kg", "m", "s", "rad")] == exponents(unit)
+    assert [int(attributes.get(base, 0)) for base in ("kg", "m", "s", "rad")] == exponents(item)
     assert set(attributes) <= {"kg", "m", "s", "rad"}
 
 
-@pytest.mark.parametrize("element", list(DOCUMENT.iter("ScalarVariable")), ids=lambda e: e.attrib["name"])
-def test_initial_is_what_fmi_allows(element):
+def test_initial_is_what_fmi_allows(model):
     expected = {"parameter": "exact", "input": None, "output": "calculated", "local": "calculated"}
-    assert element.attrib.get("initial") == expected[element.attrib["causality"]]
-    assert ("start" in element[0].attrib) == (expected[element.attrib["causality"]] != "calculated")
+    for element in model.document.iter("ScalarVariable"):
+        initial = expected[element.attrib["causality"]]
+        assert element.attrib.get("initial") == initial
+        assert ("start" in element[0].attrib) == (initial != "calculated")
 
 
-@pytest.mark.parametrize("name", [n for n, v in VARIABLES.items() if isinstance(v.start, float | int)])
-def test_start_values_are_in_range(name):
-    variable = VARIABLES[name]
-    assert variable.min <= variable.start <= variable.max
+def test_start_values_are_in_range(model):
+    for variable in model.variables.values():
+        if isinstance(variable.start, float | int):
+            assert variable.min <= variable.start <= variable.max
 
 
-def test_capabilities():
-    (co_simulation,) = DOCUMENT.findall("CoSimulation")
-    assert DOCUMENT.find("ModelExchange") is None
+def test_capabilities(model):
+    (co_simulation,) = model.document.findall("CoSimulation")
+    assert model.document.find("ModelExchange") is None
     assert co_simulation.attrib == {
-        "modelIdentifier": "DualCamForward",
+        "modelIdentifier": model.identifier,
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": "2",
+        "maxOutputDerivativeOrder": {FORWARD: "2", INVERSE: "0"}[model],
         "canRunAsynchronuously": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
@@ -212,35 +242,110 @@ def test_capabilities():
     }
 
 
-def unknowns(kind):
-    by_index = {v.index: name for name, v in VARIABLES.items()}
+# ---- what depends on what ----
+
+
+def unknowns(model, kind):
+    by_index = {v.index: name for name, v in model.variables.items()}
     return {
         by_index[int(u.attrib["index"])]: {by_index[int(i)] for i in u.attrib["dependencies"].split()}
-        for u in DOCUMENT.find("ModelStructure").find(kind)
+        for u in model.document.find("ModelStructure").find(kind)
     }
 
 
-def test_no_input_passes_through():
-    assert unknowns("Outputs") == {name: set() for name in ("theta", "omega", "z", "v")}
+ELLIPSES = {f"cam{i}.profile": 2 for i in (1, 2)} | {"stop.upper": 0.6}
+TABLES = {f"cam{i}.{n}": v for i in (1, 2) for n, v in (("profile", 3), ("table", "a.csv"))}
+MOVING = {"theta": 0.25, "omega": 3.0, "alpha": 5.0, "F_ext": 2.0, "shaft.damping": 0.01}
+HEAVY = {f"inertia.{n}": v for n, v in (("shaft", 0.001), ("follower_mass", 0.2), ("follower", 0.001))}
+DAMPED = {f"damper.{c}_{way}": 10.0 for c in "cq" for way in ("load", "release")}
+CUBIC = {"spring.stiffness2": 1e4, "spring.stiffness3": 1e6}
+ELASTIC = MOVING | CUBIC | {"shaft.stiffness": 20.0, "omega": -3.0}
+STARTING = {"initial.theta": 0.25, "initial.omega": 3.0}
+
+# Together they show every dependency.
+SCENES = {
+    FORWARD: [
+        STARTING,
+        STARTING | ELLIPSES,
+        STARTING | TABLES,
+        STARTING | {"inertia.shaft": 0.0, "inertia.follower_mass": 1.0},
+        STARTING | {"inertia.shaft": 0.0, "inertia.follower": 1.0},
+    ],
+    INVERSE: [
+        *(
+            MOVING | HEAVY | DAMPED | CUBIC | grooves | {"omega": omega}
+            for omega in (3.0, -3.0)
+            for grooves in ({}, ELLIPSES, TABLES)
+        ),
+        ELASTIC,
+        ELASTIC | ELLIPSES,
+        ELASTIC | TABLES,
+        ELASTIC | {"theta": 1.4, "stop.upper": 1.0},
+        *(ELASTIC | {"theta": theta} for theta in (-0.8, 0.01)),
+    ],
+}
+# the second value of what is neither real nor at its start value in the scenes
+OTHER = {"contacts": 1, "ledger": False}
+for _cam in ("cam1", "cam2"):
+    OTHER |= {f"{_cam}.profile": 2, f"{_cam}.ellipse_curvature": 1, f"{_cam}.table": "b.csv"}
 
 
 def another(name, value):
-    """A value of that parameter with which the mechanism is possible, too."""
-    if VARIABLES[name].min == VARIABLES[name].max:
-        return value
+    """A value with which the mechanism is possible, too. Of an inertia it may only count if it is there."""
+    if name in OTHER:
+        return OTHER[name]
+    if name.startswith("inertia"):
+        return 0.0 if value else 1.0
     return -0.5 if name == "stop.lower" else value * 1.25 + 0.01
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, v in VARIABLES.items() if v.start is not None and v.type == "Real"]
-)
-def test_start_values_depend_on_what_the_structure_says(fmu, name):
-    inertia = name if name.startswith("inertia") else "inertia.shaft"
-    fmu.set({"initial.theta": 0.25, "initial.omega": 3.0, "inertia.shaft": 0.0, inertia: 1.0})
-    known = unknowns("InitialUnknowns")
-    before = {output: fmu.get(output) for output in known}
-    # of an inertia it only counts whether there is any
-    fmu.set({name: 0.0 if name.startswith("inertia") else another(name, fmu.get(name))})
-    for output in known:
-        changed = fmu.get(output) != before[output]
-        assert changed == (name in known[output]), output
+@pytest.fixture
+def resources(tmp_path):
+    for name, slope in (("a", 0.02), ("b", 0.021)):
+        rows = [f"{k / 10},{slope * k / 10 + 1e-4 * (k / 10) ** 2}" for k in range(-20, 21)]
+        (tmp_path / f"{name}.csv").write_text("\n".join(["psi_rad,z_m", *rows]))
+    return f"file://{tmp_path}"
+
+
+def changes(fmu, name, outputs, scene):
+    """The outputs whose start value changes with that variable in that scene."""
+    fmu.ok("fmi2Reset")
+    fmu.set(scene)
+    if "profile" in name and scene.get(name) == 2:
+        return set()
+    before = {output: fmu.get(output) for output in outputs}
+    fmu.set({name: another(name, fmu.get(name))})
+    values = {output: fmu.try_get([output]) for output in outputs}
+    assert all(status == OK for status, _ in values.values()), fmu.messages
+    # the stops decide where the polynomials of the geometry begin and end: that moves the last digits
+    return {out for out in outputs if not math.isclose(values[out][1][0], before[out], rel_tol=1e-11)}
+
+
+@for_each(lambda m: m.names(causality=["parameter", "input"]))
+def test_start_values_depend_on_what_the_structure_says(make, model, resources, item):
+    known = unknowns(model, "InitialUnknowns")
+    fmu = make(resources=resources)
+    changed = set().union(*(changes(fmu, item, list(known), scene) for scene in SCENES[model]))
+    assert changed == {output for output in known if item in known[output]}
+
+
+def test_outputs_depend_on_what_the_structure_says(make, model):
+    known = unknowns(model, "Outputs")
+    assert set(known) == set(model.names(causality=["output"]))
+    if model is FORWARD:
+        assert not set().union(*known.values())  # no input passes through
+        return
+    seen: dict = {output: set() for output in known}
+    for scene in (ELLIPSES | {"shaft.damping": 0.1}, ELLIPSES | {"shaft.stiffness": 20.0}):
+        fmu = make().start(scene)
+        fmu.step(0.1, theta=0.3, omega=1.0)
+        before = {output: fmu.get(output) for output in known}
+        for name in model.names(causality=["input"]):
+            value = fmu.get(name)
+            for change in (-0.1, 0.1):
+                fmu.set({name: value + change})
+                for output in known:
+                    if fmu.get(output) != before[output]:
+                        seen[output].add(name)
+            fmu.set({name: value})
+    assert seen == known

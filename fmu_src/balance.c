@@ -1,0 +1,334 @@
+#include "balance.h"
+
+#include <math.h>
+
+#include "dual.h"
+
+double input_value(const double u[INPUT_ORDER + 1], double t) {
+    return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
+}
+
+double input_rate(const double u[INPUT_ORDER + 1], double t) {
+    return u[1] + t * (u[2] + t / 2.0 * u[3]);
+}
+
+static FlowKind kind_of_way(const Params *p, int direction) {
+    if (has_inertia(p)) return FLOW_INERTIAL;
+    const double c = direction > 0 ? p->damper.c_load + p->damper.q_load : p->damper.c_release + p->damper.q_release;
+    return c + p->shaft.damping > 0.0 ? FLOW_VISCOUS : FLOW_QUASISTATIC;
+}
+
+Way way_of(const Params *p, const Course *course, const Inputs *inputs, double theta, int direction,
+           const int flank[2]) {
+    return (Way){
+        .params = p,
+        .course = course,
+        .piece = course_piece(course, theta, direction),
+        .inputs = inputs,
+        .kind = kind_of_way(p, direction),
+        .direction = direction,
+        .flank = {flank[0], flank[1]},
+    };
+}
+
+/* ---- geometry and its derivatives by theta ---- */
+
+typedef struct {
+    double z;
+    Dual slope[2];  /* a_i */
+    Dual turn[2];   /* gamma', phi' */
+    Dual lift;      /* z' */
+    Dual turn_rate; /* gamma'' */
+    Dual lift_rate; /* z'' */
+} Shape;
+
+static Spot straight_spot(const Piece *piece, double theta) {
+    const double x = (theta - piece->middle) * piece->scale;
+    return (Spot){.slope = {piece->slope[0][0], piece->slope[1][0]}, .z = piece->z[0] + x * piece->z[1]};
+}
+
+/* gamma' = a2/(a1+a2), z' = a1 gamma'; differentiated:
+ *     gamma'' = (a2' phi' - a1' gamma')/(a1+a2)          z'' = a1' gamma'^2 + a2' phi'^2
+ *     gamma''' = (a2'' phi' - a1'' gamma' - 2 gamma'' (a1'+a2'))/(a1+a2)
+ *     z''' = a1'' gamma'^2 + a2'' phi'^2 + 2 gamma'' (a1' gamma' - a2' phi') */
+static inline Shape shape_at(const Way *w, double theta) {
+    const Spot s = w->course->straight ? straight_spot(w->piece, theta) : piece_at(w->piece, theta);
+    const double inverse = 1.0 / (s.slope[0] + s.slope[1]);
+    const double g = s.slope[1] * inverse, f = s.slope[0] * inverse;
+    const double bend = s.bend[0] + s.bend[1];
+    const double gg = (s.bend[1] * f - s.bend[0] * g) * inverse;
+    const double ggg = (s.twist[1] * f - s.twist[0] * g - 2.0 * gg * bend) * inverse;
+    const double zz = s.bend[0] * g * g + s.bend[1] * f * f;
+    const double zzz =
+        s.twist[0] * g * g + s.twist[1] * f * f + 2.0 * gg * (s.bend[0] * g - s.bend[1] * f);
+    return (Shape){
+        .z = s.z,
+        .slope = {{s.slope[0], s.bend[0]}, {s.slope[1], s.bend[1]}},
+        .turn = {{g, gg}, {f, -gg}},
+        .lift = {s.slope[0] * g, zz},
+        .turn_rate = {gg, ggg},
+        .lift_rate = {zz, zzz},
+    };
+}
+
+/* ---- friction ---- */
+
+typedef struct {
+    Dual rn[2], d[2]; /* r_i n_i, d_i */
+    Dual delta;
+    Dual p, q; /* P, Q */
+} Grip;
+
+static inline Grip grip_of(const Way *w, const Shape *s) {
+    Grip g;
+    for (int i = 0; i < 2; i++) {
+        const CamParams *cam = &w->params->cam[i];
+        const double mu = w->direction * w->flank[i] * cam->friction;
+        g.rn[i] = dual_line(cam->radius * (mu * cam->radius), cam->radius, s->slope[i]);
+        g.d[i] = dual_line(cam->radius, -mu, s->slope[i]);
+    }
+    g.q = dual_multiply(g.d[0], g.rn[1]);
+    g.delta = dual_add(g.q, dual_multiply(g.rn[0], g.d[1]));
+    g.p = dual_multiply(g.rn[0], g.rn[1]);
+    return g;
+}
+
+/* ---- forces ---- */
+
+typedef struct {
+    double c, q; /* of the damper in this direction */
+} Damping;
+
+static Damping damping_of(const Way *w) {
+    const DamperParams *d = &w->params->damper;
+    return w->direction > 0 ? (Damping){d->c_load, d->q_load} : (Damping){d->c_release, d->q_release};
+}
+
+/* ---- the equation of motion ---- */
+
+static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g, double omega, double t) {
+    const Params *p = w->params;
+    const double J = p->inertia.shaft, m = p->inertia.follower_mass, I = p->inertia.follower;
+    const Damping damping = damping_of(w);
+    const double v = s->lift.value * omega;
+    const double damper = v * (damping.c + damping.q * fabs(v));
+    const double damper_rate = damping.c + 2.0 * damping.q * fabs(v);
+    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t) + damper,
+                       spring_rate(&p->spring, s->z) * s->lift.value + damper_rate * s->lift.slope * omega};
+    const double tau = input_value(w->inputs->tau, t) - p->shaft.damping * omega;
+    Dual mass = dual_scale(J, g->delta);
+    Dual net = {g->delta.value * tau - g->p.value * load.value,
+                g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
+    double net_by_omega = -g->delta.value * p->shaft.damping - g->p.value * damper_rate * s->lift.value;
+    if (m + I > 0.0) {
+        const Dual pm = dual_scale(m, g->p), qi = dual_scale(I, g->q);
+        mass = dual_add(mass, dual_add(dual_multiply(pm, s->lift), dual_multiply(qi, s->turn[0])));
+        const Dual swirl = dual_add(dual_multiply(pm, s->lift_rate), dual_multiply(qi, s->turn_rate));
+        net.value -= swirl.value * omega * omega;
+        net.slope -= swirl.slope * omega * omega;
+        net_by_omega -= 2.0 * swirl.value * omega;
+    }
+    const double inverse = 1.0 / mass.value;
+    const double alpha = net.value * inverse;
+    return (Pace){
+        .value = alpha,
+        .by_theta = (net.slope - alpha * mass.slope) * inverse,
+        .by_omega = net_by_omega * inverse,
+        .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
+                   inverse,
+        .resistance = fabs(mass.value),
+        .possible = mass.value * g->delta.value > 0.0,
+        .stable = true,
+    };
+}
+
+/* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. The root is
+ * written without cancellation. */
+static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, double t) {
+    const Params *p = w->params;
+    const Damping damping = damping_of(w);
+    const double tau = input_value(w->inputs->tau, t);
+    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t),
+                       spring_rate(&p->spring, s->z) * s->lift.value};
+    const Dual n = {g->delta.value * tau - g->p.value * load.value,
+                    g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
+    const Dual pz = dual_multiply(g->p, s->lift);
+    const Dual b = dual_add(dual_scale(p->shaft.damping, g->delta), dual_scale(damping.c, pz));
+    const Dual c = dual_scale(damping.q, dual_multiply(pz, s->lift));
+    const double sign = b.value + c.value < 0.0 ? -1.0 : 1.0; /* as Delta has: both sides times -1 */
+    const double root = sqrt(fmax(b.value * b.value + 4.0 * fabs(c.value * n.value), 0.0));
+    const double sum = b.value + sign * root;
+    const double omega = sum != 0.0 ? 2.0 * n.value / sum : 0.0;
+    const double steepness = b.value + 2.0 * c.value * fabs(omega); /* dN/d omega */
+    const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
+    return (Pace){
+        .value = omega,
+        .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
+        .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
+                   inverse,
+        .possible = b.value + c.value != 0.0 && b.value * c.value >= 0.0 && g->delta.value != 0.0,
+        .stable = (b.value + c.value) * g->delta.value > 0.0,
+    };
+}
+
+/* On the band's edge E(theta) = rho F_0 the torque fixes theta, so (tau - rho F_ext)' = dE/dtheta omega. Value: that
+ * omega; by_theta holds dE/dtheta itself, N.m/rad, which a step along the edge
+ * solves with. */
+static inline Pace pace_of_quasistatic(const Way *w, const Shape *s, const Grip *g, double t) {
+    const Params *p = w->params;
+    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t),
+                       spring_rate(&p->spring, s->z) * s->lift.value};
+    const double inverse = 1.0 / g->delta.value;
+    const double rho = g->p.value * inverse;
+    const double rho_rate = (g->p.slope - rho * g->delta.slope) * inverse;
+    const double stiffness = rho_rate * load.value + rho * load.slope;
+    const double rate = input_rate(w->inputs->tau, t) - rho * input_rate(w->inputs->F_ext, t);
+    return (Pace){
+        .value = stiffness > 0.0 ? rate / stiffness : 0.0,
+        .by_theta = stiffness,
+        .net = input_value(w->inputs->tau, t) - rho * load.value,
+        .resistance = stiffness,
+        .possible = g->delta.value != 0.0,
+        .stable = stiffness > 0.0,
+    };
+}
+
+static inline Pace pace_of(const Way *w, const Shape *s, const Grip *g, double omega, double t) {
+    switch (w->kind) {
+        case FLOW_INERTIAL: return pace_of_inertial(w, s, g, omega, t);
+        case FLOW_VISCOUS: return pace_of_viscous(w, s, g, t);
+        default: return pace_of_quasistatic(w, s, g, t);
+    }
+}
+
+Pace balance_pace(const Way *w, double theta, double omega, double t) {
+    const Shape s = shape_at(w, theta);
+    const Grip g = grip_of(w, &s);
+    return pace_of(w, &s, &g, omega, t);
+}
+
+void balance_at(const Way *w, double theta, double omega, double t, Balance *out) {
+    const Params *p = w->params;
+    const Shape s = shape_at(w, theta);
+    const Grip g = grip_of(w, &s);
+    const Pace pace = pace_of(w, &s, &g, omega, t);
+    const bool inertial = w->kind == FLOW_INERTIAL;
+    const double alpha = inertial ? pace.value : 0.0;
+    if (!inertial) omega = pace.value;
+    const Damping damping = damping_of(w);
+    const double v = s.lift.value * omega, damper = v * (damping.c + damping.q * fabs(v));
+    const double F_ext = input_value(w->inputs->F_ext, t), force = spring_force(&p->spring, s.z) + F_ext;
+    const double axial = force + damper +
+                         p->inertia.follower_mass * (s.lift.value * alpha + s.lift_rate.value * omega * omega);
+    const double twist = p->inertia.follower * (s.turn[0].value * alpha + s.turn_rate.value * omega * omega);
+    const double inverse = 1.0 / g.delta.value;
+    *out = (Balance){
+        .theta = theta,
+        .omega = omega,
+        .alpha = alpha,
+        .pace = pace,
+        .tau = input_value(w->inputs->tau, t),
+        .F_ext = F_ext,
+        .force = force,
+        .damper = damper,
+        .z = s.z,
+        .lift = s.lift.value,
+        .turn = {s.turn[0].value, s.turn[1].value},
+        .axial = {g.rn[1].value * inverse, g.rn[0].value * inverse},
+        .x = {(g.rn[1].value * axial - g.d[1].value * twist) * inverse,
+              (g.rn[0].value * axial + g.d[0].value * twist) * inverse},
+    };
+    for (int i = 0; i < 2; i++)
+        out->length2[i] = p->cam[i].radius * p->cam[i].radius + s.slope[i].value * s.slope[i].value;
+}
+
+/* ---- how it changes ---- */
+
+/* The share of the course's size that counts as a term of z: its rounding is some eps of that size, where other sums
+ * count as zero below 1e-13 of their terms. */
+static const double COURSE_SHARE = 0.01;
+
+void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
+    const Params *p = w->params;
+    const double m = p->inertia.follower_mass, I = p->inertia.follower;
+    const Shape s = shape_at(w, now->theta);
+    const Grip g = grip_of(w, &s);
+    const Damping damping = damping_of(w);
+    const bool inertial = w->kind == FLOW_INERTIAL;
+    const double omega = now->omega;
+    const double change = now->pace.by_time + (w->kind == FLOW_QUASISTATIC ? 0.0 : now->pace.by_theta * omega) +
+                          now->pace.by_omega * now->alpha;
+    const double alpha = inertial ? now->alpha : change, jerk = inertial ? change : 0.0;
+    const double v = s.lift.value * omega, spin2 = omega * omega;
+    const double damper_rate = damping.c + 2.0 * damping.q * fabs(v);
+    const double F_rate = input_rate(w->inputs->F_ext, t);
+    const double follow = s.lift.value * alpha + s.lift_rate.value * spin2; /* z_ddot */
+    const double axial = now->force + now->damper + m * (inertial ? follow : 0.0);
+    const double twist = I * (s.turn[0].value * now->alpha + s.turn_rate.value * spin2);
+    const double spring_speed = spring_rate(&p->spring, s.z) * v;
+    const double axial_rate =
+        spring_speed + F_rate + damper_rate * follow +
+        m * (s.lift.value * jerk + 3.0 * s.lift_rate.value * omega * alpha + s.lift_rate.slope * spin2 * omega);
+    const double twist_rate =
+        I * (s.turn[0].value * jerk + 3.0 * s.turn_rate.value * omega * alpha + s.turn_rate.slope * spin2 * omega);
+
+    /* sizes: the same sums without their signs */
+    const Course *course = w->course;
+    const double z = fabs(s.z) + COURSE_SHARE * course->z_size;
+    const double spring_size = fabs(p->spring.preload) +
+                               z * (fabs(p->spring.stiffness) +
+                                    z * (fabs(p->spring.stiffness2) + z * fabs(p->spring.stiffness3)));
+    const double force_size = spring_size + fabs(now->F_ext) + fabs(now->damper);
+    const double delta = fabs(g.delta.value), inverse = 1.0 / delta;
+    const double mass = now->pace.resistance;
+    const double torque_size = fabs(now->tau) + p->shaft.damping * fabs(omega);
+    const double swirl = (fabs(g.p.value * m * s.lift_rate.value) + fabs(g.q.value * I * s.turn_rate.value)) * spin2;
+    const double pace_size = inertial ? (delta * torque_size + fabs(g.p.value) * force_size + swirl) / mass : 0.0;
+    const double axial_size = force_size + m * (fabs(s.lift.value) * pace_size + fabs(s.lift_rate.value) * spin2);
+    const double twist_size = I * (fabs(s.turn[0].value) * pace_size + fabs(s.turn_rate.value) * spin2);
+    const double jerk_size = inertial ? fabs(now->pace.by_theta * omega) + fabs(now->pace.by_omega) * pace_size +
+                                            fabs(now->pace.by_time)
+                                      : 0.0;
+    const double alpha_size = inertial ? pace_size : fabs(alpha);
+    const double axial_rate_size =
+        fabs(spring_speed) + fabs(F_rate) +
+        damper_rate * (fabs(s.lift.value) * alpha_size + fabs(s.lift_rate.value) * spin2) +
+        m * (fabs(s.lift.value) * jerk_size + 3.0 * fabs(s.lift_rate.value * omega) * alpha_size);
+    const double twist_rate_size =
+        I * (fabs(s.turn[0].value) * jerk_size + 3.0 * fabs(s.turn_rate.value * omega) * alpha_size);
+
+    *out = (Trend){
+        .pace = change,
+        .pace_size = pace_size,
+        .net = now->tau - p->shaft.damping * (inertial ? omega : 0.0) - g.p.value / g.delta.value * now->force,
+        .net_size = torque_size + fabs(g.p.value) * inverse * force_size,
+    };
+    const double sign[2] = {-1.0, 1.0};
+    for (int i = 0; i < 2; i++) {
+        const int other = 1 - i;
+        const Dual rn = g.rn[other], d = dual_scale(sign[i], g.d[other]);
+        out->contact[i] = (rn.slope * omega * axial + rn.value * axial_rate + d.slope * omega * twist +
+                           d.value * twist_rate - now->x[i] * g.delta.slope * omega) /
+                          g.delta.value;
+        const double rn_size = fabs(rn.value) + w->params->cam[other].radius * course->slope_size;
+        out->size[i] = (rn_size * axial_size + fabs(d.value) * twist_size) * inverse;
+        out->rate_size[i] = (fabs(rn.slope * omega) * axial_size + fabs(rn.value) * axial_rate_size +
+                             fabs(d.slope * omega) * twist_size + fabs(d.value) * twist_rate_size +
+                             out->size[i] * fabs(g.delta.slope * omega)) *
+                            inverse;
+    }
+}
+
+Booking balance_power(const Way *w, const Balance *now) {
+    const double omega = now->omega, v = now->lift * omega;
+    Booking power = {
+        .work_in = now->tau * omega,
+        .work_ext = now->F_ext * v,
+        .heat_damper = now->damper * v,
+        .heat_shaft = w->params->shaft.damping * omega * omega,
+    };
+    for (int i = 0; i < 2; i++)
+        power.heat_cam[i] = w->direction * w->flank[i] * w->params->cam[i].friction * now->x[i] * now->length2[i] *
+                            now->turn[i] * omega;
+    return power;
+}

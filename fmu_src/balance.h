@@ -1,0 +1,85 @@
+/* The balance of forces at one instant, in grooves of any shape: acceleration, contact loads and how they change.
+ *
+ * On one way to slip (direction sigma, flanks e_i), with mu_i meaning sigma e_i mu_i,
+ *     n_i = a_i + mu_i r_i   d_i = r_i - mu_i a_i   rn_i = r_i n_i
+ *     Delta = rn2 d1 + rn1 d2   P = rn1 rn2   Q = d1 rn2
+ * the equation of motion of the mechanism page, section 6, times Delta, reads
+ *     [J Delta + P m z' + Q I gamma'] alpha = Delta (tau - b omega) - P (F_s + F_ext + D) - [P m z'' + Q I gamma''] omega^2
+ * so that no division but the last is needed, and only then the contacts x_i = R_i/hypot(r_i, a_i):
+ *     A = F_s + F_ext + D + m (z' alpha + z'' omega^2)    W = I (gamma' alpha + gamma'' omega^2)
+ *     x_1 = (rn2 A - d2 W)/Delta    x_2 = (rn1 A + d1 W)/Delta
+ * Without inertia the same balance gives omega: Delta tau - P F_0 = Delta b omega + P D(z' omega); and without
+ * damping either, theta stays on the band's edge: Delta tau = P F_0. */
+#ifndef DUALCAM_BALANCE_H
+#define DUALCAM_BALANCE_H
+
+#include "course.h"
+#include "flow.h"
+#include "params.h"
+
+/* One way to slip through one piece of the course, under inputs that are polynomials of the time since `inputs`
+ * were written. */
+typedef struct {
+    const Params *params;
+    const Course *course;
+    const Piece *piece;
+    const Inputs *inputs;
+    FlowKind kind;
+    int direction; /* sigma */
+    int flank[2];  /* e_i */
+} Way;
+
+Way way_of(const Params *params, const Course *course, const Inputs *inputs, double theta, int direction,
+           const int flank[2]);
+
+typedef struct {
+    double value;               /* rad/s^2: alpha if inertial; else rad/s: omega */
+    double by_theta, by_omega;  /* its partial derivatives; by_omega only if inertial */
+    double by_time;
+    double net;        /* N.m, quasi-static only: tau - rho F_0, torque beyond the edge */
+    double resistance; /* inertial: |Delta| times the inertia felt; quasi-static: dE/dtheta, N.m/rad */
+    bool possible; /* Delta != 0 and, if inertial, a positive inertia felt: else friction jams it */
+    bool stable;   /* what resists the motion is positive */
+} Pace;
+
+/* All that is known at one instant. */
+typedef struct {
+    double theta, omega, alpha; /* rad, rad/s, rad/s^2; alpha is 0 without inertia */
+    Pace pace;
+    double tau, F_ext;      /* N.m, N */
+    double force;           /* N, F_0 = F_s + F_ext */
+    double damper;          /* N, D */
+    double z;               /* m */
+    double lift;            /* m/rad, z' */
+    double turn[2];         /* gamma', phi' */
+    double length2[2];      /* m^2, r_i^2 + a_i^2 */
+    double axial[2];        /* 1/m, x_i per A */
+    double x[2];            /* contacts: see above */
+} Balance;
+
+/* The instant t after `inputs`. omega is used if the way is inertial; else the balance finds it. */
+void balance_at(const Way *way, double theta, double omega, double t, Balance *out);
+
+/* The same, without contact loads: what a Newton iteration needs. */
+Pace balance_pace(const Way *way, double theta, double omega, double t);
+
+/* How alpha (or omega) and the contacts change along the motion, one-sided, and the sizes of the terms that
+ * add up to each: a sum of less than a few eps of its size is zero. */
+typedef struct {
+    double pace;                       /* 1/s times the unit of Pace.value */
+    double pace_size;                  /* size of the terms of Pace.value itself */
+    double net, net_size;              /* N.m: torque beyond what holds the loads, tau - b omega - rho F; its terms */
+    double contact[2];                 /* d x_i/dt */
+    double size[2], rate_size[2];      /* sizes of x_i and of d x_i/dt */
+} Trend;
+
+void balance_trend(const Way *way, const Balance *now, double t, Trend *out);
+
+/* Rates of the accounts at this instant, W. */
+Booking balance_power(const Way *way, const Balance *now);
+
+/* Polynomial input and its rate at time t. */
+double input_value(const double u[INPUT_ORDER + 1], double t);
+double input_rate(const double u[INPUT_ORDER + 1], double t);
+
+#endif

@@ -1,0 +1,111 @@
+/* The pair of grooves along theta: the mechanism's geometry as a function of theta alone.
+ *
+ * z = g1(gamma) = g2(phi), gamma + phi = theta (mechanism page, section 2). What motion needs is
+ *     a_1(theta) = g1'(gamma(theta))    a_2(theta) = g2'(theta - gamma(theta))    z(theta) = g1(gamma)
+ * and derivatives of a_i by theta. They are precomputed as piecewise polynomials: pieces end at table
+ * knots, where third derivatives jump, and wherever COURSE_DEGREE does not suffice for 13 digits.
+ * So a value costs a few multiplications, and no root is sought while the mechanism moves. */
+#ifndef DUALCAM_COURSE_H
+#define DUALCAM_COURSE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "fault.h"
+#include "groove.h"
+#include "params.h"
+
+enum { COURSE_DEGREE = 12 };
+_Static_assert(COURSE_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");
+
+/* Monomials in x = (theta - middle) scale, lowest first. x runs through [-1, 1]; only two helices have
+ * x = theta (middle 0, scale 1), which makes every value exact. */
+typedef struct {
+    double lower, upper;  /* rad */
+    double middle, scale; /* rad, 1/rad */
+    double slope[2][COURSE_DEGREE + 1];
+    double z[COURSE_DEGREE + 1];
+    bool knot_lower, knot_upper; /* a table knot (a third derivative jumps), not just another polynomial */
+} Piece;
+
+/* The geometry at one theta. Polynomials being what they are, a slope that should be 0 may be negative by
+ * rounding. */
+typedef struct {
+    double slope[2]; /* m/rad, a_i */
+    double bend[2];  /* m/rad^2, da_i/dtheta */
+    double twist[2]; /* m/rad^3, d^2 a_i/dtheta^2 */
+    double z;        /* m */
+} Spot;
+
+typedef struct {
+    Groove groove[2];
+    double radius[2];    /* m */
+    double lower, upper; /* rad */
+    size_t count;        /* of pieces */
+    Piece *piece;        /* owned, in order of theta */
+    bool straight;       /* both grooves are helices: one piece with exact constants */
+    double slope_size;   /* m/rad, largest |a_i|: what the rounding of the polynomials is of; 0 if straight */
+    double z_size;       /* m, largest |z|, likewise */
+} Course;
+
+/* Precomputes the course between two stops. On failure returns false with the reason in `fault`;
+ * `course` then owns nothing. */
+bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
+                  Fault *fault);
+
+/* Safe on a zeroed Course, and twice. */
+void course_free(Course *course);
+
+/* The piece that holds theta; at a border the one ahead in `direction` (0: either). Within 1e-9 of the
+ * piece's width of a border counts as at the border. Outside the course: the first or last piece. */
+const Piece *course_piece(const Course *course, double theta, int direction);
+
+/* gamma and z to rounding, from the groove laws (not from the polynomials); they depend on theta alone. */
+double course_gamma(const Course *course, double theta);
+double course_z(const Course *course, double theta);
+
+/* The same of both cams, computed by one instruction. */
+typedef double Both __attribute__((vector_size(2 * sizeof(double))));
+
+static inline Both slopes_of(const Piece *piece, int k) {
+    return (Both){piece->slope[0][k], piece->slope[1][k]};
+}
+
+/* Values of the piece's polynomials; also slightly outside the piece (analytic continuation).
+ *
+ * p(x) = E(y) + x O(y) with y = x^2: Horner's rule for the even and the odd part, each with its first
+ * derivative (e1, o1) and half its second by y (e2, o2), is half as long a chain as Horner's rule in x and
+ * takes fewer operations. All chains are independent, so the processor runs them side by side. */
+static inline Spot piece_at(const Piece *piece, double theta) {
+    const double x = (theta - piece->middle) * piece->scale, y = x * x;
+    const Both none = {0.0, 0.0};
+    Both e = slopes_of(piece, COURSE_DEGREE), e1 = none, e2 = none;
+    Both o = slopes_of(piece, COURSE_DEGREE - 1), o1 = none, o2 = none;
+    double ze = piece->z[COURSE_DEGREE], zo = piece->z[COURSE_DEGREE - 1];
+    for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2) {
+        e2 = e2 * y + e1;
+        e1 = e1 * y + e;
+        e = e * y + slopes_of(piece, k);
+        ze = ze * y + piece->z[k];
+        o2 = o2 * y + o1;
+        o1 = o1 * y + o;
+        o = o * y + slopes_of(piece, k - 1);
+        zo = zo * y + piece->z[k - 1];
+    }
+    e2 = e2 * y + e1;
+    e1 = e1 * y + e;
+    e = e * y + slopes_of(piece, 0);
+    ze = ze * y + piece->z[0];
+    const Both value = e + x * o;
+    const Both first = (o + 2.0 * (x * e1 + y * o1)) * piece->scale;
+    const Both half_second = e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2);
+    const double square = 2.0 * piece->scale * piece->scale;
+    return (Spot){
+        .slope = {value[0], value[1]},
+        .bend = {first[0], first[1]},
+        .twist = {square * half_second[0], square * half_second[1]},
+        .z = ze + x * zo,
+    };
+}
+
+#endif

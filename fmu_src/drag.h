@@ -1,0 +1,38 @@
+/* Inverse dynamics with an elastic shaft: what is imposed is the angle theta of its far end, and cam 2, at angle x,
+ * is dragged along. Kinetostatic and independent of rate (mechanism page, sections 6 and 7):
+ *     tau = K (theta - x),    T_release(x) <= tau <= T_load(x)
+ * Inside that band friction holds x. Where tau would leave it, x moves just so far that tau is on its edge: loading,
+ * to the first x at which theta <= x + T_load(x)/K. Where that sum falls along the way (a soft shaft, an edge that
+ * falls), x snaps on to where it has recovered; what the shaft gives up then and friction does not take counts as
+ * heat of the damper. An end stop holds x against any torque that presses into it.
+ *
+ * Work: d(K (theta - x)^2/2) = tau (dtheta - dx), so that work_in = change of the shaft's energy + integral tau dx. */
+#ifndef DUALCAM_DRAG_H
+#define DUALCAM_DRAG_H
+
+#include "inverse.h"
+#include "station.h"
+
+/* Cam 2 and what its position implies. */
+typedef struct {
+    double cam;              /* rad */
+    double speed;            /* rad/s */
+    double tau;              /* N.m */
+    double reaction[2];      /* N, per contact */
+    Station station;
+    Mode mode;
+} Dragged;
+
+/* x for theta and F_ext of m->inputs, where the shaft has been relaxed. */
+double drag_start(const Inverse *m);
+
+/* What there would be if theta went straight from the state's to that of m->inputs, at the present F_ext. */
+void drag_present(const Inverse *m, Dragged *out);
+
+/* Carries `next`, the state at the start, along the motion, which ends at `omega`. A polynomial F_ext is followed in
+ * DRAG_STAIRS stairs per monotone part of the motion. */
+bool drag_advance(const Inverse *m, const Imposed *motion, double omega, InverseState *next, Fault *fault);
+
+enum { DRAG_STAIRS = 64 };
+
+#endif

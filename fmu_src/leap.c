@@ -1,0 +1,372 @@
+#include "leap.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { MAX_ITERATIONS = 12 };
+
+/* The iteration ends when the last correction is this share of what the tolerance allows. */
+static const double NEWTON_SHARE = 0.02;
+
+/* A step may look this share of a piece's width beyond its ends: the polynomials still hold 11 digits there. */
+static const double LOOK_BEYOND = 0.05;
+
+/* Steps whose h |by_omega| + h^2 |by_theta| is below: the derivatives hardly change. */
+static const double FROZEN = 0.05;
+
+/* Above: a first guess must not follow the tangent. */
+static const double STIFF = 0.3;
+
+/* ---- small dense systems ---- */
+
+typedef struct {
+    int n;
+    double a[RADAU_MAX][RADAU_MAX];
+    int pivot[RADAU_MAX];
+} Factors;
+
+/* Gaussian elimination with row exchange; false if singular. */
+static bool factorize(Factors *f) {
+    for (int k = 0; k < f->n; k++) {
+        int p = k;
+        for (int i = k + 1; i < f->n; i++)
+            if (fabs(f->a[i][k]) > fabs(f->a[p][k])) p = i;
+        f->pivot[k] = p;
+        if (!(fabs(f->a[p][k]) > 0.0)) return false;
+        for (int j = 0; p != k && j < f->n; j++) {
+            const double swap = f->a[k][j];
+            f->a[k][j] = f->a[p][j];
+            f->a[p][j] = swap;
+        }
+        const double inverse = 1.0 / f->a[k][k];
+        for (int i = k + 1; i < f->n; i++) {
+            const double l = f->a[i][k] *= inverse;
+            for (int j = k + 1; j < f->n; j++) f->a[i][j] -= l * f->a[k][j];
+        }
+    }
+    return true;
+}
+
+static void solve(const Factors *f, double x[RADAU_MAX]) {
+    for (int k = 0; k < f->n; k++) {
+        const double swap = x[f->pivot[k]];
+        x[f->pivot[k]] = x[k];
+        x[k] = swap;
+    }
+    for (int i = 1; i < f->n; i++)
+        for (int j = 0; j < i; j++) x[i] -= f->a[i][j] * x[j];
+    for (int i = f->n - 1; i >= 0; i--) {
+        for (int j = i + 1; j < f->n; j++) x[i] -= f->a[i][j] * x[j];
+        x[i] /= f->a[i][i];
+    }
+}
+
+/* ---- the collocation equations ---- */
+
+typedef struct {
+    const Way *way;
+    const Balance *start;
+    const Radau *method;
+    double h;
+    double lowest, highest; /* rad, where the piece's polynomials may be used */
+    double y[RADAU_MAX];    /* alpha_j, or omega_j without inertia */
+} System;
+
+static double row_sum(const double row[RADAU_MAX], const double y[RADAU_MAX], int n) {
+    double sum = 0.0;
+    for (int j = 0; j < n; j++) sum += row[j] * y[j];
+    return sum;
+}
+
+/* theta_i - theta_0 */
+static double turn_at(const System *s, int i) {
+    const Radau *r = s->method;
+    if (s->way->kind != FLOW_INERTIAL) return s->h * row_sum(r->once[i], s->y, r->stages);
+    return s->h * (r->node[i] * s->start->omega + s->h * row_sum(r->twice[i], s->y, r->stages));
+}
+
+static double theta_at(const System *s, int i) {
+    return s->start->theta + turn_at(s, i);
+}
+
+static double omega_at(const System *s, int i) {
+    if (s->way->kind != FLOW_INERTIAL) return 0.0;
+    return s->start->omega + s->h * row_sum(s->method->once[i], s->y, s->method->stages);
+}
+
+static bool is_inside(const System *s, double theta) {
+    return theta >= s->lowest && theta <= s->highest;
+}
+
+/* Row i of the Newton matrix, delta_ij - by_theta d theta_i/d y_j - by_omega d omega_i/d y_j. */
+static void fill_row(const System *s, const Pace *pace, int i, double row[RADAU_MAX]) {
+    const Radau *r = s->method;
+    const double h = s->h;
+    if (s->way->kind == FLOW_INERTIAL) {
+        const double u = pace->by_theta * h * h, w = pace->by_omega * h;
+        for (int j = 0; j < r->stages; j++) row[j] = -u * r->twice[i][j] - w * r->once[i][j];
+    } else {
+        const double u = pace->by_theta * h;
+        for (int j = 0; j < r->stages; j++) row[j] = -u * r->once[i][j];
+    }
+    row[i] += 1.0;
+}
+
+/* Paces at the nodes of the present guess; with `balances` everything else there too. */
+static bool evaluate(const System *s, Pace pace[RADAU_MAX], Balance *balances) {
+    bool possible = true;
+    for (int i = 0; i < s->method->stages; i++) {
+        const double theta = theta_at(s, i), omega = omega_at(s, i), t = s->method->node[i] * s->h;
+        possible = possible && is_inside(s, theta);
+        if (balances != NULL) {
+            balance_at(s->way, theta, omega, t, &balances[i]);
+            pace[i] = balances[i].pace;
+        } else {
+            pace[i] = balance_pace(s->way, theta, omega, t);
+        }
+        possible = possible && pace[i].possible && isfinite(pace[i].value);
+    }
+    return possible;
+}
+
+/* One Newton correction of y; returns its largest part, or NAN. `fresh`: with new derivatives. */
+static double correct(System *s, const Pace pace[RADAU_MAX], Factors *f, bool fresh) {
+    const int n = s->method->stages;
+    if (fresh) {
+        f->n = n;
+        for (int i = 0; i < n; i++) fill_row(s, &pace[i], i, f->a[i]);
+        if (!factorize(f)) return NAN;
+    }
+    double d[RADAU_MAX], largest = 0.0;
+    for (int i = 0; i < n; i++) d[i] = pace[i].value - s->y[i];
+    solve(f, d);
+    for (int i = 0; i < n; i++) {
+        s->y[i] += d[i];
+        largest = fmax(largest, fabs(d[i]));
+    }
+    return isfinite(largest) ? largest : NAN;
+}
+
+/* How stiff the step is, by the derivatives at one instant. */
+static double stiffness_of(const System *s, const Pace *p) {
+    const double h = s->h;
+    return s->way->kind == FLOW_INERTIAL ? h * fabs(p->by_omega) + h * h * fabs(p->by_theta) : h * fabs(p->by_theta);
+}
+
+/* First guess: the pace grows as at the start. Where that is stiff, the equations linearised at the start are solved:
+ * y_i = pace + by_theta (theta_i - theta_0) + by_omega (omega_i - omega_0) + by_time t_i. */
+static bool guess(System *s, Factors *f) {
+    const Balance *b = s->start;
+    const Pace *p = &b->pace;
+    const int n = s->method->stages;
+    const double *node = s->method->node;
+    const bool inertial = s->way->kind == FLOW_INERTIAL;
+    f->n = n;
+    for (int i = 0; i < n; i++) fill_row(s, p, i, f->a[i]);
+    if (!factorize(f)) return false;
+    if (stiffness_of(s, p) < STIFF) {
+        const double rate = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
+        for (int j = 0; j < n; j++) s->y[j] = p->value + rate * node[j] * s->h;
+        return true;
+    }
+    const double drift = p->by_time + (inertial ? p->by_theta * b->omega : 0.0);
+    for (int j = 0; j < n; j++) s->y[j] = p->value + drift * node[j] * s->h;
+    solve(f, s->y);
+    return true;
+}
+
+/* Largest |y| there is to be relative to, and what its rounding makes unavoidable. */
+static double allowed_correction(const System *s) {
+    const int n = s->method->stages;
+    double speed = fabs(s->start->omega), y = fabs(s->start->pace.value);
+    for (int i = 0; i < n; i++) {
+        speed = fmax(speed, s->way->kind == FLOW_INERTIAL ? fabs(omega_at(s, i)) : fabs(s->y[i]));
+        y = fmax(y, fabs(s->y[i]));
+    }
+    const double tolerance = s->way->params->tolerance;
+    const double per_y = s->way->kind == FLOW_INERTIAL ? speed / s->h : speed;
+    return NEWTON_SHARE * tolerance * per_y + 8.0 * DBL_EPSILON * y;
+}
+
+/* Newton's method. In a short step the derivatives at the start serve throughout; else those at the nodes, renewed
+ * until a correction of the correction is all that is left. */
+static bool iterate(System *s, Leap *leap) {
+    Factors factors;
+    Pace pace[RADAU_MAX];
+    if (!guess(s, &factors)) return false;
+    const bool slow = stiffness_of(s, &s->start->pace) < FROZEN;
+    double last = INFINITY;
+    for (int n = 0; n < MAX_ITERATIONS; n++) {
+        if (!evaluate(s, pace, n > 0 || slow ? leap->node : NULL)) return false;
+        const double allowed = allowed_correction(s);
+        const bool fresh = !slow && !(last <= 1e6 * allowed);
+        const double size = correct(s, pace, &factors, fresh);
+        if (isnan(size)) return false;
+        if (size <= allowed && (n > 0 || slow)) return true;
+        if (n > 3 && size > 0.5 * last) return false;
+        last = size;
+    }
+    return false;
+}
+
+/* ---- the error ---- */
+
+/* omega_0 less the value at 0 of the polynomial through the speeds at the nodes, rad/s. */
+static double speed_defect(const System *s) {
+    const Radau *r = s->method;
+    double sum = 0.0; /* the weights at 0 add up to 1, so omega_0 itself drops out */
+    for (int j = 0; j < r->stages; j++) sum += r->at_start[j] * row_sum(r->once[j], s->y, r->stages);
+    return s->h * sum;
+}
+
+/* The polynomial misses the derivative at the start by d0, so between the nodes it misses it by about
+ * d0 prod(1 - c/c_i), a defect; its integrals are the errors inside the step, damped where the step is stiff. There the
+ * angle follows the speed at the nodes, whose own defect then counts. At the end of the step the method is of order
+ * 2s - 1, not s + 1; the power takes half of that gain (benchmarks/integrators.py: the errors are then below
+ * SAFETY times the tolerance, with all of it they are not). */
+static void estimate(const System *s, Leap *leap) {
+    static const double SAFETY = 10.0;
+    const Radau *r = s->method;
+    const Pace *p = &s->start->pace;
+    const bool inertial = s->way->kind == FLOW_INERTIAL;
+    const double h = s->h, n = r->stages;
+    const double defect = fabs(p->value - row_sum(r->at_start, s->y, r->stages));
+    double way = 0.0, speed = fabs(s->start->omega), stiff = 0.0;
+    for (int i = 0; i < r->stages; i++) {
+        way = fmax(way, fabs(turn_at(s, i)));
+        speed = fmax(speed, fabs(leap->node[i].omega));
+        stiff = fmax(stiff, stiffness_of(s, &leap->node[i].pace));
+    }
+    const double damped = h * defect / (1.0 + stiff);
+    const double noise = 64.0 * DBL_EPSILON * fabs(s->start->theta);
+    double by_speed = 0.0, by_angle = damped * r->defect_once;
+    if (inertial) {
+        by_speed = speed > 0.0 ? damped * r->defect_once / speed : 0.0;
+        by_angle = h * (damped * r->defect_twice +
+                        fabs(speed_defect(s)) * r->defect_once * stiff / (1.0 + stiff));
+    }
+    const double inside = fmax(by_speed, fmax(by_angle - noise, 0.0) / (way + DBL_MIN));
+    const double power = 0.5 + n / (n + 1.0);
+    leap->error = (inside < 1.0 ? pow(inside, power) : inside) * SAFETY / s->way->params->tolerance;
+    leap->stiffness = stiff;
+}
+
+/* ---- quasi-static ---- */
+
+/* theta_i on the edge of the band at t_i, by Newton's method from the node before. */
+static bool follow_edge(const System *s, Leap *leap) {
+    enum { ITERATIONS = 30 };
+    double theta = s->start->theta;
+    for (int i = 0; i < s->method->stages; i++) {
+        const double t = s->method->node[i] * s->h;
+        double step = INFINITY;
+        for (int n = 0; n < ITERATIONS && fabs(step) > 2.0 * DBL_EPSILON * fabs(theta) && step != 0.0; n++) {
+            const Pace pace = balance_pace(s->way, theta, 0.0, t);
+            if (!pace.possible || !(pace.by_theta > 0.0)) return false;
+            const double next = pace.net / pace.by_theta;
+            if (n > 4 && fabs(next) >= fabs(step)) break; /* rounding */
+            step = next;
+            theta += step;
+            if (!is_inside(s, theta)) return false;
+        }
+        balance_at(s->way, theta, 0.0, t, &leap->node[i]);
+        if (!(leap->node[i].pace.by_theta > 0.0)) return false;
+    }
+    return true;
+}
+
+static bool solve_quasistatic(System *s, Leap *leap) {
+    const Radau *r = s->method;
+    if (!follow_edge(s, leap)) return false;
+    for (int j = 0; j < r->stages; j++) {
+        s->y[j] = leap->node[j].omega;
+        leap->turned[j] = leap->node[j].theta - s->start->theta;
+    }
+    leap->dtheta = leap->node[r->stages - 1].theta - s->start->theta;
+    leap->domega = 0.0;
+    leap->stiffness = 0.0;
+    /* the speeds must add up to the way: what the ledger's integrals will miss */
+    const double missed = fabs(leap->dtheta - s->h * row_sum(r->once[r->stages - 1], s->y, r->stages));
+    const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta));
+    leap->error = fmax(missed - noise, 0.0) / (fabs(leap->dtheta) + DBL_MIN) / s->way->params->tolerance;
+    return true;
+}
+
+/* ---- energy ---- */
+
+static Booking booking_of(const Way *way, const Leap *leap) {
+    const Radau *r = leap->method;
+    Booking sum = {.work_in = 0.0};
+    for (int j = 0; j < r->stages; j++) {
+        const double weight = leap->h * r->once[r->stages - 1][j];
+        const Booking power = balance_power(way, &leap->node[j]);
+        sum.work_in += weight * power.work_in;
+        sum.work_ext += weight * power.work_ext;
+        sum.heat_cam[0] += weight * power.heat_cam[0];
+        sum.heat_cam[1] += weight * power.heat_cam[1];
+        sum.heat_damper += weight * power.heat_damper;
+        sum.heat_shaft += weight * power.heat_shaft;
+    }
+    return sum;
+}
+
+static double kinetic_energy(const Params *p, const Balance *b) {
+    const double v = b->lift * b->omega, twist = b->turn[0] * b->omega;
+    return 0.5 * (p->inertia.shaft * b->omega * b->omega + p->inertia.follower_mass * v * v +
+                  p->inertia.follower * twist * twist);
+}
+
+/* What the balance of the step misses, over what the tolerance allows of the energies that pass. It checks the
+ * integrals of the ledger, which the defect of the motion does not see, and the motion once more. */
+static void check_energy(const System *s, Leap *leap) {
+    const Params *p = s->way->params;
+    const Balance *start = s->start, *end = &leap->node[s->method->stages - 1];
+    const Booking *b = &leap->booking;
+    const double spring[2] = {spring_energy(&p->spring, start->z), spring_energy(&p->spring, end->z)};
+    const double kinetic[2] = {kinetic_energy(p, start), s->way->kind == FLOW_INERTIAL ? kinetic_energy(p, end) : 0.0};
+    const double stored = (spring[1] - spring[0]) + (kinetic[1] - (s->way->kind == FLOW_INERTIAL ? kinetic[0] : 0.0));
+    const double heat = b->heat_cam[0] + b->heat_cam[1] + b->heat_damper + b->heat_shaft;
+    const double missed = fabs(b->work_in - b->work_ext - heat - stored);
+    const double passed = fabs(b->work_in) + fabs(b->work_ext) + fabs(b->heat_cam[0]) + fabs(b->heat_cam[1]) +
+                          b->heat_damper + b->heat_shaft + fabs(spring[1] - spring[0]);
+    const double z = fabs(s->way->piece->z[0]) + fabs(s->way->piece->z[1]); /* what the polynomial's rounding is of */
+    const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(start->force - start->F_ext) * z;
+    const double rounding = 32.0 * DBL_EPSILON * (passed + at_rest + kinetic[0] + kinetic[1]);
+    leap->energy_error = fmax(missed - rounding, 0.0) / (p->tolerance * (passed + kinetic[1]) + DBL_MIN);
+}
+
+/* ---- the step ---- */
+
+bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap *leap) {
+    System s = {.way = way, .start = start, .method = radau_of(stages), .h = h};
+    const double beyond =
+        way->course->straight ? INFINITY : LOOK_BEYOND * (way->piece->upper - way->piece->lower);
+    s.lowest = way->piece->lower - beyond;
+    s.highest = way->piece->upper + beyond;
+    leap->method = s.method;
+    leap->h = h;
+    leap->start = *start;
+    if (way->kind == FLOW_QUASISTATIC) {
+        if (!solve_quasistatic(&s, leap)) return false;
+        leap->booking = booking_of(way, leap);
+        check_energy(&s, leap);
+        return true;
+    }
+    if (!iterate(&s, leap)) return false;
+    const int last = s.method->stages - 1;
+    for (int i = 0; i <= last; i++) leap->turned[i] = turn_at(&s, i);
+    leap->dtheta = leap->turned[last];
+    leap->domega = h * row_sum(s.method->once[last], s.y, s.method->stages);
+    estimate(&s, leap);
+    leap->booking = booking_of(way, leap);
+    check_energy(&s, leap);
+    return true;
+}
+
+double leap_time_scale(const Way *way, const Balance *b) {
+    const Pace *p = &b->pace;
+    double rate = fabs(p->by_omega);
+    rate += way->kind == FLOW_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
+    if (way->kind == FLOW_QUASISTATIC) rate = 0.0;
+    return 1.0 / fmax(rate, DBL_MIN);
+}

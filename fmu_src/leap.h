@@ -1,0 +1,38 @@
+/* One step of the integrator: Radau IIA collocation along one way to slip.
+ *
+ * Inertial: the unknowns are the accelerations at the nodes,
+ *     alpha_i = alpha(theta_i, omega_i, t_i)    omega_i = omega_0 + h sum once_ij alpha_j
+ *     theta_i = theta_0 + c_i h omega_0 + h^2 sum twice_ij alpha_j
+ * Viscous: the speeds, omega_i = omega(theta_i, t_i) and theta_i = theta_0 + h sum once_ij omega_j. Both are solved by
+ * Newton's method with the exact partial derivatives at every node, so stiffness costs no step. Quasi-static: theta_i
+ * solves the edge of the stick band at t_i. In each case the step is a polynomial in time, which serves to find
+ * events, and its nodes are where the ledger's integrals are taken (order 2s - 1 as well).
+ *
+ * A one-step method: nothing of an earlier step is used. */
+#ifndef DUALCAM_LEAP_H
+#define DUALCAM_LEAP_H
+
+#include "balance.h"
+#include "radau.h"
+
+typedef struct {
+    const Radau *method;
+    double h;                /* s */
+    Balance start;
+    Balance node[RADAU_MAX]; /* the last one is the end */
+    double turned[RADAU_MAX]; /* rad, theta at the node since the start, not rounded to theta's digits */
+    double dtheta, domega;   /* rad, rad/s: increments over the step; domega only if inertial */
+    Booking booking;         /* J, work and heat over the step */
+    double error;            /* estimate over what the tolerance allows: up to 1 is good */
+    double energy_error;     /* what the energy balance misses, likewise */
+    double stiffness;        /* of the step: large where a fast decay is stepped over */
+} Leap;
+
+/* Solves the step of length h from `start`, the balance at the time of the way's inputs. False if Newton's method
+ * does not converge or a node leaves where the way is possible: then a shorter step is to be tried. */
+bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap *leap);
+
+/* Time scale of the motion, s: h over this is small where few stages do. */
+double leap_time_scale(const Way *way, const Balance *start);
+
+#endif

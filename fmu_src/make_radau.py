@@ -1,0 +1,132 @@
+"""Writes radau_table.h: the coefficients of Radau IIA collocation, computed at 60 digits.
+
+    python fmu_src/make_radau.py [--check]
+
+Nodes c_1 < ... < c_s = 1 are the zeros of the polynomial of degree s that is orthogonal to all of degree
+s - 2 on [0, 1] with weight 1 and vanishes at 1: P_s(2c - 1) - P_{s-1}(2c - 1), P the Legendre polynomials
+(E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5). Everything else follows from
+interpolation in the nodes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import mpmath
+
+TARGET = Path(__file__).with_name("radau_table.h")
+STAGES = (3, 5, 7)
+MP = mpmath.MPContext()
+MP.dps = 60
+Number = mpmath.ctx_mp_python._mpf
+Polynomial = list  # coefficients, constant first
+
+
+def multiply(p: Polynomial, q: Polynomial) -> Polynomial:
+    product = [MP.mpf(0)] * (len(p) + len(q) - 1)
+    for i, a in enumerate(p):
+        for j, b in enumerate(q):
+            product[i + j] += a * b
+    return product
+
+
+def integral(p: Polynomial) -> Polynomial:
+    return [MP.mpf(0), *(a / (k + 1) for k, a in enumerate(p))]
+
+
+def value(p: Polynomial, x: Number) -> Number:
+    return MP.polyval(p[::-1], x)
+
+
+def nodes(s: int) -> list[Number]:
+    def legendre(n: int, c: Number) -> Number:
+        return MP.legendre(n, 2 * c - 1)
+
+    def defining(c: Number) -> Number:
+        return legendre(s, c) - legendre(s - 1, c)
+
+    grid = [MP.mpf(k) / 2000 for k in range(2000)]
+    found = [
+        MP.findroot(defining, (a, b), solver="anderson", tol=MP.mpf(10) ** -55)
+        for a, b in zip(grid, grid[1:], strict=False)
+        if defining(a) * defining(b) < 0
+    ]
+    assert len(found) == s - 1
+    return [*found, MP.mpf(1)]
+
+
+def lagrange(points: list[Number], j: int) -> Polynomial:
+    """1 at points[j], 0 at the others."""
+    p = [MP.mpf(1)]
+    for k, x in enumerate(points):
+        if k != j:
+            p = multiply(p, [-x / (points[j] - x), 1 / (points[j] - x)])
+    return p
+
+
+def largest(p: Polynomial) -> Number:
+    return max(abs(value(p, MP.mpf(k) / 1000)) for k in range(1001))
+
+
+def bernstein_of_monomials(degree: int) -> Callable[[Polynomial], list[Number]]:
+    def convert(p: Polynomial) -> list[Number]:
+        return [
+            MP.fsum(MP.binomial(i, k) / MP.binomial(degree, k) * p[k] for k in range(i + 1))
+            for i in range(degree + 1)
+        ]
+
+    return convert
+
+
+def row(numbers: Iterable[Number]) -> str:
+    exact = (x if abs(x) > MP.mpf(10) ** -40 else MP.mpf(0) for x in numbers)
+    return "{" + ", ".join(MP.nstr(x, 20, strip_zeros=True) for x in exact) + "}"
+
+
+def method(s: int) -> str:
+    c = nodes(s)
+    basis = [lagrange(c, j) for j in range(s)]
+    once = [integral(p) for p in basis]
+    twice = [integral(p) for p in once]
+    defect = [MP.mpf(1)]
+    for x in c:
+        defect = multiply(defect, [MP.mpf(1), -1 / x])
+    to_bernstein = bernstein_of_monomials(s)
+    columns = [to_bernstein(lagrange([MP.mpf(0), *c], j)) for j in range(s + 1)]
+    sweep = integral(defect)
+    lines = [
+        f"    .stages = {s},",
+        f"    .node = {row(c)},",
+        "    .once = {" + ",\n             ".join(row(value(p, x) for p in once) for x in c) + "},",
+        "    .twice = {" + ",\n              ".join(row(value(p, x) for p in twice) for x in c) + "},",
+        f"    .at_start = {row(value(p, MP.mpf(0)) for p in basis)},",
+        f"    .defect_once = {MP.nstr(largest(sweep), 6)},",
+        f"    .defect_twice = {MP.nstr(largest(integral(sweep)), 6)},",
+        "    .bernstein = {"
+        + ",\n                  ".join(row(column[i] for column in columns) for i in range(s + 1))
+        + "},",
+    ]
+    return f"static const Radau RADAU_{s} = {{\n" + "\n".join(lines) + "\n};\n"
+
+
+def text() -> str:
+    head = "/* Written by make_radau.py, which says what these numbers are. */\n"
+    return head + "\n" + "\n".join(method(s) for s in STAGES)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Writes radau_table.h")
+    parser.add_argument("--check", action="store_true", help="only compare with the committed file")
+    if not parser.parse_args().check:
+        TARGET.write_text(text())
+    elif TARGET.read_text() != text():
+        print(f"{TARGET.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

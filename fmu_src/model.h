@@ -1,0 +1,71 @@
+/* What the FMI functions drive: one of two structs, chosen when an FMU is compiled, behind the same calls.
+ *
+ *   MODEL_FORWARD  Mechanism (mechanism.h): torque in, motion out
+ *   MODEL_INVERSE  Inverse (inverse.h): motion in, torque out
+ *
+ * Either begins with `params` and `inputs`, in this order, and has a `state` that is all a restored run needs
+ * besides them. No FMI here, and no physics: model_forward.c and model_inverse.c only hand on. */
+#ifndef DUALCAM_MODEL_H
+#define DUALCAM_MODEL_H
+
+#include <stdbool.h>
+
+#include "fault.h"
+
+#define MODEL_FORWARD 1
+#define MODEL_INVERSE 2
+
+#ifndef MODEL_BUILT
+#error "MODEL_BUILT, MODEL_FORWARD or MODEL_INVERSE, is given by the build"
+#endif
+
+#if MODEL_BUILT == MODEL_FORWARD
+#include "mechanism.h"
+typedef Mechanism Machine;
+typedef Inputs MachineInputs;
+typedef State MachineState;
+typedef Outputs MachineOutputs;
+enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
+#elif MODEL_BUILT == MODEL_INVERSE
+#include "inverse.h"
+typedef Inverse Machine;
+typedef InverseInputs MachineInputs;
+typedef InverseState MachineState;
+typedef InverseOutputs MachineOutputs;
+enum { MAX_OUTPUT_ORDER = 0 }; /* the rate of the torque depends on a rate of alpha that nobody gives */
+#else
+#error "MODEL_BUILT must be MODEL_FORWARD or MODEL_INVERSE"
+#endif
+
+/* Where these return false, `fault` says why and the machine is as before. */
+
+/* Checks m->params, builds what they imply and sets the state to its start. */
+bool model_start(Machine *m, Fault *fault);
+
+/* Builds what params imply; to be called after params, inputs and state came from a snapshot. */
+bool model_rebuild(Machine *m, Fault *fault);
+
+/* Replaces m->params at a communication point; only tunable ones differ. */
+bool model_retune(Machine *m, const Params *params, Fault *fault);
+
+/* Frees what the machine owns; safe on a zeroed machine, and twice. */
+void model_free(Machine *m);
+
+/* Moves on by h > 0 seconds and leaves in m->inputs their values at the end. Bit r of `with_rates` tells that
+ * derivatives of the input with value reference r are given for this step. */
+bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault);
+
+/* Makes all derivatives of the inputs zero. */
+void model_forget_rates(MachineInputs *inputs);
+
+/* Computes these groups of outputs (see Group in variables.h) with the present inputs. */
+bool model_outputs(const Machine *m, unsigned groups, MachineOutputs *outputs, Fault *fault);
+
+/* Time derivative of order 1 to MAX_OUTPUT_ORDER of the output with that value reference; `outputs` are
+ * up to date in the groups that model_outputs() has. */
+double model_output_derivative(const Machine *m, const MachineOutputs *outputs, unsigned reference, int order);
+
+/* Bytes that belong to no member, so that equal states have equal bytes. */
+void model_clear_padding(MachineState *state);
+
+#endif

@@ -1,0 +1,60 @@
+#include <string.h>
+
+#include "variables.h"
+
+bool model_start(Machine *m, Fault *fault) {
+    return mechanism_start(m, fault);
+}
+
+bool model_rebuild(Machine *m, Fault *fault) {
+    return mechanism_rebuild(m, fault);
+}
+
+bool model_retune(Machine *m, const Params *params, Fault *fault) {
+    return mechanism_retune(m, params, fault);
+}
+
+void model_free(Machine *m) {
+    mechanism_free(m);
+}
+
+bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
+    (void)with_rates; /* a derivative that is not given is zero */
+    return mechanism_advance(m, h, fault);
+}
+
+void model_forget_rates(Inputs *inputs) {
+    for (int order = 1; order <= INPUT_ORDER; order++) {
+        inputs->tau[order] = 0.0;
+        inputs->F_ext[order] = 0.0;
+    }
+}
+
+bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *fault) {
+    (void)fault; /* every state has outputs */
+    if (groups & GROUP_MOTION) mechanism_motion(m, &outputs->motion);
+    if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
+    if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
+    return true;
+}
+
+/* theta, omega and z, v are the first two members of two chains of derivatives. */
+double model_output_derivative(const Machine *m, const Outputs *outputs, unsigned reference, int order) {
+    const double of_theta[] = {m->state.omega.hi, outputs->loads.alpha, outputs->loads.jerk};
+    switch (reference) {
+        case VR_THETA: return of_theta[order - 1];
+        case VR_OMEGA: return of_theta[order];
+        case VR_Z: return mechanism_axial_derivative(m, order);
+        default: return mechanism_axial_derivative(m, order + 1);
+    }
+}
+
+/* A new member fails here until its padding is looked at. */
+enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
+_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),
+               "padding in State");
+_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger), "padding in State");
+
+void model_clear_padding(State *state) {
+    memset((char *)state + STATE_GAP, 0, offsetof(State, ledger) - STATE_GAP);
+}

@@ -1,0 +1,344 @@
+#include "passage.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "contact.h"
+
+/* A contact rises from zero where decide() has found it to; a descent this early is rounding. */
+static const double AT_ONCE = 1e-9;
+
+/* A table's knot is passed when theta is this share of the piece's width beyond it. */
+static const double KNOT_PASSED = 1e-10;
+
+/* Smooth borders between pieces may be passed by this share of a piece's width. */
+static const double BORDER_PASSED = 0.02;
+
+enum { MAX_SHORTENINGS = 60 };
+
+/* Up to this error of a step two more stages may do; beyond, the step is too long. */
+static const double MORE_STAGES = 1e4;
+
+/* ---- the length of a step ---- */
+
+/* Few stages while the motion is slow against the step. Along the edge of the band, which is solved for, stages cost
+ * little against short steps. */
+static int stages_for(const Way *way, const Balance *start, double h) {
+    if (way->kind == FLOW_QUASISTATIC) return RADAU_MAX;
+    const double ratio = h / leap_time_scale(way, start);
+    if (ratio < 0.1) return 3;
+    return way->params->tolerance > 1e-6 || ratio < 0.5 ? 5 : 7;
+}
+
+/* Time at which constant acceleration from the start uses up `distance`. */
+static double ballistic_time(const Way *way, const Balance *start, double distance) {
+    const double speed = way->direction * start->omega, alpha = way->direction * start->alpha;
+    const double root = speed * speed + 2.0 * alpha * distance;
+    if (!(root > 0.0)) return INFINITY;
+    const double sum = speed + sqrt(root);
+    return sum > 0.0 ? 2.0 * distance / sum : INFINITY;
+}
+
+/* Time to the border of the piece, seen from the start, a little more. */
+static double time_to_border(const Way *way, const Balance *start) {
+    if (way->course->straight) return INFINITY;
+    const double border = way->direction > 0 ? way->piece->upper : way->piece->lower;
+    const double width = way->piece->upper - way->piece->lower;
+    const double distance = fmax(way->direction * (border - start->theta), 0.0) + BORDER_PASSED * width;
+    return ballistic_time(way, start, distance);
+}
+
+/* Of the error estimate in h. */
+static double order_of(const Leap *leap) {
+    const double n = leap->method->stages;
+    return (n + 1.0) * (0.5 + n / (n + 1.0));
+}
+
+static double factor_of(const Leap *leap) {
+    return 0.9 * pow(fmax(fmax(leap->error, leap->energy_error), 1e-12), -1.0 / order_of(leap));
+}
+
+/* The longest good step of at most `left`, tried from `first` on, with more stages before a shorter one. What the energy
+ * balance misses may be the last digits of the course itself, which no shorter step makes better. */
+static bool solve_well(const Way *way, const Balance *start, double left, double first, Leap *leap) {
+    double h = fmin(fmin(left, first), time_to_border(way, start)), energy_before = INFINITY;
+    int stages = stages_for(way, start, h);
+    for (int n = 0; n < MAX_SHORTENINGS; n++) {
+        if (!leap_solve(way, start, h, stages, leap)) {
+            h *= 0.25;
+            continue;
+        }
+        const bool unhelped = leap->energy_error > 0.5 * energy_before;
+        if (leap->error <= 1.0 && (leap->energy_error <= 1.0 || unhelped)) return true;
+        energy_before = leap->error <= 1.0 ? leap->energy_error : INFINITY;
+        if (stages < RADAU_MAX && leap->error < MORE_STAGES) {
+            stages += 2;
+        } else {
+            h *= fmin(0.8, fmax(0.1, factor_of(leap)));
+        }
+    }
+    return false;
+}
+
+/* ---- events ---- */
+
+typedef enum { WATCH_REST, WATCH_STOP, WATCH_BORDER, WATCH_EDGE, WATCH_FLANK_1, WATCH_FLANK_2, WATCH_COUNT } Watch;
+
+typedef struct {
+    const Way *way;
+    double room;       /* rad, to the stop */
+    double border;     /* rad, to the end of the piece, or infinity */
+    double noise[2];   /* of x_i: less is zero */
+    bool edge;         /* viscous, with the damper's load on other flanks than the spring's */
+} Guard;
+
+/* Torque beyond the edge of the stick band, N.m. */
+static double beyond_edge(const Way *way, const Balance *b) {
+    const CamParams *cam = way->params->cam;
+    double slope[2];
+    for (int i = 0; i < 2; i++) slope[i] = sqrt(fmax(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
+    const Geometry g = cam_geometry(cam, slope);
+    const BandFactors band = contact_band(&g);
+    const bool loads = (way->direction > 0) == (b->force >= 0.0);
+    return way->direction * (b->tau - (loads ? band.load : band.release) * b->force);
+}
+
+/* What must not fall below zero, at the start of a leap (node -1) or at a node. */
+static double watched(const Guard *g, Watch watch, const Leap *leap, int node) {
+    const Balance *b = node < 0 ? &leap->start : &leap->node[node];
+    const double turned = node < 0 ? 0.0 : g->way->direction * leap->turned[node];
+    switch (watch) {
+        case WATCH_REST: return g->way->direction * b->omega;
+        case WATCH_STOP: return g->room - turned;
+        case WATCH_BORDER: return g->border - turned;
+        case WATCH_EDGE: return beyond_edge(g->way, b);
+        case WATCH_FLANK_1: return g->way->flank[0] * b->x[0];
+        default: return g->way->flank[1] * b->x[1];
+    }
+}
+
+static double noise_of(const Guard *g, Watch watch) {
+    return watch == WATCH_FLANK_1 ? g->noise[0] : (watch == WATCH_FLANK_2 ? g->noise[1] : 0.0);
+}
+
+static EventKind kind_of_watch(Watch watch) {
+    switch (watch) {
+        case WATCH_REST:
+        case WATCH_EDGE: return EVENT_REST;
+        case WATCH_STOP: return EVENT_STOP;
+        case WATCH_BORDER: return EVENT_NONE;
+        default: return EVENT_FLANK;
+    }
+}
+
+/* A polynomial through values in [low, high] stays above zero if low is this share of their spread: it leaves that
+ * range by less (the Lebesgue constant of the nodes with 0 is below 2.2). */
+static const double SURE = 0.6;
+
+/* Share of the leap at which what is watched falls below zero, or infinity. */
+static double crossing(const Guard *g, Watch watch, const Leap *leap) {
+    const Radau *r = leap->method;
+    double value[RADAU_MAX + 1], low = INFINITY, high = -INFINITY;
+    value[0] = fmax(watched(g, watch, leap, -1), 0.0);
+    for (int j = 0; j < r->stages; j++) value[j + 1] = watched(g, watch, leap, j);
+    for (int j = 0; j <= r->stages; j++) {
+        low = fmin(low, value[j]);
+        high = fmax(high, value[j]);
+    }
+    if (low > SURE * (high - low)) return INFINITY;
+    const double noise = noise_of(g, watch);
+    for (int j = 0; j <= r->stages; j++)
+        if (fabs(value[j]) <= noise) value[j] = 0.0;
+    Bernstein p = radau_polynomial(r, value);
+    const double rounding = 1e-14 * fmax(fabs(low), fabs(high));
+    for (int i = 0; i <= p.degree; i++)
+        if (fabs(p.c[i]) <= rounding) p.c[i] = 0.0;
+    double x = bernstein_descent(&p);
+    if (x < AT_ONCE && value[0] == 0.0 && watch != WATCH_STOP && watch != WATCH_BORDER) {
+        p.c[0] = p.c[1] = 0.0; /* decide() has found it to rise */
+        x = bernstein_descent(&p);
+        if (x < AT_ONCE) return value[r->stages] < 0.0 && watch == WATCH_REST ? x : INFINITY;
+    }
+    return x;
+}
+
+static double watched_rate(const Guard *g, Watch watch, const Balance *b, double t) {
+    const int sign = g->way->direction;
+    if (watch == WATCH_STOP || watch == WATCH_BORDER) return -sign * b->omega;
+    if (watch == WATCH_REST && g->way->kind == FLOW_INERTIAL) return sign * b->alpha;
+    Trend trend;
+    balance_trend(g->way, b, t, &trend);
+    if (watch == WATCH_REST) return sign * trend.pace;
+    const int i = watch == WATCH_FLANK_1 ? 0 : 1;
+    return g->way->flank[i] * trend.contact[i];
+}
+
+/* Shortens the leap so that it ends on the event to rounding: solved again to the time that its own polynomial gives,
+ * then corrected by Newton's method inside the bracket [left, right], f >= 0 at its left and (if `closed`) f < 0 at
+ * its right. False if it turns out that f does not fall below zero in the leap. */
+static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
+    enum { ITERATIONS = 150 };
+    const Leap whole = *leap;
+    const int stages = whole.method->stages;
+    const double width = g->way->piece->upper - g->way->piece->lower;
+    double left = 0.0, right = whole.h, t = x * whole.h;
+    bool closed = watched(g, watch, &whole, stages - 1) < 0.0;
+    if (x < 1e-3 && watch == WATCH_STOP) t = fmin(ballistic_time(g->way, &whole.start, g->room), whole.h);
+    for (int n = 0; n < ITERATIONS; n++) {
+        t = fmax(t, DBL_MIN);
+        if (!leap_solve(g->way, &whole.start, t, stages, leap)) break;
+        const Balance *end = &leap->node[stages - 1];
+        const double f = watched(g, watch, leap, stages - 1);
+        if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * KNOT_PASSED * width)) return true;
+        if (f > 0.0) {
+            left = fmax(left, t);
+        } else {
+            right = fmin(right, t);
+            closed = true;
+        }
+        double next = watch == WATCH_EDGE ? 0.5 * (left + right) : t - f / watched_rate(g, watch, end, t);
+        if (fabs(next - t) <= 4.0 * DBL_EPSILON * t || (closed && right - left <= 4.0 * DBL_EPSILON * right)) return true;
+        if (!(next > left && next < right)) {
+            if (!closed && t >= whole.h) break; /* it turned before it reached zero */
+            next = closed ? 0.5 * (left + right) : whole.h;
+        }
+        t = next;
+    }
+    *leap = whole;
+    return false;
+}
+
+/* Without inertia a speed that is only nearly zero would go on: the leap is made longer by roundings until it is past
+ * zero. */
+static void step_past_rest(const Guard *g, Leap *leap) {
+    const Balance start = leap->start;
+    const int stages = leap->method->stages;
+    double nudge = 8.0 * DBL_EPSILON;
+    for (int n = 0; n < 24 && watched(g, WATCH_REST, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
+        const Leap before = *leap;
+        if (leap_solve(g->way, &start, before.h * (1.0 + nudge), stages, leap)) continue;
+        *leap = before;
+        return;
+    }
+}
+
+static bool confirm(const Guard *g, Watch watch, double x, Leap *leap) {
+    if (!shorten(g, watch, x, leap)) return false;
+    if (watch == WATCH_REST && g->way->kind != FLOW_INERTIAL) step_past_rest(g, leap);
+    return true;
+}
+
+static Guard guard_of(const Way *way, const Balance *start, double room) {
+    Guard g = {.way = way, .room = room, .border = INFINITY};
+    if (!way->course->straight) {
+        const Piece *piece = way->piece;
+        const double width = piece->upper - piece->lower;
+        const bool knot = way->direction > 0 ? piece->knot_upper : piece->knot_lower;
+        const double border = way->direction * ((way->direction > 0 ? piece->upper : piece->lower) - start->theta);
+        g.border = fmax(border, 0.0) + (knot ? KNOT_PASSED : BORDER_PASSED) * width;
+    }
+    if (!has_friction(way->params)) return g;
+    Trend trend;
+    balance_trend(way, start, 0.0, &trend);
+    for (int i = 0; i < 2; i++) g.noise[i] = NO_REACTION * trend.size[i];
+    if (way->kind == FLOW_VISCOUS) {
+        const double differs = beyond_edge(way, start) - way->direction * trend.net;
+        g.edge = !(fabs(differs) <= 1e-12 * trend.net_size);
+    }
+    return g;
+}
+
+/* ---- peaks ---- */
+
+/* N, total */
+static double reaction_of(const Balance *b, int i) {
+    return b->x[i] * sqrt(b->length2[i]);
+}
+
+static double peak_of_values(const Way *way, const Leap *leap, const double value[RADAU_MAX + 1], double known,
+                             int contact) {
+    const Radau *r = leap->method;
+    double low = INFINITY, high = -INFINITY;
+    for (int j = 0; j <= r->stages; j++) {
+        low = fmin(low, value[j]);
+        high = fmax(high, value[j]);
+    }
+    const double largest = fmax(fabs(low), fabs(high));
+    if (largest + SURE * (high - low) <= known) return largest;
+    const Bernstein p = radau_polynomial(r, value);
+    const double x = bernstein_peak(&p);
+    const double size = fabs(bernstein_value(&p, x));
+    if (!(size > largest) || x <= 0.0 || x >= 1.0) return largest;
+    Leap part; /* ends at the peak: its end is more exact than a polynomial inside a step */
+    if (!leap_solve(way, &leap->start, x * leap->h, r->stages, &part)) return size;
+    if (contact < 0) return fmax(largest, fabs(part.node[r->stages - 1].omega));
+    return fmax(largest, fabs(reaction_of(&part.node[r->stages - 1], contact)));
+}
+
+void passage_peaks(const Way *way, Passage *passage, double known_omega, const double known_reaction[2]) {
+    const Leap *leap = &passage->leap;
+    const int n = leap->method->stages;
+    double value[RADAU_MAX + 1];
+    value[0] = leap->start.omega;
+    for (int j = 0; j < n; j++) value[j + 1] = leap->node[j].omega;
+    passage->omega = peak_of_values(way, leap, value, known_omega, -1);
+    for (int i = 0; i < 2; i++) {
+        value[0] = reaction_of(&leap->start, i);
+        for (int j = 0; j < n; j++) value[j + 1] = reaction_of(&leap->node[j], i);
+        passage->reaction[i] = peak_of_values(way, leap, value, known_reaction[i], i);
+    }
+}
+
+/* ---- the passage ---- */
+
+static void keep_earlier(double x, Watch watch, double *first, Watch *which) {
+    if (!(x < *first)) return;
+    *first = x;
+    *which = watch;
+}
+
+/* The first crossing in the leap; infinity if nothing happens. */
+static double first_crossing(const Guard *g, const Leap *leap, unsigned ignored, Watch *which) {
+    double first = INFINITY;
+    for (int watch = WATCH_REST; watch < (int)WATCH_COUNT; watch++) {
+        if (ignored & (1u << watch)) continue;
+        if (watch == (int)WATCH_EDGE && !g->edge) continue;
+        if (watch >= (int)WATCH_FLANK_1 && !has_friction(g->way->params)) continue;
+        keep_earlier(crossing(g, (Watch)watch, leap), (Watch)watch, &first, which);
+    }
+    return first;
+}
+
+bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
+    Leap *leap = &passage->leap;
+    if (!solve_well(way, start, left, first, leap)) return false;
+    const Guard g = guard_of(way, start, room);
+    passage->kind = EVENT_NONE;
+    passage->at_border = false;
+    passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
+    /* An event found by its polynomial may prove later than another one, so the shortened leap is looked at again. */
+    unsigned ignored = 0;
+    for (int n = 0; n < 2 * WATCH_COUNT; n++) {
+        Watch which = WATCH_REST;
+        const double x = first_crossing(&g, leap, ignored, &which);
+        if (!(x < INFINITY)) break;
+        if (confirm(&g, which, x, leap)) {
+            passage->kind = kind_of_watch(which);
+            passage->at_border = which == WATCH_BORDER;
+        }
+        ignored |= 1u << which;
+    }
+    return true;
+}
+
+bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage) {
+    Leap *leap = &passage->leap;
+    if (time_to_border(way, start) < left) return false;
+    if (!leap_solve(way, start, left, stages_for(way, start, left), leap)) return false;
+    if (leap->error > 1.0 || leap->energy_error > 1.0) return false;
+    const Guard g = guard_of(way, start, room);
+    Watch which = WATCH_REST;
+    passage->kind = EVENT_NONE;
+    passage->at_border = false;
+    return !(first_crossing(&g, leap, 0, &which) < INFINITY);
+}

@@ -1,0 +1,27 @@
+/* A stretch of slip through grooves of any shape, to its end: the step's end, or the first event in it. */
+#ifndef DUALCAM_PASSAGE_H
+#define DUALCAM_PASSAGE_H
+
+#include "event.h"
+#include "leap.h"
+
+typedef struct {
+    Leap leap;
+    EventKind kind;     /* what ended it */
+    bool at_border;     /* it ended at the end of a piece */
+    double next;        /* s, length to try for the next one */
+    double reaction[2]; /* N, largest |R_i| on the way, total */
+    double omega;       /* rad/s, largest |omega| on the way */
+} Passage;
+
+/* The longest passage of at most `left` seconds from `start`. `room` is the way to the end stop ahead, rad; `first`
+ * the length to try first, s, or infinity. Returns false where the contacts jam it on the spot. */
+bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage);
+
+/* The same only if all of `left` is one step in which nothing happens. */
+bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage);
+
+/* Fills in the largest speed and reactions; below `known` they are not looked for closely. */
+void passage_peaks(const Way *way, Passage *passage, double known_omega, const double known_reaction[2]);
+
+#endif

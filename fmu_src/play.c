@@ -1,0 +1,187 @@
+#include "play.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "radau.h"
+#include "stick.h"
+
+/* Samples per piece, at least, between which the edge torque is taken to cross tau at most once. */
+enum { SAMPLES = 32 };
+
+/* The first sample is this share of a piece away; each is up to twice as far from the last as that from its own. */
+static const double FIRST_SAMPLE = 1e-6;
+
+enum { MAX_HALVINGS = 30 };
+
+/* Two rules of order 13 that agree are more exact than their difference. */
+static const double SHARE_OF_TOLERANCE = 0.1;
+
+/* The band's edge at one angle. */
+typedef struct {
+    double torque;      /* N.m; infinite: no torque moves it on */
+    int pattern;        /* sign of F_0 and flanks: where it changes the edge has a kink */
+    double lift;        /* m/rad */
+    double heat[2];     /* N.m, friction heat per angle at contact i */
+    double reaction[2]; /* N, |R_i|, total */
+} Edge;
+
+static Edge edge_at(const Mechanism *m, const Piece *piece, double theta, int direction) {
+    const Spot spot = piece_at(piece, theta);
+    const Geometry g = cam_geometry(m->params.cam, spot.slope);
+    const double F_0 = spring_force(&m->params.spring, spot.z) + m->inputs.F_ext[0];
+    const int away = F_0 < 0.0 ? -direction : direction; /* the band is mirrored */
+    Edge edge = {.lift = g.lift, .pattern = F_0 < 0.0 ? 8 : 0};
+    int flank[2];
+    Transfer t;
+    if (!contact_edge(&g, away, flank, &t)) {
+        edge.torque = F_0 == 0.0 ? 0.0 : (double)direction * (double)INFINITY;
+        return edge;
+    }
+    edge.torque = t.rho * F_0;
+    edge.pattern += 4 + (flank[0] > 0 ? 2 : 0) + (flank[1] > 0 ? 1 : 0);
+    for (int i = 0; i < 2; i++) {
+        const double x = fabs(t.axial[i] * F_0);
+        edge.heat[i] = g.friction[i] * x * g.length[i] * g.length[i] * g.turn[i];
+        edge.reaction[i] = x * g.length[i];
+    }
+    return edge;
+}
+
+/* Torque beyond the edge, in the direction of the jump. */
+static double beyond(const Mechanism *m, const Piece *piece, double theta, int direction) {
+    return direction * (m->inputs.tau[0] - edge_at(m, piece, theta, direction).torque);
+}
+
+/* The angle between `from`, where the torque is beyond the edge, and `to`, where it is not, at which it is held. */
+static double held_between(const Mechanism *m, const Piece *piece, double from, double to, int direction) {
+    double f_from = beyond(m, piece, from, direction), f_to = beyond(m, piece, to, direction);
+    for (int n = 0; n < 200; n++) {
+        const double middle = 0.5 * (from + to), span = f_from - f_to;
+        double theta = n % 3 != 2 && span > 0.0 && isfinite(span) && f_from > 0.0 ? from + (to - from) * f_from / span
+                                                                                  : middle;
+        if (!(direction * (theta - from) > 0.0 && direction * (to - theta) > 0.0)) theta = middle;
+        if (theta == from || theta == to) break;
+        const double f = beyond(m, piece, theta, direction);
+        if (f == 0.0) return theta;
+        if (f > 0.0) {
+            from = theta;
+            f_from = f;
+        } else {
+            to = theta;
+            f_to = f;
+        }
+    }
+    return to;
+}
+
+/* Rule of order 13 over [from, to]; the heats and the work along the edge. */
+static Booking sum_over(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
+    const Radau *r = radau_of(RADAU_MAX);
+    Booking sum = {.work_in = 0.0};
+    for (int j = 0; j < r->stages; j++) {
+        const Edge edge = edge_at(m, piece, from + r->node[j] * (to - from), direction);
+        const double weight = (to - from) * r->once[r->stages - 1][j];
+        sum.work_in += weight * edge.torque;
+        for (int i = 0; i < 2; i++) {
+            sum.heat_cam[i] += fabs(weight) * edge.heat[i];
+            jump->reaction[i] = fmax(jump->reaction[i], edge.reaction[i]);
+        }
+        sum.work_ext += weight * edge.lift * m->inputs.F_ext[0];
+    }
+    return sum;
+}
+
+static void add(Booking *sum, const Booking *part) {
+    sum->work_in += part->work_in;
+    sum->work_ext += part->work_ext;
+    for (int i = 0; i < 2; i++) sum->heat_cam[i] += part->heat_cam[i];
+}
+
+static bool alike(const Booking *a, const Booking *b, double scale) {
+    double differ = fabs(a->work_in - b->work_in) + fabs(a->work_ext - b->work_ext);
+    for (int i = 0; i < 2; i++) differ += fabs(a->heat_cam[i] - b->heat_cam[i]);
+    return differ <= scale;
+}
+
+/* Halved until the halves agree with the whole. */
+static Booking integrate(const Mechanism *m, const Piece *piece, double from, double to, int direction,
+                         const Booking *whole, double allowed, int depth, Jump *jump) {
+    const double middle = 0.5 * (from + to);
+    const Booking left = sum_over(m, piece, from, middle, direction, jump);
+    const Booking right = sum_over(m, piece, middle, to, direction, jump);
+    Booking sum = left;
+    add(&sum, &right);
+    if (depth >= MAX_HALVINGS || alike(&sum, whole, allowed)) return sum;
+    sum = integrate(m, piece, from, middle, direction, &left, allowed, depth + 1, jump);
+    const Booking rest = integrate(m, piece, middle, to, direction, &right, allowed, depth + 1, jump);
+    add(&sum, &rest);
+    return sum;
+}
+
+static void book(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
+    if (!m->params.ledger || from == to) return;
+    const double ends[2] = {from, to};
+    for (int k = 0; k < 2; k++) {
+        const Edge edge = edge_at(m, piece, ends[k], direction);
+        for (int i = 0; i < 2; i++) jump->reaction[i] = fmax(jump->reaction[i], edge.reaction[i]);
+    }
+    const Booking whole = sum_over(m, piece, from, to, direction, jump);
+    const double size = fabs(whole.work_in) + fabs(whole.work_ext) + whole.heat_cam[0] + whole.heat_cam[1];
+    const double allowed = (SHARE_OF_TOLERANCE * m->params.tolerance + 64.0 * DBL_EPSILON) * size;
+    const Booking sum = integrate(m, piece, from, to, direction, &whole, allowed, 0, jump);
+    add(&jump->booking, &sum);
+}
+
+/* Books from `from` to `to`, between which there is at most one kink. */
+static void book_past_kink(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
+    if (!m->params.ledger) return;
+    const int pattern = edge_at(m, piece, from, direction).pattern;
+    double left = from, right = to;
+    if (edge_at(m, piece, to, direction).pattern == pattern) left = right;
+    for (int n = 0; n < 100 && left != right; n++) {
+        const double middle = 0.5 * (left + right);
+        if (middle == left || middle == right) break;
+        if (edge_at(m, piece, middle, direction).pattern == pattern) {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    book(m, piece, from, left, direction, jump);
+    book(m, piece, left, to, direction, jump);
+}
+
+/* Goes on from jump->dtheta through one piece, to where the torque is held, or to its end. Returns true if held. */
+static bool cross_piece(const Mechanism *m, const Piece *piece, double end, int direction, Jump *jump) {
+    /* where the edge is level, being on it is not being held */
+    const double tie = stick_tie(m) * stick_torque_size(m, m->place.geometry.lift);
+    const double start = m->state.theta.hi, width = piece->upper - piece->lower;
+    double from = start + jump->dtheta, step = FIRST_SAMPLE * width;
+    while (direction * (end - from) > 0.0) {
+        double to = from + direction * step;
+        if (!(direction * (end - to) > 0.0)) to = end;
+        const bool held = !(beyond(m, piece, to, direction) >= -tie);
+        if (held) to = held_between(m, piece, from, to, direction);
+        book_past_kink(m, piece, from, to, direction, jump);
+        jump->dtheta = to - start;
+        if (held) return true;
+        from = to;
+        step = fmin(2.0 * step, width / (int)SAMPLES);
+    }
+    return false;
+}
+
+void play_jump(const Mechanism *m, int direction, Jump *jump) {
+    const Course *course = &m->model.course;
+    const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    const Piece *last = direction > 0 ? course->piece + course->count - 1 : course->piece;
+    const Piece *piece = course_piece(course, m->state.theta.hi, direction);
+    *jump = (Jump){.stopped = false};
+    for (;; piece += direction) {
+        const double border = direction > 0 ? piece->upper : piece->lower;
+        if (cross_piece(m, piece, piece == last ? stop : border, direction, jump)) return;
+        if (piece == last) break;
+    }
+    jump->stopped = true;
+}

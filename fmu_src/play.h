@@ -1,0 +1,18 @@
+/* Without inertia and damping theta is the play operator of tau: where the torque is beyond the stick band, it moves
+ * at once, along the band's edge, to the first place that holds the torque. */
+#ifndef DUALCAM_PLAY_H
+#define DUALCAM_PLAY_H
+
+#include "mechanism.h"
+
+typedef struct {
+    double dtheta;      /* rad */
+    bool stopped;       /* at the end stop */
+    Booking booking;    /* the torque taken is that of the edge */
+    double reaction[2]; /* N, largest |R_i| on the way, total */
+} Jump;
+
+/* From m->state.theta in `direction`. */
+void play_jump(const Mechanism *m, int direction, Jump *jump);
+
+#endif

@@ -1,0 +1,638 @@
+"""Groove laws (fmu_src/groove*.c) and the pair of them along theta (fmu_src/course.c)."""
+
+import ctypes
+import locale
+import math
+from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t
+from itertools import pairwise
+
+import build_fmu
+import mpmath
+import numpy as np
+import pytest
+from driver import ROOT
+from hypothesis import given
+from hypothesis import strategies as st
+
+HELIX, ELLIPSE, TABLE = 1, 2, 3
+DEGREE = 12
+EPS = np.finfo(float).eps
+SHIM = '#include "course.h"\nSpot spot(const Piece *p, double t);\n'
+SHIM += "Spot spot(const Piece *p, double t) { return piece_at(p, t); }\n"
+
+
+class CamParams(Structure):
+    _fields_ = [
+        *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b", "friction")),
+        ("profile", c_int),
+        ("ellipse_curvature", c_int),
+        ("table", c_char * 1024),
+    ]
+
+
+class Fault(Structure):
+    _fields_ = [("text", c_char * 512)]
+
+
+class GroovePoint(Structure):
+    _fields_ = [(n, c_double) for n in ("z", "slope", "bend")]
+
+
+class TablePiece(Structure):
+    _fields_ = [("psi", c_double), ("width", c_double), ("z", c_double), ("slope", c_double * 5)]
+
+
+class Table(Structure):
+    _fields_ = [("piece", POINTER(TablePiece)), ("count", c_size_t)]
+
+
+class Groove(Structure):
+    _fields_ = [
+        ("profile", c_int),
+        *((n, c_double) for n in ("radius", "gain", "height", "rate", "S0", "C0")),
+        ("table", Table),
+        ("first", c_double),
+        ("last", c_double),
+    ]
+
+
+class Piece(Structure):
+    _fields_ = [
+        *((n, c_double) for n in ("lower", "upper", "middle", "scale")),
+        ("slope", c_double * (DEGREE + 1) * 2),
+        ("z", c_double * (DEGREE + 1)),
+        ("knot_lower", c_bool),
+        ("knot_upper", c_bool),
+    ]
+
+
+class Spot(Structure):
+    _fields_ = [(n, c_double * 2) for n in ("slope", "bend", "twist")] + [("z", c_double)]
+
+
+class Course(Structure):
+    _fields_ = [
+        ("groove", Groove * 2),
+        ("radius", c_double * 2),
+        ("lower", c_double),
+        ("upper", c_double),
+        ("count", c_size_t),
+        ("piece", POINTER(Piece)),
+        ("straight", c_bool),
+    ]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("groove")
+    shim = directory / "shim.c"
+    shim.write_text(SHIM)
+    sources = [ROOT / "fmu_src" / f"{n}.c" for n in ("course", "groove", "groove_table", "groove_csv")]
+    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET, str(shim)]
+    build_fmu.compile_c(build_fmu.ZIG, flags, sources, directory / "libgroove.so")
+    c = ctypes.CDLL(str(directory / "libgroove.so"))
+    for name, result, arguments in (
+        ("groove_build", c_bool, [POINTER(Groove), POINTER(CamParams), c_int, c_char_p, POINTER(Fault)]),
+        ("groove_free", None, [POINTER(Groove)]),
+        ("groove_at", GroovePoint, [POINTER(Groove), c_double]),
+        ("groove_angle", c_double, [POINTER(Groove), c_double]),
+        ("groove_slope", c_double, [POINTER(Groove), c_double, c_double]),
+        (
+            "course_build",
+            c_bool,
+            [POINTER(Course), POINTER(CamParams), c_double, c_double, c_char_p, POINTER(Fault)],
+        ),
+        ("course_free", None, [POINTER(Course)]),
+        ("course_piece", POINTER(Piece), [POINTER(Course), c_double, c_int]),
+        ("course_gamma", c_double, [POINTER(Course), c_double]),
+        ("course_z", c_double, [POINTER(Course), c_double]),
+        ("spot", Spot, [POINTER(Piece), c_double]),
+    ):
+        function = getattr(c, name)
+        function.restype, function.argtypes = result, arguments
+    return c
+
+
+def cam(profile=HELIX, radius=0.02, lead=0.8, a=0.05, b=0.05, kappa=-1, table=""):
+    return CamParams(radius, lead, a, b, 0.14, profile, kappa, str(table).encode())
+
+
+def write_table(path, psi, z):
+    path.write_text("psi_rad,z_m\n" + "".join(f"{p!r},{h!r}\n" for p, h in zip(psi, z, strict=True)))
+    return path
+
+
+@pytest.fixture
+def grooves(library):
+    """groove_build that must succeed; freed at the end."""
+    made = []
+
+    def build(params, resources=None):
+        groove, fault = Groove(), Fault()
+        assert library.groove_build(byref(groove), byref(params), 1, resources, byref(fault)), fault.text
+        made.append(groove)
+        return groove
+
+    yield build
+    for groove in made:
+        library.groove_free(byref(groove))
+        library.groove_free(byref(groove))
+
+
+@pytest.fixture
+def courses(library):
+    made = []
+
+    def build(first, second, lower=0.0, upper=1.3963):
+        course, fault = Course(), Fault()
+        cams = (CamParams * 2)(first, second)
+        good = library.course_build(byref(course), cams, lower, upper, None, byref(fault))
+        assert good, fault.text.decode()
+        made.append(course)
+        return course
+
+    yield build
+    for course in made:
+        library.course_free(byref(course))
+        library.course_free(byref(course))
+        assert course.count == 0
+
+
+def groove_refusal(library, params, resources=None):
+    groove, fault = Groove(), Fault()
+    assert not library.groove_build(byref(groove), byref(params), 2, resources, byref(fault))
+    assert not groove.table.piece
+    return fault.text.decode()
+
+
+def course_refusal(library, first, second, lower=0.0, upper=1.3963):
+    course, fault = Course(), Fault()
+    cams = (CamParams * 2)(first, second)
+    assert not library.course_build(byref(course), cams, lower, upper, None, byref(fault))
+    assert not course.piece and course.count == 0
+    text = fault.text.decode()
+    assert len(text) < 511 and ("must" in text or "allowed" in text)
+    return text
+
+
+# ---- one groove ----
+
+
+def exact_ellipse(params, psi, digits=50):
+    """z, slope, bend and S, straight from the definition."""
+    with mpmath.workdps(digits):
+        r, a, b = (mpmath.mpf(x) for x in (params.radius, params.ellipse_a, params.ellipse_b))
+        start = mpmath.sin(mpmath.atan(a / b * mpmath.tan(mpmath.mpf(params.lead_angle))))
+        k = params.ellipse_curvature
+        S = start + k * r * mpmath.mpf(psi) / a
+        z = k * b * (mpmath.sqrt(1 - start**2) - mpmath.sqrt(1 - S**2))
+        return z, r * b / a * S / mpmath.sqrt(1 - S**2), r * b / a * (k * r / a) / (1 - S**2) ** 1.5, S
+
+
+@pytest.mark.parametrize("kappa", [1, -1])
+@pytest.mark.parametrize(("lead", "a", "b"), [(0.8203, 0.05, 0.05), (0.3, 0.03, 0.08), (1.2, 0.1, 0.04)])
+def test_ellipse(library, grooves, kappa, lead, a, b):
+    params = cam(ELLIPSE, lead=lead, a=a, b=b, kappa=kappa)
+    groove = grooves(params)
+    for psi in [*np.linspace(groove.first, groove.last, 41), 1e-9, -1e-9, 1e-300, 0.0]:
+        point = library.groove_at(byref(groove), psi)
+        # 50 digits and, for the definition cancels them, as many more as psi is small
+        z, slope, bend, S = exact_ellipse(params, psi, 50 if abs(psi) > 1e-20 else 400)
+        room = float(1 - S**2)  # rounding of S counts that much more close to vertical
+        assert point.z == pytest.approx(float(z), rel=2e-14 / math.sqrt(room), abs=1e-18 * abs(psi))
+        assert point.slope == pytest.approx(float(slope), rel=4 * EPS / room, abs=4 * EPS * params.radius)
+        assert point.bend == pytest.approx(float(bend), rel=16 * EPS / room)
+
+
+@pytest.mark.parametrize("kappa", [1, -1])
+def test_ellipse_ends(library, grooves, kappa):
+    params = cam(ELLIPSE, kappa=kappa)
+    groove = grooves(params)
+    level, vertical = (groove.first, groove.last) if kappa > 0 else (groove.last, groove.first)
+    assert abs(library.groove_at(byref(groove), level).slope) < 1e-16
+    psi = (1 - 1e-9 - groove.S0) / groove.rate
+    assert min(0, vertical) < psi < max(0, vertical)
+    z, slope, _, _ = exact_ellipse(params, psi)
+    assert library.groove_at(byref(groove), psi).slope == pytest.approx(float(slope), rel=1e-6)
+    # with the height known, the slope is exact where the angle alone leaves 6 digits
+    assert library.groove_slope(byref(groove), psi, float(z)) == pytest.approx(float(slope), rel=1e-11)
+    for psi in np.linspace(level, vertical, 33):
+        back = library.groove_angle(byref(groove), library.groove_at(byref(groove), psi).z)
+        assert back == pytest.approx(psi, abs=1e-7)
+        if abs(psi - level) > 0.1:
+            assert back == pytest.approx(psi, abs=2e-15)
+
+
+def test_ellipse_from_vertical_is_refused(library):
+    text = groove_refusal(library, cam(ELLIPSE, lead=math.pi / 2))
+    assert "cam2.lead_angle = 1.57" in text and "must" in text
+
+
+def test_helix(library, grooves):
+    groove = grooves(cam(HELIX, lead=0.5))
+    point = library.groove_at(byref(groove), -3.0)
+    assert (point.z, point.slope, point.bend) == (-3.0 * groove.gain, groove.gain, 0.0)
+    assert groove.gain == 0.02 * math.tan(0.5) and groove.first == -math.inf and groove.last == math.inf
+
+
+# ---- tables ----
+
+
+def test_table_of_a_polynomial(library, grooves, tmp_path):
+    """Degree 4 is reproduced, on unequal spacing too; z counts from psi = 0, which is no knot."""
+    p = np.polynomial.Polynomial([0.3, 0.02, 0.004, -0.001, 0.0005])
+    psi = np.array([-0.7, -0.5, -0.1, 0.15, 0.2, 0.5, 0.9, 1.0, 1.4])
+    groove = grooves(cam(TABLE, table=write_table(tmp_path / "t.csv", psi.tolist(), p(psi).tolist())))
+    assert library.groove_at(byref(groove), 0.0).z == 0.0
+    for x in np.linspace(-0.7, 1.4, 101):
+        point = library.groove_at(byref(groove), x)
+        assert point.z == pytest.approx(p(x) - p(0), abs=1e-15)
+        assert point.slope == pytest.approx(p.deriv()(x), abs=1e-13)
+        assert point.bend == pytest.approx(p.deriv(2)(x), abs=1e-11)
+    assert (groove.first, groove.last) == (-0.7, 1.4)
+
+
+def test_four_points(library, grooves, tmp_path):
+    p = np.polynomial.Polynomial([0.0, 0.02, 0.004, -0.001])
+    psi = np.array([0.0, 0.3, 0.8, 1.0])
+    groove = grooves(cam(TABLE, table=write_table(tmp_path / "t.csv", psi.tolist(), p(psi).tolist())))
+    for x in np.linspace(0, 1, 21):
+        assert library.groove_at(byref(groove), x).z == pytest.approx(p(x), abs=1e-16)
+
+
+@pytest.mark.parametrize("kappa", [1, -1])
+def test_table_of_an_ellipse(library, grooves, tmp_path, kappa):
+    ellipse = grooves(cam(ELLIPSE, lead=0.6, kappa=kappa))
+    x = np.linspace(0, 0.8, 997)
+    true = np.array([library.groove_at(byref(ellipse), v).z for v in x])
+    errors = []
+    for n in (40, 80, 160):
+        psi = np.linspace(0, 0.8, n + 1)
+        z = [library.groove_at(byref(ellipse), v).z for v in psi]
+        groove = grooves(cam(TABLE, table=write_table(tmp_path / f"{n}.csv", psi.tolist(), z)))
+        errors.append(max(abs(true - [library.groove_at(byref(groove), v).z for v in x])))
+    orders = [math.log2(a / b) for a, b in pairwise(errors) if b > 1e-14]
+    assert orders and min(orders) >= 4.5, errors
+
+
+def steps_of(data):
+    widths, rises = zip(*data, strict=True)
+    psi = np.concatenate([[0.0], np.cumsum(widths)])
+    return psi, np.concatenate([[0.0], np.cumsum(rises)])
+
+
+STEP = st.tuples(st.floats(1e-3, 1.0), st.sampled_from([0.0, 1e-9, 1e-4, 0.01, 0.5]) | st.floats(0.0, 0.1))
+
+
+@pytest.fixture(scope="module")
+def scratch(tmp_path_factory):
+    return tmp_path_factory.mktemp("scratch") / "t.csv"
+
+
+@given(st.lists(STEP, min_size=3, max_size=12))
+def test_table_stays_monotone_and_smooth(library, scratch, data):
+    psi, z = steps_of(data)
+    groove, fault = Groove(), Fault()
+    params = cam(TABLE, table=write_table(scratch, psi.tolist(), z.tolist()))
+    assert library.groove_build(byref(groove), byref(params), 1, None, byref(fault)), fault.text
+    at = lambda x: library.groove_at(byref(groove), x)  # noqa: E731
+    scale = z[-1] + 1e-300
+    for j in range(len(psi) - 1):
+        inside = [at(x) for x in np.linspace(psi[j], psi[j + 1], 17)]
+        assert all(p.slope >= 0.0 for p in inside)
+        assert all(b.z - a.z >= -2 * EPS * scale for a, b in pairwise(inside))
+        assert inside[0].z == pytest.approx(z[j], abs=4 * EPS * scale)
+        if z[j] == z[j + 1]:
+            assert all(p.slope == 0.0 and p.bend == 0.0 for p in inside)
+    for j in range(1, len(psi) - 1):
+        left, right = at(np.nextafter(psi[j], -1.0)), at(psi[j])
+        widths = [groove.table.piece[i].width for i in (j - 1, j)]
+        steep = max(max(groove.table.piece[i].slope) for i in (j - 1, j)) + 1e-300
+        assert left.z == pytest.approx(right.z, abs=8 * EPS * (scale + steep * psi[-1]))
+        assert left.slope == pytest.approx(right.slope, abs=1e-12 * steep * psi[-1] / min(widths))
+        assert left.bend == pytest.approx(right.bend, abs=1e-12 * steep * psi[-1] / min(widths) ** 2)
+    library.groove_free(byref(groove))
+
+
+GOOD = "psi_rad,z_m\n0,0\n0.5,0.01\n1,0.02\n1.5,0.03\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        GOOD,
+        "\ufeff" + GOOD,
+        GOOD.replace("\n", "\r\n"),
+        GOOD + "\n\n  \n",
+        GOOD.rstrip("\n"),
+        "psi_rad,z_m\n 0 , 0 \n5e-1,\t1.0E-2\n+1,.02\n1.5 ,0.03\n",
+    ],
+)
+def test_table_formats(library, grooves, tmp_path, text):
+    path = tmp_path / "t.csv"
+    path.write_bytes(text.encode())
+    groove = grooves(cam(TABLE, table=path))
+    assert groove.table.count == 3
+    assert library.groove_at(byref(groove), 0.75).z == pytest.approx(0.015, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "mentions"),
+    [
+        ("", ("line 1", "psi_rad,z_m")),
+        (GOOD.replace("psi_rad", "psi"), ("line 1", "psi,z_m", "psi_rad,z_m")),
+        (GOOD.replace("0.5,", "nan,"), ("line 3", "nan,0.01")),
+        (GOOD.replace("0.5,", "inf,"), ("line 3",)),
+        (GOOD.replace("0.5,", "1e999,"), ("line 3",)),
+        (GOOD.replace("0.5,", "0x1p-1,"), ("line 3",)),
+        (GOOD.replace("0.5,", "half,"), ("line 3", "half")),
+        (GOOD.replace("0.5,0.01", "0.5"), ("line 3",)),
+        (GOOD.replace("0.5,0.01", "0.5,0.01,1"), ("line 3",)),
+        (GOOD.replace("0.5,0.01", "0,5,0,01"), ("line 3",)),
+        (GOOD.replace("0.5,0.01", "0.5,"), ("line 3",)),
+        (GOOD.replace("0.5,0.01", "0.5,0.01\0"), ("line 3", "0.01?")),
+        (GOOD.replace("0.5,0.01\n", "\n0.5,0.01\n"), ("line 3", '""')),
+        (GOOD.replace("0.5,0.01\n", "0" * 64 + "0.5,0.01\n"), ("line 3",)),
+        (GOOD.replace("1.5,0.03\n", ""), ("3 points", "4")),
+        (GOOD.replace("1,0.02", "0.5,0.02"), ("line 4", "psi_rad = 0.5", "> 0.5")),
+        (GOOD.replace("1,0.02", "1,0.005"), ("line 4", "z_m = 0.005", ">= 0.01")),
+        (GOOD.replace("\n0,0", "\n0.1,0"), ("psi_rad", "0.1", "1.5")),
+        ("psi_rad,z_m\n" + "".join(f"{k},0\n" for k in range(100_001)), ("too long", "100000")),
+        (GOOD + " " * (16 * 1024 * 1024), ("too large", "16777216")),
+        ("psi_rad,z_m\n0,0\n1e-300,1\n2e-300,2\n3e-300,3\n", ("close",)),
+    ],
+)
+def test_table_refused(library, tmp_path, text, mentions):
+    path = tmp_path / "t.csv"
+    path.write_bytes(text.encode())
+    message = groove_refusal(library, cam(TABLE, table=path))
+    assert message.startswith('cam2.table = "') and ("must" in message or "allowed" in message)
+    for part in mentions:
+        assert part in message
+
+
+def test_table_path_refused(library, tmp_path):
+    resources = str(tmp_path).encode()
+    assert 'cam2.table = "": ' in groove_refusal(library, cam(TABLE))
+    assert "must" in groove_refusal(library, cam(TABLE))
+    assert "must be absolute" in groove_refusal(library, cam(TABLE, table="t.csv"))
+    assert "cannot be opened" in groove_refusal(library, cam(TABLE, table="none.csv"), resources)
+    assert "must be a readable" in groove_refusal(library, cam(TABLE, table=tmp_path))
+    assert "too large" in groove_refusal(library, cam(TABLE, table="/dev/zero"))
+    text = groove_refusal(library, cam(TABLE, table="\u00e9" * 400), resources)
+    assert "must" in text and text.count("\u00e9") == 60
+    assert "cam2.profile = 4" in groove_refusal(library, cam(4))
+
+
+def test_table_path_ignores_the_working_directory(library, grooves, tmp_path, monkeypatch):
+    (tmp_path / "resources").mkdir()
+    (tmp_path / "resources" / "t.csv").write_text(GOOD)
+    monkeypatch.chdir(tmp_path / "resources")
+    groove_refusal(library, cam(TABLE, table="t.csv"), str(tmp_path).encode())
+    monkeypatch.chdir("/")
+    grooves(cam(TABLE, table="t.csv"), str(tmp_path / "resources").encode())
+
+
+def comma_locale():
+    before = locale.setlocale(locale.LC_ALL)
+    for name in ("de_DE.UTF-8", "fr_FR.UTF-8", "it_IT.UTF-8", "de_DE", "fr_FR", "it_IT"):
+        try:
+            locale.setlocale(locale.LC_ALL, name)
+        except locale.Error:
+            continue
+        if locale.localeconv()["decimal_point"] == ",":
+            return before
+    locale.setlocale(locale.LC_ALL, before)
+    pytest.skip("no locale with a decimal comma is installed")
+
+
+def test_table_ignores_the_locale(library, grooves, tmp_path):
+    (tmp_path / "t.csv").write_text(GOOD)
+    before = comma_locale()
+    try:
+        groove = grooves(cam(TABLE, table=tmp_path / "t.csv"))
+        assert library.groove_at(byref(groove), 0.75).z == pytest.approx(0.015, rel=1e-15)
+        assert locale.localeconv()["decimal_point"] == ","
+    finally:
+        locale.setlocale(locale.LC_ALL, before)
+
+
+# ---- the course ----
+
+
+@pytest.fixture(scope="module")
+def laws(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("tables")
+    psi = np.linspace(-0.5, 2.5, 61)
+    wavy = write_table(directory / "wavy.csv", psi.tolist(), (0.02 * psi + 0.003 * np.sin(2 * psi)).tolist())
+    flat = np.interp(psi, [-0.5, 0.5, 0.8, 2.5], [-0.01, 0.01, 0.01, 0.044])
+    dwell = write_table(directory / "dwell.csv", psi.tolist(), flat.tolist())
+    return {
+        "helix": cam(HELIX, lead=math.pi / 4),
+        "level": cam(HELIX, lead=0.0),
+        "flattening": cam(ELLIPSE, lead=0.8203),
+        "wide": cam(ELLIPSE, lead=0.8552, a=0.08, b=0.06, radius=0.03),
+        "steepening": cam(ELLIPSE, lead=0.5, kappa=1),
+        "wavy": cam(TABLE, table=wavy),
+        "dwell": cam(TABLE, table=dwell),
+    }
+
+
+PAIRS = [
+    ("helix", "helix", 0.0),
+    ("helix", "level", -0.2),
+    ("helix", "flattening", -0.3),
+    ("steepening", "helix", -0.3),
+    ("flattening", "wide", 0.0),
+    ("steepening", "flattening", -0.3),
+    ("steepening", "steepening", -0.3),
+    ("wavy", "helix", -0.3),
+    ("wide", "wavy", -0.3),
+    ("wavy", "wavy", 0.2),
+    ("dwell", "helix", -0.3),
+    ("helix", "dwell", 0.0),
+    ("dwell", "flattening", 0.0),
+    ("wavy", "dwell", 0.0),
+    ("level", "steepening", -0.3),
+]
+
+
+@pytest.mark.parametrize(("first", "second", "lower"), PAIRS)
+def test_course(library, courses, laws, first, second, lower):
+    """Polynomials against the laws at the root; the root's residual; derivatives that belong together."""
+    course = courses(laws[first], laws[second], lower, 1.3963)
+    thetas = np.linspace(lower, 1.3963, 401)
+    steep, high = np.zeros(2), 1e-300
+    errors = []
+    for theta in thetas:
+        gamma = library.course_gamma(byref(course), theta)
+        phi = theta - gamma
+        p = [library.groove_at(byref(course.groove[i]), x) for i, x in enumerate((gamma, phi))]
+        rounding = abs(p[0].z) + (p[0].slope + p[1].slope) * (abs(gamma) + abs(phi))
+        assert abs(p[0].z - p[1].z) <= 4 * EPS * rounding
+        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
+        a = np.array([q.slope for q in p])
+        z = library.course_z(byref(course), theta)
+        turn = np.array([a[1], a[0]]) / a.sum()
+        bend = np.array([q.bend for q in p]) * turn
+        errors.append([*abs(a - list(spot.slope)), abs(z - spot.z), *abs(bend - list(spot.bend))])
+        steep, high = np.maximum(steep, a), max(high, abs(z))
+    worst = np.max(errors, axis=0)
+    assert (worst[:2] <= 1e-12 * steep).all()
+    assert worst[2] <= 1e-12 * high
+    assert (worst[3:] <= 1e-9 * (1 + steep)).all()
+
+
+@pytest.mark.parametrize(("first", "second", "lower"), PAIRS)
+def test_course_derivatives(library, courses, laws, first, second, lower):
+    """bend, twist and dz/dtheta are the derivatives of the polynomials, and dz/dtheta is a1 a2/(a1+a2)."""
+    course = courses(laws[first], laws[second], lower, 1.3963)
+    for k in range(course.count):
+        piece = course.piece[k]
+        for theta in np.linspace(piece.lower, piece.upper, 7):
+            x = (theta - piece.middle) * piece.scale
+            spot = library.spot(byref(piece), theta)
+            for i in range(2):
+                p = np.polynomial.Polynomial(list(piece.slope[i]))
+                size = sum(abs(p.coef)) * (1 + piece.scale) ** 2 * DEGREE**2
+                assert spot.slope[i] == pytest.approx(p(x), abs=1e-15 * size)
+                assert spot.bend[i] == pytest.approx(p.deriv()(x) * piece.scale, abs=1e-15 * size)
+                assert spot.twist[i] == pytest.approx(p.deriv(2)(x) * piece.scale**2, abs=1e-15 * size)
+            lift = spot.slope[0] * spot.slope[1] / (spot.slope[0] + spot.slope[1])
+            z = np.polynomial.Polynomial(list(piece.z))
+            assert spot.z == pytest.approx(z(x), abs=1e-16)
+            assert z.deriv()(x) * piece.scale == pytest.approx(lift, abs=3e-13 * (0.02 + max(spot.slope)))
+
+
+def test_course_of_ellipses_to_50_digits(library, courses, laws):
+    first, second = laws["steepening"], laws["flattening"]
+    course = courses(first, second)
+    for theta in np.linspace(0.0, 1.3963, 9):
+        with mpmath.workdps(40):
+            gap = lambda g, t=theta: exact_ellipse(first, g)[0] - exact_ellipse(second, mpmath.mpf(t) - g)[0]  # noqa: E731
+            gamma = mpmath.findroot(gap, (theta / 3, theta / 2 + 0.01), solver="anderson", tol=1e-60)
+            one, two = exact_ellipse(first, gamma), exact_ellipse(second, mpmath.mpf(theta) - gamma)
+        assert library.course_gamma(byref(course), theta) == pytest.approx(float(gamma), abs=4e-16)
+        assert library.course_z(byref(course), theta) == pytest.approx(float(one[0]), abs=1e-17)
+        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
+        assert list(spot.slope) == pytest.approx([float(one[1]), float(two[1])], rel=1e-13)
+
+
+def test_two_helices_are_exact(library, courses, laws):
+    course = courses(laws["helix"], cam(HELIX, lead=0.5, radius=0.03), -2.0, 3.0)
+    assert course.straight and course.count == 1
+    a = [course.groove[i].gain for i in range(2)]
+    spot = library.spot(library.course_piece(byref(course), 1.7, 0), 1.7)
+    assert list(spot.slope) == a and list(spot.bend) == list(spot.twist) == [0.0, 0.0]
+    assert spot.z == library.course_z(byref(course), 1.7) == a[0] * (a[1] / (a[0] + a[1])) * 1.7
+
+
+def test_pieces_meet(library, courses, laws):
+    """In order, without gaps; values agree where they meet; knots of the table are marked."""
+    course = courses(laws["wavy"], laws["flattening"], -0.3, 1.3963)
+    pieces = [course.piece[k] for k in range(course.count)]
+    assert pieces[0].lower == -0.3 and pieces[-1].upper == 1.3963
+    knots = 0
+    for left, right in pairwise(pieces):
+        assert left.upper == right.lower and left.knot_upper == right.knot_lower
+        a, b = (library.spot(byref(p), left.upper) for p in (left, right))
+        assert list(a.slope) == pytest.approx(list(b.slope), rel=1e-13)
+        assert list(a.bend) == pytest.approx(list(b.bend), abs=1e-10)
+        assert a.z == pytest.approx(b.z, abs=1e-16)
+        gamma = library.course_gamma(byref(course), left.upper)
+        if left.knot_upper:
+            knots += 1
+            assert gamma / 0.05 == pytest.approx(round(gamma / 0.05), abs=1e-12)
+    first, last = (library.course_gamma(byref(course), theta) for theta in (-0.3, 1.3963))
+    assert knots == math.floor(last / 0.05) - math.ceil(first / 0.05) + 1
+    course = courses(laws["wavy"], laws["wavy"])  # a knot lies at the lower stop
+    assert course.piece[0].knot_lower and not course.piece[course.count - 1].knot_upper
+
+
+def test_piece_lookup(library, courses, laws):
+    course = courses(laws["wavy"], laws["helix"])
+    border = course.piece[2].upper
+    width = course.piece[2].upper - course.piece[2].lower
+    index = lambda theta, way: library.course_piece(byref(course), theta, way).contents.lower  # noqa: E731
+    lower = [course.piece[k].lower for k in range(course.count)]
+    for theta in (border, border + 1e-10 * width, border - 1e-10 * width):
+        assert index(theta, 1) == lower[3]
+        assert index(theta, -1) == lower[2]
+    for way in (-1, 0, 1):
+        assert index(border + 1e-3 * width, way) == lower[3]
+        assert index(-5.0, way) == lower[0]
+        assert index(9.0, way) == lower[-1]
+
+
+def test_dwell_is_ordinary(library, courses, laws):
+    """While cam 1 dwells, z stands still, the pin turns in it and nowhere else."""
+    course = courses(laws["dwell"], laws["helix"])
+    phi = 0.01 / 0.02
+    for gamma in (0.55, 0.65, 0.75):
+        theta = gamma + phi
+        assert library.course_gamma(byref(course), theta) == pytest.approx(gamma, abs=1e-14)
+        assert library.course_z(byref(course), theta) == pytest.approx(0.01, abs=1e-16)
+        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
+        assert spot.slope[0] == pytest.approx(0.0, abs=1e-30)
+
+
+def test_stops_on_one_side_of_zero(library, courses, laws):
+    whole = courses(laws["flattening"], laws["helix"], -0.4, 1.3963)
+    for lower, upper in ((0.4, 1.2), (-0.3, -0.1)):
+        part = courses(laws["flattening"], laws["helix"], lower, upper)
+        theta = 0.5 * (lower + upper)
+        assert library.course_z(byref(part), theta) == library.course_z(byref(whole), theta)
+
+
+def test_up_to_the_end_of_an_ellipse(library, courses, laws):
+    """Level and close to vertical ends, the stop exactly there."""
+    for name in ("flattening", "steepening"):
+        probe = courses(laws[name], laws["helix"], 0.0, 0.1).groove[0]
+        end = probe.last + library.groove_at(byref(probe), probe.last).z / 0.02
+        course = courses(laws[name], laws["helix"], 0.0, end)
+        assert course.count < 60
+        for share in np.linspace(0.01, 0.999, 40):
+            theta = share * end
+            gamma = library.course_gamma(byref(course), theta)
+            z = library.course_z(byref(course), theta)
+            spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
+            exact = library.groove_slope(byref(course.groove[0]), gamma, z)
+            assert spot.slope[0] == pytest.approx(exact, rel=1e-11, abs=1e-15)
+
+
+def test_end_of_a_groove_is_refused(library, laws):
+    text = course_refusal(library, laws["helix"], laws["steepening"], 0.0, 5.0)
+    for part in ("cam2.ellipse_a = 0.05", "stop.upper = 5", "S = S0 + kappa r psi/a must", "[0, 1)"):
+        assert part in text
+    last, theta = (float(text.split(key)[1].split()[0]) for key in ("psi = ", "theta = "))
+    z, _, _, S = exact_ellipse(laws["steepening"], last)
+    assert abs(float(S) - 1) < 2e-10 and theta == pytest.approx(last + float(z) / 0.02, abs=1e-4)
+    text = course_refusal(library, laws["flattening"], laws["helix"], -5.0, 1.0)
+    assert "cam1.ellipse_a" in text and "before stop.lower = -5" in text
+    text = course_refusal(library, laws["wavy"], laws["helix"], 0.0, 9.0)
+    assert "cam1.table" in text and "psi = 2.5" in text and "samples must reach" in text
+    assert "stop.upper" in course_refusal(library, laws["wavy"], laws["helix"], 8.0, 9.0)
+    assert "stop.lower" in course_refusal(library, laws["wavy"], laws["helix"], -9.0, -8.0)
+
+
+def test_undetermined_pin_is_refused(library, laws):
+    text = course_refusal(library, laws["level"], laws["level"])
+    assert "cam1.lead_angle = 0 and cam2.lead_angle = 0" in text and "nothing fixes the pin" in text
+    text = course_refusal(library, laws["dwell"], laws["dwell"], 0.0, 3.0)
+    assert "cam1.table" in text and "cam2.table" in text and "nothing fixes the pin" in text
+
+
+def test_stops_are_checked(library, laws):
+    for lower, upper in ((1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)):
+        assert "stop.lower" in course_refusal(library, laws["helix"], laws["flattening"], lower, upper)
+
+
+def test_too_many_pieces(library, tmp_path):
+    """A table of more points than pieces are allowed is still possible: each knot adds to the limit."""
+    psi = np.linspace(0.0, 2.0, 30_001)
+    table = write_table(tmp_path / "t.csv", psi.tolist(), (0.02 * psi).tolist())
+    course, fault = Course(), Fault()
+    cams = (CamParams * 2)(cam(TABLE, table=table), cam(HELIX, lead=math.pi / 4))
+    assert library.course_build(byref(course), cams, 0.0, 1.0, None, byref(fault)), fault.text
+    assert 7500 <= course.count <= 27500
+    library.course_free(byref(course))
