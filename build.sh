@@ -10,6 +10,7 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
+  stress   build, then run benchmarks/stress.py (half an hour), which writes docs/stress.md; arguments go to it
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
@@ -94,6 +95,11 @@ case $command in
         install_dependencies .
         build
         exec .venv/bin/python benchmarks/step_cost.py "$@"
+        ;;
+    stress)
+        install_dependencies '.[test]'
+        build
+        exec .venv/bin/python benchmarks/stress.py "$@"
         ;;
     check)
         install_dependencies '.[test]'

@@ -52,7 +52,8 @@ static Spot straight_spot(const Piece *piece, double theta) {
  *     gamma''' = (a2'' phi' - a1'' gamma' - 2 gamma'' (a1'+a2'))/(a1+a2)
  *     z''' = a1'' gamma'^2 + a2'' phi'^2 + 2 gamma'' (a1' gamma' - a2' phi') */
 static inline Shape shape_at(const Way *w, double theta) {
-    const Spot s = w->course->straight ? straight_spot(w->piece, theta) : piece_at(w->piece, theta);
+    Spot s = w->course->straight ? straight_spot(w->piece, theta) : piece_at(w->piece, theta);
+    for (int i = 0; i < 2; i++) s.slope[i] = fmax(s.slope[i], 0.0); /* level, but for the polynomial's rounding */
     const double inverse = 1.0 / (s.slope[0] + s.slope[1]);
     const double g = s.slope[1] * inverse, f = s.slope[0] * inverse;
     const double bend = s.bend[0] + s.bend[1];
@@ -142,8 +143,9 @@ static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g,
     };
 }
 
-/* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. The root is
- * written without cancellation. */
+/* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. Of two roots, which a
+ * locked contact (P < 0) can cause, the one nearer to zero: there more torque means more speed. It is written without
+ * cancellation. Backward, where a step may look, it is continued as an odd function. */
 static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, double t) {
     const Params *p = w->params;
     const Damping damping = damping_of(w);
@@ -155,9 +157,11 @@ static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, 
     const Dual pz = dual_multiply(g->p, s->lift);
     const Dual b = dual_add(dual_scale(p->shaft.damping, g->delta), dual_scale(damping.c, pz));
     const Dual c = dual_scale(damping.q, dual_multiply(pz, s->lift));
-    const double sign = b.value + c.value < 0.0 ? -1.0 : 1.0; /* as Delta has: both sides times -1 */
-    const double root = sqrt(fmax(b.value * b.value + 4.0 * fabs(c.value * n.value), 0.0));
-    const double sum = b.value + sign * root;
+    const double sign = b.value < 0.0 || (b.value == 0.0 && c.value < 0.0) ? -1.0 : 1.0;
+    const bool alike = b.value * c.value >= 0.0;
+    const double four_cn = alike ? fabs(c.value * n.value) : c.value * w->direction * n.value;
+    const double square = b.value * b.value + 4.0 * four_cn;
+    const double sum = b.value + sign * sqrt(fmax(square, 0.0));
     const double omega = sum != 0.0 ? 2.0 * n.value / sum : 0.0;
     const double steepness = b.value + 2.0 * c.value * fabs(omega); /* dN/d omega */
     const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
@@ -166,8 +170,8 @@ static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, 
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
                    inverse,
-        .possible = b.value + c.value != 0.0 && b.value * c.value >= 0.0 && g->delta.value != 0.0,
-        .stable = (b.value + c.value) * g->delta.value > 0.0,
+        .possible = sum != 0.0 && square >= 0.0 && g->delta.value != 0.0,
+        .stable = sign * g->delta.value > 0.0,
     };
 }
 
@@ -244,6 +248,16 @@ void balance_at(const Way *w, double theta, double omega, double t, Balance *out
 
 /* ---- how it changes ---- */
 
+/* Size of the terms of P, which vanishes where a contact begins to lock. */
+static double grip_size(const Way *w, const Shape *s) {
+    double size = 1.0;
+    for (int i = 0; i < 2; i++) {
+        const CamParams *cam = &w->params->cam[i];
+        size *= cam->radius * (s->slope[i].value + cam->friction * cam->radius);
+    }
+    return size;
+}
+
 /* The share of the course's size that counts as a term of z: its rounding is some eps of that size, where other sums
  * count as zero below 1e-13 of their terms. */
 static const double COURSE_SHARE = 0.01;
@@ -301,7 +315,7 @@ void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
         .pace = change,
         .pace_size = pace_size,
         .net = now->tau - p->shaft.damping * (inertial ? omega : 0.0) - g.p.value / g.delta.value * now->force,
-        .net_size = torque_size + fabs(g.p.value) * inverse * force_size,
+        .net_size = torque_size + grip_size(w, &s) * inverse * force_size,
     };
     const double sign[2] = {-1.0, 1.0};
     for (int i = 0; i < 2; i++) {

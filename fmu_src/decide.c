@@ -170,6 +170,7 @@ static Decision decide_at_rest(const Mechanism *m) {
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip = -1};
     const int slip = decide_slip(m, direction, true);
+    if (slip < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip = -1};
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : slip_mode(direction), .slip = slip};
 }
 

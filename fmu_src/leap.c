@@ -253,26 +253,60 @@ static void estimate(const System *s, Leap *leap) {
 
 /* ---- quasi-static ---- */
 
-/* theta_i on the edge of the band at t_i, by Newton's method from the node before. */
+/* The angle from `theta` on, in the way's direction, at which the edge of the band is the torque at time t: Newton's
+ * method inside a bracket, since an edge that begins level sends the first steps far off. NAN if the edge stops rising
+ * before it gets there. */
+static double angle_on_edge(const System *s, double theta, double t) {
+    enum { ITERATIONS = 100 };
+    const int sign = s->way->direction;
+    double from = theta, to = sign > 0 ? s->highest : s->lowest;
+    double last = INFINITY;
+    for (int n = 0; n < ITERATIONS; n++) {
+        const Pace pace = balance_pace(s->way, theta, 0.0, t);
+        if (!pace.possible) return NAN;
+        const double short_of = sign * pace.net; /* torque left, in the direction of the motion */
+        if (short_of > 0.0 && !(pace.by_theta > 0.0)) return NAN;
+        if (short_of > 0.0) {
+            from = theta;
+        } else {
+            to = theta;
+        }
+        double step = pace.net / pace.by_theta, next = theta + step;
+        if (pace.by_theta > 0.0 && (fabs(step) <= 2.0 * DBL_EPSILON * fabs(theta) || (n > 4 && fabs(step) >= fabs(last))))
+            return next;
+        const bool inside = pace.by_theta > 0.0 && sign * (next - from) >= 0.0 && sign * (to - next) >= 0.0;
+        if (!inside && n == 0 && short_of <= 0.0) return next; /* rounding has it past the edge already */
+        last = inside ? step : INFINITY;
+        if (!inside) next = isfinite(to) ? 0.5 * (from + to) : theta + 0.5 * step;
+        if (next == theta) return theta;
+        theta = next;
+    }
+    return NAN;
+}
+
+/* theta_i on the edge of the band at t_i, each from the one before. */
 static bool follow_edge(const System *s, Leap *leap) {
-    enum { ITERATIONS = 30 };
     double theta = s->start->theta;
     for (int i = 0; i < s->method->stages; i++) {
         const double t = s->method->node[i] * s->h;
-        double step = INFINITY;
-        for (int n = 0; n < ITERATIONS && fabs(step) > 2.0 * DBL_EPSILON * fabs(theta) && step != 0.0; n++) {
-            const Pace pace = balance_pace(s->way, theta, 0.0, t);
-            if (!pace.possible || !(pace.by_theta > 0.0)) return false;
-            const double next = pace.net / pace.by_theta;
-            if (n > 4 && fabs(next) >= fabs(step)) break; /* rounding */
-            step = next;
-            theta += step;
-            if (!is_inside(s, theta)) return false;
-        }
+        theta = angle_on_edge(s, theta, t);
+        if (isnan(theta) || !is_inside(s, theta)) return false;
         balance_at(s->way, theta, 0.0, t, &leap->node[i]);
         if (!(leap->node[i].pace.by_theta > 0.0)) return false;
     }
     return true;
+}
+
+/* How far the rounding of the torques moves theta along an edge that is nearly level, rad. */
+static double edge_noise(const System *s, const Leap *leap) {
+    double noise = 0.0;
+    for (int i = 0; i < s->method->stages; i++) {
+        const Balance *b = &leap->node[i];
+        const double rho = b->force != 0.0 ? b->tau / b->force : 0.0;
+        const double torque = fabs(b->tau) + fabs(rho) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
+        noise = fmax(noise, 8.0 * DBL_EPSILON * torque / b->pace.by_theta);
+    }
+    return noise;
 }
 
 static bool solve_quasistatic(System *s, Leap *leap) {
@@ -287,7 +321,7 @@ static bool solve_quasistatic(System *s, Leap *leap) {
     leap->stiffness = 0.0;
     /* the speeds must add up to the way: what the ledger's integrals will miss */
     const double missed = fabs(leap->dtheta - s->h * row_sum(r->once[r->stages - 1], s->y, r->stages));
-    const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta));
+    const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta)) + edge_noise(s, leap);
     leap->error = fmax(missed - noise, 0.0) / (fabs(leap->dtheta) + DBL_MIN) / s->way->params->tolerance;
     return true;
 }
@@ -317,8 +351,9 @@ static double kinetic_energy(const Params *p, const Balance *b) {
 }
 
 /* What the balance of the step misses, over what the tolerance allows of the energies that pass. It checks the
- * integrals of the ledger, which the defect of the motion does not see, and the motion once more. */
-static void check_energy(const System *s, Leap *leap) {
+ * integrals of the ledger, which the defect of the motion does not see, and the motion once more. `angle_noise`: how far rounding moves
+ * theta, rad. */
+static void check_energy(const System *s, Leap *leap, double angle_noise) {
     const Params *p = s->way->params;
     const Balance *start = s->start, *end = &leap->node[s->method->stages - 1];
     const Booking *b = &leap->booking;
@@ -331,7 +366,8 @@ static void check_energy(const System *s, Leap *leap) {
                           b->heat_damper + b->heat_shaft + fabs(spring[1] - spring[0]);
     const double z = fabs(s->way->piece->z[0]) + fabs(s->way->piece->z[1]); /* what the polynomial's rounding is of */
     const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(start->force - start->F_ext) * z;
-    const double rounding = 32.0 * DBL_EPSILON * (passed + at_rest + kinetic[0] + kinetic[1]);
+    const double rounding =
+        32.0 * DBL_EPSILON * (passed + at_rest + kinetic[0] + kinetic[1]) + angle_noise * fabs(end->tau);
     leap->energy_error = fmax(missed - rounding, 0.0) / (p->tolerance * (passed + kinetic[1]) + DBL_MIN);
 }
 
@@ -349,7 +385,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     if (way->kind == FLOW_QUASISTATIC) {
         if (!solve_quasistatic(&s, leap)) return false;
         leap->booking = booking_of(way, leap);
-        check_energy(&s, leap);
+        check_energy(&s, leap, edge_noise(&s, leap));
         return true;
     }
     if (!iterate(&s, leap)) return false;
@@ -359,7 +395,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     leap->domega = h * row_sum(s.method->once[last], s.y, s.method->stages);
     estimate(&s, leap);
     leap->booking = booking_of(way, leap);
-    check_energy(&s, leap);
+    check_energy(&s, leap, 0.0);
     return true;
 }
 

@@ -186,7 +186,8 @@ static double hold(Mechanism *m, double left) {
         m->cache.hold = stick_hold(m); /* the next step at rest costs one comparison */
         return left;
     }
-    const double t = stick_hold_time(m, left);
+    /* on the very edge of the band, where no slip agrees, rounding could hold it for no time at all */
+    const double t = fmax(stick_hold_time(m, left), DBL_EPSILON * left);
     if (m->params.ledger) record_input_peaks(m, t);
     advance_inputs(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
@@ -397,10 +398,15 @@ static double room_ahead(const Mechanism *m, int direction) {
     return fmax(direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
 }
 
-/* The jump in grooves of any shape. Returns false if it leads nowhere. */
-static bool jump_along_course(Mechanism *m, int direction) {
+/* Where the edge of the band stops rising, following it ends, ever faster, in a jump: a fold. Nearer to it than this
+ * share of a piece's width the rounding of the torques is all that moves theta; what a jump from there leaves out of the
+ * energies is of the third power of it. */
+static const double FOLD = 3e-6;
+
+/* The jump in grooves of any shape. Returns false if it leads nowhere that tells from here. */
+static bool jump_along_course(Mechanism *m, int direction, double bump) {
     Jump jump;
-    play_jump(m, direction, &jump);
+    play_jump(m, direction, bump, &jump);
     if (m->params.ledger) {
         Peaks *peak = &m->state.ledger.peak;
         ledger_book(&m->state.ledger, &jump.booking);
@@ -410,7 +416,8 @@ static bool jump_along_course(Mechanism *m, int direction) {
     turn(m, jump.dtheta);
     stand_still(m);
     if (jump.stopped) land(m, direction, EVENT_STOP);
-    return jump.stopped || jump.dtheta != 0.0;
+    const Piece *piece = course_piece(&m->model.course, m->state.theta.hi, direction);
+    return jump.stopped || fabs(jump.dtheta) > 4.0 * FOLD * (piece->upper - piece->lower);
 }
 
 static bool must_jump(const Mechanism *m) {
@@ -421,17 +428,21 @@ static bool must_jump(const Mechanism *m) {
 
 /* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
 static double jump_or_hold(Mechanism *m, double left) {
-    return jump_along_course(m, direction_of(m->state.mode)) ? 0.0 : hold(m, left);
+    return jump_along_course(m, direction_of(m->state.mode), 0.0) ? 0.0 : hold(m, left);
 }
 
-/* Where the edge of the band stops rising, following it ends, ever faster, in a jump. So short of that place the edge
- * differs from the torque there by the square of this share of a piece's width. */
-static const double FOLD = 1e-9;
 
 static bool is_at_fold(const Way *way, const Passage *passage, double left) {
     const Leap *leap = &passage->leap;
-    return way->kind == FLOW_QUASISTATIC && passage->kind == EVENT_NONE && !passage->at_border && leap->h < left &&
-           fabs(leap->dtheta) <= FOLD * (way->piece->upper - way->piece->lower);
+    if (way->kind != FLOW_QUASISTATIC || passage->kind != EVENT_NONE || passage->at_border || leap->h >= left)
+        return false;
+    const bool slower = fabs(leap->node[leap->method->stages - 1].omega) < fabs(leap->start.omega);
+    return !slower && fabs(leap->dtheta) <= FOLD * (way->piece->upper - way->piece->lower);
+}
+
+/* How much higher the edge still is at the fold, at most, N.m. */
+static double fold_height(const Way *way, const Balance *start) {
+    return FOLD * (way->piece->upper - way->piece->lower) * fabs(start->pace.by_theta);
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
@@ -445,7 +456,9 @@ static double leap_to_event(Mechanism *m, double left) {
         return 0.0;
     }
     const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
-    if (way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left))) return jump_or_hold(m, left);
+    const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left));
+    if (folds && jump_along_course(m, way.direction, fold_height(&way, &start))) return 0.0;
+    if (folds && !found) return hold(m, left);
     if (!found) {
         jam(m);
         return 0.0;

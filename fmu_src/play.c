@@ -76,17 +76,14 @@ static double held_between(const Mechanism *m, const Piece *piece, double from, 
 }
 
 /* Rule of order 13 over [from, to]; the heats and the work along the edge. */
-static Booking sum_over(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
+static Booking sum_over(const Mechanism *m, const Piece *piece, double from, double to, int direction) {
     const Radau *r = radau_of(RADAU_MAX);
     Booking sum = {.work_in = 0.0};
     for (int j = 0; j < r->stages; j++) {
         const Edge edge = edge_at(m, piece, from + r->node[j] * (to - from), direction);
         const double weight = (to - from) * r->once[r->stages - 1][j];
         sum.work_in += weight * edge.torque;
-        for (int i = 0; i < 2; i++) {
-            sum.heat_cam[i] += fabs(weight) * edge.heat[i];
-            jump->reaction[i] = fmax(jump->reaction[i], edge.reaction[i]);
-        }
+        for (int i = 0; i < 2; i++) sum.heat_cam[i] += fabs(weight) * edge.heat[i];
         sum.work_ext += weight * edge.lift * m->inputs.F_ext[0];
     }
     return sum;
@@ -106,30 +103,69 @@ static bool alike(const Booking *a, const Booking *b, double scale) {
 
 /* Halved until the halves agree with the whole. */
 static Booking integrate(const Mechanism *m, const Piece *piece, double from, double to, int direction,
-                         const Booking *whole, double allowed, int depth, Jump *jump) {
+                         const Booking *whole, double allowed, int depth) {
     const double middle = 0.5 * (from + to);
-    const Booking left = sum_over(m, piece, from, middle, direction, jump);
-    const Booking right = sum_over(m, piece, middle, to, direction, jump);
+    const Booking left = sum_over(m, piece, from, middle, direction);
+    const Booking right = sum_over(m, piece, middle, to, direction);
     Booking sum = left;
     add(&sum, &right);
     if (depth >= MAX_HALVINGS || alike(&sum, whole, allowed)) return sum;
-    sum = integrate(m, piece, from, middle, direction, &left, allowed, depth + 1, jump);
-    const Booking rest = integrate(m, piece, middle, to, direction, &right, allowed, depth + 1, jump);
+    sum = integrate(m, piece, from, middle, direction, &left, allowed, depth + 1);
+    const Booking rest = integrate(m, piece, middle, to, direction, &right, allowed, depth + 1);
     add(&sum, &rest);
     return sum;
 }
 
+/* The largest reaction i between two angles that enclose one maximum, by golden sections. */
+static double largest_between(const Mechanism *m, const Piece *piece, double from, double to, int direction, int i) {
+    const double GOLDEN = 0.6180339887498949;
+    double left = from, right = to, a = right - GOLDEN * (right - left), b = left + GOLDEN * (right - left);
+    double f_a = edge_at(m, piece, a, direction).reaction[i], f_b = edge_at(m, piece, b, direction).reaction[i];
+    for (int n = 0; n < 40; n++) {
+        if (f_a > f_b) {
+            right = b;
+            b = a;
+            f_b = f_a;
+            a = right - GOLDEN * (right - left);
+            f_a = edge_at(m, piece, a, direction).reaction[i];
+        } else {
+            left = a;
+            a = b;
+            f_a = f_b;
+            b = left + GOLDEN * (right - left);
+            f_b = edge_at(m, piece, b, direction).reaction[i];
+        }
+    }
+    return fmax(f_a, f_b);
+}
+
+/* Raises the largest reactions to those on the way from `from` to `to`. */
+static void look_for_peaks(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
+    enum { PARTS = 4 };
+    double reaction[2][PARTS + 1];
+    for (int k = 0; k <= PARTS; k++) {
+        const Edge edge = edge_at(m, piece, from + (to - from) * k / (int)PARTS, direction);
+        for (int i = 0; i < 2; i++) reaction[i][k] = edge.reaction[i];
+    }
+    for (int i = 0; i < 2; i++) {
+        int best = 0;
+        for (int k = 1; k <= PARTS; k++) best = reaction[i][k] > reaction[i][best] ? k : best;
+        double largest = reaction[i][best];
+        const double step = (to - from) / (int)PARTS;
+        const double left = from + step * fmax(best - 1, 0.0), right = from + step * fmin(best + 1, (double)(int)PARTS);
+        if (largest > 0.99 * jump->reaction[i])
+            largest = fmax(largest, largest_between(m, piece, left, right, direction, i));
+        jump->reaction[i] = fmax(jump->reaction[i], largest);
+    }
+}
+
 static void book(const Mechanism *m, const Piece *piece, double from, double to, int direction, Jump *jump) {
     if (!m->params.ledger || from == to) return;
-    const double ends[2] = {from, to};
-    for (int k = 0; k < 2; k++) {
-        const Edge edge = edge_at(m, piece, ends[k], direction);
-        for (int i = 0; i < 2; i++) jump->reaction[i] = fmax(jump->reaction[i], edge.reaction[i]);
-    }
-    const Booking whole = sum_over(m, piece, from, to, direction, jump);
+    look_for_peaks(m, piece, from, to, direction, jump);
+    const Booking whole = sum_over(m, piece, from, to, direction);
     const double size = fabs(whole.work_in) + fabs(whole.work_ext) + whole.heat_cam[0] + whole.heat_cam[1];
     const double allowed = (SHARE_OF_TOLERANCE * m->params.tolerance + 64.0 * DBL_EPSILON) * size;
-    const Booking sum = integrate(m, piece, from, to, direction, &whole, allowed, 0, jump);
+    const Booking sum = integrate(m, piece, from, to, direction, &whole, allowed, 0);
     add(&jump->booking, &sum);
 }
 
@@ -153,9 +189,9 @@ static void book_past_kink(const Mechanism *m, const Piece *piece, double from, 
 }
 
 /* Goes on from jump->dtheta through one piece, to where the torque is held, or to its end. Returns true if held. */
-static bool cross_piece(const Mechanism *m, const Piece *piece, double end, int direction, Jump *jump) {
+static bool cross_piece(const Mechanism *m, const Piece *piece, double end, int direction, double bump, Jump *jump) {
     /* where the edge is level, being on it is not being held */
-    const double tie = stick_tie(m) * stick_torque_size(m, m->place.geometry.lift);
+    const double tie = stick_tie(m) * stick_torque_size(m, m->place.geometry.lift) + bump;
     const double start = m->state.theta.hi, width = piece->upper - piece->lower;
     double from = start + jump->dtheta, step = FIRST_SAMPLE * width;
     while (direction * (end - from) > 0.0) {
@@ -172,15 +208,16 @@ static bool cross_piece(const Mechanism *m, const Piece *piece, double end, int 
     return false;
 }
 
-void play_jump(const Mechanism *m, int direction, Jump *jump) {
+void play_jump(const Mechanism *m, int direction, double bump, Jump *jump) {
     const Course *course = &m->model.course;
     const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     const Piece *last = direction > 0 ? course->piece + course->count - 1 : course->piece;
     const Piece *piece = course_piece(course, m->state.theta.hi, direction);
     *jump = (Jump){.stopped = false};
+    for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
     for (;; piece += direction) {
         const double border = direction > 0 ? piece->upper : piece->lower;
-        if (cross_piece(m, piece, piece == last ? stop : border, direction, jump)) return;
+        if (cross_piece(m, piece, piece == last ? stop : border, direction, bump, jump)) return;
         if (piece == last) break;
     }
     jump->stopped = true;

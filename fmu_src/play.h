@@ -9,10 +9,10 @@ typedef struct {
     double dtheta;      /* rad */
     bool stopped;       /* at the end stop */
     Booking booking;    /* the torque taken is that of the edge */
-    double reaction[2]; /* N, largest |R_i| on the way, total */
+    double reaction[2]; /* N, total: largest |R_i| so far, the way included */
 } Jump;
 
-/* From m->state.theta in `direction`. */
-void play_jump(const Mechanism *m, int direction, Jump *jump);
+/* From m->state.theta in `direction`. An edge that exceeds the torque by less than `bump`, N.m, does not hold it. */
+void play_jump(const Mechanism *m, int direction, double bump, Jump *jump);
 
 #endif

@@ -18,7 +18,9 @@ double stick_axial_size(const Mechanism *m) {
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    return fabs(m->inputs.tau[0]) + fabs(factor) * stick_axial_size(m);
+    /* a factor can vanish, where a contact begins to lock; its rounding does not */
+    const double lever = m->model.course.straight ? fabs(factor) : fabs(factor) + m->place.geometry.lift;
+    return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
 }
 
 BandFactors stick_band(const Mechanism *m) {
@@ -61,6 +63,14 @@ int stick_pressed(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
     const EdgeFactors f = stick_edges(m, side_of(m, F_0));
     return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
+}
+
+bool stick_is_on_edge(const Mechanism *m, int direction) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    const double factor = direction > 0 ? f.load : f.release;
+    if (isinf(factor)) return false;
+    return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
 Mode stick_mode(const Mechanism *m) {

@@ -1,0 +1,45 @@
+"""A small part of the stress table (benchmarks/stress.py), and its own judges."""
+
+import sys
+
+import driver
+import pytest
+from driver import ROOT
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+import stress
+
+SHARE = {"tolerances": 60, "lead": 40, "friction": 40, "dwell": 60}
+PATIENCE = 2  # seconds for one reference
+
+
+@pytest.fixture(scope="module")
+def libraries():
+    paths = stress.prepare()
+    return {False: driver.load(paths.shipped), True: driver.load(paths.general)}
+
+
+def wrong(scenes, libraries) -> list[str]:
+    """What is wrong, and with which scene."""
+    return [f"{s.label}: {text}" for s in scenes for text in stress.judge(s, libraries).problems]
+
+
+@pytest.mark.parametrize("name", stress.FAMILIES)
+def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
+    monkeypatch.setattr(stress, "PATIENCE", PATIENCE)
+    scenes = list(stress.FAMILIES[name](stress.Tables(tmp_path)))
+    chosen = [s for s in scenes if len(s.intervals) < 10][:: SHARE.get(name, 25)]
+    assert chosen
+    assert not wrong(chosen, libraries)
+
+
+def test_some_at_random(libraries, tmp_path):
+    assert not wrong(stress.fuzz(stress.Tables(tmp_path), 60, seed=1), libraries)
+
+
+def test_a_wrong_reference_is_noticed(libraries, tmp_path):
+    scene = next(stress.stiffness(stress.Tables(tmp_path)))
+    verdict = stress.judge(scene, libraries)
+    assert verdict.judged and not verdict.problems
+    changed = scene.params | {"cam1.friction": 0.14 + 1e-6}
+    assert stress.judge(stress.replace(scene, instead=changed), libraries).problems
