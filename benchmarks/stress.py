@@ -16,9 +16,9 @@ limit       the reference of the mechanism without the small thing (inertia, ...
 laws        no NaN, theta between its stops, energy conserved, heat never given back, the same answer however
             an interval is cut, a doStep below 2 s; these are checked in every run
 
-Errors are relative to the scene's largest angle, speed and energy. A run is right if they stay below ten
-times the tolerance; where they do not, the reference itself is run with data changed by a tolerance, and what that
-changes is allowed too.
+Errors are relative to the scene's largest angle, speed and energy. A run is right if they stay below
+ten times the tolerance; where they do not, the reference itself is run with data changed by a tolerance, and
+what that changes is allowed too.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ FOLDER = build_fmu.BUILD / "stress"
 DEFAULT_TOLERANCE = 1e-9
 LONGEST_STEP = 2.0  # s, a doStep that takes longer is wrong
 PATIENCE = 60  # s, for a reference; one that takes longer is given up and the laws judge alone
-HANG = 150.0  # s, after which a process is ended
+HANG = 300.0  # s, after which a process is ended
 REFERENCES = {"simulate", "exact", "radau"}
 MOTION = ("theta", "omega")
 ACCOUNTS = ("work_in", "work_ext", "spring", "kinetic", *HEATS)
@@ -280,7 +280,7 @@ def inertia(tables: Tables) -> Iterator[Scene]:
             if J <= 1e-6:
                 decay = J / (0.003 + 200.0 * sizes.lift() ** 2)
                 yield Scene(
-                    row,
+                    "inertia 1e-12 to 1e-6, against the limit without",
                     p,
                     [*smooth, Interval(0.03, 0.2 * torque), Interval(0.05, 1.5 * torque)],
                     "limit",
@@ -548,9 +548,9 @@ def dampers(tables: Tables) -> Iterator[Scene]:
                     continue
                 yield Scene(row, p, smooth, "radau" if size > 1e3 else "simulate", label, steps=2)
                 if size >= 1e5:
-                    slow = 0.002 / (Sizes.of(p).lift() ** 2 * max(c, math.sqrt(q * 100.0)))
+                    slow = 0.002 / (Sizes.of(p).lift() ** 2 * (c + 2.0 * q * 0.005 / time))
                     yield Scene(
-                        row,
+                        "dampers 1e5 to 1e9, against the limit without inertia",
                         p,
                         both,
                         "limit",
@@ -800,9 +800,9 @@ def _drive(fmu: driver.Driver, scene: Scene, cut: Cut, trace: Trace) -> None:
             rates = {name: u[1:] for name, u in inputs.items() if any(u[1:])}
             if rates:
                 fmu.set_derivatives(rates)
-            begun = time.perf_counter()
+            begun = time.process_time()
             status = fmu.call("fmi2DoStep", fmu.time, b - a, 1)
-            took = time.perf_counter() - begun
+            took = time.process_time() - begun
             trace.step, trace.total = max(trace.step, took), trace.total + took
             if took > LONGEST_STEP:
                 trace.problems.append(f"a doStep of {took:.1f} s (interval {number}, h = {b - a:g})")
@@ -863,11 +863,11 @@ def plain(scene: Scene) -> Params:
 
 def radau(params: Params, intervals: Sequence[Interval]) -> list[dict[str, float]]:
     """One stretch of sliding upwards on the flanks it starts on, to be refused if it does not stay there."""
-    runs = [_radau(params, intervals, rtol) for rtol in (3e-11, 1e-12)]
+    runs = [_radau(params, intervals, rtol) for rtol in (1e-8, 3e-10)]
     sizes = {name: max(abs(point[name]) for point in runs[1]) for name in runs[1][0]}
     for coarse, fine in zip(*runs, strict=True):
         for name, size in sizes.items():
-            if abs(coarse[name] - fine[name]) > 3e-10 * (size or 1.0):
+            if abs(coarse[name] - fine[name]) > 3e-9 * (size or 1.0):
                 raise Refused(f"Radau itself is uncertain by {abs(coarse[name] - fine[name]) / size:.1e}")
     return runs[1]
 
@@ -875,35 +875,30 @@ def radau(params: Params, intervals: Sequence[Interval]) -> list[dict[str, float
 def _radau(params: Params, intervals: Sequence[Interval], rtol: float) -> list[dict[str, float]]:
     mechanism, found = Mechanism(params, DOUBLE), []
     groove, slip = mechanism.groove, Slip(+1, (1, 1))
-    y = np.array([mechanism.theta0, mechanism.omega0] + [0.0] * len(reference.FLOWS))
+    y = np.array([mechanism.theta0, mechanism.omega0])
 
-    def load_at(t: float, y: np.ndarray, interval: Interval) -> tuple[Any, Any, float, float]:
+    def load_at(t: float, y: np.ndarray, interval: Interval) -> Any:  # noqa: ANN401
         theta = float(y[0])
         kin = groove.at(theta, groove.ahead(theta, +1)[0])
         tau, f_ext = (interval.at(name, t)[0] for name in ("tau", "F_ext"))
-        return mechanism.load(kin, slip, float(y[1]), tau, f_ext), kin, tau, f_ext
+        return mechanism.load(kin, slip, float(y[1]), tau, f_ext)
 
     def rates(t: float, y: np.ndarray, interval: Interval) -> list[float]:
-        load, kin, tau, f_ext = load_at(t, y, interval)
-        flows = mechanism.powers(kin, slip, load, tau, f_ext)
-        return [float(y[1]), float(load.alpha), *map(float, flows)]
+        return [float(y[1]), float(load_at(t, y, interval).alpha)]
 
     for interval in intervals:
-        scale = 1e-14 * np.array([1.0, 1e-3 / interval.duration, *[0.1 * abs(interval.tau)] * (len(y) - 2)])
-        slope = partial(rates, interval=interval)
-        solver = Radau(slope, 0.0, y, interval.duration, rtol=rtol, atol=scale)
+        scale = rtol * np.array([1e-2, 0.1 / interval.duration])
+        solver = Radau(partial(rates, interval=interval), 0.0, y, interval.duration, rtol=rtol, atol=scale)
         while solver.status == "running":
             message = solver.step()
             if solver.status == "failed":
                 raise Refused(f"Radau: {message}")
-            load = load_at(float(solver.t), solver.y, interval)[0]
+            load = load_at(float(solver.t), solver.y, interval)
             if min(load.x1, load.x2, solver.y[1]) < 0 or solver.y[0] >= mechanism.upper:
                 raise Refused("not one smooth stretch")
         y = np.array(solver.y)
         kin = groove.at(float(y[0]))
-        point = {"theta": float(y[0]), "omega": float(y[1]), "energy.heat_stop": 0.0}
-        flows = zip(reference.FLOWS, y[2:].tolist(), strict=True)
-        point |= {f"energy.{name}": value for name, value in flows}
+        point = {"theta": float(y[0]), "omega": float(y[1])}
         point["energy.spring"] = mechanism.spring_energy(kin.z)
         point["energy.kinetic"] = mechanism.kinetic_energy(kin, float(y[1]))
         found.append(point)
@@ -929,7 +924,7 @@ def largest_error(
 ) -> tuple[float, str]:
     worst, where = 0.0, ""
     for number, (values, point) in enumerate(zip(found, wanted, strict=True)):
-        for name in scene.compared:
+        for name in set(scene.compared) & set(point):
             error = abs(values[name] - point[name]) / size[name]
             if not error <= worst:
                 worst, where = error, f"interval {number}: {name} {values[name]!r}, not {point[name]!r}"
@@ -959,7 +954,9 @@ def by_reference(scene: Scene, trace: Trace, verdict: Verdict) -> None:
     except (Refused, ArithmeticError, ValueError, NotImplementedError, Impatient) as doubt:
         verdict.note = f"no reference: {type(doubt).__name__} {doubt}"
         return
-    largest = {n: max(trace.largest[n], *(abs(point[n]) for point in wanted)) for n in scene_names()}
+    largest = {
+        n: max([trace.largest[n], *(abs(point.get(n, 0.0)) for point in wanted)]) for n in scene_names()
+    }
     size = sizes_of(largest)
     verdict.error, where = largest_error(scene, trace.read, wanted, size)
     verdict.judged = True
@@ -1157,6 +1154,7 @@ REASONS = {
     "jam when loading": '"the contacts jam when loading at theta = ..."',
     "jam and let go": '"the contacts jam and let go without end"',
     "too often": '"the mode changes too often"',
+    "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
     "is refused": '"... is refused: allowed is ..."',
 }
@@ -1173,12 +1171,12 @@ def markdown(rows: Sequence[Row], seconds: float) -> str:
     lines = [
         "# Stress table of the general mechanism",
         "",
-        "Elliptical and tabulated grooves, nonlinear spring and damper, masses: how far each was taken and",
-        "what came out. Error: of angle, speed and accounts, relative to the largest angle, speed and energy",
-        "of the scene, at the tolerance 1e-9 unless the row says otherwise. *Judged*: runs with an independent",
-        "reference (at random: the same intervals cut differently); the others are held to the laws alone, as",
-        "all are. Energy residual: relative to the largest account. Cost: longest doStep / most for a",
-        "simulated second.",
+        "Elliptical and tabulated grooves, nonlinear spring and damper, masses: how far each was taken",
+        "and what came out. Error: of angle, speed and accounts, relative to the largest angle, speed and",
+        "energy of the scene, at the tolerance 1e-9 unless the row says otherwise. *Judged*: runs with an",
+        "independent reference (at random: the same intervals cut differently); the others are held to the",
+        "laws alone, as all are. Energy residual: relative to the largest account. Cost, in processor time:",
+        "longest doStep / most for a simulated second.",
         "The judges are described in benchmarks/stress.py.",
         "",
         "| " + " | ".join(HEAD) + " |",

@@ -262,75 +262,108 @@ static double grip_size(const Way *w, const Shape *s) {
  * count as zero below 1e-13 of their terms. */
 static const double COURSE_SHARE = 0.01;
 
-void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
+/* Rates of change along the motion, and what they are made of. */
+typedef struct {
+    double pace;                    /* d pace/dt */
+    double alpha, jerk;             /* rad/s^2, rad/s^3: as far as they act on the loads */
+    double axial, twist;            /* N, N.m: A and W of the balance */
+    double axial_rate, twist_rate;  /* N/s, N.m/s */
+    double spring_rate, damper_rate, F_rate; /* N/s, N.s/m, N/s */
+} Drift;
+
+static Drift drift_of(const Way *w, const Shape *s, const Balance *now, double t) {
     const Params *p = w->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower;
-    const Shape s = shape_at(w, now->theta);
-    const Grip g = grip_of(w, &s);
     const Damping damping = damping_of(w);
     const bool inertial = w->kind == FLOW_INERTIAL;
-    const double omega = now->omega;
-    const double change = now->pace.by_time + (w->kind == FLOW_QUASISTATIC ? 0.0 : now->pace.by_theta * omega) +
-                          now->pace.by_omega * now->alpha;
-    const double alpha = inertial ? now->alpha : change, jerk = inertial ? change : 0.0;
-    const double v = s.lift.value * omega, spin2 = omega * omega;
-    const double damper_rate = damping.c + 2.0 * damping.q * fabs(v);
-    const double F_rate = input_rate(w->inputs->F_ext, t);
-    const double follow = s.lift.value * alpha + s.lift_rate.value * spin2; /* z_ddot */
-    const double axial = now->force + now->damper + m * (inertial ? follow : 0.0);
-    const double twist = I * (s.turn[0].value * now->alpha + s.turn_rate.value * spin2);
-    const double spring_speed = spring_rate(&p->spring, s.z) * v;
-    const double axial_rate =
-        spring_speed + F_rate + damper_rate * follow +
-        m * (s.lift.value * jerk + 3.0 * s.lift_rate.value * omega * alpha + s.lift_rate.slope * spin2 * omega);
-    const double twist_rate =
-        I * (s.turn[0].value * jerk + 3.0 * s.turn_rate.value * omega * alpha + s.turn_rate.slope * spin2 * omega);
-
-    /* sizes: the same sums without their signs */
-    const Course *course = w->course;
-    const double z = fabs(s.z) + COURSE_SHARE * course->z_size;
-    const double spring_size = fabs(p->spring.preload) +
-                               z * (fabs(p->spring.stiffness) +
-                                    z * (fabs(p->spring.stiffness2) + z * fabs(p->spring.stiffness3)));
-    const double force_size = spring_size + fabs(now->F_ext) + fabs(now->damper);
-    const double delta = fabs(g.delta.value), inverse = 1.0 / delta;
-    const double mass = now->pace.resistance;
-    const double torque_size = fabs(now->tau) + p->shaft.damping * fabs(omega);
-    const double swirl = (fabs(g.p.value * m * s.lift_rate.value) + fabs(g.q.value * I * s.turn_rate.value)) * spin2;
-    const double pace_size = inertial ? (delta * torque_size + fabs(g.p.value) * force_size + swirl) / mass : 0.0;
-    const double axial_size = force_size + m * (fabs(s.lift.value) * pace_size + fabs(s.lift_rate.value) * spin2);
-    const double twist_size = I * (fabs(s.turn[0].value) * pace_size + fabs(s.turn_rate.value) * spin2);
-    const double jerk_size = inertial ? fabs(now->pace.by_theta * omega) + fabs(now->pace.by_omega) * pace_size +
-                                            fabs(now->pace.by_time)
-                                      : 0.0;
-    const double alpha_size = inertial ? pace_size : fabs(alpha);
-    const double axial_rate_size =
-        fabs(spring_speed) + fabs(F_rate) +
-        damper_rate * (fabs(s.lift.value) * alpha_size + fabs(s.lift_rate.value) * spin2) +
-        m * (fabs(s.lift.value) * jerk_size + 3.0 * fabs(s.lift_rate.value * omega) * alpha_size);
-    const double twist_rate_size =
-        I * (fabs(s.turn[0].value) * jerk_size + 3.0 * fabs(s.turn_rate.value * omega) * alpha_size);
-
-    *out = (Trend){
-        .pace = change,
-        .pace_size = pace_size,
-        .net = now->tau - p->shaft.damping * (inertial ? omega : 0.0) - g.p.value / g.delta.value * now->force,
-        .net_size = torque_size + grip_size(w, &s) * inverse * force_size,
+    const double omega = now->omega, spin2 = omega * omega, v = s->lift.value * omega;
+    Drift d = {
+        .pace = now->pace.by_time + (w->kind == FLOW_QUASISTATIC ? 0.0 : now->pace.by_theta * omega) +
+                now->pace.by_omega * now->alpha,
+        .spring_rate = spring_rate(&p->spring, s->z) * v,
+        .damper_rate = damping.c + 2.0 * damping.q * fabs(v),
+        .F_rate = input_rate(w->inputs->F_ext, t),
     };
-    const double sign[2] = {-1.0, 1.0};
-    for (int i = 0; i < 2; i++) {
-        const int other = 1 - i;
-        const Dual rn = g.rn[other], d = dual_scale(sign[i], g.d[other]);
-        out->contact[i] = (rn.slope * omega * axial + rn.value * axial_rate + d.slope * omega * twist +
-                           d.value * twist_rate - now->x[i] * g.delta.slope * omega) /
-                          g.delta.value;
-        const double rn_size = fabs(rn.value) + w->params->cam[other].radius * course->slope_size;
-        out->size[i] = (rn_size * axial_size + fabs(d.value) * twist_size) * inverse;
-        out->rate_size[i] = (fabs(rn.slope * omega) * axial_size + fabs(rn.value) * axial_rate_size +
-                             fabs(d.slope * omega) * twist_size + fabs(d.value) * twist_rate_size +
-                             out->size[i] * fabs(g.delta.slope * omega)) *
-                            inverse;
-    }
+    d.alpha = inertial ? now->alpha : d.pace;
+    d.jerk = inertial ? d.pace : 0.0;
+    const double follow = s->lift.value * d.alpha + s->lift_rate.value * spin2; /* d^2 z/dt^2 */
+    d.axial = now->force + now->damper + m * (inertial ? follow : 0.0);
+    d.twist = I * (s->turn[0].value * now->alpha + s->turn_rate.value * spin2);
+    d.axial_rate = d.spring_rate + d.F_rate + d.damper_rate * follow +
+                   m * (s->lift.value * d.jerk + 3.0 * s->lift_rate.value * omega * d.alpha +
+                        s->lift_rate.slope * spin2 * omega);
+    d.twist_rate = I * (s->turn[0].value * d.jerk + 3.0 * s->turn_rate.value * omega * d.alpha +
+                        s->turn_rate.slope * spin2 * omega);
+    return d;
+}
+
+/* The same sums without their signs: their rounding errors are a few eps of these. */
+typedef struct {
+    double force, torque, pace;   /* N, N.m, rad/s^2 */
+    double axial, twist;          /* N, N.m */
+    double axial_rate, twist_rate;
+} Sizes;
+
+static double force_size(const Way *w, const Shape *s, const Balance *now) {
+    const SpringParams *spring = &w->params->spring;
+    const double z = fabs(s->z) + COURSE_SHARE * w->course->z_size;
+    return fabs(spring->preload) + fabs(now->F_ext) + fabs(now->damper) +
+           z * (fabs(spring->stiffness) + z * (fabs(spring->stiffness2) + z * fabs(spring->stiffness3)));
+}
+
+static Sizes sizes_of(const Way *w, const Shape *s, const Grip *g, const Balance *now, const Drift *d) {
+    const Params *p = w->params;
+    const double m = p->inertia.follower_mass, I = p->inertia.follower;
+    const double omega = fabs(now->omega), spin2 = omega * omega;
+    const double lift = fabs(s->lift.value), lift_rate = fabs(s->lift_rate.value);
+    const double turn = fabs(s->turn[0].value), turn_rate = fabs(s->turn_rate.value);
+    const bool inertial = w->kind == FLOW_INERTIAL;
+    Sizes size = {.force = force_size(w, s, now), .torque = fabs(now->tau) + p->shaft.damping * omega};
+    const double swirl = (fabs(g->p.value) * m * lift_rate + fabs(g->q.value) * I * turn_rate) * spin2;
+    if (inertial)
+        size.pace = (fabs(g->delta.value) * size.torque + fabs(g->p.value) * size.force + swirl) / now->pace.resistance;
+    const double alpha = inertial ? size.pace : fabs(d->alpha);
+    const double jerk = inertial ? fabs(now->pace.by_theta) * omega + fabs(now->pace.by_omega) * size.pace +
+                                       fabs(now->pace.by_time)
+                                 : 0.0;
+    size.axial = size.force + m * (lift * size.pace + lift_rate * spin2);
+    size.twist = I * (turn * size.pace + turn_rate * spin2);
+    size.axial_rate = fabs(d->spring_rate) + fabs(d->F_rate) + d->damper_rate * (lift * alpha + lift_rate * spin2) +
+                      m * (lift * jerk + 3.0 * lift_rate * omega * alpha);
+    size.twist_rate = I * (turn * jerk + 3.0 * turn_rate * omega * alpha);
+    return size;
+}
+
+/* d x_1/dt from x_1 = (rn2 A - d2 W)/Delta, and the sizes of both; likewise x_2 = (rn1 A + d1 W)/Delta. */
+static void contact_trend(const Way *w, const Grip *g, const Balance *now, const Drift *d, const Sizes *size, int i,
+                          Trend *out) {
+    const int other = 1 - i;
+    const double omega = now->omega, inverse = 1.0 / fabs(g->delta.value);
+    const Dual rn = g->rn[other], arm = dual_scale(i == 0 ? -1.0 : 1.0, g->d[other]);
+    const double rn_size = fabs(rn.value) + w->params->cam[other].radius * w->course->slope_size;
+    out->contact[i] = (rn.slope * omega * d->axial + rn.value * d->axial_rate + arm.slope * omega * d->twist +
+                       arm.value * d->twist_rate - now->x[i] * g->delta.slope * omega) /
+                      g->delta.value;
+    out->size[i] = (rn_size * size->axial + fabs(arm.value) * size->twist) * inverse;
+    out->rate_size[i] = (fabs(rn.slope * omega) * size->axial + fabs(rn.value) * size->axial_rate +
+                         fabs(arm.slope * omega) * size->twist + fabs(arm.value) * size->twist_rate +
+                         out->size[i] * fabs(g->delta.slope * omega)) *
+                        inverse;
+}
+
+void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
+    const Shape s = shape_at(w, now->theta);
+    const Grip g = grip_of(w, &s);
+    const Drift d = drift_of(w, &s, now, t);
+    const Sizes size = sizes_of(w, &s, &g, now, &d);
+    const double drag = w->kind == FLOW_INERTIAL ? w->params->shaft.damping * now->omega : 0.0;
+    *out = (Trend){
+        .pace = d.pace,
+        .pace_size = size.pace,
+        .net = now->tau - drag - g.p.value / g.delta.value * now->force,
+        .net_size = size.torque + grip_size(w, &s) / fabs(g.delta.value) * size.force,
+    };
+    for (int i = 0; i < 2; i++) contact_trend(w, &g, now, &d, &size, i, out);
 }
 
 Booking balance_power(const Way *w, const Balance *now) {

@@ -12,6 +12,15 @@ double bernstein_value(const Bernstein *p, double x) {
     return c[0];
 }
 
+bool bernstein_is_monotone(const Bernstein *p) {
+    bool rises = true, falls = true;
+    for (int i = 0; i < p->degree; i++) {
+        rises = rises && p->c[i + 1] >= p->c[i];
+        falls = falls && p->c[i + 1] <= p->c[i];
+    }
+    return rises || falls;
+}
+
 /* The halves of p, each on [0, 1] again (de Casteljau). */
 static void halve(const Bernstein *p, Bernstein *left, Bernstein *right) {
     const int n = p->degree;

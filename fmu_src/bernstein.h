@@ -17,6 +17,9 @@ typedef struct {
 
 double bernstein_value(const Bernstein *p, double x);
 
+/* True if p surely rises or falls throughout: its coefficients do. */
+bool bernstein_is_monotone(const Bernstein *p);
+
 /* First x in (0, 1] at which p falls below zero, or infinity. A p that is not positive at 0 falls at 0, unless
  * it rises there. */
 double bernstein_descent(const Bernstein *p);

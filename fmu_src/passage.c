@@ -88,7 +88,6 @@ typedef struct {
     const Way *way;
     double room;       /* rad, to the stop */
     double border;     /* rad, to the end of the piece, or infinity */
-    double noise[2];   /* of x_i: less is zero */
     bool edge;         /* viscous, with the damper's load on other flanks than the spring's */
 } Guard;
 
@@ -117,8 +116,12 @@ static double watched(const Guard *g, Watch watch, const Leap *leap, int node) {
     }
 }
 
-static double noise_of(const Guard *g, Watch watch) {
-    return watch == WATCH_FLANK_1 ? g->noise[0] : (watch == WATCH_FLANK_2 ? g->noise[1] : 0.0);
+/* A value of x_i of less than this is zero. */
+static double noise_of(const Guard *g, Watch watch, const Balance *start) {
+    if (watch != WATCH_FLANK_1 && watch != WATCH_FLANK_2) return 0.0;
+    Trend trend;
+    balance_trend(g->way, start, 0.0, &trend);
+    return NO_REACTION * trend.size[watch == WATCH_FLANK_1 ? 0 : 1];
 }
 
 static EventKind kind_of_watch(Watch watch) {
@@ -146,7 +149,7 @@ static double crossing(const Guard *g, Watch watch, const Leap *leap) {
         high = fmax(high, value[j]);
     }
     if (low > SURE * (high - low)) return INFINITY;
-    const double noise = noise_of(g, watch);
+    const double noise = noise_of(g, watch, &leap->start);
     for (int j = 0; j <= r->stages; j++)
         if (fabs(value[j]) <= noise) value[j] = 0.0;
     Bernstein p = radau_polynomial(r, value);
@@ -237,11 +240,9 @@ static Guard guard_of(const Way *way, const Balance *start, double room) {
         const double border = way->direction * ((way->direction > 0 ? piece->upper : piece->lower) - start->theta);
         g.border = fmax(border, 0.0) + (knot ? KNOT_PASSED : BORDER_PASSED) * width;
     }
-    if (!has_friction(way->params)) return g;
-    Trend trend;
-    balance_trend(way, start, 0.0, &trend);
-    for (int i = 0; i < 2; i++) g.noise[i] = NO_REACTION * trend.size[i];
-    if (way->kind == FLOW_VISCOUS) {
+    if (has_friction(way->params) && way->kind == FLOW_VISCOUS) {
+        Trend trend;
+        balance_trend(way, start, 0.0, &trend);
         const double differs = beyond_edge(way, start) - way->direction * trend.net;
         g.edge = !(fabs(differs) <= 1e-12 * trend.net_size);
     }
@@ -266,6 +267,7 @@ static double peak_of_values(const Way *way, const Leap *leap, const double valu
     const double largest = fmax(fabs(low), fabs(high));
     if (largest + SURE * (high - low) <= known) return largest;
     const Bernstein p = radau_polynomial(r, value);
+    if (bernstein_is_monotone(&p)) return largest;
     const double x = bernstein_peak(&p);
     const double size = fabs(bernstein_value(&p, x));
     if (!(size > largest) || x <= 0.0 || x >= 1.0) return largest;
