@@ -37,6 +37,7 @@ from scipy.integrate._ivp import dop853_coefficients as dop853
 from scipy.integrate._ivp.rk import RK45
 
 ROOT = Path(__file__).resolve().parent.parent
+PICTURE = Path(__file__).resolve().parent.parent / "docs" / "integrators.png"
 sys.path[:0] = [str(ROOT / "fmu_src"), str(ROOT / "benchmarks")]
 import build_fmu  # noqa: E402
 import step_cost  # noqa: E402
@@ -572,8 +573,8 @@ def main() -> None:
     if not arguments.scene:
         arguments.output.parent.mkdir(parents=True, exist_ok=True)
         write(arguments.output, results, facts)
-        picture(cast, results, arguments.output.with_suffix(".png"))
-        console.print(f"written: {arguments.output} and .png", highlight=False, markup=False)
+        picture(cast, results, PICTURE)
+        console.print(f"written: {arguments.output} and {PICTURE}", highlight=False, markup=False)
 
 
 if __name__ == "__main__":

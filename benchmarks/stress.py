@@ -273,10 +273,10 @@ def inertia(tables: Tables) -> Iterator[Scene]:
             sizes = Sizes.of(p)
             rise = (1.1 * sizes.torque(1.1) - torque) / 0.05
             smooth = [Interval(0.05, torque, rise), Interval(0.05, torque + 0.05 * rise)]
-            stiff = judge == "simulate" and J < 1e-5
-            yield Scene(
-                row, p, smooth, "radau" if stiff else judge, f"J {J:g}, damped", general=general, steps=3
-            )
+            if judge == "simulate" and J < 1e-5:
+                yield Scene(row, p, smooth[:1], "radau", f"J {J:g}, damped", steps=6)
+            else:
+                yield Scene(row, p, smooth, judge, f"J {J:g}, damped", general=general, steps=3)
             if J <= 1e-6:
                 decay = J / (0.003 + 200.0 * sizes.lift() ** 2)
                 yield Scene(
@@ -546,7 +546,10 @@ def dampers(tables: Tables) -> Iterator[Scene]:
                 if exact:
                     yield Scene(row, p, both, "exact", label, general=True, steps=2)
                     continue
-                yield Scene(row, p, smooth, "radau" if size > 1e3 else "simulate", label, steps=2)
+                if size > 1e3:
+                    yield Scene(row, p, smooth[:1], "radau", label, steps=4)
+                else:
+                    yield Scene(row, p, smooth, "simulate", label, steps=2)
                 if size >= 1e5:
                     slow = 0.002 / (Sizes.of(p).lift() ** 2 * (c + 2.0 * q * 0.005 / time))
                     yield Scene(

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "event.h"
+#include "leap.h"
 #include "stick.h"
 
 Launch launch_of(const Mechanism *m, const Slip *slip) {
@@ -64,6 +65,26 @@ static Look look_at_closed_form(const Mechanism *m, const Slip *slip) {
     return look;
 }
 
+/* Where neither x_i nor its rate tells a flank, x_i a little later does: inputs can begin as slowly as t^3. Kept in
+ * place of the second derivative. */
+static void look_ahead(const Way *way, const Balance *now, Look *look) {
+    const double SHARE = 1e-3; /* of the motion's time scale, and at most as many seconds */
+    const double dt = SHARE * fmin(1.0, leap_time_scale(way, now));
+    const double omega = look->omega + dt * (look->alpha + dt / 2.0 * look->jerk);
+    const double theta = now->theta + dt * (look->omega + dt / 2.0 * (look->alpha + dt / 3.0 * look->jerk));
+    Balance later;
+    balance_at(way, theta, omega, dt, &later);
+    for (int i = 0; i < 2; i++) {
+        look->contact[i].curvature = later.x[i];
+        look->size[i].curvature = look->size[i].value;
+    }
+}
+
+static bool is_undecided(const Look *look, int i) {
+    return fabs(look->contact[i].value) <= NO_REACTION * look->size[i].value &&
+           fabs(look->contact[i].rate) <= NO_REACTION * look->size[i].rate;
+}
+
 static Look look_at_any_form(const Mechanism *m, int index) {
     const Way way = way_from_here(m, index);
     const Balance now = balance_from_here(m, &way);
@@ -89,6 +110,7 @@ static Look look_at_any_form(const Mechanism *m, int index) {
         look.contact[i] = (Contact){.value = now.x[i], .rate = trend.contact[i]};
         look.size[i] = (Contact){.value = trend.size[i], .rate = trend.rate_size[i]};
     }
+    if (is_undecided(&look, 0) || is_undecided(&look, 1)) look_ahead(&way, &now, &look);
     return look;
 }
 

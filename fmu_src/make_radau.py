@@ -13,7 +13,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import mpmath
 
@@ -21,8 +23,8 @@ TARGET = Path(__file__).with_name("radau_table.h")
 STAGES = (3, 5, 7)
 MP = mpmath.MPContext()
 MP.dps = 60
-Number = mpmath.ctx_mp_python._mpf
-Polynomial = list  # coefficients, constant first
+Number = Any  # of MP
+Polynomial = list[Any]  # coefficients, constant first
 
 
 def multiply(p: Polynomial, q: Polynomial) -> Polynomial:
@@ -51,7 +53,7 @@ def nodes(s: int) -> list[Number]:
     grid = [MP.mpf(k) / 2000 for k in range(2000)]
     found = [
         MP.findroot(defining, (a, b), solver="anderson", tol=MP.mpf(10) ** -55)
-        for a, b in zip(grid, grid[1:], strict=False)
+        for a, b in pairwise(grid)
         if defining(a) * defining(b) < 0
     ]
     assert len(found) == s - 1

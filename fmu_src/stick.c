@@ -70,6 +70,9 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
     const EdgeFactors f = stick_edges(m, side_of(m, F_0));
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
+    const double LEVEL = 1e-9; /* of the rates that should cancel */
+    const double rates[2] = {m->inputs.tau[1], stick_edge(factor, m->inputs.F_ext[1])};
+    if (fabs(rates[0] - rates[1]) > LEVEL * (fabs(rates[0]) + fabs(rates[1]))) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 

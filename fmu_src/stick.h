@@ -36,7 +36,7 @@ double stick_edge(double factor, double F_0); /* N.m */
 /* +1: the torque loads, -1: it releases, 0: it is inside the stick band. The inclusion of section 3. */
 int stick_pressed(const Mechanism *m);
 
-/* Is the torque on the band's edge of that direction, to rounding? */
+/* Is the torque on the band's edge of that direction, and moves along with it, to rounding? */
 bool stick_is_on_edge(const Mechanism *m, int direction);
 
 /* MODE_STICK, or MODE_WEDGED: at rest inside the band, where an edge is infinite, torque beyond the frictionless

@@ -3,7 +3,7 @@ import sys
 import zipfile
 
 import pytest
-from driver import ROOT, Driver, load, models
+from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
@@ -77,9 +77,16 @@ def fmu(make):
 
 @pytest.fixture(scope="session")
 def core(tmp_path_factory):
-    """The C core's pure functions (no FMI), to be called one by one."""
-    library = tmp_path_factory.mktemp("core") / "libcore.so"
-    sources = [ROOT / "fmu_src" / f"{name}.c" for name in ("contact", "oscillator")]
-    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
-    build_fmu.compile_c(build_fmu.ZIG, flags, sources, library)
-    return ctypes.CDLL(str(library))
+    """Compiles files of the C core (no FMI), whose functions are then called one by one."""
+
+    def compiled(names, structures, code=""):
+        directory = tmp_path_factory.mktemp("core")
+        shim, library = directory / "shim.c", directory / "libcore.so"
+        includes = "".join(f'#include "{name}.h"\n' for name in names)
+        shim.write_text("#include <stddef.h>\n" + includes + layout_code(structures) + code)
+        sources = [ROOT / "fmu_src" / f"{name}.c" for name in names]
+        flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET, str(shim)]
+        build_fmu.compile_c(build_fmu.ZIG, flags, sources, library)
+        return ctypes.CDLL(str(library))
+
+    return compiled

@@ -163,6 +163,21 @@ def load(binary: Path) -> ctypes.CDLL:
 references = FORWARD.references
 
 
+def layout_code(structures: list[type[Structure]]) -> str:
+    """C code that compiles only if these have the members, places and sizes of the C structs of the same
+    names. Past the end of a structure that lacks one, C writes into whatever is there: Python fails later."""
+    lines = []
+    for structure in structures:
+        name = structure.__name__
+        places = {f"sizeof({name})": ctypes.sizeof(structure)}
+        for member, *_ in structure._fields_:
+            field = getattr(structure, member)
+            places[f"offsetof({name}, {member})"] = field.offset
+            places[f"sizeof((({name} *)0)->{member})"] = field.size
+        lines += [f'_Static_assert({place} == {n}, "{name}");' for place, n in places.items()]
+    return "\n".join(lines) + "\n"
+
+
 def to_c(type_, values):
     encoded = [v.encode() if isinstance(v, str) else v for v in values]
     return (VALUE[type_] * len(encoded))(*encoded)

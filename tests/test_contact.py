@@ -28,11 +28,12 @@ class BandFactors(Structure):
 
 @pytest.fixture(scope="module")
 def contact(core):
-    core.contact_transfer.restype = Transfer
-    core.contact_transfer.argtypes = [POINTER(Geometry), c_int, c_int * 2]
-    core.contact_band.restype = BandFactors
-    core.contact_band.argtypes = [POINTER(Geometry)]
-    return core
+    c = core(["contact"], [Geometry, Transfer, BandFactors])
+    c.contact_transfer.restype = Transfer
+    c.contact_transfer.argtypes = [POINTER(Geometry), c_int, c_int * 2]
+    c.contact_band.restype = BandFactors
+    c.contact_band.argtypes = [POINTER(Geometry)]
+    return c
 
 
 def helices(r1, r2, lambda1, lambda2, mu1, mu2):

@@ -86,7 +86,7 @@ def cuts(rng: np.random.Generator, duration: float) -> list[float]:
 
 def allowed_errors(scene: Scene, tolerance: float) -> dict[str, float]:
     size = scales(scene.points)
-    # A snap out of a followed edge begins where the edge is level. There the rounding of a torque, some 1e-16,
+    # A snap out of a followed edge begins where the edge is level. There the rounding of a torque, 1e-16,
     # moves theta by its square root, and the energies by a tenth of that at most.
     if any(math.isinf(p.peak["omega"]) for p in scene.points):
         tolerance = max(tolerance, 1e-10)

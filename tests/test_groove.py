@@ -1,24 +1,23 @@
 """Groove laws (fmu_src/groove*.c) and the pair of them along theta (fmu_src/course.c)."""
 
-import ctypes
 import locale
 import math
 from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t
 from itertools import pairwise
 
-import build_fmu
 import mpmath
 import numpy as np
 import pytest
-from driver import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
 HELIX, ELLIPSE, TABLE = 1, 2, 3
 DEGREE = 12
 EPS = np.finfo(float).eps
-SHIM = '#include "course.h"\nSpot spot(const Piece *p, double t);\n'
-SHIM += "Spot spot(const Piece *p, double t) { return piece_at(p, t); }\n"
+SHIM = """
+Spot spot(const Piece *p, double t);
+Spot spot(const Piece *p, double t) { return piece_at(p, t); }
+"""
 
 
 class CamParams(Structure):
@@ -79,18 +78,18 @@ class Course(Structure):
         ("count", c_size_t),
         ("piece", POINTER(Piece)),
         ("straight", c_bool),
+        ("slope_size", c_double),
+        ("z_size", c_double),
     ]
 
 
+FILES = ["course", "groove", "groove_table", "groove_csv"]
+STRUCTURES = [CamParams, Fault, GroovePoint, TablePiece, Table, Groove, Piece, Spot, Course]
+
+
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    directory = tmp_path_factory.mktemp("groove")
-    shim = directory / "shim.c"
-    shim.write_text(SHIM)
-    sources = [ROOT / "fmu_src" / f"{n}.c" for n in ("course", "groove", "groove_table", "groove_csv")]
-    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET, str(shim)]
-    build_fmu.compile_c(build_fmu.ZIG, flags, sources, directory / "libgroove.so")
-    c = ctypes.CDLL(str(directory / "libgroove.so"))
+def library(core):
+    c = core(FILES, STRUCTURES, SHIM)
     for name, result, arguments in (
         ("groove_build", c_bool, [POINTER(Groove), POINTER(CamParams), c_int, c_char_p, POINTER(Fault)]),
         ("groove_free", None, [POINTER(Groove)]),

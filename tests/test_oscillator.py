@@ -27,12 +27,13 @@ class Kernel(ctypes.Structure):
 
 @pytest.fixture(scope="module")
 def library(core):
-    core.oscillator_of.restype = Oscillator
-    core.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
-    core.oscillator_zero.restype = ctypes.c_double
-    core.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
-    core.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
-    return core
+    c = core(["oscillator"], [Oscillator, Kernel])
+    c.oscillator_of.restype = Oscillator
+    c.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
+    c.oscillator_zero.restype = ctypes.c_double
+    c.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
+    c.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
+    return c
 
 
 def kernel_of(library, decay2, stiffness, t):

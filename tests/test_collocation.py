@@ -1,0 +1,139 @@
+"""The numbers and the polynomials that the integrator of general grooves rests on."""
+
+import ctypes
+import math
+import subprocess
+import sys
+from fractions import Fraction
+from itertools import pairwise
+
+import build_fmu
+import numpy as np
+import pytest
+from driver import ROOT
+from hypothesis import given
+from hypothesis import strategies as st
+
+MOST = 7  # stages
+
+
+class Radau(ctypes.Structure):
+    """radau.h"""
+
+    _fields_ = (
+        ("stages", ctypes.c_int),
+        ("node", ctypes.c_double * MOST),
+        ("once", (ctypes.c_double * MOST) * MOST),
+        ("twice", (ctypes.c_double * MOST) * MOST),
+        ("at_start", ctypes.c_double * MOST),
+        ("defect_once", ctypes.c_double),
+        ("defect_twice", ctypes.c_double),
+        ("bernstein", (ctypes.c_double * (MOST + 1)) * (MOST + 1)),
+    )
+
+
+class Bernstein(ctypes.Structure):
+    """bernstein.h"""
+
+    _fields_ = (("degree", ctypes.c_int), ("c", ctypes.c_double * 9))
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    path = tmp_path_factory.mktemp("collocation") / "lib.so"
+    sources = [ROOT / "fmu_src" / f"{name}.c" for name in ("radau", "bernstein")]
+    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
+    build_fmu.compile_c(build_fmu.ZIG, flags, sources, path)
+    made = ctypes.CDLL(str(path))
+    made.radau_of.restype = ctypes.POINTER(Radau)
+    made.radau_polynomial.restype = Bernstein
+    made.radau_polynomial.argtypes = (ctypes.POINTER(Radau), ctypes.POINTER(ctypes.c_double))
+    for name in ("bernstein_descent", "bernstein_peak", "bernstein_value"):
+        getattr(made, name).restype = ctypes.c_double
+    made.bernstein_value.argtypes = (ctypes.POINTER(Bernstein), ctypes.c_double)
+    made.bernstein_is_monotone.restype = ctypes.c_bool
+    return made
+
+
+def test_table_is_what_its_script_computes():
+    command = [sys.executable, str(ROOT / "fmu_src" / "make_radau.py"), "--check"]
+    assert subprocess.run(command, capture_output=True, text=True).returncode == 0
+
+
+@pytest.mark.parametrize("stages", [3, 5, 7])
+def test_order_conditions(library, stages):
+    """Exact integrals of monomials: at the end to degree 2s - 2, inside to degree s - 1, once and twice."""
+    r = library.radau_of(stages).contents
+    assert r.stages == stages
+    c = np.array(r.node[:stages])
+    once = np.array([row[:stages] for row in r.once[:stages]])
+    twice = np.array([row[:stages] for row in r.twice[:stages]])
+    assert c[-1] == 1
+    assert np.all(np.diff(c) > 0)
+    for k in range(2 * stages - 1):
+        assert once[-1] @ c**k == pytest.approx(float(Fraction(1, k + 1)), abs=2e-16 * 8)
+    for k in range(stages):
+        np.testing.assert_allclose(once @ c**k, c ** (k + 1) / (k + 1), atol=2e-15)
+        np.testing.assert_allclose(twice @ c**k, c ** (k + 2) / (k + 1) / (k + 2), atol=2e-15)
+        assert np.array(r.at_start[:stages]) @ c**k == pytest.approx(float(k == 0), abs=1e-14)
+
+
+@pytest.mark.parametrize("stages", [3, 5, 7])
+def test_polynomial_through_start_and_nodes(library, stages):
+    r = library.radau_of(stages)
+    c = np.array([0.0, *r.contents.node[:stages]])
+    coefficients = np.random.default_rng(stages).normal(size=stages + 1)
+    values = (ctypes.c_double * (MOST + 1))(*np.polyval(coefficients, c))
+    p = library.radau_polynomial(r, values)
+    for x in np.linspace(0, 1, 21):
+        expected = np.polyval(coefficients, x)
+        assert library.bernstein_value(ctypes.byref(p), x) == pytest.approx(expected, abs=1e-11)
+
+
+def polynomial(roots, lead):
+    """Bernstein form of lead times the product of (x - root)."""
+    degree = len(roots)
+    power = (lead * np.poly(roots))[::-1]
+    c = [
+        math.fsum(math.comb(i, k) / math.comb(degree, k) * power[k] for k in range(i + 1))
+        for i in range(degree + 1)
+    ]
+    return Bernstein(degree, (ctypes.c_double * 9)(*c))
+
+
+@given(
+    st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=7),
+    st.sampled_from([-1.0, 1.0]),
+)
+def test_first_descent(library, roots, lead):
+    """The first sign change from + to -, with every root well apart from the others and from 0 and 1."""
+    marks = sorted([*roots, 0.0, 1.0])
+    if min(b - a for a, b in pairwise(marks)) < 0.02:
+        return
+    p = polynomial(roots, lead)
+    found = library.bernstein_descent(ctypes.byref(p))
+    inside = sorted(r for r in roots if 0 < r < 1)
+    above = [r for r in roots if r > 0]
+    positive = lead * (-1) ** len(above) > 0  # at 0
+    if not positive:
+        rises = library.bernstein_value(ctypes.byref(p), 1e-9) > library.bernstein_value(ctypes.byref(p), 0.0)
+        if not rises:
+            assert found == 0
+        return
+    assert found == (pytest.approx(inside[0], abs=1e-9) if inside else math.inf)
+
+
+def test_a_double_zero_is_not_stepped_over(library):
+    """Two zeros a millionth apart, between any samples."""
+    p = polynomial([0.37, 0.370001, 1.7], -1.0)
+    assert library.bernstein_descent(ctypes.byref(p)) == pytest.approx(0.37, abs=1e-9)
+
+
+def test_peak_and_monotone(library):
+    p = polynomial([0.2, 0.8], 1.0)
+    assert library.bernstein_peak(ctypes.byref(p)) in (0.0, 1.0)
+    p = polynomial([-0.1, 1.1], 1.0)
+    assert library.bernstein_peak(ctypes.byref(p)) == pytest.approx(0.5, abs=1e-9)
+    assert not library.bernstein_is_monotone(ctypes.byref(p))
+    rising = polynomial([-0.5], 1.0)
+    assert library.bernstein_is_monotone(ctypes.byref(rising))
