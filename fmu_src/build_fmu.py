@@ -2,7 +2,7 @@
 
     python fmu_src/build_fmu.py             build/DualCamForward.fmu, DualCamInverse.fmu and NullFmu.fmu
     python fmu_src/build_fmu.py --check     the same, but fail if the committed XML is not fresh
-    python fmu_src/build_fmu.py --sanitize  the native test driver, with sanitizers and without
+    python fmu_src/build_fmu.py --sanitize  the native test drivers, with sanitizers and without
 
 The compiler is the one in the `ziglang` wheel, so any machine with Python builds the same binary; it
 runs on every Linux with glibc >= 2.17. Nothing is done when no input has changed since the last time.
@@ -276,14 +276,14 @@ def sanitizing_compiler(scratch: Path) -> tuple[list[str], list[str], str]:
 
 
 def build_native_drivers(fmu: Fmu) -> None:
-    """tests/native/lifecycle.c linked with the FMU's sources: `lifecycle-sanitized`, and `lifecycle`
+    """tests/native/lifecycle.c linked with the FMU's sources: `<identifier>-sanitized`, and `<identifier>`
     for valgrind. Warnings are left to the pinned compiler: those of a system's gcc differ by version."""
     folder = BUILD / "native"
     compiler, sanitizers, name = sanitizing_compiler(folder)
     plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
     for program, command, flags in (
-        (folder / "lifecycle-sanitized", compiler, sanitizers),
-        (folder / "lifecycle", plain, []),
+        (folder / f"{fmu.identifier}-sanitized", compiler, sanitizers),
+        (folder / fmu.identifier, plain, []),
     ):
         flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
         stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), Path(__file__).resolve()], *command, *flags)
@@ -296,7 +296,7 @@ def build_native_drivers(fmu: Fmu) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--check", action="store_true", help="fail if the committed XML is not fresh")
-    parser.add_argument("--sanitize", action="store_true", help="build the native test driver instead")
+    parser.add_argument("--sanitize", action="store_true", help="build the native test drivers instead")
     arguments = parser.parse_args()
     BUILD.mkdir(exist_ok=True)
     try:
@@ -305,6 +305,7 @@ def main() -> int:
             forward, inverse = (dual_cam(identifier, arguments.check) for identifier in MODELS)
             if arguments.sanitize:
                 build_native_drivers(forward)
+                build_native_drivers(inverse)
             else:
                 build(forward)
                 build(inverse)

@@ -211,6 +211,16 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     return false;
 }
 
+/* At the stop, would it have turned back before theta shows it? Then it is not stopped: a swing that returns to the stop
+ * where it began touches it or not by rounding, and the little speed it has there takes time to lose. */
+static bool turns_within_rounding(const Guard *g, const Leap *leap) {
+    const Balance *end = &leap->node[leap->method->stages - 1];
+    const double UNSEEN = 64.0 * DBL_EPSILON; /* of the angles involved: a stretch adds up that much */
+    const double size = fmax(fabs(g->way->params->stop.upper), fabs(g->way->params->stop.lower));
+    const double braking = -g->way->direction * end->alpha;
+    return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * UNSEEN * size;
+}
+
 /* Without inertia a speed that is only nearly zero would go on: the leap is made longer by roundings until it is past
  * zero. */
 static void step_past_rest(const Guard *g, Leap *leap) {
@@ -324,9 +334,12 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         Watch which = WATCH_REST;
         const double x = first_crossing(&g, leap, ignored, &which);
         if (!(x < INFINITY)) break;
-        if (confirm(&g, which, x, leap)) {
+        const Leap before = *leap;
+        if (confirm(&g, which, x, leap) && !(which == WATCH_STOP && turns_within_rounding(&g, leap))) {
             passage->kind = kind_of_watch(which);
             passage->at_border = which == WATCH_BORDER;
+        } else {
+            *leap = before;
         }
         ignored |= 1u << which;
     }

@@ -54,9 +54,9 @@ def test_table_of_the_robot_joint():
 
 
 def test_variables_named_exist():
-    from driver import VARIABLES
+    from driver import models
 
     named = set(
         re.findall(r"`((?:cam[12]|spring|damper|inertia|stop|shaft|initial|energy|peak)\.\w+)`", README)
     )
-    assert named <= set(VARIABLES)
+    assert named <= set().union(*(m.variables for m in models.values()))
