@@ -387,7 +387,8 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
     if (way->kind == FLOW_INERTIAL) {
         sum_add(&m->state.omega, leap->domega);
     } else {
-        m->state.omega = sum_of(end->omega);
+        /* the law's own speed where it has got to, not where the last iteration was */
+        m->state.omega = sum_of(balance_pace(way, m->state.theta.hi, 0.0, leap->h).value);
     }
     advance_inputs(&m->inputs, leap->h);
     return true;
@@ -403,8 +404,8 @@ static double room_ahead(const Mechanism *m, int direction) {
  * energies is of the third power of it. */
 static const double FOLD = 3e-6;
 
-/* The jump in grooves of any shape. Returns false if it leads nowhere that tells from here. */
-static bool jump_along_course(Mechanism *m, int direction, double bump) {
+/* The jump in grooves of any shape. Returns its length, rad; infinite if it ends at a stop. */
+static double jump_along_course(Mechanism *m, int direction, double bump) {
     Jump jump;
     play_jump(m, direction, bump, &jump);
     if (m->params.ledger) {
@@ -416,8 +417,7 @@ static bool jump_along_course(Mechanism *m, int direction, double bump) {
     turn(m, jump.dtheta);
     stand_still(m);
     if (jump.stopped) land(m, direction, EVENT_STOP);
-    const Piece *piece = course_piece(&m->model.course, m->state.theta.hi, direction);
-    return jump.stopped || fabs(jump.dtheta) > 4.0 * FOLD * (piece->upper - piece->lower);
+    return jump.stopped ? INFINITY : fabs(jump.dtheta);
 }
 
 static bool must_jump(const Mechanism *m) {
@@ -428,7 +428,7 @@ static bool must_jump(const Mechanism *m) {
 
 /* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
 static double jump_or_hold(Mechanism *m, double left) {
-    return jump_along_course(m, direction_of(m->state.mode), 0.0) ? 0.0 : hold(m, left);
+    return jump_along_course(m, direction_of(m->state.mode), 0.0) > 0.0 ? 0.0 : hold(m, left);
 }
 
 
@@ -457,7 +457,8 @@ static double leap_to_event(Mechanism *m, double left) {
     }
     const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
     const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left));
-    if (folds && jump_along_course(m, way.direction, fold_height(&way, &start))) return 0.0;
+    const double tells = 4.0 * FOLD * (way.piece->upper - way.piece->lower);
+    if (folds && jump_along_course(m, way.direction, fold_height(&way, &start)) > tells) return 0.0;
     if (folds && !found) return hold(m, left);
     if (!found) {
         jam(m);
