@@ -114,9 +114,10 @@ static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g,
     const double v = s->lift.value * omega;
     const double damper = v * (damping.c + damping.q * fabs(v));
     const double damper_rate = damping.c + 2.0 * damping.q * fabs(v);
-    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t) + damper,
+    const double spring = spring_force(&p->spring, s->z), F_ext = input_value(w->inputs->F_ext, t);
+    const Dual load = {spring + F_ext + damper,
                        spring_rate(&p->spring, s->z) * s->lift.value + damper_rate * s->lift.slope * omega};
-    const double tau = input_value(w->inputs->tau, t) - p->shaft.damping * omega;
+    const double drag = p->shaft.damping * omega, torque = input_value(w->inputs->tau, t), tau = torque - drag;
     Dual mass = dual_scale(J, g->delta);
     Dual net = {g->delta.value * tau - g->p.value * load.value,
                 g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
@@ -131,8 +132,10 @@ static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g,
     }
     const double inverse = 1.0 / mass.value;
     const double alpha = net.value * inverse;
+    const double force_size = fabs(spring) + fabs(F_ext) + fabs(damper);
     return (Pace){
         .value = alpha,
+        .size = (fabs(g->delta.value) * (fabs(torque) + fabs(drag)) + fabs(g->p.value) * force_size) * fabs(inverse),
         .by_theta = (net.slope - alpha * mass.slope) * inverse,
         .by_omega = net_by_omega * inverse,
         .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
@@ -150,8 +153,8 @@ static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, 
     const Params *p = w->params;
     const Damping damping = damping_of(w);
     const double tau = input_value(w->inputs->tau, t);
-    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t),
-                       spring_rate(&p->spring, s->z) * s->lift.value};
+    const double spring = spring_force(&p->spring, s->z), F_ext = input_value(w->inputs->F_ext, t);
+    const Dual load = {spring + F_ext, spring_rate(&p->spring, s->z) * s->lift.value};
     const Dual n = {g->delta.value * tau - g->p.value * load.value,
                     g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
     const Dual pz = dual_multiply(g->p, s->lift);
@@ -165,8 +168,11 @@ static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, 
     const double omega = sum != 0.0 ? 2.0 * n.value / sum : 0.0;
     const double steepness = b.value + 2.0 * c.value * fabs(omega); /* dN/d omega */
     const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
+    const double n_size =
+        fabs(g->delta.value * tau) + fabs(g->p.value) * (fabs(spring) + fabs(F_ext));
     return (Pace){
         .value = omega,
+        .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
                    inverse,

@@ -34,6 +34,7 @@ Way way_of(const Params *params, const Course *course, const Inputs *inputs, dou
 
 typedef struct {
     double value;               /* rad/s^2: alpha if inertial; else rad/s: omega */
+    double size;                /* of the terms that add up to it: its rounding is some eps of that */
     double by_theta, by_omega;  /* its partial derivatives; by_omega only if inertial */
     double by_time;
     double net;        /* N.m, quasi-static only: tau - rho F_0, torque beyond the edge */

@@ -11,6 +11,9 @@ static const double NEWTON_SHARE = 0.02;
 /* A step may look this share of a piece's width beyond its ends: the polynomials still hold 11 digits there. */
 static const double LOOK_BEYOND = 0.05;
 
+/* An iteration that gets no further this near to what is allowed has met the rounding of the forces. */
+static const double STALLED = 100.0;
+
 /* Steps whose h |by_omega| + h^2 |by_theta| is below: the derivatives hardly change. */
 static const double FROZEN = 0.05;
 
@@ -185,7 +188,7 @@ static double allowed_correction(const System *s) {
     }
     const double tolerance = s->way->params->tolerance;
     const double per_y = s->way->kind == FLOW_INERTIAL ? speed / s->h : speed;
-    return NEWTON_SHARE * tolerance * per_y + 8.0 * DBL_EPSILON * y;
+    return NEWTON_SHARE * tolerance * per_y + 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size);
 }
 
 /* Newton's method. In a short step the derivatives at the start serve throughout; else those at the nodes, renewed
@@ -203,7 +206,7 @@ static bool iterate(System *s, Leap *leap) {
         const double size = correct(s, pace, &factors, fresh);
         if (isnan(size)) return false;
         if (size <= allowed && (n > 0 || slow)) return true;
-        if (n > 3 && size > 0.5 * last) return false;
+        if (n > 3 && size > 0.5 * last) return size <= STALLED * allowed; /* rounding */
         last = size;
     }
     return false;

@@ -189,7 +189,10 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     if (x < 1e-3 && watch == WATCH_STOP) t = fmin(ballistic_time(g->way, &whole.start, g->room), whole.h);
     for (int n = 0; n < ITERATIONS; n++) {
         t = fmax(t, DBL_MIN);
-        if (!leap_solve(g->way, &whole.start, t, stages, leap)) break;
+        if (!leap_solve(g->way, &whole.start, t, stages, leap)) {
+            t = 0.5 * (left + t);
+            continue;
+        }
         const Balance *end = &leap->node[stages - 1];
         const double f = watched(g, watch, leap, stages - 1);
         if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * KNOT_PASSED * width)) return true;
@@ -221,13 +224,13 @@ static bool turns_within_rounding(const Guard *g, const Leap *leap) {
     return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * UNSEEN * size;
 }
 
-/* Without inertia a speed that is only nearly zero would go on: the leap is made longer by roundings until it is past
- * zero. */
-static void step_past_rest(const Guard *g, Leap *leap) {
+/* A load that is only nearly zero would keep its flank, and without inertia a speed its direction: the leap is made
+ * longer by roundings until it is past zero. */
+static void step_past(const Guard *g, Watch watch, Leap *leap) {
     const Balance start = leap->start;
     const int stages = leap->method->stages;
     double nudge = 8.0 * DBL_EPSILON;
-    for (int n = 0; n < 24 && watched(g, WATCH_REST, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
+    for (int n = 0; n < 24 && watched(g, watch, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
         const Leap before = *leap;
         if (leap_solve(g->way, &start, before.h * (1.0 + nudge), stages, leap)) continue;
         *leap = before;
@@ -237,7 +240,8 @@ static void step_past_rest(const Guard *g, Leap *leap) {
 
 static bool confirm(const Guard *g, Watch watch, double x, Leap *leap) {
     if (!shorten(g, watch, x, leap)) return false;
-    if (watch == WATCH_REST && g->way->kind != FLOW_INERTIAL) step_past_rest(g, leap);
+    const bool flank = watch == WATCH_FLANK_1 || watch == WATCH_FLANK_2;
+    if (flank || (watch == WATCH_REST && g->way->kind != FLOW_INERTIAL)) step_past(g, watch, leap);
     return true;
 }
 
