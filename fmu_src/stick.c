@@ -46,6 +46,13 @@ static double side_of(const Mechanism *m, double F_0) {
     return F_0;
 }
 
+/* k-th time derivative of tau - factor F_0 at rest; what is left of two that cancel is none. */
+static double excess_rate(const Mechanism *m, double factor, int k) {
+    const double CANCELLED = m->model.closed_form ? 0.0 : 1e-12;
+    const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
+    return fabs(tau - load) <= CANCELLED * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
+}
+
 /* Is tau beyond factor F_0, on the side of `sign`? At the edge itself its first derivative that is not zero decides.
  * No torque is beyond an infinite edge. */
 static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
@@ -53,7 +60,7 @@ static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign
     const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
     if (fabs(excess) > stick_tie(m) * stick_torque_size(m, factor)) return sign * excess > 0.0;
     for (int k = 1; k <= INPUT_ORDER; k++) {
-        const double rate = m->inputs.tau[k] - stick_edge(factor, m->inputs.F_ext[k]);
+        const double rate = excess_rate(m, factor, k);
         if (rate != 0.0) return sign * rate > 0.0;
     }
     return false;
@@ -71,8 +78,8 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
     const double LEVEL = 1e-9; /* of the rates that should cancel */
-    const double rates[2] = {m->inputs.tau[1], stick_edge(factor, m->inputs.F_ext[1])};
-    if (fabs(rates[0] - rates[1]) > LEVEL * (fabs(rates[0]) + fabs(rates[1]))) return false;
+    const double tau = m->inputs.tau[1], load = stick_edge(factor, m->inputs.F_ext[1]);
+    if (fabs(tau - load) > LEVEL * (fabs(tau) + fabs(load))) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
@@ -142,7 +149,7 @@ static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_
 static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double t_end) {
     if (isinf(factor)) return INFINITY;
     double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
-    for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = m->inputs.tau[k] - stick_edge(factor, m->inputs.F_ext[k]);
+    for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = excess_rate(m, factor, k);
     return time_above(excess, sign, t_end);
 }
 
