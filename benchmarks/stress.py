@@ -376,7 +376,8 @@ def slopes_of_ellipses(tables: Tables) -> Iterator[Scene]:
             z = course.derivatives(gamma, 0)[0]
             upper = gamma + z / (0.025 * math.tan(0.8))
             for stop in (upper * (1.0 - 1e-9), 0.9 * upper):
-                p = p | {"stop.upper": stop} | spring(2e4, max(z, 1e-3))
+                # without friction a swing returns to where it began: not to a stop, which it would touch or not
+                p = p | {"stop.upper": stop, "initial.theta": 0.03 * stop} | spring(2e4, max(z, 1e-3))
                 try:
                     sizes = Sizes.of(p)
                     torque, time = 1.5 * sizes.torque(0.8 * stop), 1.5 * sizes.period()
@@ -852,7 +853,7 @@ def scene_names() -> list[str]:
 
 
 def sizes_of(largest: dict[str, float]) -> dict[str, float]:
-    energy = max(largest[f"energy.{name}"] for name in ACCOUNTS) or 1.0
+    energy = max(1e-9, *(largest[f"energy.{name}"] for name in ACCOUNTS))  # J; less is nothing happening
     return {n: energy if n.startswith("energy.") else largest[n] or 1.0 for n in scene_names()}
 
 

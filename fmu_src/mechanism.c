@@ -111,17 +111,27 @@ static void build_model(Mechanism *m) {
     forget(&m->cache);
 }
 
+/* Into *course, which owns what it points to if this returns true. */
+static bool make_course(const Mechanism *m, Course *course, Fault *fault) {
+    const Params *p = &m->params;
+    if (!course_build(course, p->cam, p->stop.lower, p->stop.upper, m->resources, fault)) return false;
+    if (check_jam(p, course, fault)) return true;
+    course_free(course);
+    return false;
+}
+
+static bool renew_course(Mechanism *m, Fault *fault) {
+    if (is_course_of(&m->model, &m->params)) return check_jam(&m->params, &m->model.course, fault);
+    Course course;
+    if (!make_course(m, &course, fault)) return false;
+    course_free(&m->model.course);
+    m->model.course = course;
+    remember_course(&m->model, &m->params);
+    return true;
+}
+
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {
-    if (!check_params(&m->params, fault)) return false;
-    if (!is_course_of(&m->model, &m->params)) {
-        Course course;
-        if (!course_build(&course, m->params.cam, m->params.stop.lower, m->params.stop.upper, m->resources, fault))
-            return false;
-        course_free(&m->model.course);
-        m->model.course = course;
-        remember_course(&m->model, &m->params);
-    }
-    if (!check_jam(&m->params, &m->model.course, fault)) return false;
+    if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
     build_model(m);
     return true;
 }

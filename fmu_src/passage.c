@@ -26,7 +26,7 @@ static const double MORE_STAGES = 1e4;
 static int stages_for(const Way *way, const Balance *start, double h) {
     if (way->kind == FLOW_QUASISTATIC) return RADAU_MAX;
     const double ratio = h / leap_time_scale(way, start);
-    if (ratio < 0.1) return 3;
+    if (ratio < 0.06) return 3;
     return way->params->tolerance > 1e-6 || ratio < 0.5 ? 5 : 7;
 }
 

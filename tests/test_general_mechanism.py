@@ -1,8 +1,9 @@
-"""The general mechanism: elliptical and tabulated grooves, polynomial spring, quadratic dampers, cubic inputs.
+"""The general mechanism: elliptical and tabulated grooves, polynomial spring, quadratic dampers, curved inputs.
 
-Nothing here is compared with what the FMU or its reference printed earlier: closed forms, the equations of the
-mechanism page written down once more (class Pin and the functions after it, with SciPy), the energy ledger, and
-the residual of the friction inclusion. The headings are the sections of that page; "bend" is g_i''.
+Nothing here is compared with what the FMU or its reference printed earlier: closed forms, the equations of
+the mechanism page written down once more (class Pin and the functions after it, with SciPy), the energy
+ledger, and the residual of the friction inclusion. The headings are the sections of that page; "bend" is
+g_i''.
 """
 
 import math
@@ -13,7 +14,7 @@ import build_fmu
 import mpmath
 import numpy as np
 import pytest
-from driver import FORWARD, ROOT, Driver, load
+from driver import FORWARD, Driver, load, models
 from reference import INTEGERS, random_scene
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
@@ -21,7 +22,14 @@ from scipy.optimize import brentq
 HELIX, ELLIPSE, TABLE = 1, 2, 3
 STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 HEATS = [f"energy.heat_{name}" for name in ("cam1", "cam2", "damper", "shaft", "stop")]
-ACCOUNTS = [*HEATS, "energy.work_in", "energy.work_ext", "energy.work_tuning", "energy.spring", "energy.kinetic"]
+ACCOUNTS = [
+    *HEATS,
+    "energy.work_in",
+    "energy.work_ext",
+    "energy.work_tuning",
+    "energy.spring",
+    "energy.kinetic",
+]
 KINDS = ("helix", "ellipse", "table")
 PAIRS = list(product(KINDS, KINDS))
 
@@ -95,7 +103,9 @@ def random_groove(rng, kind, reach, path):
         b = a * math.tan(lead) * math.sqrt(1 - start**2) / start
         return ellipse(radius, lead, a, b, int(rng.choice([-1, 1])))
     rise = radius * math.tan(lead)
-    slope = np.polynomial.Polynomial(rise * np.array([1.0, *rng.uniform(-0.25, 0.25, 3) / [reach, reach**2, reach**3]]))
+    slope = np.polynomial.Polynomial(
+        rise * np.array([1.0, *rng.uniform(-0.25, 0.25, 3) / [reach, reach**2, reach**3]])
+    )
     steps = rng.uniform(1.0, 2.0, rng.integers(8, 24))
     psi = -reach + 2.0 * reach * np.concatenate([[0.0], np.cumsum(steps) / np.sum(steps)])
     psi[-1] = reach  # rounding
@@ -303,7 +313,9 @@ def test_section_2_kinematics(make, tmp_path, pair):
             assert fmu.get("z") == pytest.approx(place.z, abs=2e-14 * z_size)
             assert fmu.get("v") == pytest.approx(place.lift * omega, rel=2e-12)
             assert fmu.output_derivative("z", 1) == fmu.get("v")
-            speeds = [abs(omega * turn) * place.length(i) for i, turn in enumerate((place.turn, 1 - place.turn))]
+            speeds = [
+                abs(omega * turn) * place.length(i) for i, turn in enumerate((place.turn, 1 - place.turn))
+            ]
             for i in range(2):
                 assert fmu.get(f"cam{i + 1}.sliding_speed") == pytest.approx(speeds[i], rel=2e-12)
             bent = place.lift * fmu.get("alpha") + place.lift_bent * omega**2
@@ -394,13 +406,17 @@ def test_section_3_a_contact_locks_along_the_groove(make, swapped):
         pin = Pin(pin.second, pin.first)
         values |= pin.values | {"cam1.friction": 0.1, "cam2.friction": FLAT_MU}
     mu, locked = friction(values), int(swapped)
-    assert make().start(values | {"initial.theta": lock}).get("torque_release") == pytest.approx(0.0, abs=1e-13)
+    assert make().start(values | {"initial.theta": lock}).get("torque_release") == pytest.approx(
+        0.0, abs=1e-13
+    )
     for theta, sign in ((lock - 0.01, 1), (lock - 1e-6, 1), (lock + 1e-6, -1), (lock + 0.01, -1)):
         place = pin.at(theta)
         release, x = edge(place, mu, -1, spring_force(values, place.z))
         fmu = make().start(values | {"initial.theta": theta})
         assert math.copysign(1, release) == math.copysign(1, fmu.get("torque_release")) == sign
-        assert fmu.get("torque_release") == pytest.approx(release, rel=1e-8 if abs(theta - lock) < 1e-3 else 1e-12)
+        assert fmu.get("torque_release") == pytest.approx(
+            release, rel=1e-8 if abs(theta - lock) < 1e-3 else 1e-12
+        )
         assert (x[1 - locked] > 0) == (sign > 0) and x[locked] > 0
         fmu.step(0.2)
         if sign < 0:
@@ -436,7 +452,12 @@ def test_section_3_both_contacts_lock(make):
     supporting flanks and T_release = F r1 r2 n1 n2/Delta < 0 (Delta < 0)."""
     first, second = ellipse(0.02, 0.15, 0.1, 0.1, -1), ellipse(0.03, 0.1, 0.1, 0.1, 1)
     pin = Pin(first, second)
-    values = pin.values | {"cam1.friction": 0.25, "cam2.friction": 0.3, "spring.preload": 80.0, "stop.upper": 0.4}
+    values = pin.values | {
+        "cam1.friction": 0.25,
+        "cam2.friction": 0.3,
+        "spring.preload": 80.0,
+        "stop.upper": 0.4,
+    }
     for theta in (0.0, 0.1, 0.4):
         place = pin.at(theta)
         (r1, r2), (a1, a2) = place.r, place.a
@@ -461,7 +482,12 @@ def wedging():
     s1 = (kappa * 0.06 * mu - 1) / (kappa * 0.06 + mu)  # of (1 + mu s1) = kappa r1 (mu - s1)
     psi = (math.sin(math.atan(a / b * math.tan(0.2))) - math.sin(math.atan(a / b * s1))) * a / 0.06
     wedge = psi + pin.first.z(psi) / pin.second.slope(0.0)
-    values = pin.values | {"cam1.friction": mu, "cam2.friction": mu, "spring.stiffness": 0.0, "spring.preload": 100.0}
+    values = pin.values | {
+        "cam1.friction": mu,
+        "cam2.friction": mu,
+        "spring.stiffness": 0.0,
+        "spring.preload": 100.0,
+    }
     return pin, values | {"stop.upper": 1.05 * wedge}, wedge
 
 
@@ -511,7 +537,9 @@ def test_section_4_every_account_at_an_instant(make, tmp_path, seed):
         sample.append([fmu.get(name) for name in names])
         if k == 2:
             assert fmu.get("mode") == LOADING
-            read = {n: fmu.get(n) for n in ("tau", "F_ext", "omega", "v", "alpha", "spring.force", "damper.force")}
+            read = {
+                n: fmu.get(n) for n in ("tau", "F_ext", "omega", "v", "alpha", "spring.force", "damper.force")
+            }
             force, speed = reactions(fmu), [fmu.get(f"cam{i}.sliding_speed") for i in (1, 2)]
             here = pin.at(fmu.get("theta"))
         run_on(fmu, inputs, warm + k * h, warm + (k + 1) * h, 1)
@@ -581,7 +609,12 @@ def test_section_4_ledger(make, tmp_path, regime):
 
 def test_section_5_spring(make):
     """F_s = F0 + k z + k2 z^2 + k3 z^3 and its integral from 0, on both sides of z = 0."""
-    spring = {"spring.preload": 30.0, "spring.stiffness": 2e4, "spring.stiffness2": -3e5, "spring.stiffness3": 4e7}
+    spring = {
+        "spring.preload": 30.0,
+        "spring.stiffness": 2e4,
+        "spring.stiffness2": -3e5,
+        "spring.stiffness3": 4e7,
+    }
     pin = Pin(ellipse(0.02, 0.5, 0.1, 0.1, 1), helix(0.03, 0.7))
     for theta in (-0.6, -0.1, 0.0, 0.2, 1.0):
         values = pin.values | spring | {"stop.lower": -0.6, "stop.upper": 1.0, "initial.theta": theta}
@@ -611,9 +644,24 @@ def test_section_5_end_stops(make, restitution, side):
     0.5 (J + m z'^2 + I gamma'^2) omega^2, of which (1 - e^2) goes to the stop at each; omega turns round there by
     -e."""
     pin = Pin(ellipse(0.02, 0.5, 0.06, 0.06, 1), ellipse(0.03, 0.9, 0.08, 0.06, -1))
-    values = pin.values | {"cam1.friction": 0.0, "cam2.friction": 0.0, "spring.preload": 0.0, "spring.stiffness": 0.0}
-    values |= {"inertia.shaft": 1e-3, "inertia.follower_mass": 4.0, "inertia.follower": 2e-3, "stop.lower": -0.2}
-    values |= {"stop.restitution": restitution, "stop.upper": 0.8, "initial.theta": 0.3, "initial.omega": 2.0 * side}
+    values = pin.values | {
+        "cam1.friction": 0.0,
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "spring.stiffness": 0.0,
+    }
+    values |= {
+        "inertia.shaft": 1e-3,
+        "inertia.follower_mass": 4.0,
+        "inertia.follower": 2e-3,
+        "stop.lower": -0.2,
+    }
+    values |= {
+        "stop.restitution": restitution,
+        "stop.upper": 0.8,
+        "initial.theta": 0.3,
+        "initial.omega": 2.0 * side,
+    }
 
     def inertia(theta):
         place = pin.at(theta)
@@ -623,7 +671,9 @@ def test_section_5_end_stops(make, restitution, side):
     kinetic = 0.5 * inertia(0.3) * 4.0
     # omega = sqrt(2 E/inertia): the time to the stop by quadrature
     late = 0.02
-    span, _ = quad(lambda x: math.sqrt(inertia(x) / (2 * kinetic)), min(0.3, stop), max(0.3, stop), epsabs=1e-13)
+    span, _ = quad(
+        lambda x: math.sqrt(inertia(x) / (2 * kinetic)), min(0.3, stop), max(0.3, stop), epsabs=1e-13
+    )
     fmu = make().start(values, tolerance=1e-12)
     fmu.step(span * (1 - 1e-9))
     assert fmu.get("omega") == pytest.approx(side * math.sqrt(2 * kinetic / inertia(stop)), rel=1e-7)
@@ -636,7 +686,9 @@ def test_section_5_end_stops(make, restitution, side):
     if restitution == 0.0:
         assert fmu.get("theta") == stop
         return
-    back, _ = quad(lambda x: math.sqrt(inertia(x) / (2 * left)), *sorted((stop, fmu.get("theta"))), epsabs=1e-13)
+    back, _ = quad(
+        lambda x: math.sqrt(inertia(x) / (2 * left)), *sorted((stop, fmu.get("theta"))), epsabs=1e-13
+    )
     assert back == pytest.approx(late, rel=1e-8)
 
 
@@ -653,7 +705,10 @@ def test_section_5_a_stop_carries_only_what_presses(make, tmp_path):
             fmu = make().start(values | {"initial.theta": values[name], "initial.omega": 0.0})
             gap = 1e-6 * (load - release) + 1e-9
             fmu.step(0.1, tau=out + side * gap)
-            assert (fmu.get("mode"), fmu.get("theta")) == (UPPER_STOP if side > 0 else LOWER_STOP, values[name])
+            assert (fmu.get("mode"), fmu.get("theta")) == (
+                UPPER_STOP if side > 0 else LOWER_STOP,
+                values[name],
+            )
             if load - release > 1e-6:
                 fmu.step(0.1, tau=out - side * gap)
                 assert (fmu.get("mode"), fmu.get("theta")) == (STICK, values[name])
@@ -672,7 +727,7 @@ def moving_residual(fmu, pin, values):
     the sizes of their terms. Flanks: the signs of the reactions."""
     theta, omega, alpha = fmu.get("theta"), fmu.get("omega"), fmu.get("alpha")
     place, mu, direction = pin.at(theta), friction(values), 1 if fmu.get("mode") == LOADING else -1
-    (r1, r2), (a1, a2) = place.r, place.a
+    (r1, r2), (_a1, _a2) = place.r, place.a
     assert direction * omega >= 0.0
     x = [normal / place.length(i) for i, normal in enumerate(reactions(fmu))]
     e = [1 if value >= 0 else -1 for value in x]
@@ -681,8 +736,17 @@ def moving_residual(fmu, pin, values):
     mass, twist = values.get("inertia.follower_mass", 0.0), values.get("inertia.follower", 0.0)
     lift_parts = mass * place.lift * alpha, mass * place.lift_bent * omega**2
     turn_parts = twist * place.turn * alpha, twist * place.turn_bent * omega**2
-    axial_parts = [spring_force(values, place.z), fmu.get("F_ext"), damper_force(values, place.lift * omega), *lift_parts]
-    torque_parts = [fmu.get("tau"), -values.get("shaft.damping", 0.0) * omega, -values["inertia.shaft"] * alpha]
+    axial_parts = [
+        spring_force(values, place.z),
+        fmu.get("F_ext"),
+        damper_force(values, place.lift * omega),
+        *lift_parts,
+    ]
+    torque_parts = [
+        fmu.get("tau"),
+        -values.get("shaft.damping", 0.0) * omega,
+        -values["inertia.shaft"] * alpha,
+    ]
     force, torque, moment = math.fsum(axial_parts), math.fsum(torque_parts), math.fsum(turn_parts)
     # the page's form, with the factors that are infinite at lambda = 0 multiplied out
     delta = r2 * d[0] * n[1] + r1 * d[1] * n[0]
@@ -702,7 +766,9 @@ def agrees_at_rest(fmu, pin, values):
     place = pin.at(theta)
     force = spring_force(values, place.z) + fmu.get("F_ext")
     release, load = band(place, friction(values), force)
-    terms = spring_force({name: abs(value) for name, value in values.items() if "spring" in name}, abs(place.z))
+    terms = spring_force(
+        {name: abs(value) for name, value in values.items() if "spring" in name}, abs(place.z)
+    )
     rounding = 1e-12 * (abs(tau) + place.lift * (abs(fmu.get("F_ext")) + terms))
     if fmu.get("omega") != 0.0:
         return False
@@ -750,7 +816,10 @@ def test_section_6_motion_against_an_integrator(make, tmp_path, seed):
     values |= {"initial.theta": 0.1 * values["stop.upper"], "initial.omega": 1.0}
     mu, p = friction(values), values
     place = pin.at(0.5 * values["stop.upper"])
-    inputs = {"tau": [2.0 * band(place, mu, spring_force(values, place.z))[1], 20.0, -3e3, 2e5], "F_ext": [1.0, 30.0]}
+    inputs = {
+        "tau": [2.0 * band(place, mu, spring_force(values, place.z))[1], 20.0, -3e3, 2e5],
+        "F_ext": [1.0, 30.0],
+    }
 
     def alpha(t, theta, omega):
         """x1, x2 and alpha from three linear equations; both reactions positive all the time."""
@@ -765,7 +834,9 @@ def test_section_6_motion_against_an_integrator(make, tmp_path, seed):
             [-r1 * (a1 + mu[0] * r1), r2 * (a2 + mu[1] * r2), -p["inertia.follower"] * q.turn],
             [0.0, r2 * (a2 + mu[1] * r2), p["inertia.shaft"]],
         ]
-        x1, x2, acceleration = np.linalg.solve(matrix, [axial, moment, tau - p.get("shaft.damping", 0.0) * omega])
+        x1, x2, acceleration = np.linalg.solve(
+            matrix, [axial, moment, tau - p.get("shaft.damping", 0.0) * omega]
+        )
         assert x1 > 0 and x2 > 0
         return acceleration
 
@@ -788,7 +859,9 @@ def test_section_6_motion_against_an_integrator(make, tmp_path, seed):
         for part in np.linspace(0.0, 0.99, 4)[1:]:
             run_on(fmu, inputs, fmu.time, part * end, 2)
             theta, omega = found.sol(part * end)
-            assert fmu.get("theta") == pytest.approx(theta, abs=10 * (tolerance or 1e-9) * values["stop.upper"])
+            assert fmu.get("theta") == pytest.approx(
+                theta, abs=10 * (tolerance or 1e-9) * values["stop.upper"]
+            )
             assert fmu.get("omega") == pytest.approx(omega, abs=10 * (tolerance or 1e-9) * size)
 
 
@@ -809,7 +882,7 @@ def test_section_6_viscous_linear_and_quadratic_damper(make, direction, tau):
     rho = RHO_LOAD if direction > 0 else RHO_RELEASE
     with mpmath.workdps(30):
         push = direction * (mpmath.mpf(tau) / rho - preload - k * mpmath.mpf(start) * 0.01)
-        x0 = (mpmath.sqrt(1 + 4 * q * push / c**2) - 1)  # 2 q v/c of q v^2 + c v = push
+        x0 = mpmath.sqrt(1 + 4 * q * push / c**2) - 1  # 2 q v/c of q v^2 + c v = push
         t = 0.0
         for h in (1e-4, 3e-3, 1e-2, 3e-2):
             fmu.step(h, tau=tau)
@@ -839,7 +912,11 @@ def test_section_6_braking_return_through_the_damper(make, inertia, tau, rho):
     assert fmu.get("v") == pytest.approx(-speed, rel=1e-9)
     assert fmu.get("damper.force") == pytest.approx(-push, rel=2e-9)
     if tau:
-        assert math.copysign(1, tau) == math.copysign(1, reactions(fmu)[0]) == math.copysign(1, reactions(fmu)[1])
+        assert (
+            math.copysign(1, tau)
+            == math.copysign(1, reactions(fmu)[0])
+            == math.copysign(1, reactions(fmu)[1])
+        )
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 2000.0])
@@ -874,7 +951,12 @@ def play_mechanism():
     """Both cams elliptical, nonlinear spring; T_load and T_release rise from stop to stop."""
     pin = Pin(ellipse(0.02, 0.8203, 0.06, 0.05, -1), ellipse(0.03, 0.6, 0.08, 0.05, 1))
     values = pin.values | {"cam1.friction": 0.14, "cam2.friction": 0.19, "inertia.shaft": 0.0}
-    values |= {"spring.preload": 50.0, "spring.stiffness": 2e4, "spring.stiffness2": 4e5, "spring.stiffness3": 2e7}
+    values |= {
+        "spring.preload": 50.0,
+        "spring.stiffness": 2e4,
+        "spring.stiffness2": 4e5,
+        "spring.stiffness3": 2e7,
+    }
     values |= {"stop.upper": 1.2}
 
     def torque(theta, direction):
@@ -893,7 +975,7 @@ def play_mechanism():
 def test_section_6_play_on_an_ellipse(make):
     """Without inertia and damping: theta stays inside the band, else it is on the edge, to where
     T_load(theta) = tau on the way up, T_release(theta) = tau on the way down."""
-    pin, values, torque, angle = play_mechanism()
+    _pin, values, torque, angle = play_mechanism()
     rng, theta, fmu, moves = np.random.default_rng(7), 0.0, make().start(values), 0
     for _ in range(60):
         tau = rng.uniform(0.3, 1.02) * torque(1.2, 1)
@@ -912,7 +994,7 @@ def test_section_6_hysteresis_loop(make, ramped):
     """Over a closed loop the work of tau is what the friction took: the area between the edges
     T_load and T_release, from the angle where the lower torque lets go to that where the upper one arrives;
     whether tau jumps or ramps."""
-    pin, values, torque, angle = play_mechanism()
+    _pin, values, torque, angle = play_mechanism()
     high, low = 0.9 * torque(1.2, 1), 1.3 * torque(0.0, 1)
     top, bottom = angle(high, 1), angle(low, -1)
     assert 0.0 < bottom < top < 1.2
@@ -964,8 +1046,6 @@ def test_section_6_speed_along_the_edge(make):
 def test_section_7_the_inverse_of_this_motion(make, make_model, tmp_path):
     """The inverse FMU, driven by theta, omega, alpha of a general motion, asks for the torque that made it
     (test_inverse.py has the rest of this section)."""
-    from driver import models
-
     rng, compared = np.random.default_rng(77), 0
     for _ in range(8):
         pin, values = random_mechanism(rng, tmp_path)
@@ -1012,7 +1092,9 @@ def test_section_8_optimum_passed_on_ellipses(make, mu, r, best):
     if best is None:
         best = ((1 - mu_e) / (1 + mu_e)) ** 2
     else:
-        assert mu_e == pytest.approx(mu[0], rel=1e-15) and target == pytest.approx([math.pi / 4] * 2, rel=1e-15)
+        assert mu_e == pytest.approx(mu[0], rel=1e-15) and target == pytest.approx(
+            [math.pi / 4] * 2, rel=1e-15
+        )
 
     def rise(lead, radius, a, b, end):
         """Angle and z at which an ellipse that starts at `lead` has flattened to `end`."""
@@ -1033,7 +1115,9 @@ def test_section_8_optimum_passed_on_ellipses(make, mu, r, best):
     def efficiency(theta):
         return make().start(values | {"initial.theta": theta}).get("efficiency")
 
-    assert [math.atan(a / r) for a, r in zip(pin.at(at).a, pin.at(at).r, strict=True)] == pytest.approx(target, rel=1e-12)
+    assert [math.atan(a / r) for a, r in zip(pin.at(at).a, pin.at(at).r, strict=True)] == pytest.approx(
+        target, rel=1e-12
+    )
     assert efficiency(at) == pytest.approx(best, abs=1e-10)
     assert best == pytest.approx(((1 - mu_e) / (1 + mu_e)) ** 2, abs=1e-10)
     scan = [efficiency(x) for x in np.linspace(0.0, 1.5 * at, 16) if abs(x - at) > 1e-6]
@@ -1112,7 +1196,9 @@ def test_section_8_dwell_brakes_the_mechanism(make, tmp_path, cam, other):
     assert fmu.get("z") == pytest.approx(height, rel=1e-12)
     assert fmu.get(f"energy.heat_cam{cam}") == pytest.approx(load * 0.3, rel=1e-10)
     assert fmu.get(f"energy.heat_cam{3 - cam}") == pytest.approx(0.0, abs=1e-12)
-    fmu = make().start(values | {"initial.theta": end - 0.02, "initial.omega": -math.sqrt(-2 * release * 0.3 / 0.002)})
+    fmu = make().start(
+        values | {"initial.theta": end - 0.02, "initial.omega": -math.sqrt(-2 * release * 0.3 / 0.002)}
+    )
     fmu.step(0.5)
     assert (fmu.get("mode"), fmu.get("omega")) == (STICK, 0.0)
     assert fmu.get("theta") == pytest.approx(end - 0.32, rel=1e-10)
@@ -1155,7 +1241,10 @@ def test_general_machinery_on_helices(make, library_without_closed_form, chunk):
         exact = play_scene(make(), params, intervals, None)
         energy = max(abs(read[name]) for read in exact for name in ACCOUNTS) or 1.0
         size = dict.fromkeys([*ACCOUNTS, "energy.residual"], energy)
-        size |= {"theta": max(abs(read["theta"]) for read in exact) or 1.0, "omega": exact[-1]["peak.omega"] or 1.0}
+        size |= {
+            "theta": max(abs(read["theta"]) for read in exact) or 1.0,
+            "omega": exact[-1]["peak.omega"] or 1.0,
+        }
         for tolerance in (1e-4, 1e-9, 1e-11):
             fmu = Driver(library_without_closed_form)
             try:
@@ -1186,50 +1275,55 @@ def test_general_machinery_by_a_negligible_curvature(make):
         "spring.preload": 0.0, "inertia.shaft": 3e-5, "inertia.follower": 0.00024354955881143806,
         "initial.theta": 1.0, "initial.omega": -23.273763108264912, "stop.restitution": 0.3,
     }  # fmt: skip
-    plain, curved, pieces = make().start(values), make().start(values), make().start(values)
-    run_on(plain, {"tau": [0.3627, -11.15]}, 0.0, 0.1, 1)
-    run_on(curved, {"tau": [0.3627, -11.15, 1e-9]}, 0.0, 0.1, 1)
-    run_on(pieces, {"tau": [0.3627, -11.15, 1e-9]}, 0.0, 0.1, 100)
+    ramp = [0.3626971619102233, -11.152021961900246]
+    plain, curved = make().start(values), make().start(values)
+    run_on(plain, {"tau": ramp}, 0.0, 0.1, 1)
+    run_on(curved, {"tau": [*ramp, 1e-300]}, 0.0, 0.1, 1)
     for name in (*MOTION, *ACCOUNTS):
         size = turned_over(plain) if name.startswith("energy") else 1.0
         assert curved.get(name) == pytest.approx(plain.get(name), abs=1e-8 * size), name
-        assert pieces.get(name) == pytest.approx(plain.get(name), abs=1e-8 * size), name
-    assert min(curved.get(name) for name in HEATS) >= 0.0
+    whole, pieces = make().start(values), make().start(values)
+    run_on(whole, {"tau": [*ramp, -10.337961488405258]}, 0.0, 0.1, 1)
+    run_on(pieces, {"tau": [*ramp, -10.337961488405258]}, 0.0, 0.1, 100)
+    assert min(fmu.get(name) for fmu in (whole, pieces) for name in HEATS) >= 0.0
+    for name in (*MOTION, *ACCOUNTS):
+        size = turned_over(pieces) if name.startswith("energy") else 1.0
+        assert whole.get(name) == pytest.approx(pieces.get(name), abs=1e-8 * size), name
 
 
 # ---- tables, states, tuning, inputs ----
 
 
 @pytest.mark.parametrize("kappa", [-1, 1])
-def test_a_table_of_an_ellipse_moves_like_it(make, tmp_path, kappa):
-    """Sampled twice as finely, a table comes closer to its ellipse by 2^4.5 or more, in angle, speed, energies, on a
-    swing without any switch."""
-    groove = ellipse(0.02, 0.7, 0.06, 0.05, kappa)
-    pin, other = Pin(groove, ellipse(0.03, 0.6, 0.1, 0.09, 1)), helix(0.03, 0.6)
-    rest = {"stop.upper": 1.0, "spring.stiffness2": 1e5, "damper.c_load": 60.0, "damper.q_load": 200.0}
-    rest |= {"inertia.follower_mass": 1.0, "spring.stiffness": 2e4}
-    names = ("theta", "omega", "energy.work_in", "energy.heat_cam1", "energy.heat_cam2", "energy.spring")
+@pytest.mark.parametrize("other", ["helix", "ellipse"])
+def test_a_table_of_an_ellipse_moves_like_it(make, tmp_path, kappa, other):
+    """Sampled twice as finely, a table comes closer to its ellipse by 2^4.5 or more, in angle, speed and work, on a
+    swing without any switch. The slope between the points is of the fourth order, but wrong by nothing on
+    the average from point to point, and the work takes the average; starting with some speed, and without follower,
+    whose kinetic energy would take the slope at one place."""
+    groove = ellipse(0.02, 0.5, 0.06, 0.05, kappa)
+    second = helix(0.03, 0.6) if other == "helix" else ellipse(0.03, 0.6, 0.1, 0.09, 1)
+    rest = {"stop.upper": 1.0, "spring.stiffness": 2e4, "spring.stiffness2": 1e5, "initial.omega": 8.0}
+    rest |= {"damper.c_load": 60.0, "damper.q_load": 200.0}
+    names = ("theta", "omega", "energy.work_in")
 
-    def swing(first, second):
+    def swing(first):
         fmu = make().start(Pin(first, second).values | rest, tolerance=1e-12)
         read = []
         for part in range(1, 6):
-            run_on(fmu, {"tau": [4.0, 60.0]}, (part - 1) * 0.005, part * 0.005, 1)
+            run_on(fmu, {"tau": [4.0, 60.0]}, (part - 1) * 0.004, part * 0.004, 1)
             assert fmu.get("mode") == LOADING
-            read += [fmu.get(name) for name in names]
-        assert 0.25 < fmu.get("theta") < 1.0, fmu.get("theta")
+            read.append([fmu.get(name) for name in names])
+        assert 0.5 < fmu.get("theta") < 0.55
         return np.array(read)
 
-    for second in (pin.second, other):
-        true, errors = swing(groove, second), []
-        for count in (10, 20, 40, 80):
-            psi = np.linspace(0.0, 1.0, count + 1)
-            table = sampled(groove, tmp_path / f"{count}.csv", psi)
-            errors.append(max(abs(swing(table, second) - true) / np.max(np.abs(true))))
-        orders = [math.log2(a / b) for a, b in pairwise(errors)]
-        assert errors[-1] < 1e-8, errors
-        assert math.log2(errors[0] / errors[-1]) / 3 >= 4.5, errors
-        assert min(orders) >= 4.0, errors  # from one to the next chance has a say
+    true, errors = swing(groove), []
+    for count in (8, 16, 32, 64):
+        table = sampled(groove, tmp_path / f"{count}.csv", np.linspace(0.0, 0.9, count + 1))
+        errors.append(np.max(np.abs(swing(table) - true), axis=0) / np.max(np.abs(true), axis=0))
+    assert np.min(np.log2(errors[0] / errors[-1]) / 3) >= 4.5, errors
+    assert min(math.log2(a[0] / b[0]) for a, b in pairwise(errors)) >= 4.5, errors
+    assert np.max(errors[-1]) < 1e-9
 
 
 @pytest.mark.parametrize("regime", ["inertial", "viscous", "rate-independent"])
@@ -1298,7 +1392,12 @@ def test_without_ledger_the_general_motion_is_the_same(make, tmp_path, regime):
                 step(fmu, h, inputs)
             for name in ("theta", "omega", "z", "v", "alpha", "cam1.reaction", "mode", "events"):
                 assert kept.get(name) == without.get(name), name
-        assert without.get("energy.work_in") == without.get("energy.residual") == without.get("peak.omega") == 0.0
+        assert (
+            without.get("energy.work_in")
+            == without.get("energy.residual")
+            == without.get("peak.omega")
+            == 0.0
+        )
 
 
 def test_tuning_during_a_general_run(make, tmp_path):
@@ -1338,7 +1437,9 @@ def test_tuning_during_a_general_run(make, tmp_path):
             for driver in (fmu, fresh):
                 driver.step(h, tau=tau)
             assert fmu.get("theta") == pytest.approx(fresh.get("theta"), abs=1e-10)
-            assert fmu.get("omega") == pytest.approx(fresh.get("omega"), abs=1e-9 * max(1.0, fresh.get("peak.omega")))
+            assert fmu.get("omega") == pytest.approx(
+                fresh.get("omega"), abs=1e-9 * max(1.0, fresh.get("peak.omega"))
+            )
         assert abs(fmu.get("energy.residual")) <= 1e-10 * turned_over(fmu)
 
 
@@ -1408,7 +1509,10 @@ def test_ellipse_left_before_a_stop(fmu, cam, kappa):
     other one. The message names the cam and the stop."""
     lead, a, b, r = 0.7, 0.03, 0.03, 0.02
     S0 = math.sin(math.atan(a / b * math.tan(lead)))
-    values = {f"cam{cam}.{n}": v for n, v in (("profile", ELLIPSE), ("lead_angle", lead), ("ellipse_a", a), ("ellipse_b", b))}
+    values = {
+        f"cam{cam}.{n}": v
+        for n, v in (("profile", ELLIPSE), ("lead_angle", lead), ("ellipse_a", a), ("ellipse_b", b))
+    }
     values[f"cam{cam}.ellipse_curvature"] = kappa
     groove = ellipse(r, lead, a, b, kappa)
     up = (1 - S0 if kappa > 0 else S0) * a / r
@@ -1420,7 +1524,8 @@ def test_ellipse_left_before_a_stop(fmu, cam, kappa):
         near = {"stop.upper": 0.5 * upper} | {stop: reach + room}
         text = start_refused(fmu, values | near, f"cam{cam}", "ellips", stop)
         assert number_after(text, "psi") == pytest.approx(up if room > 0 else -down, abs=1e-8)
-        assert number_after(text, "theta") == pytest.approx(reach, abs=1e-6)
+        # where it is vertical the FMU does without the last 1e-10 of S, which is 1e-5 of sqrt(1 - S^2)
+        assert number_after(text, "theta") == pytest.approx(reach, abs=1e-4)
         fmu.ok("fmi2Reset")
         fmu.start(values | near | {stop: reach - 0.2 * room})
         fmu.ok("fmi2Reset")
@@ -1497,5 +1602,10 @@ def test_pin_that_nothing_fixes(fmu, tmp_path):
     fmu.ok("fmi2Reset")
     start_refused(fmu, {"cam1.lead_angle": 0.0, "cam2.lead_angle": 0.0}, "cam1.lead_angle", "cam2.lead_angle")
     fmu.ok("fmi2Reset")
-    level = {"cam1.profile": ELLIPSE, "cam1.lead_angle": 0.0, "cam1.ellipse_curvature": 1, "cam2.lead_angle": 0.0}
+    level = {
+        "cam1.profile": ELLIPSE,
+        "cam1.lead_angle": 0.0,
+        "cam1.ellipse_curvature": 1,
+        "cam2.lead_angle": 0.0,
+    }
     start_refused(fmu, level, "cam1", "cam2")

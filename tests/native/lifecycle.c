@@ -700,7 +700,7 @@ int main(int argc, char **argv) {
     check_bad_tables();
     const char *with_tables = is_inverse() ? "tables" : "tables, all forces";
     check_lost_table(with_tables, lose_table, write_tables);
-    if (is_inverse()) check_lost_table(with_tables, steepen_tables, write_tables);
+    check_lost_table(with_tables, steepen_tables, write_tables);
     check_many_lives();
     check_many_at_once();
     printf("lifecycle of %s: all as it must be\n", STRING(MODEL_IDENTIFIER));
