@@ -376,7 +376,7 @@ def slopes_of_ellipses(tables: Tables) -> Iterator[Scene]:
             z = course.derivatives(gamma, 0)[0]
             upper = gamma + z / (0.025 * math.tan(0.8))
             for stop in (upper * (1.0 - 1e-9), 0.9 * upper):
-                # without friction a swing returns to where it began: not to a stop, which it would touch or not
+                # without friction a swing returns to where it began: not to a stop, that it might touch
                 p = p | {"stop.upper": stop, "initial.theta": 0.03 * stop} | spring(2e4, max(z, 1e-3))
                 try:
                     sizes = Sizes.of(p)

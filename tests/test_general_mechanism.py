@@ -1,4 +1,5 @@
-"""The general mechanism: elliptical and tabulated grooves, polynomial spring, quadratic dampers, curved inputs.
+"""The general mechanism: elliptical and tabulated grooves, polynomial spring, quadratic dampers, curved
+inputs.
 
 Nothing here is compared with what the FMU or its reference printed earlier: closed forms, the equations of
 the mechanism page written down once more (class Pin and the functions after it, with SciPy), the energy
@@ -93,8 +94,8 @@ def sampled(groove, path, psi):
 
 
 def random_groove(rng, kind, reach, path):
-    """A groove for angles from -reach to reach. Tables are of polynomials of degree 4, unevenly sampled: those
-    five neighbours reproduce, so that nothing is lost between the points."""
+    """A groove for angles from -reach to reach. Tables are of polynomials of degree 4, unevenly sampled:
+    those five neighbours reproduce, so that nothing is lost between the points."""
     radius, lead = rng.uniform(0.01, 0.04), rng.uniform(0.4, 1.0)
     if kind == "helix":
         return helix(radius, lead)
@@ -398,9 +399,9 @@ def flattening():
 
 @pytest.mark.parametrize("swapped", [False, True], ids=["cam 1 locks", "cam 2 locks"])
 def test_section_3_a_contact_locks_along_the_groove(make, swapped):
-    """torque_release falls through 0 where lambda = atan mu, for either cam: before that place the spring drives
-    the mechanism back, beyond it it holds itself without torque, and letting go takes tau < 0, with the pin of
-    the other groove on its other flank."""
+    """torque_release falls through 0 where lambda = atan mu, for either cam: before that place the spring
+    drives the mechanism back, beyond it it holds itself without torque, and letting go takes tau < 0, with
+    the pin of the other groove on its other flank."""
     pin, values, lock = flattening()
     if swapped:  # gamma and phi change places, theta and z do not
         pin = Pin(pin.second, pin.first)
@@ -473,8 +474,8 @@ def test_section_3_both_contacts_lock(make):
 
 def wedging():
     """Cam 1, r = 60 mm, flattens from 0.2 rad to level; cam 2 is a helix of 0.15 rad; mu = 0.14. Where
-    (1 + mu s1)/(r1 (mu - s1)) falls below kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), no pair of flanks agrees with its
-    reactions at sigma = -1."""
+    (1 + mu s1)/(r1 (mu - s1)) falls below kappa_2 = (1 - mu s2)/(r2 (s2 + mu)), no pair of flanks agrees
+    with its reactions at sigma = -1."""
     mu, a, b = 0.14, 0.06, 0.06
     pin = Pin(ellipse(0.06, 0.2, a, b, -1), helix(0.02, 0.15))
     s2 = math.tan(0.15)
@@ -492,8 +493,8 @@ def wedging():
 
 
 def test_section_3_wedged_along_the_groove(make):
-    """Short of the place torque_release falls without bounds, beyond it no torque lets go and loading goes on as
-    ever."""
+    """Short of the place torque_release falls without bounds, beyond it no torque lets go and loading goes
+    on as ever."""
     pin, values, wedge = wedging()
     mu = friction(values)
     for theta in (wedge - 1e-3, wedge - 1e-6, wedge + 1e-6, wedge + 1e-3):
@@ -519,8 +520,9 @@ def test_section_3_wedged_along_the_groove(make):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_section_4_every_account_at_an_instant(make, tmp_path, seed):
-    """While it slips, d/dt of each account, by differences over tiny steps, is the power worked out from forces,
-    reactions and speeds read in the middle: P_i = mu_i |R_i| v_i, D v, b omega^2, F_ext v, tau omega."""
+    """While it slips, d/dt of each account, by differences over tiny steps, is the power worked out from
+    forces, reactions and speeds read in the middle: P_i = mu_i |R_i| v_i, D v, b omega^2, F_ext v, tau
+    omega."""
     rng = np.random.default_rng([4, seed])
     pin, values = random_mechanism(rng, tmp_path)
     values |= {"stop.lower": -0.0, "initial.theta": 0.3 * values["stop.upper"], "initial.omega": 2.0}
@@ -640,9 +642,9 @@ def test_section_5_damper_opposes_the_motion(make, omega):
 @pytest.mark.parametrize("restitution", [0.0, 0.4, 1.0])
 @pytest.mark.parametrize("side", [-1, 1])
 def test_section_5_end_stops(make, restitution, side):
-    """On an ellipse, without friction, spring, damper and torque the kinetic energy is constant but for impacts:
-    0.5 (J + m z'^2 + I gamma'^2) omega^2, of which (1 - e^2) goes to the stop at each; omega turns round there by
-    -e."""
+    """On an ellipse, without friction, spring, damper and torque the kinetic energy is constant but for
+    impacts: 0.5 (J + m z'^2 + I gamma'^2) omega^2, of which (1 - e^2) goes to the stop at each; omega turns
+    round there by -e."""
     pin = Pin(ellipse(0.02, 0.5, 0.06, 0.06, 1), ellipse(0.03, 0.9, 0.08, 0.06, -1))
     values = pin.values | {
         "cam1.friction": 0.0,
@@ -693,8 +695,8 @@ def test_section_5_end_stops(make, restitution, side):
 
 
 def test_section_5_a_stop_carries_only_what_presses(make, tmp_path):
-    """At rest at the upper stop: mode 5 above T_load, stick in the band, and release below it; mirrored at the
-    lower stop."""
+    """At rest at the upper stop: mode 5 above T_load, stick in the band, and release below it; mirrored at
+    the lower stop."""
     rng = np.random.default_rng(55)
     for _ in range(10):
         pin, values = random_mechanism(rng, tmp_path)
@@ -723,8 +725,8 @@ def test_section_5_a_stop_carries_only_what_presses(make, tmp_path):
 
 
 def moving_residual(fmu, pin, values):
-    """How far theta, omega, alpha and the reactions read from the FMU miss the equations of sliding, relative to
-    the sizes of their terms. Flanks: the signs of the reactions."""
+    """How far theta, omega, alpha and the reactions read from the FMU miss the equations of sliding,
+    relative to the sizes of their terms. Flanks: the signs of the reactions."""
     theta, omega, alpha = fmu.get("theta"), fmu.get("omega"), fmu.get("alpha")
     place, mu, direction = pin.at(theta), friction(values), 1 if fmu.get("mode") == LOADING else -1
     (r1, r2), (_a1, _a2) = place.r, place.a
@@ -785,9 +787,9 @@ def agrees_at_rest(fmu, pin, values):
 @pytest.mark.parametrize("regime", ["inertial", "viscous", "rate-independent"])
 def test_section_6_residual_of_the_inclusion(make, tmp_path, regime, tolerance):
     """At every communication point of random scenes, whatever the tolerance: while it slips,
-    T = tau - b omega - J alpha equals rho (F_s + F_ext + D + m z_ddot) + rho kappa_1 I gamma_ddot on the flanks that
-    the signs of the reactions name; at rest T_release <= tau <= T_load, or a stop or a wedge holds it. 1e-12 of the
-    terms is rounding: that of theta and z, amplified where a term is steep."""
+    T = tau - b omega - J alpha equals rho (F_s + F_ext + D + m z_ddot) + rho kappa_1 I gamma_ddot on the
+    flanks that the signs of the reactions name; at rest T_release <= tau <= T_load, or a stop or a wedge
+    holds it. 1e-12 of the terms is rounding: that of theta and z, amplified where a term is steep."""
     rng = np.random.default_rng([6, len(regime)])
     seen, mixed = dict.fromkeys(range(1, 7), 0), 0
     for _ in range(40):
@@ -809,8 +811,8 @@ def test_section_6_residual_of_the_inclusion(make, tmp_path, regime, tolerance):
 
 @pytest.mark.parametrize("seed", range(8))
 def test_section_6_motion_against_an_integrator(make, tmp_path, seed):
-    """A swing without a mode change: the equation of motion, solved for alpha by the two balances, integrated by
-    SciPy (DOP853, 1e-12)."""
+    """A swing without a mode change: the equation of motion, solved for alpha by the two balances,
+    integrated by SciPy (DOP853, 1e-12)."""
     rng = np.random.default_rng([66, seed])
     pin, values = random_mechanism(rng, tmp_path, PAIRS[1 + seed])
     values |= {"initial.theta": 0.1 * values["stop.upper"], "initial.omega": 1.0}
@@ -921,9 +923,9 @@ def test_section_6_braking_return_through_the_damper(make, inertia, tau, rho):
 
 @pytest.mark.parametrize("stiffness", [0.0, 2000.0])
 def test_section_6_quadratic_damper_riccati(make, stiffness):
-    """Helices, J and q only: J omega omega' = tau - rho (F_0 + k z' theta) - rho q z'^2 omega^2, so omega^2 is linear
-    in theta plus an exponential; without spring rate omega = w tanh(w p t), w^2 = net/(rho q z'^2), J p = rho q z'^2,
-    and theta = ln cosh(w p t)/p."""
+    """Helices, J and q only: J omega omega' = tau - rho (F_0 + k z' theta) - rho q z'^2 omega^2, so omega^2
+    is linear in theta plus an exponential; without spring rate omega = w tanh(w p t), w^2 = net/(rho q
+    z'^2), J p = rho q z'^2, and theta = ln cosh(w p t)/p."""
     inertia, q, tau = 0.002, 3e4, 3.0
     values = RIGHT_ANGLED | {"damper.q_load": q, "spring.stiffness": stiffness}
     fmu = make().start(values, tolerance=1e-11)
@@ -1084,9 +1086,9 @@ def test_section_7_the_inverse_of_this_motion(make, make_model, tmp_path):
     ],
 )
 def test_section_8_optimum_passed_on_ellipses(make, mu, r, best):
-    """Two flattening ellipses, made so that both grooves have tan lambda_i = mu_i/mu_e at one theta: the efficiency
-    there is ((1 - mu_e)/(1 + mu_e))^2, and is smaller everywhere else on the way. For mu1 = mu2 that is pi/4,
-    and the page's number."""
+    """Two flattening ellipses, made so that both grooves have tan lambda_i = mu_i/mu_e at one theta: the
+    efficiency there is ((1 - mu_e)/(1 + mu_e))^2, and is smaller everywhere else on the way. For mu1 = mu2
+    that is pi/4, and the page's number."""
     mu_e = math.sqrt((mu[0] / r[0] + mu[1] / r[1]) / (1 / (mu[0] * r[0]) + 1 / (mu[1] * r[1])))
     target = [math.atan(m / mu_e) for m in mu]
     if best is None:
@@ -1129,9 +1131,9 @@ DWELL = (0.5, 0.9)  # rad in the groove
 
 
 def dwelling(folder, cam):
-    """A table that rises, stands still over DWELL, rises; beside it a helix. On the dwell of cam 1 the pin stands
-    still in cam 2, and goes along the groove of cam 1; on that of cam 2 it stands still altogether. theta at which
-    the dwell begins and ends."""
+    """A table that rises, stands still over DWELL, rises; beside it a helix. On the dwell of cam 1 the pin
+    stands still in cam 2, and goes along the groove of cam 1; on that of cam 2 it stands still altogether.
+    theta at which the dwell begins and ends."""
     radius, slope, other = 0.02, 0.02, 0.02 * math.tan(0.7)
     psi = np.arange(0, 29) * 0.05
     z = slope * (np.minimum(psi, DWELL[0]) + np.maximum(psi - DWELL[1], 0.0))
@@ -1146,8 +1148,8 @@ def dwelling(folder, cam):
 
 @pytest.mark.parametrize("cam", [1, 2])
 def test_section_8_dwell_without_friction_in_it(make, tmp_path, cam):
-    """On the dwell of one cam, with friction only in the other, in which the pin does not move: both edges are 0,
-    and cam 2 goes on at a constant speed however hard the spring presses."""
+    """On the dwell of one cam, with friction only in the other, in which the pin does not move: both edges
+    are 0, and cam 2 goes on at a constant speed however hard the spring presses."""
     values, (begin, end), height, _ = dwelling(tmp_path, cam)
     values |= {f"cam{cam}.friction": 0.0, f"cam{3 - cam}.friction": 0.3, "inertia.follower_mass": 3.0}
     fmu = make().start(values | {"initial.theta": begin + 0.01, "initial.omega": 2.0})
@@ -1169,8 +1171,8 @@ def test_section_8_dwell_without_friction_in_it(make, tmp_path, cam):
 @pytest.mark.parametrize("other", [0.0, 0.2])
 def test_section_8_dwell_brakes_the_mechanism(make, tmp_path, cam, other):
     """z stands still, yet friction on the dwell takes torque: with a = 0 in that groove
-    T = F r1 r2 n1 n2/Delta, n = sigma e mu r of the dwelling cam. Both ways the mechanism is self-locking there;
-    thrown in, it comes to rest after omega^2 J/(2 T), and stays."""
+    T = F r1 r2 n1 n2/Delta, n = sigma e mu r of the dwelling cam. Both ways the mechanism is self-locking
+    there; thrown in, it comes to rest after omega^2 J/(2 T), and stays."""
     values, (begin, end), height, slope = dwelling(tmp_path, cam)
     mu = 0.25
     values |= {f"cam{cam}.friction": mu, f"cam{3 - cam}.friction": other}
@@ -1233,8 +1235,8 @@ def play_scene(fmu, params, intervals, tolerance):
 
 @pytest.mark.parametrize("chunk", range(3))
 def test_general_machinery_on_helices(make, library_without_closed_form, chunk):
-    """Both ways through the same random helical scenes, in whole intervals: angle, speed and every account within
-    ten times the tolerance of the scene's largest angle, speed, energy."""
+    """Both ways through the same random helical scenes, in whole intervals: angle, speed and every account
+    within ten times the tolerance of the scene's largest angle, speed, energy."""
     wrong = []
     for seed in range(50):
         params, intervals = random_scene(np.random.default_rng([62, chunk, seed]))
@@ -1265,9 +1267,9 @@ def test_general_machinery_on_helices(make, library_without_closed_form, chunk):
 
 
 def test_general_machinery_by_a_negligible_curvature(make):
-    """The shipped FMU takes the general way where tau is curved, however little: on helices that is the motion of
-    the closed form. A follower of which only the inertia about the axis counts, without any axial load: all
-    reactions vanish and change flanks at once when alpha does."""
+    """The shipped FMU takes the general way where tau is curved, however little: on helices that is the
+    motion of the closed form. A follower of which only the inertia about the axis counts, without any axial
+    load: all reactions vanish and change flanks at once when alpha does."""
     values = {
         "cam1.radius": 0.029513614203264912, "cam1.lead_angle": 0.23071016207401981,
         "cam1.friction": 0.05074597929311204, "cam2.radius": 0.013967140783131205,
@@ -1297,10 +1299,10 @@ def test_general_machinery_by_a_negligible_curvature(make):
 @pytest.mark.parametrize("kappa", [-1, 1])
 @pytest.mark.parametrize("other", ["helix", "ellipse"])
 def test_a_table_of_an_ellipse_moves_like_it(make, tmp_path, kappa, other):
-    """Sampled twice as finely, a table comes closer to its ellipse by 2^4.5 or more, in angle, speed and work, on a
-    swing without any switch. The slope between the points is of the fourth order, but wrong by nothing on
-    the average from point to point, and the work takes the average; starting with some speed, and without follower,
-    whose kinetic energy would take the slope at one place."""
+    """Sampled twice as finely, a table comes closer to its ellipse by 2^4.5 or more, in angle, speed and
+    work, on a swing without any switch. The slope between the points is of the fourth order, but wrong by
+    nothing on the average from point to point, and the work takes the average; starting with some speed, and
+    without follower, whose kinetic energy would take the slope at one place."""
     groove = ellipse(0.02, 0.5, 0.06, 0.05, kappa)
     second = helix(0.03, 0.6) if other == "helix" else ellipse(0.03, 0.6, 0.1, 0.09, 1)
     rest = {"stop.upper": 1.0, "spring.stiffness": 2e4, "spring.stiffness2": 1e5, "initial.omega": 8.0}
@@ -1364,8 +1366,8 @@ def test_a_restored_general_scene_repeats_bit_for_bit(make, tmp_path, regime):
 
 
 def test_a_reset_instance_is_as_new(make, tmp_path):
-    """Ellipses, then tables, then helices on one instance: after fmi2Reset each run is bit for bit that of a fresh
-    one."""
+    """Ellipses, then tables, then helices on one instance: after fmi2Reset each run is bit for bit that of a
+    fresh one."""
     rng, worn = np.random.default_rng(32), make()
     for pair in (("ellipse", "ellipse"), ("table", "table"), ("helix", "helix"), ("table", "ellipse")):
         pin, values = random_mechanism(rng, tmp_path, pair)
@@ -1401,8 +1403,8 @@ def test_without_ledger_the_general_motion_is_the_same(make, tmp_path, regime):
 
 
 def test_tuning_during_a_general_run(make, tmp_path):
-    """Friction, spring and damper changed while it moves: energy.work_tuning is the jump of the stored energy,
-    and from there on it is the run of an FMU that had these parameters from the start."""
+    """Friction, spring and damper changed while it moves: energy.work_tuning is the jump of the stored
+    energy, and from there on it is the run of an FMU that had these parameters from the start."""
     rng = np.random.default_rng(34)
     for pair in PAIRS[1:]:
         pin, values = random_mechanism(rng, tmp_path, pair)
@@ -1505,8 +1507,8 @@ def number_after(text, label):
 @pytest.mark.parametrize("cam", [1, 2])
 @pytest.mark.parametrize("kappa", [-1, 1])
 def test_ellipse_left_before_a_stop(fmu, cam, kappa):
-    """S reaches 0 (flattening) or 1 (steepening) at psi = -kappa S0 a/r or (1 - S0) a/r, upwards; and downwards the
-    other one. The message names the cam and the stop."""
+    """S reaches 0 (flattening) or 1 (steepening) at psi = -kappa S0 a/r or (1 - S0) a/r, upwards; and
+    downwards the other one. The message names the cam and the stop."""
     lead, a, b, r = 0.7, 0.03, 0.03, 0.02
     S0 = math.sin(math.atan(a / b * math.tan(lead)))
     values = {
@@ -1562,7 +1564,8 @@ def test_bad_table_at_the_start(fmu, tmp_path, cam, text, words):
 
 @pytest.mark.parametrize("cam", [1, 2])
 def test_table_left_before_a_stop(fmu, tmp_path, cam):
-    """It ends at psi = 1 and begins at -0.5, with slope 0.02 m/rad as the helix beside it: theta from -1 to 2."""
+    """It ends at psi = 1 and begins at -0.5, with slope 0.02 m/rad as the helix beside it: theta from -1 to
+    2."""
     path = tmp_path / "groove.csv"
     write_table(path, np.linspace(-0.5, 1.0, 16), 0.02 * np.linspace(-0.5, 1.0, 16))
     values = {f"cam{cam}.profile": TABLE, f"cam{cam}.table": str(path)}
