@@ -27,6 +27,7 @@ typedef struct {
     FlowKind kind;
     int direction; /* sigma */
     int flank[2];  /* e_i */
+    bool to_rounding; /* its leaps are solved to rounding, not to a share of the tolerance: where one ends on an event */
 } Way;
 
 Way way_of(const Params *params, const Course *course, const Inputs *inputs, double theta, int direction,

@@ -85,6 +85,9 @@ static bool is_undecided(const Look *look, int i) {
            fabs(look->contact[i].rate) <= NO_REACTION * look->size[i].rate;
 }
 
+/* A leap ends on a flank change to its own rounding, which is some times that of one balance. */
+static const double COARSE = 10.0;
+
 static Look look_at_any_form(const Mechanism *m, int index) {
     const Way way = way_from_here(m, index);
     const Balance now = balance_from_here(m, &way);
@@ -108,7 +111,7 @@ static Look look_at_any_form(const Mechanism *m, int index) {
     for (int i = 0; i < 2; i++) {
         look.axial[i] = now.axial[i] * spring;
         look.contact[i] = (Contact){.value = now.x[i], .rate = trend.contact[i]};
-        look.size[i] = (Contact){.value = trend.size[i], .rate = trend.rate_size[i]};
+        look.size[i] = (Contact){.value = COARSE * trend.size[i], .rate = COARSE * trend.rate_size[i]};
     }
     if (is_undecided(&look, 0) || is_undecided(&look, 1)) look_ahead(&way, &now, &look);
     return look;

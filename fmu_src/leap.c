@@ -186,7 +186,7 @@ static double allowed_correction(const System *s) {
         speed = fmax(speed, s->way->kind == FLOW_INERTIAL ? fabs(omega_at(s, i)) : fabs(s->y[i]));
         y = fmax(y, fabs(s->y[i]));
     }
-    const double tolerance = s->way->params->tolerance;
+    const double tolerance = s->way->to_rounding ? 0.0 : s->way->params->tolerance;
     const double per_y = s->way->kind == FLOW_INERTIAL ? speed / s->h : speed;
     return NEWTON_SHARE * tolerance * per_y + 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size);
 }
@@ -359,6 +359,9 @@ static double kinetic_energy(const Params *p, const Balance *b) {
                   p->inertia.follower * twist * twist);
 }
 
+/* Many steps may take energy back and forth: each may miss this share of what the tolerance allows. */
+static const double ENERGY_SHARE = 0.1;
+
 /* What the balance of the step misses, over what the tolerance allows of the energies that pass. It checks the
  * integrals of the ledger, which the defect of the motion does not see, and the motion once more. `angle_noise`: how far rounding moves
  * theta, rad. */
@@ -377,7 +380,7 @@ static void check_energy(const System *s, Leap *leap, double angle_noise) {
     const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(start->force - start->F_ext) * z;
     const double rounding =
         32.0 * DBL_EPSILON * (passed + at_rest + kinetic[0] + kinetic[1]) + angle_noise * fabs(end->tau);
-    leap->energy_error = fmax(missed - rounding, 0.0) / (p->tolerance * (passed + kinetic[1]) + DBL_MIN);
+    leap->energy_error = fmax(missed - rounding, 0.0) / (ENERGY_SHARE * p->tolerance * (passed + kinetic[1]) + DBL_MIN);
 }
 
 /* ---- the step ---- */

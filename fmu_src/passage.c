@@ -182,6 +182,8 @@ static double watched_rate(const Guard *g, Watch watch, const Balance *b, double
 static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     enum { ITERATIONS = 150 };
     const Leap whole = *leap;
+    Way way = *g->way;
+    way.to_rounding = true;
     const int stages = whole.method->stages;
     const double width = g->way->piece->upper - g->way->piece->lower;
     double left = 0.0, right = whole.h, t = x * whole.h;
@@ -189,7 +191,7 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     if (x < 1e-3 && watch == WATCH_STOP) t = fmin(ballistic_time(g->way, &whole.start, g->room), whole.h);
     for (int n = 0; n < ITERATIONS; n++) {
         t = fmax(t, DBL_MIN);
-        if (!leap_solve(g->way, &whole.start, t, stages, leap)) {
+        if (!leap_solve(&way, &whole.start, t, stages, leap)) {
             t = 0.5 * (left + t);
             continue;
         }
@@ -228,11 +230,13 @@ static bool turns_within_rounding(const Guard *g, const Leap *leap) {
  * longer by roundings until it is past zero. */
 static void step_past(const Guard *g, Watch watch, Leap *leap) {
     const Balance start = leap->start;
+    Way way = *g->way;
+    way.to_rounding = true;
     const int stages = leap->method->stages;
     double nudge = 8.0 * DBL_EPSILON;
     for (int n = 0; n < 24 && watched(g, watch, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
         const Leap before = *leap;
-        if (leap_solve(g->way, &start, before.h * (1.0 + nudge), stages, leap)) continue;
+        if (leap_solve(&way, &start, before.h * (1.0 + nudge), stages, leap)) continue;
         *leap = before;
         return;
     }
