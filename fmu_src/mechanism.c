@@ -366,7 +366,8 @@ static void jam(Mechanism *m) {
         share[i] = g->friction[i] * g->length[i] * g->length[i] * g->turn[i] * g->turn[i] / g->radius[i];
     stand_still(m);
     if (!m->params.ledger || energy == 0.0) return;
-    for (int i = 0; i < 2; i++) sum_add(&m->state.ledger.heat_cam[i], energy * share[i] / (share[0] + share[1]));
+    const double sum = share[0] + share[1]; /* 0 where only a contact without friction slides */
+    for (int i = 0; i < 2; i++) sum_add(&m->state.ledger.heat_cam[i], energy * (sum > 0.0 ? share[i] / sum : 0.5));
 }
 
 /* ---- slipping in grooves of any shape ---- */
