@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "dual.h"
-
 double input_value(const double u[INPUT_ORDER + 1], double t) {
     return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
 }
@@ -12,120 +10,116 @@ double input_rate(const double u[INPUT_ORDER + 1], double t) {
     return u[1] + t * (u[2] + t / 2.0 * u[3]);
 }
 
-static FlowKind kind_of_way(const Params *p, int direction) {
-    if (has_inertia(p)) return FLOW_INERTIAL;
-    const double c = direction > 0 ? p->damper.c_load + p->damper.q_load : p->damper.c_release + p->damper.q_release;
-    return c + p->shaft.damping > 0.0 ? FLOW_VISCOUS : FLOW_QUASISTATIC;
-}
-
-Way way_of(const Params *p, const Course *course, const Inputs *inputs, double theta, int direction,
-           const int flank[2]) {
-    return (Way){
-        .params = p,
-        .course = course,
-        .piece = course_piece(course, theta, direction),
-        .inputs = inputs,
-        .kind = kind_of_way(p, direction),
-        .direction = direction,
-        .flank = {flank[0], flank[1]},
-    };
-}
-
-/* ---- geometry and its derivatives by theta ---- */
-
+/* The inputs at one instant. */
 typedef struct {
-    double z;
-    Dual slope[2];  /* a_i */
-    Dual turn[2];   /* gamma', phi' */
-    Dual lift;      /* z' */
-    Dual turn_rate; /* gamma'' */
-    Dual lift_rate; /* z'' */
-} Shape;
+    double tau, F_ext, tau_rate, F_rate; /* N.m, N, N.m/s, N/s */
+} Drive;
 
-static Spot straight_spot(const Piece *piece, double theta) {
-    const double x = (theta - piece->middle) * piece->scale;
-    return (Spot){.slope = {piece->slope[0][0], piece->slope[1][0]}, .z = piece->z[0] + x * piece->z[1]};
+static inline Drive drive_at(const Way *w, double t) {
+    const Inputs *in = w->inputs;
+    if (w->steady) return (Drive){.tau = in->tau[0], .F_ext = in->F_ext[0]};
+    return (Drive){input_value(in->tau, t), input_value(in->F_ext, t), input_rate(in->tau, t), input_rate(in->F_ext, t)};
 }
+
+/* ---- geometry and friction, with derivatives by theta ---- */
 
 /* gamma' = a2/(a1+a2), z' = a1 gamma'; differentiated:
  *     gamma'' = (a2' phi' - a1' gamma')/(a1+a2)          z'' = a1' gamma'^2 + a2' phi'^2
  *     gamma''' = (a2'' phi' - a1'' gamma' - 2 gamma'' (a1'+a2'))/(a1+a2)
  *     z''' = a1'' gamma'^2 + a2'' phi'^2 + 2 gamma'' (a1' gamma' - a2' phi') */
-static inline Shape shape_at(const Way *w, double theta) {
-    Spot s = w->course->straight ? straight_spot(w->piece, theta) : piece_at(w->piece, theta);
+static inline void form_of(const Way *w, Spot s, Form *form) {
     for (int i = 0; i < 2; i++) s.slope[i] = fmax(s.slope[i], 0.0); /* level, but for the polynomial's rounding */
     const double inverse = 1.0 / (s.slope[0] + s.slope[1]);
     const double g = s.slope[1] * inverse, f = s.slope[0] * inverse;
-    const double bend = s.bend[0] + s.bend[1];
     const double gg = (s.bend[1] * f - s.bend[0] * g) * inverse;
-    const double ggg = (s.twist[1] * f - s.twist[0] * g - 2.0 * gg * bend) * inverse;
     const double zz = s.bend[0] * g * g + s.bend[1] * f * f;
-    const double zzz =
-        s.twist[0] * g * g + s.twist[1] * f * f + 2.0 * gg * (s.bend[0] * g - s.bend[1] * f);
-    return (Shape){
-        .z = s.z,
-        .slope = {{s.slope[0], s.bend[0]}, {s.slope[1], s.bend[1]}},
-        .turn = {{g, gg}, {f, -gg}},
-        .lift = {s.slope[0] * g, zz},
-        .turn_rate = {gg, ggg},
-        .lift_rate = {zz, zzz},
-    };
-}
-
-/* ---- friction ---- */
-
-typedef struct {
-    Dual rn[2], d[2]; /* r_i n_i, d_i */
-    Dual delta;
-    Dual p, q; /* P, Q */
-} Grip;
-
-static inline Grip grip_of(const Way *w, const Shape *s) {
-    Grip g;
-    for (int i = 0; i < 2; i++) {
-        const CamParams *cam = &w->params->cam[i];
-        const double mu = w->direction * w->flank[i] * cam->friction;
-        g.rn[i] = dual_line(cam->radius * (mu * cam->radius), cam->radius, s->slope[i]);
-        g.d[i] = dual_line(cam->radius, -mu, s->slope[i]);
+    form->lift = (Dual){s.slope[0] * g, zz};
+    form->turn[0] = (Dual){g, gg};
+    form->turn[1] = (Dual){f, -gg};
+    form->lift_rate = (Dual){zz, 0.0};
+    form->turn_rate = (Dual){gg, 0.0};
+    if (w->heavy) {
+        const double bend = s.bend[0] + s.bend[1];
+        form->turn_rate.slope = (s.twist[1] * f - s.twist[0] * g - 2.0 * gg * bend) * inverse;
+        form->lift_rate.slope =
+            s.twist[0] * g * g + s.twist[1] * f * f + 2.0 * gg * (s.bend[0] * g - s.bend[1] * f);
     }
-    g.q = dual_multiply(g.d[0], g.rn[1]);
-    g.delta = dual_add(g.q, dual_multiply(g.rn[0], g.d[1]));
-    g.p = dual_multiply(g.rn[0], g.rn[1]);
-    return g;
+    for (int i = 0; i < 2; i++) {
+        const double r = w->params->cam[i].radius;
+        form->slope[i] = (Dual){s.slope[i], s.bend[i]};
+        form->rn[i] = dual_line(r * (w->mu[i] * r), r, form->slope[i]);
+        form->d[i] = dual_line(r, -w->mu[i], form->slope[i]);
+    }
+    form->q = dual_multiply(form->d[0], form->rn[1]);
+    form->delta = dual_add(form->q, dual_multiply(form->rn[0], form->d[1]));
+    form->p = dual_multiply(form->rn[0], form->rn[1]);
 }
 
-/* ---- forces ---- */
+static Spot straight_spot(const Piece *piece) {
+    return (Spot){.slope = {piece->slope[0][0], piece->slope[1][0]}};
+}
 
-typedef struct {
-    double c, q; /* of the damper in this direction */
-} Damping;
+/* The form at theta, in *here unless the way has it, and z. */
+static inline const Form *form_at(const Way *w, double theta, Form *here, double *z) {
+    const Piece *piece = w->piece;
+    if (w->course->straight) {
+        *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];
+        return &w->form;
+    }
+    const Spot spot = w->heavy ? piece_spot(piece, theta, true) : piece_spot(piece, theta, false);
+    *z = spot.z;
+    form_of(w, spot, here);
+    return here;
+}
 
-static Damping damping_of(const Way *w) {
-    const DamperParams *d = &w->params->damper;
-    return w->direction > 0 ? (Damping){d->c_load, d->q_load} : (Damping){d->c_release, d->q_release};
+/* ---- the way ---- */
+
+static FlowKind kind_of_way(const Way *w) {
+    if (has_inertia(w->params)) return FLOW_INERTIAL;
+    return w->c + w->q + w->params->shaft.damping > 0.0 ? FLOW_VISCOUS : FLOW_QUASISTATIC;
+}
+
+Way way_of(const Params *p, const Course *course, const Inputs *inputs, double theta, int direction,
+           const int flank[2]) {
+    const DamperParams *d = &p->damper;
+    Way way = {
+        .params = p,
+        .course = course,
+        .piece = course_piece(course, theta, direction),
+        .inputs = inputs,
+        .direction = direction,
+        .flank = {flank[0], flank[1]},
+        .mu = {direction * flank[0] * p->cam[0].friction, direction * flank[1] * p->cam[1].friction},
+        .c = direction > 0 ? d->c_load : d->c_release,
+        .q = direction > 0 ? d->q_load : d->q_release,
+        .heavy = p->inertia.follower_mass + p->inertia.follower > 0.0,
+        .steady = inputs_constant(inputs),
+    };
+    way.kind = kind_of_way(&way);
+    if (course->straight) form_of(&way, straight_spot(way.piece), &way.form);
+    return way;
 }
 
 /* ---- the equation of motion ---- */
 
-static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g, double omega, double t) {
+static inline Pace pace_of_inertial(const Way *w, const Form *f, double z, const Drive *in, double omega) {
     const Params *p = w->params;
     const double J = p->inertia.shaft, m = p->inertia.follower_mass, I = p->inertia.follower;
-    const Damping damping = damping_of(w);
-    const double v = s->lift.value * omega;
-    const double damper = v * (damping.c + damping.q * fabs(v));
-    const double damper_rate = damping.c + 2.0 * damping.q * fabs(v);
-    const double spring = spring_force(&p->spring, s->z), F_ext = input_value(w->inputs->F_ext, t);
+    const double v = f->lift.value * omega;
+    const double damper = v * (w->c + w->q * fabs(v));
+    const double damper_rate = w->c + 2.0 * w->q * fabs(v);
+    const double spring = spring_force(&p->spring, z), F_ext = in->F_ext;
     const Dual load = {spring + F_ext + damper,
-                       spring_rate(&p->spring, s->z) * s->lift.value + damper_rate * s->lift.slope * omega};
-    const double drag = p->shaft.damping * omega, torque = input_value(w->inputs->tau, t), tau = torque - drag;
-    Dual mass = dual_scale(J, g->delta);
-    Dual net = {g->delta.value * tau - g->p.value * load.value,
-                g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
-    double net_by_omega = -g->delta.value * p->shaft.damping - g->p.value * damper_rate * s->lift.value;
-    if (m + I > 0.0) {
-        const Dual pm = dual_scale(m, g->p), qi = dual_scale(I, g->q);
-        mass = dual_add(mass, dual_add(dual_multiply(pm, s->lift), dual_multiply(qi, s->turn[0])));
-        const Dual swirl = dual_add(dual_multiply(pm, s->lift_rate), dual_multiply(qi, s->turn_rate));
+                       spring_rate(&p->spring, z) * f->lift.value + damper_rate * f->lift.slope * omega};
+    const double drag = p->shaft.damping * omega, torque = in->tau, tau = torque - drag;
+    Dual mass = dual_scale(J, f->delta);
+    Dual net = {f->delta.value * tau - f->p.value * load.value,
+                f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
+    double net_by_omega = -f->delta.value * p->shaft.damping - f->p.value * damper_rate * f->lift.value;
+    if (w->heavy) {
+        const Dual pm = dual_scale(m, f->p), qi = dual_scale(I, f->q);
+        mass = dual_add(mass, dual_add(dual_multiply(pm, f->lift), dual_multiply(qi, f->turn[0])));
+        const Dual swirl = dual_add(dual_multiply(pm, f->lift_rate), dual_multiply(qi, f->turn_rate));
         net.value -= swirl.value * omega * omega;
         net.slope -= swirl.slope * omega * omega;
         net_by_omega -= 2.0 * swirl.value * omega;
@@ -135,13 +129,13 @@ static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g,
     const double force_size = fabs(spring) + fabs(F_ext) + fabs(damper);
     return (Pace){
         .value = alpha,
-        .size = (fabs(g->delta.value) * (fabs(torque) + fabs(drag)) + fabs(g->p.value) * force_size) * fabs(inverse),
+        .size = (fabs(f->delta.value) * (fabs(torque) + fabs(drag)) + fabs(f->p.value) * force_size) * fabs(inverse),
         .by_theta = (net.slope - alpha * mass.slope) * inverse,
         .by_omega = net_by_omega * inverse,
-        .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
+        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) *
                    inverse,
         .resistance = fabs(mass.value),
-        .possible = mass.value * g->delta.value > 0.0,
+        .possible = mass.value * f->delta.value > 0.0,
         .stable = true,
     };
 }
@@ -149,17 +143,16 @@ static inline Pace pace_of_inertial(const Way *w, const Shape *s, const Grip *g,
 /* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. Of two roots, which a
  * locked contact (P < 0) can cause, the one nearer to zero: there more torque means more speed. It is written without
  * cancellation. Backward, where a step may look, it is continued as an odd function. */
-static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, double t) {
+static inline Pace pace_of_viscous(const Way *w, const Form *f, double z, const Drive *in) {
     const Params *p = w->params;
-    const Damping damping = damping_of(w);
-    const double tau = input_value(w->inputs->tau, t);
-    const double spring = spring_force(&p->spring, s->z), F_ext = input_value(w->inputs->F_ext, t);
-    const Dual load = {spring + F_ext, spring_rate(&p->spring, s->z) * s->lift.value};
-    const Dual n = {g->delta.value * tau - g->p.value * load.value,
-                    g->delta.slope * tau - g->p.slope * load.value - g->p.value * load.slope};
-    const Dual pz = dual_multiply(g->p, s->lift);
-    const Dual b = dual_add(dual_scale(p->shaft.damping, g->delta), dual_scale(damping.c, pz));
-    const Dual c = dual_scale(damping.q, dual_multiply(pz, s->lift));
+    const double tau = in->tau;
+    const double spring = spring_force(&p->spring, z), F_ext = in->F_ext;
+    const Dual load = {spring + F_ext, spring_rate(&p->spring, z) * f->lift.value};
+    const Dual n = {f->delta.value * tau - f->p.value * load.value,
+                    f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
+    const Dual pz = dual_multiply(f->p, f->lift);
+    const Dual b = dual_add(dual_scale(p->shaft.damping, f->delta), dual_scale(w->c, pz));
+    const Dual c = dual_scale(w->q, dual_multiply(pz, f->lift));
     const double sign = b.value < 0.0 || (b.value == 0.0 && c.value < 0.0) ? -1.0 : 1.0;
     const bool alike = b.value * c.value >= 0.0;
     const double four_cn = alike ? fabs(c.value * n.value) : c.value * w->direction * n.value;
@@ -169,97 +162,102 @@ static inline Pace pace_of_viscous(const Way *w, const Shape *s, const Grip *g, 
     const double steepness = b.value + 2.0 * c.value * fabs(omega); /* dN/d omega */
     const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
     const double n_size =
-        fabs(g->delta.value * tau) + fabs(g->p.value) * (fabs(spring) + fabs(F_ext));
+        fabs(f->delta.value * tau) + fabs(f->p.value) * (fabs(spring) + fabs(F_ext));
     return (Pace){
         .value = omega,
         .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
-        .by_time = (g->delta.value * input_rate(w->inputs->tau, t) - g->p.value * input_rate(w->inputs->F_ext, t)) *
+        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) *
                    inverse,
-        .possible = sum != 0.0 && square >= 0.0 && g->delta.value != 0.0,
-        .stable = sign * g->delta.value > 0.0,
+        .possible = sum != 0.0 && square >= 0.0 && f->delta.value != 0.0,
+        .stable = sign * f->delta.value > 0.0,
     };
 }
 
 /* On the band's edge E(theta) = rho F_0 the torque fixes theta, so (tau - rho F_ext)' = dE/dtheta omega. Value: that
  * omega; by_theta holds dE/dtheta itself, N.m/rad, which a step along the edge
  * solves with. */
-static inline Pace pace_of_quasistatic(const Way *w, const Shape *s, const Grip *g, double t) {
+static inline Pace pace_of_quasistatic(const Way *w, const Form *f, double z, const Drive *in) {
     const Params *p = w->params;
-    const Dual load = {spring_force(&p->spring, s->z) + input_value(w->inputs->F_ext, t),
-                       spring_rate(&p->spring, s->z) * s->lift.value};
-    const double inverse = 1.0 / g->delta.value;
-    const double rho = g->p.value * inverse;
-    const double rho_rate = (g->p.slope - rho * g->delta.slope) * inverse;
+    const Dual load = {spring_force(&p->spring, z) + in->F_ext,
+                       spring_rate(&p->spring, z) * f->lift.value};
+    const double inverse = 1.0 / f->delta.value;
+    const double rho = f->p.value * inverse;
+    const double rho_rate = (f->p.slope - rho * f->delta.slope) * inverse;
     const double stiffness = rho_rate * load.value + rho * load.slope;
-    const double rate = input_rate(w->inputs->tau, t) - rho * input_rate(w->inputs->F_ext, t);
+    const double rate = in->tau_rate - rho * in->F_rate;
     return (Pace){
         .value = stiffness > 0.0 ? rate / stiffness : 0.0,
         .by_theta = stiffness,
-        .net = input_value(w->inputs->tau, t) - rho * load.value,
+        .net = in->tau - rho * load.value,
         .resistance = stiffness,
-        .possible = g->delta.value != 0.0,
+        .possible = f->delta.value != 0.0,
         .stable = stiffness > 0.0,
     };
 }
 
-static inline Pace pace_of(const Way *w, const Shape *s, const Grip *g, double omega, double t) {
+static inline Pace pace_of(const Way *w, const Form *f, double z, const Drive *in, double omega) {
     switch (w->kind) {
-        case FLOW_INERTIAL: return pace_of_inertial(w, s, g, omega, t);
-        case FLOW_VISCOUS: return pace_of_viscous(w, s, g, t);
-        default: return pace_of_quasistatic(w, s, g, t);
+        case FLOW_INERTIAL: return pace_of_inertial(w, f, z, in, omega);
+        case FLOW_VISCOUS: return pace_of_viscous(w, f, z, in);
+        default: return pace_of_quasistatic(w, f, z, in);
     }
 }
 
 Pace balance_pace(const Way *w, double theta, double omega, double t) {
-    const Shape s = shape_at(w, theta);
-    const Grip g = grip_of(w, &s);
-    return pace_of(w, &s, &g, omega, t);
+    Form here;
+    double z;
+    const Form *f = form_at(w, theta, &here, &z);
+    const Drive in = drive_at(w, t);
+    return pace_of(w, f, z, &in, omega);
 }
 
 void balance_at(const Way *w, double theta, double omega, double t, Balance *out) {
     const Params *p = w->params;
-    const Shape s = shape_at(w, theta);
-    const Grip g = grip_of(w, &s);
-    const Pace pace = pace_of(w, &s, &g, omega, t);
+    Form here;
+    double z;
+    const Form *f = form_at(w, theta, &here, &z);
+    const Drive in = drive_at(w, t);
+    const Pace pace = pace_of(w, f, z, &in, omega);
     const bool inertial = w->kind == FLOW_INERTIAL;
     const double alpha = inertial ? pace.value : 0.0;
     if (!inertial) omega = pace.value;
-    const Damping damping = damping_of(w);
-    const double v = s.lift.value * omega, damper = v * (damping.c + damping.q * fabs(v));
-    const double F_ext = input_value(w->inputs->F_ext, t), force = spring_force(&p->spring, s.z) + F_ext;
-    const double axial = force + damper +
-                         p->inertia.follower_mass * (s.lift.value * alpha + s.lift_rate.value * omega * omega);
-    const double twist = p->inertia.follower * (s.turn[0].value * alpha + s.turn_rate.value * omega * omega);
-    const double inverse = 1.0 / g.delta.value;
+    const double v = f->lift.value * omega, damper = v * (w->c + w->q * fabs(v));
+    const double force = spring_force(&p->spring, z) + in.F_ext;
+    double axial = force + damper, twist = 0.0;
+    if (w->heavy) {
+        axial += p->inertia.follower_mass * (f->lift.value * alpha + f->lift_rate.value * omega * omega);
+        twist = p->inertia.follower * (f->turn[0].value * alpha + f->turn_rate.value * omega * omega);
+    }
+    const double inverse = 1.0 / f->delta.value;
     *out = (Balance){
         .theta = theta,
         .omega = omega,
         .alpha = alpha,
         .pace = pace,
-        .tau = input_value(w->inputs->tau, t),
-        .F_ext = F_ext,
+        .tau = in.tau,
+        .F_ext = in.F_ext,
         .force = force,
         .damper = damper,
-        .z = s.z,
-        .lift = s.lift.value,
-        .turn = {s.turn[0].value, s.turn[1].value},
-        .axial = {g.rn[1].value * inverse, g.rn[0].value * inverse},
-        .x = {(g.rn[1].value * axial - g.d[1].value * twist) * inverse,
-              (g.rn[0].value * axial + g.d[0].value * twist) * inverse},
+        .z = z,
+        .lift = f->lift.value,
+        .turn = {f->turn[0].value, f->turn[1].value},
+        .axial = {f->rn[1].value * inverse, f->rn[0].value * inverse},
+        .x = {(f->rn[1].value * axial - f->d[1].value * twist) * inverse,
+              (f->rn[0].value * axial + f->d[0].value * twist) * inverse},
     };
     for (int i = 0; i < 2; i++)
-        out->length2[i] = p->cam[i].radius * p->cam[i].radius + s.slope[i].value * s.slope[i].value;
+        out->length2[i] = p->cam[i].radius * p->cam[i].radius + f->slope[i].value * f->slope[i].value;
 }
 
 /* ---- how it changes ---- */
 
 /* Size of the terms of P, which vanishes where a contact begins to lock. */
-static double grip_size(const Way *w, const Shape *s) {
+static double grip_size(const Way *w, const Form *f) {
     double size = 1.0;
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &w->params->cam[i];
-        size *= cam->radius * (s->slope[i].value + cam->friction * cam->radius);
+        size *= cam->radius * (f->slope[i].value + cam->friction * cam->radius);
     }
     return size;
 }
@@ -277,29 +275,28 @@ typedef struct {
     double spring_rate, damper_rate, F_rate; /* N/s, N.s/m, N/s */
 } Drift;
 
-static Drift drift_of(const Way *w, const Shape *s, const Balance *now, double t) {
+static Drift drift_of(const Way *w, const Form *f, const Drive *in, const Balance *now) {
     const Params *p = w->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower;
-    const Damping damping = damping_of(w);
     const bool inertial = w->kind == FLOW_INERTIAL;
-    const double omega = now->omega, spin2 = omega * omega, v = s->lift.value * omega;
+    const double omega = now->omega, spin2 = omega * omega, v = f->lift.value * omega;
     Drift d = {
         .pace = now->pace.by_time + (w->kind == FLOW_QUASISTATIC ? 0.0 : now->pace.by_theta * omega) +
                 now->pace.by_omega * now->alpha,
-        .spring_rate = spring_rate(&p->spring, s->z) * v,
-        .damper_rate = damping.c + 2.0 * damping.q * fabs(v),
-        .F_rate = input_rate(w->inputs->F_ext, t),
+        .spring_rate = spring_rate(&p->spring, now->z) * v,
+        .damper_rate = w->c + 2.0 * w->q * fabs(v),
+        .F_rate = in->F_rate,
     };
     d.alpha = inertial ? now->alpha : d.pace;
     d.jerk = inertial ? d.pace : 0.0;
-    const double follow = s->lift.value * d.alpha + s->lift_rate.value * spin2; /* d^2 z/dt^2 */
+    const double follow = f->lift.value * d.alpha + f->lift_rate.value * spin2; /* d^2 z/dt^2 */
     d.axial = now->force + now->damper + m * (inertial ? follow : 0.0);
-    d.twist = I * (s->turn[0].value * now->alpha + s->turn_rate.value * spin2);
+    d.twist = I * (f->turn[0].value * now->alpha + f->turn_rate.value * spin2);
     d.axial_rate = d.spring_rate + d.F_rate + d.damper_rate * follow +
-                   m * (s->lift.value * d.jerk + 3.0 * s->lift_rate.value * omega * d.alpha +
-                        s->lift_rate.slope * spin2 * omega);
-    d.twist_rate = I * (s->turn[0].value * d.jerk + 3.0 * s->turn_rate.value * omega * d.alpha +
-                        s->turn_rate.slope * spin2 * omega);
+                   m * (f->lift.value * d.jerk + 3.0 * f->lift_rate.value * omega * d.alpha +
+                        f->lift_rate.slope * spin2 * omega);
+    d.twist_rate = I * (f->turn[0].value * d.jerk + 3.0 * f->turn_rate.value * omega * d.alpha +
+                        f->turn_rate.slope * spin2 * omega);
     return d;
 }
 
@@ -310,24 +307,24 @@ typedef struct {
     double axial_rate, twist_rate;
 } Sizes;
 
-static double force_size(const Way *w, const Shape *s, const Balance *now) {
+static double force_size(const Way *w, const Balance *now) {
     const SpringParams *spring = &w->params->spring;
-    const double z = fabs(s->z) + COURSE_SHARE * w->course->z_size;
+    const double z = fabs(now->z) + COURSE_SHARE * w->course->z_size;
     return fabs(spring->preload) + fabs(now->F_ext) + fabs(now->damper) +
            z * (fabs(spring->stiffness) + z * (fabs(spring->stiffness2) + z * fabs(spring->stiffness3)));
 }
 
-static Sizes sizes_of(const Way *w, const Shape *s, const Grip *g, const Balance *now, const Drift *d) {
+static Sizes sizes_of(const Way *w, const Form *f, const Balance *now, const Drift *d) {
     const Params *p = w->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower;
     const double omega = fabs(now->omega), spin2 = omega * omega;
-    const double lift = fabs(s->lift.value), lift_rate = fabs(s->lift_rate.value);
-    const double turn = fabs(s->turn[0].value), turn_rate = fabs(s->turn_rate.value);
+    const double lift = fabs(f->lift.value), lift_rate = fabs(f->lift_rate.value);
+    const double turn = fabs(f->turn[0].value), turn_rate = fabs(f->turn_rate.value);
     const bool inertial = w->kind == FLOW_INERTIAL;
-    Sizes size = {.force = force_size(w, s, now), .torque = fabs(now->tau) + p->shaft.damping * omega};
-    const double swirl = (fabs(g->p.value) * m * lift_rate + fabs(g->q.value) * I * turn_rate) * spin2;
+    Sizes size = {.force = force_size(w, now), .torque = fabs(now->tau) + p->shaft.damping * omega};
+    const double swirl = (fabs(f->p.value) * m * lift_rate + fabs(f->q.value) * I * turn_rate) * spin2;
     if (inertial)
-        size.pace = (fabs(g->delta.value) * size.torque + fabs(g->p.value) * size.force + swirl) / now->pace.resistance;
+        size.pace = (fabs(f->delta.value) * size.torque + fabs(f->p.value) * size.force + swirl) / now->pace.resistance;
     const double alpha = inertial ? size.pace : fabs(d->alpha);
     const double jerk = inertial ? fabs(now->pace.by_theta) * omega + fabs(now->pace.by_omega) * size.pace +
                                        fabs(now->pace.by_time)
@@ -341,35 +338,37 @@ static Sizes sizes_of(const Way *w, const Shape *s, const Grip *g, const Balance
 }
 
 /* d x_1/dt from x_1 = (rn2 A - d2 W)/Delta, and the sizes of both; likewise x_2 = (rn1 A + d1 W)/Delta. */
-static void contact_trend(const Way *w, const Grip *g, const Balance *now, const Drift *d, const Sizes *size, int i,
+static void contact_trend(const Way *w, const Form *f, const Balance *now, const Drift *d, const Sizes *size, int i,
                           Trend *out) {
     const int other = 1 - i;
-    const double omega = now->omega, inverse = 1.0 / fabs(g->delta.value);
-    const Dual rn = g->rn[other], arm = dual_scale(i == 0 ? -1.0 : 1.0, g->d[other]);
+    const double omega = now->omega, inverse = 1.0 / fabs(f->delta.value);
+    const Dual rn = f->rn[other], arm = dual_scale(i == 0 ? -1.0 : 1.0, f->d[other]);
     const double rn_size = fabs(rn.value) + w->params->cam[other].radius * w->course->slope_size;
     out->contact[i] = (rn.slope * omega * d->axial + rn.value * d->axial_rate + arm.slope * omega * d->twist +
-                       arm.value * d->twist_rate - now->x[i] * g->delta.slope * omega) /
-                      g->delta.value;
+                       arm.value * d->twist_rate - now->x[i] * f->delta.slope * omega) /
+                      f->delta.value;
     out->size[i] = (rn_size * size->axial + fabs(arm.value) * size->twist) * inverse;
     out->rate_size[i] = (fabs(rn.slope * omega) * size->axial + fabs(rn.value) * size->axial_rate +
                          fabs(arm.slope * omega) * size->twist + fabs(arm.value) * size->twist_rate +
-                         out->size[i] * fabs(g->delta.slope * omega)) *
+                         out->size[i] * fabs(f->delta.slope * omega)) *
                         inverse;
 }
 
 void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
-    const Shape s = shape_at(w, now->theta);
-    const Grip g = grip_of(w, &s);
-    const Drift d = drift_of(w, &s, now, t);
-    const Sizes size = sizes_of(w, &s, &g, now, &d);
+    Form here;
+    double z;
+    const Form *f = form_at(w, now->theta, &here, &z);
+    const Drive in = drive_at(w, t);
+    const Drift d = drift_of(w, f, &in, now);
+    const Sizes size = sizes_of(w, f, now, &d);
     const double drag = w->kind == FLOW_INERTIAL ? w->params->shaft.damping * now->omega : 0.0;
     *out = (Trend){
         .pace = d.pace,
         .pace_size = size.pace,
-        .net = now->tau - drag - g.p.value / g.delta.value * now->force,
-        .net_size = size.torque + grip_size(w, &s) / fabs(g.delta.value) * size.force,
+        .net = now->tau - drag - f->p.value / f->delta.value * now->force,
+        .net_size = size.torque + grip_size(w, f) / fabs(f->delta.value) * size.force,
     };
-    for (int i = 0; i < 2; i++) contact_trend(w, &g, now, &d, &size, i, out);
+    for (int i = 0; i < 2; i++) contact_trend(w, f, now, &d, &size, i, out);
 }
 
 Booking balance_power(const Way *w, const Balance *now) {

@@ -14,8 +14,17 @@
 #define DUALCAM_BALANCE_H
 
 #include "course.h"
+#include "dual.h"
 #include "flow.h"
 #include "params.h"
+
+/* Grooves and friction at one theta, with derivatives by theta. */
+typedef struct {
+    Dual lift;                     /* z' */
+    Dual slope[2], turn[2];        /* a_i; gamma', phi' */
+    Dual lift_rate, turn_rate;     /* z'', gamma''; their slopes only where the follower has mass or inertia */
+    Dual rn[2], d[2], delta, p, q; /* see above; p, q: P, Q */
+} Form;
 
 /* One way to slip through one piece of the course, under inputs that are polynomials of the time since `inputs`
  * were written. */
@@ -27,6 +36,11 @@ typedef struct {
     FlowKind kind;
     int direction; /* sigma */
     int flank[2];  /* e_i */
+    double mu[2];  /* sigma e_i mu_i */
+    double c, q;   /* N.s/m, N.s^2/m^2: of the damper in this direction */
+    bool heavy;    /* the follower has mass or inertia */
+    bool steady;   /* the inputs are constant */
+    Form form;     /* in straight grooves, where it is the same at every theta */
     bool to_rounding; /* its leaps are solved to rounding, not to a share of the tolerance: where one ends on an event */
 } Way;
 

@@ -75,30 +75,31 @@ static inline Both slopes_of(const Piece *piece, int k) {
  *
  * p(x) = E(y) + x O(y) with y = x^2: Horner's rule for the even and the odd part, each with its first
  * derivative (e1, o1) and half its second by y (e2, o2), is half as long a chain as Horner's rule in x and
- * takes fewer operations. All chains are independent, so the processor runs them side by side. */
-static inline Spot piece_at(const Piece *piece, double theta) {
+ * takes fewer operations. All chains are independent, so the processor runs them side by side. Without
+ * `twist` that one is left 0. */
+static inline Spot piece_spot(const Piece *piece, double theta, bool twist) {
     const double x = (theta - piece->middle) * piece->scale, y = x * x;
     const Both none = {0.0, 0.0};
     Both e = slopes_of(piece, COURSE_DEGREE), e1 = none, e2 = none;
     Both o = slopes_of(piece, COURSE_DEGREE - 1), o1 = none, o2 = none;
     double ze = piece->z[COURSE_DEGREE], zo = piece->z[COURSE_DEGREE - 1];
     for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2) {
-        e2 = e2 * y + e1;
+        if (twist) e2 = e2 * y + e1;
         e1 = e1 * y + e;
         e = e * y + slopes_of(piece, k);
         ze = ze * y + piece->z[k];
-        o2 = o2 * y + o1;
+        if (twist) o2 = o2 * y + o1;
         o1 = o1 * y + o;
         o = o * y + slopes_of(piece, k - 1);
         zo = zo * y + piece->z[k - 1];
     }
-    e2 = e2 * y + e1;
+    if (twist) e2 = e2 * y + e1;
     e1 = e1 * y + e;
     e = e * y + slopes_of(piece, 0);
     ze = ze * y + piece->z[0];
     const Both value = e + x * o;
     const Both first = (o + 2.0 * (x * e1 + y * o1)) * piece->scale;
-    const Both half_second = e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2);
+    const Both half_second = twist ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
     const double square = 2.0 * piece->scale * piece->scale;
     return (Spot){
         .slope = {value[0], value[1]},
@@ -106,6 +107,10 @@ static inline Spot piece_at(const Piece *piece, double theta) {
         .twist = {square * half_second[0], square * half_second[1]},
         .z = ze + x * zo,
     };
+}
+
+static inline Spot piece_at(const Piece *piece, double theta) {
+    return piece_spot(piece, theta, true);
 }
 
 #endif

@@ -1,5 +1,6 @@
 #include "decide.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "event.h"
@@ -88,6 +89,12 @@ static bool is_undecided(const Look *look, int i) {
 /* A leap ends on a flank change to its own rounding, which is some times that of one balance. */
 static const double COARSE = 10.0;
 
+/* However small a load is, theta is known to its rounding only: what that makes of x_i, as a size. */
+static double noise_of_angle(const Mechanism *m, double by_angle) {
+    static const double ROUNDING = 4.0 * DBL_EPSILON / NO_REACTION;
+    return ROUNDING * fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower)) * fabs(by_angle);
+}
+
 static Look look_at_any_form(const Mechanism *m, int index) {
     const Way way = way_from_here(m, index);
     const Balance now = balance_from_here(m, &way);
@@ -112,6 +119,7 @@ static Look look_at_any_form(const Mechanism *m, int index) {
         look.axial[i] = now.axial[i] * spring;
         look.contact[i] = (Contact){.value = now.x[i], .rate = trend.contact[i]};
         look.size[i] = (Contact){.value = COARSE * trend.size[i], .rate = COARSE * trend.rate_size[i]};
+        if (way.kind != FLOW_QUASISTATIC) look.size[i].value += noise_of_angle(m, look.axial[i] * now.lift);
     }
     if (is_undecided(&look, 0) || is_undecided(&look, 1)) look_ahead(&way, &now, &look);
     return look;

@@ -14,7 +14,7 @@ static const double LOOK_BEYOND = 0.05;
 /* An iteration that gets no further this near to what is allowed has met the rounding of the forces. */
 static const double STALLED = 100.0;
 
-/* Steps whose h |by_omega| + h^2 |by_theta| is below: the derivatives hardly change. */
+/* Steps whose h |by_omega| + h^2 |by_theta| is below: the derivatives hardly change, and their own terms are small. */
 static const double FROZEN = 0.05;
 
 /* Above: a first guess must not follow the tangent. */
@@ -73,53 +73,93 @@ typedef struct {
     double h;
     double lowest, highest; /* rad, where the piece's polynomials may be used */
     double y[RADAU_MAX];    /* alpha_j, or omega_j without inertia */
+    double turned[RADAU_MAX], omega[RADAU_MAX]; /* rad, rad/s: what follows from y at the nodes, see place_nodes() */
 } System;
 
-static double row_sum(const double row[RADAU_MAX], const double y[RADAU_MAX], int n) {
+static double dot(const double a[RADAU_MAX], const double b[RADAU_MAX], int n) {
     double sum = 0.0;
-    for (int j = 0; j < n; j++) sum += row[j] * y[j];
+    for (int j = 0; j < n; j++) sum += a[j] * b[j];
     return sum;
 }
 
-/* theta_i - theta_0 */
-static double turn_at(const System *s, int i) {
+/* Columns times y: integrals of y up to the nodes, if those are the method's. */
+static inline void combine(const double columns[RADAU_MAX][RADAU_WIDTH], const double y[RADAU_MAX], int n,
+                           double out[RADAU_WIDTH]) {
+    for (int i = 0; i < RADAU_WIDTH; i++) out[i] = 0.0;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < RADAU_WIDTH; i++) out[i] += columns[j][i] * y[j];
+}
+
+/* theta_i - theta_0 and omega_i from y. */
+static void place_nodes(System *s) {
     const Radau *r = s->method;
-    if (s->way->kind != FLOW_INERTIAL) return s->h * row_sum(r->once[i], s->y, r->stages);
-    return s->h * (r->node[i] * s->start->omega + s->h * row_sum(r->twice[i], s->y, r->stages));
-}
-
-static double theta_at(const System *s, int i) {
-    return s->start->theta + turn_at(s, i);
-}
-
-static double omega_at(const System *s, int i) {
-    if (s->way->kind != FLOW_INERTIAL) return 0.0;
-    return s->start->omega + s->h * row_sum(s->method->once[i], s->y, s->method->stages);
+    const int n = r->stages;
+    const double h = s->h, omega = s->start->omega;
+    double once[RADAU_WIDTH], twice[RADAU_WIDTH];
+    combine(r->once, s->y, n, once);
+    if (s->way->kind != FLOW_INERTIAL) {
+        for (int i = 0; i < n; i++) s->turned[i] = h * once[i];
+        for (int i = 0; i < n; i++) s->omega[i] = s->y[i];
+        return;
+    }
+    combine(r->twice, s->y, n, twice);
+    for (int i = 0; i < n; i++) s->turned[i] = h * (r->node[i] * omega + h * twice[i]);
+    for (int i = 0; i < n; i++) s->omega[i] = omega + h * once[i];
 }
 
 static bool is_inside(const System *s, double theta) {
     return theta >= s->lowest && theta <= s->highest;
 }
 
-/* Row i of the Newton matrix, delta_ij - by_theta d theta_i/d y_j - by_omega d omega_i/d y_j. */
-static void fill_row(const System *s, const Pace *pace, int i, double row[RADAU_MAX]) {
+/* d theta_i/d y_j and d omega_i/d y_j, weighed with the derivatives of the pace at node i: how a change of y_j changes
+ * the pace there. The Newton matrix is 1 less that. */
+static double response(const System *s, const Pace *pace, int i, int j) {
     const Radau *r = s->method;
     const double h = s->h;
-    if (s->way->kind == FLOW_INERTIAL) {
-        const double u = pace->by_theta * h * h, w = pace->by_omega * h;
-        for (int j = 0; j < r->stages; j++) row[j] = -u * r->twice[i][j] - w * r->once[i][j];
-    } else {
-        const double u = pace->by_theta * h;
-        for (int j = 0; j < r->stages; j++) row[j] = -u * r->once[i][j];
-    }
+    if (s->way->kind != FLOW_INERTIAL) return pace->by_theta * h * r->once[j][i];
+    return pace->by_theta * h * h * r->twice[j][i] + pace->by_omega * h * r->once[j][i];
+}
+
+static void fill_row(const System *s, const Pace *pace, int i, double row[RADAU_MAX]) {
+    for (int j = 0; j < s->method->stages; j++) row[j] = -response(s, pace, i, j);
     row[i] += 1.0;
 }
 
+/* Columns of the response, with the derivatives at the start. */
+static void build_series(const System *s, double response[RADAU_MAX][RADAU_WIDTH]) {
+    const Radau *r = s->method;
+    const Pace *p = &s->start->pace;
+    const bool inertial = s->way->kind == FLOW_INERTIAL;
+    const double h = s->h, u = inertial ? p->by_theta * h * h : 0.0, w = (inertial ? p->by_omega : p->by_theta) * h;
+    for (int j = 0; j < r->stages; j++)
+        for (int i = 0; i < RADAU_WIDTH; i++) response[j][i] = u * r->twice[j][i] + w * r->once[j][i];
+}
+
+/* x = (1 - M)^-1 d by x = d + M (d + M (d + M d)): M is small. */
+static void solve_by_series(const double M[RADAU_MAX][RADAU_WIDTH], int n, double d[RADAU_MAX]) {
+    double x[RADAU_WIDTH] = {0.0}, more[RADAU_WIDTH];
+    for (int i = 0; i < n; i++) x[i] = d[i];
+    for (int term = 0; term < 3; term++) {
+        combine(M, x, n, more);
+        for (int i = 0; i < n; i++) x[i] = d[i] + more[i];
+    }
+    for (int i = 0; i < n; i++) d[i] = x[i];
+}
+
+/* Newton's method: the derivatives at the start serve throughout a short step, where a series does for a
+ * factorization; else those at the nodes. */
+typedef struct {
+    bool slow;
+    double series[RADAU_MAX][RADAU_WIDTH];
+    Factors factors;
+} Newton;
+
 /* Paces at the nodes of the present guess; with `balances` everything else there too. */
-static bool evaluate(const System *s, Pace pace[RADAU_MAX], Balance *balances) {
+static bool evaluate(System *s, Pace pace[RADAU_MAX], Balance *balances) {
     bool possible = true;
+    place_nodes(s);
     for (int i = 0; i < s->method->stages; i++) {
-        const double theta = theta_at(s, i), omega = omega_at(s, i), t = s->method->node[i] * s->h;
+        const double theta = s->start->theta + s->turned[i], omega = s->omega[i], t = s->method->node[i] * s->h;
         possible = possible && is_inside(s, theta);
         if (balances != NULL) {
             balance_at(s->way, theta, omega, t, &balances[i]);
@@ -132,9 +172,10 @@ static bool evaluate(const System *s, Pace pace[RADAU_MAX], Balance *balances) {
     return possible;
 }
 
-/* One Newton correction of y; returns its largest part, or NAN. `fresh`: with new derivatives. */
-static double correct(System *s, const Pace pace[RADAU_MAX], Factors *f, bool fresh) {
+/* One correction of y; returns its largest part, or NAN. `fresh`: with new derivatives. */
+static double correct(System *s, const Pace pace[RADAU_MAX], Newton *newton, bool fresh) {
     const int n = s->method->stages;
+    Factors *f = &newton->factors;
     if (fresh) {
         f->n = n;
         for (int i = 0; i < n; i++) fill_row(s, &pace[i], i, f->a[i]);
@@ -142,7 +183,8 @@ static double correct(System *s, const Pace pace[RADAU_MAX], Factors *f, bool fr
     }
     double d[RADAU_MAX], largest = 0.0;
     for (int i = 0; i < n; i++) d[i] = pace[i].value - s->y[i];
-    solve(f, d);
+    if (newton->slow) solve_by_series(newton->series, n, d);
+    else solve(f, d);
     for (int i = 0; i < n; i++) {
         s->y[i] += d[i];
         largest = fmax(largest, fabs(d[i]));
@@ -156,54 +198,73 @@ static double stiffness_of(const System *s, const Pace *p) {
     return s->way->kind == FLOW_INERTIAL ? h * fabs(p->by_omega) + h * h * fabs(p->by_theta) : h * fabs(p->by_theta);
 }
 
-/* First guess: the pace grows as at the start. Where that is stiff, the equations linearised at the start are solved:
- * y_i = pace + by_theta (theta_i - theta_0) + by_omega (omega_i - omega_0) + by_time t_i. */
-static bool guess(System *s, Factors *f) {
+/* How much more the pace grows over the step than at its rate at the start: from one balance at the step's end, where
+ * a constant growth would lead. */
+static double bend_of(const System *s, double rate) {
+    const Balance *b = s->start;
+    const double h = s->h, grown = b->pace.value + rate * h;
+    const bool inertial = s->way->kind == FLOW_INERTIAL;
+    const double mean = b->pace.value + 0.5 * rate * h, third = b->pace.value + rate * h / 3.0;
+    const double turned = inertial ? h * (b->omega + 0.5 * h * third) : h * mean;
+    const double theta = b->theta + turned, omega = inertial ? b->omega + h * mean : 0.0;
+    if (!is_inside(s, theta)) return 0.0;
+    const Pace end = balance_pace(s->way, theta, omega, h);
+    return end.possible && isfinite(end.value) ? end.value - grown : 0.0;
+}
+
+/* First guess: the pace grows as at the start, in longer steps as a parabola through the end. Where that is stiff, the
+ * equations linearised at the start are solved: y_i = pace + by_theta (theta_i - theta_0) + by_omega (omega_i - omega_0)
+ * + by_time t_i. */
+static bool guess(System *s, Newton *newton) {
     const Balance *b = s->start;
     const Pace *p = &b->pace;
     const int n = s->method->stages;
     const double *node = s->method->node;
     const bool inertial = s->way->kind == FLOW_INERTIAL;
+    const double stiffness = stiffness_of(s, p);
+    newton->slow = stiffness < FROZEN;
+    if (newton->slow) build_series(s, newton->series);
+    if (stiffness < STIFF) {
+        const double rate = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
+        const double bend = n > RADAU_MIN ? bend_of(s, rate) : 0.0;
+        for (int j = 0; j < n; j++) s->y[j] = p->value + node[j] * (rate * s->h + bend * node[j]);
+        return true;
+    }
+    Factors *f = &newton->factors;
     f->n = n;
     for (int i = 0; i < n; i++) fill_row(s, p, i, f->a[i]);
     if (!factorize(f)) return false;
-    if (stiffness_of(s, p) < STIFF) {
-        const double rate = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
-        for (int j = 0; j < n; j++) s->y[j] = p->value + rate * node[j] * s->h;
-        return true;
-    }
     const double drift = p->by_time + (inertial ? p->by_theta * b->omega : 0.0);
     for (int j = 0; j < n; j++) s->y[j] = p->value + drift * node[j] * s->h;
     solve(f, s->y);
     return true;
 }
 
-/* Largest |y| there is to be relative to, and what its rounding makes unavoidable. */
+/* Largest |y| there is to be relative to, and what its rounding makes unavoidable; at the latest evaluation. */
 static double allowed_correction(const System *s) {
     const int n = s->method->stages;
     double speed = fabs(s->start->omega), y = fabs(s->start->pace.value);
     for (int i = 0; i < n; i++) {
-        speed = fmax(speed, s->way->kind == FLOW_INERTIAL ? fabs(omega_at(s, i)) : fabs(s->y[i]));
+        speed = fmax(speed, fabs(s->omega[i]));
         y = fmax(y, fabs(s->y[i]));
     }
-    const double tolerance = s->way->to_rounding ? 0.0 : s->way->params->tolerance;
+    const double rounding = 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size);
+    if (s->way->to_rounding) return rounding;
     const double per_y = s->way->kind == FLOW_INERTIAL ? speed / s->h : speed;
-    return NEWTON_SHARE * tolerance * per_y + 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size);
+    return NEWTON_SHARE * s->way->params->tolerance * per_y + rounding;
 }
 
-/* Newton's method. In a short step the derivatives at the start serve throughout; else those at the nodes, renewed
- * until a correction of the correction is all that is left. */
+/* Corrects until a correction is small enough, with new derivatives until only a correction of a correction is left. */
 static bool iterate(System *s, Leap *leap) {
-    Factors factors;
+    Newton newton;
     Pace pace[RADAU_MAX];
-    if (!guess(s, &factors)) return false;
-    const bool slow = stiffness_of(s, &s->start->pace) < FROZEN;
+    if (!guess(s, &newton)) return false;
     double last = INFINITY;
     for (int n = 0; n < MAX_ITERATIONS; n++) {
         if (!evaluate(s, pace, n > 0 ? leap->node : NULL)) return false;
         const double allowed = allowed_correction(s);
-        const bool fresh = !slow && !(last <= 1e6 * allowed);
-        const double size = correct(s, pace, &factors, fresh);
+        const bool fresh = !newton.slow && !(last <= 1e6 * allowed);
+        const double size = correct(s, pace, &newton, fresh);
         if (isnan(size)) return false;
         if (size <= allowed && n > 0) return true;
         if (n > 3 && size > 0.5 * last) return size <= STALLED * allowed; /* rounding */
@@ -218,8 +279,8 @@ static bool iterate(System *s, Leap *leap) {
 static double speed_defect(const System *s) {
     const Radau *r = s->method;
     double sum = 0.0; /* the weights at 0 add up to 1, so omega_0 itself drops out */
-    for (int j = 0; j < r->stages; j++) sum += r->at_start[j] * row_sum(r->once[j], s->y, r->stages);
-    return s->h * sum;
+    for (int j = 0; j < r->stages; j++) sum += r->at_start[j] * (s->omega[j] - s->start->omega);
+    return sum;
 }
 
 /* x^(1/2 + s/(s + 1)) for s = 3, 5, 7 stages, by roots: a power would be a tenth of a short step. */
@@ -240,10 +301,10 @@ static void estimate(const System *s, Leap *leap) {
     const Pace *p = &s->start->pace;
     const bool inertial = s->way->kind == FLOW_INERTIAL;
     const double h = s->h;
-    const double defect = fabs(p->value - row_sum(r->at_start, s->y, r->stages));
+    const double defect = fabs(p->value - dot(r->at_start, s->y, r->stages));
     double way = 0.0, speed = fabs(s->start->omega), stiff = 0.0;
     for (int i = 0; i < r->stages; i++) {
-        way = fmax(way, fabs(turn_at(s, i)));
+        way = fmax(way, fabs(s->turned[i]));
         speed = fmax(speed, fabs(leap->node[i].omega));
         stiff = fmax(stiff, stiffness_of(s, &leap->node[i].pace));
     }
@@ -329,7 +390,7 @@ static bool solve_quasistatic(System *s, Leap *leap) {
     leap->domega = 0.0;
     leap->stiffness = 0.0;
     /* the speeds must add up to the way: what the ledger's integrals will miss */
-    const double missed = fabs(leap->dtheta - s->h * row_sum(r->once[r->stages - 1], s->y, r->stages));
+    const double missed = fabs(leap->dtheta - s->h * dot(r->weight, s->y, r->stages));
     const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta)) + edge_noise(s, leap);
     leap->error = fmax(missed - noise, 0.0) / (fabs(leap->dtheta) + DBL_MIN) / s->way->params->tolerance;
     return true;
@@ -341,7 +402,7 @@ static Booking booking_of(const Way *way, const Leap *leap) {
     const Radau *r = leap->method;
     Booking sum = {.work_in = 0.0};
     for (int j = 0; j < r->stages; j++) {
-        const double weight = leap->h * r->once[r->stages - 1][j];
+        const double weight = leap->h * r->weight[j];
         const Booking power = balance_power(way, &leap->node[j]);
         sum.work_in += weight * power.work_in;
         sum.work_ext += weight * power.work_ext;
@@ -402,9 +463,10 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     }
     if (!iterate(&s, leap)) return false;
     const int last = s.method->stages - 1;
-    for (int i = 0; i <= last; i++) leap->turned[i] = turn_at(&s, i);
+    place_nodes(&s);
+    for (int i = 0; i <= last; i++) leap->turned[i] = s.turned[i];
     leap->dtheta = leap->turned[last];
-    leap->domega = h * row_sum(s.method->once[last], s.y, s.method->stages);
+    leap->domega = way->kind == FLOW_INERTIAL ? h * dot(s.method->weight, s.y, s.method->stages) : 0.0;
     estimate(&s, leap);
     leap->booking = booking_of(way, leap);
     check_energy(&s, leap, 0.0);

@@ -102,13 +102,14 @@ def method(s: int) -> str:
     lines = [
         f"    .stages = {s},",
         f"    .node = {row(c)},",
-        "    .once = {" + ",\n             ".join(row(value(p, x) for p in once) for x in c) + "},",
-        "    .twice = {" + ",\n              ".join(row(value(p, x) for p in twice) for x in c) + "},",
+        "    .once = {" + ",\n             ".join(row(value(p, x) for x in c) for p in once) + "},",
+        "    .twice = {" + ",\n              ".join(row(value(p, x) for x in c) for p in twice) + "},",
+        f"    .weight = {row(value(p, MP.mpf(1)) for p in once)},",
         f"    .at_start = {row(value(p, MP.mpf(0)) for p in basis)},",
         f"    .defect_once = {MP.nstr(largest(sweep), 6)},",
         f"    .defect_twice = {MP.nstr(largest(integral(sweep)), 6)},",
         "    .bernstein = {"
-        + ",\n                  ".join(row(column[i] for column in columns) for i in range(s + 1))
+        + ",\n                  ".join(row(column) for column in columns)
         + "},",
     ]
     return f"static const Radau RADAU_{s} = {{\n" + "\n".join(lines) + "\n};\n"

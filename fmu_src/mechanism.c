@@ -398,8 +398,9 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
     if (way->kind == FLOW_INERTIAL) {
         sum_add(&m->state.omega, leap->domega);
     } else {
-        /* the law's own speed where it has got to, not where the last iteration was */
-        m->state.omega = sum_of(balance_pace(way, m->state.theta.hi, 0.0, leap->h).value);
+        /* the law's own speed where it has got to, not where the last iteration was, or beyond a border of its piece */
+        const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
+        m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
     }
     advance_inputs(&m->inputs, leap->h);
     return true;
@@ -432,8 +433,8 @@ static double jump_along_course(Mechanism *m, int direction, double bump) {
 }
 
 static bool must_jump(const Mechanism *m) {
+    if (way_from_here(m, present_index(m)).kind != FLOW_QUASISTATIC) return false;
     const Look look = look_at(m, present_index(m));
-    if (look.kind != FLOW_QUASISTATIC) return false;
     return !(look.stiffness > 0.0) || decide_jump(&look, direction_of(m->state.mode));
 }
 
@@ -481,16 +482,32 @@ static double leap_to_event(Mechanism *m, double left) {
     return passage.leap.h;
 }
 
-/* A whole step of inertial slip in which nothing happens: the common case. */
-static bool leap_on(Mechanism *m, double h) {
-    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0 || !has_inertia(&m->params)) return false;
-    if (direction_of(m->state.mode) != sign_of(m->state.omega.hi)) return false;
-    const Way way = way_from_here(m, present_index(m));
-    const Balance start = balance_from_here(m, &way);
-    if (has_friction(&m->params) && !(way.flank[0] * start.x[0] > 0.0 && way.flank[1] * start.x[1] > 0.0)) return false;
-    Passage passage;
-    return start.pace.possible && passage_quiet(&way, &start, room_ahead(m, way.direction), h, &passage) &&
-           commit_leap(m, &way, &passage);
+/* Would decide() find the motion along `way` again? A short answer, for the common case. */
+static bool goes_on(const Mechanism *m, const Way *way, const Balance *start) {
+    if (!start->pace.possible || !(way->direction * start->omega > 0.0)) return false;
+    if (has_friction(&m->params) && !(way->flank[0] * start->x[0] > 0.0 && way->flank[1] * start->x[1] > 0.0)) return false;
+    if (way->kind == FLOW_INERTIAL) return true;
+    /* without inertia it starts from rest at any time: with the spring's flanks, if they hold the damper's load too */
+    const double load = stick_axial_load(m);
+    const bool springs = way->flank[0] * load > 0.0 && way->flank[1] * load > 0.0;
+    return way->kind == FLOW_VISCOUS && start->pace.stable && stick_pressed(m) == way->direction &&
+           (springs || !has_friction(&m->params));
+}
+
+/* Slips on for as much of h seconds as nothing happens: the common case. Returns how much is left, or NAN if a value is
+ * not finite. */
+static double leap_on(Mechanism *m, double h) {
+    double left = h;
+    while (left > 0.0 && is_slip(m->state.mode) && direction_of(m->state.mode) == sign_of(m->state.omega.hi)) {
+        const Way way = way_from_here(m, present_index(m));
+        const Balance start = balance_from_here(m, &way);
+        Passage passage;
+        if (!goes_on(m, &way, &start)) break;
+        if (!passage_quiet(&way, &start, room_ahead(m, way.direction), left, &passage)) break;
+        if (!commit_leap(m, &way, &passage)) return NAN;
+        left -= passage.leap.h;
+    }
+    return left;
 }
 
 static void book_jump(Mechanism *m, const Stretch *s, double dtheta) {
@@ -554,34 +571,33 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, double 
              (int)MAX_JAMS_PER_STEP);
 }
 
-static bool advance_through_events(Mechanism *m, double h, Fault *fault) {
-    const State state = m->state;
-    const Inputs inputs = m->inputs;
-    double left = h;
-    int jams = 0;
-    for (int n = 0; n < MAX_EVENTS_PER_STEP && jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
+/* Returns how much of `left` seconds is left: 0, or more if there is no end of events, or NAN. */
+static double advance_through_events(Mechanism *m, double left, int *jams) {
+    for (int n = 0; n < MAX_EVENTS_PER_STEP && *jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
         enter(m, decide(m));
         if (is_jammed(m)) {
             jam(m);
-            jams++;
+            ++*jams;
         } else {
             left -= advance_in_mode(m, left);
         }
     }
-    if (left == 0.0) {
-        enter(m, decide(m)); /* the mode at the communication point itself */
-        return true;
-    }
-    undo(m, &state, &inputs);
-    describe_failure(fault, m, h, left, jams);
-    return false;
+    if (left == 0.0) enter(m, decide(m)); /* the mode at the communication point itself */
+    return left;
 }
 
 bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
     m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
-    if (hold_again(m)) return true;
-    const bool quiet = is_closed_form(m) ? slip_on(m, h) : leap_on(m, h);
-    return quiet || advance_through_events(m, h, fault);
+    if (hold_again(m) || (is_closed_form(m) && slip_on(m, h))) return true;
+    const State state = m->state;
+    const Inputs inputs = m->inputs;
+    double left = is_closed_form(m) ? h : leap_on(m, h);
+    int jams = 0;
+    if (left > 0.0) left = advance_through_events(m, left, &jams);
+    if (left == 0.0) return true;
+    undo(m, &state, &inputs);
+    describe_failure(fault, m, h, left, jams);
+    return false;
 }
 
 /* ---- start and tuning ---- */

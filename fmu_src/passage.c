@@ -8,11 +8,15 @@
 /* A contact rises from zero where decide() has found it to; a descent this early is rounding. */
 static const double AT_ONCE = 1e-9;
 
-/* A table's knot is passed when theta is this share of the piece's width beyond it. */
-static const double KNOT_PASSED = 1e-10;
-
 /* Smooth borders between pieces may be passed by this share of a piece's width. */
 static const double BORDER_PASSED = 0.02;
+
+/* A table's knot by this share, over the root of the tolerance: what third derivatives of the other side do in passing
+ * is of its square. */
+static const double KNOT_PASSED = 0.1;
+
+/* Along the edge of the stick band, which may fold there, by this one. */
+static const double FOLD_PASSED = 1e-10;
 
 enum { MAX_SHORTENINGS = 60 };
 
@@ -39,13 +43,44 @@ static double ballistic_time(const Way *way, const Balance *start, double distan
     return sum > 0.0 ? 2.0 * distance / sum : INFINITY;
 }
 
-/* Time to the border of the piece, seen from the start, a little more. */
+/* The end of the piece ahead, rad from the start on, and how far a leap may go beyond. */
+typedef struct {
+    double distance, beyond;
+} Border;
+
+static Border border_of(const Way *way, const Balance *start) {
+    if (way->course->straight) return (Border){INFINITY, 0.0};
+    const Piece *piece = way->piece;
+    const bool up = way->direction > 0, knot = up ? piece->knot_upper : piece->knot_lower;
+    const double by_knot =
+        way->kind == FLOW_QUASISTATIC ? FOLD_PASSED : KNOT_PASSED * sqrt(way->params->tolerance);
+    const double share = knot ? by_knot : BORDER_PASSED;
+    return (Border){
+        .distance = fmax(way->direction * ((up ? piece->upper : piece->lower) - start->theta), 0.0),
+        .beyond = share * (piece->upper - piece->lower),
+    };
+}
+
+/* Time to the middle of what lies beyond the border, as seen from the start: with a pace that grows evenly, so that most
+ * leaps that are to end there do. */
 static double time_to_border(const Way *way, const Balance *start) {
-    if (way->course->straight) return INFINITY;
-    const double border = way->direction > 0 ? way->piece->upper : way->piece->lower;
-    const double width = way->piece->upper - way->piece->lower;
-    const double distance = fmax(way->direction * (border - start->theta), 0.0) + BORDER_PASSED * width;
-    return ballistic_time(way, start, distance);
+    const Border border = border_of(way, start);
+    const double distance = border.distance + 0.5 * border.beyond;
+    double t = ballistic_time(way, start, distance);
+    if (way->kind == FLOW_QUASISTATIC) return t;
+    const Pace *p = &start->pace;
+    const double speed = way->direction * start->omega;
+    const double rate = way->direction * (p->by_time + p->by_theta * start->omega + p->by_omega * start->alpha);
+    const bool inertial = way->kind == FLOW_INERTIAL;
+    const double grows = inertial ? way->direction * start->alpha : rate, jerk = inertial ? rate : 0.0;
+    for (int n = 0; n < 2 && t < INFINITY; n++) {
+        const double missed = distance - t * (speed + t / 2.0 * (grows + t / 3.0 * jerk));
+        const double arrival = speed + t * (grows + t / 2.0 * jerk);
+        const double next = t + missed / arrival;
+        if (!(fabs(next - t) < 0.1 * t)) break; /* too far off for a parabola */
+        t = next;
+    }
+    return t;
 }
 
 /* Of the error estimate in h. */
@@ -87,8 +122,10 @@ typedef enum { WATCH_REST, WATCH_STOP, WATCH_BORDER, WATCH_EDGE, WATCH_FLANK_1, 
 typedef struct {
     const Way *way;
     double room;       /* rad, to the stop */
-    double border;     /* rad, to the end of the piece, or infinity */
+    double border;     /* rad, how far it may go: beyond the end of the piece by `beyond`; or infinity */
+    double beyond;     /* rad */
     bool edge;         /* viscous, with the damper's load on other flanks than the spring's */
+    bool friction;     /* else it does not matter on which flank a contact is */
 } Guard;
 
 /* Torque beyond the edge of the stick band, N.m. */
@@ -103,7 +140,7 @@ static double beyond_edge(const Way *way, const Balance *b) {
 }
 
 /* What must not fall below zero, at the start of a leap (node -1) or at a node. */
-static double watched(const Guard *g, Watch watch, const Leap *leap, int node) {
+static inline double watched(const Guard *g, Watch watch, const Leap *leap, int node) {
     const Balance *b = node < 0 ? &leap->start : &leap->node[node];
     const double turned = node < 0 ? 0.0 : g->way->direction * leap->turned[node];
     switch (watch) {
@@ -138,31 +175,50 @@ static EventKind kind_of_watch(Watch watch) {
  * range by less (the Lebesgue constant of the nodes with 0 is below 2.2). */
 static const double SURE = 0.6;
 
-/* Share of the leap at which what is watched falls below zero, or infinity. */
-static double crossing(const Guard *g, Watch watch, const Leap *leap) {
-    const Radau *r = leap->method;
-    double value[RADAU_MAX + 1], low = INFINITY, high = -INFINITY;
-    value[0] = fmax(watched(g, watch, leap, -1), 0.0);
-    for (int j = 0; j < r->stages; j++) value[j + 1] = watched(g, watch, leap, j);
-    for (int j = 0; j <= r->stages; j++) {
-        low = fmin(low, value[j]);
-        high = fmax(high, value[j]);
+/* Values at the start and at the nodes. */
+typedef struct {
+    double value[RADAU_MAX + 1];
+    double low, high;
+} Trace;
+
+static inline void enclose(Trace *s, int stages) {
+    s->low = s->high = s->value[0];
+    for (int j = 1; j <= stages; j++) {
+        s->low = s->value[j] < s->low ? s->value[j] : s->low;
+        s->high = s->value[j] > s->high ? s->value[j] : s->high;
     }
-    if (low > SURE * (high - low)) return INFINITY;
+}
+
+static inline Trace trace_of(const Guard *g, Watch watch, const Leap *leap) {
+    Trace s;
+    s.value[0] = fmax(watched(g, watch, leap, -1), 0.0);
+    for (int j = 0; j < leap->method->stages; j++) s.value[j + 1] = watched(g, watch, leap, j);
+    enclose(&s, leap->method->stages);
+    return s;
+}
+
+/* Share of the leap at which what is watched falls below zero, or infinity. */
+static double descent(const Guard *g, Watch watch, const Leap *leap, Trace s) {
+    const Radau *r = leap->method;
     const double noise = noise_of(g, watch, &leap->start);
     for (int j = 0; j <= r->stages; j++)
-        if (fabs(value[j]) <= noise) value[j] = 0.0;
-    Bernstein p = radau_polynomial(r, value);
-    const double rounding = 1e-14 * fmax(fabs(low), fabs(high));
+        if (fabs(s.value[j]) <= noise) s.value[j] = 0.0;
+    Bernstein p = radau_polynomial(r, s.value);
+    const double rounding = 1e-14 * fmax(fabs(s.low), fabs(s.high));
     for (int i = 0; i <= p.degree; i++)
         if (fabs(p.c[i]) <= rounding) p.c[i] = 0.0;
     double x = bernstein_descent(&p);
-    if (x < AT_ONCE && value[0] == 0.0 && watch != WATCH_STOP && watch != WATCH_BORDER) {
+    if (x < AT_ONCE && s.value[0] == 0.0 && watch != WATCH_STOP && watch != WATCH_BORDER) {
         p.c[0] = p.c[1] = 0.0; /* decide() has found it to rise */
         x = bernstein_descent(&p);
-        if (x < AT_ONCE) return value[r->stages] < 0.0 && watch == WATCH_REST ? x : INFINITY;
+        if (x < AT_ONCE) return s.value[r->stages] < 0.0 && watch == WATCH_REST ? x : INFINITY;
     }
     return x;
+}
+
+static inline double crossing(const Guard *g, Watch watch, const Leap *leap) {
+    const Trace s = trace_of(g, watch, leap);
+    return s.low > SURE * (s.high - s.low) ? INFINITY : descent(g, watch, leap, s);
 }
 
 static double watched_rate(const Guard *g, Watch watch, const Balance *b, double t) {
@@ -183,9 +239,8 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     enum { ITERATIONS = 150 };
     const Leap whole = *leap;
     Way way = *g->way;
-    way.to_rounding = true;
+    way.to_rounding = watch != WATCH_BORDER;
     const int stages = whole.method->stages;
-    const double width = g->way->piece->upper - g->way->piece->lower;
     double left = 0.0, right = whole.h, t = x * whole.h;
     bool closed = watched(g, watch, &whole, stages - 1) < 0.0;
     if (x < 1e-3 && watch == WATCH_STOP) t = fmin(ballistic_time(g->way, &whole.start, g->room), whole.h);
@@ -197,7 +252,7 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
         }
         const Balance *end = &leap->node[stages - 1];
         const double f = watched(g, watch, leap, stages - 1);
-        if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * KNOT_PASSED * width)) return true;
+        if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * g->beyond)) return true;
         if (f > 0.0) {
             left = fmax(left, t);
         } else {
@@ -249,16 +304,21 @@ static bool confirm(const Guard *g, Watch watch, double x, Leap *leap) {
     return true;
 }
 
+/* Is the damper's load on the flanks that the spring presses on? */
+static bool is_on_springs_flanks(const Way *way, const Balance *start) {
+    return way->flank[0] * start->force > 0.0 && way->flank[1] * start->force > 0.0;
+}
+
 static Guard guard_of(const Way *way, const Balance *start, double room) {
-    Guard g = {.way = way, .room = room, .border = INFINITY};
-    if (!way->course->straight) {
-        const Piece *piece = way->piece;
-        const double width = piece->upper - piece->lower;
-        const bool knot = way->direction > 0 ? piece->knot_upper : piece->knot_lower;
-        const double border = way->direction * ((way->direction > 0 ? piece->upper : piece->lower) - start->theta);
-        g.border = fmax(border, 0.0) + (knot ? KNOT_PASSED : BORDER_PASSED) * width;
-    }
-    if (has_friction(way->params) && way->kind == FLOW_VISCOUS) {
+    const Border border = border_of(way, start);
+    Guard g = {
+        .way = way,
+        .room = room,
+        .border = border.distance + border.beyond,
+        .beyond = border.beyond,
+        .friction = has_friction(way->params),
+    };
+    if (way->kind == FLOW_VISCOUS && g.friction && !is_on_springs_flanks(way, start)) {
         Trend trend;
         balance_trend(way, start, 0.0, &trend);
         const double differs = beyond_edge(way, start) - way->direction * trend.net;
@@ -274,38 +334,48 @@ static double reaction_of(const Balance *b, int i) {
     return b->x[i] * sqrt(b->length2[i]);
 }
 
-static double peak_of_values(const Way *way, const Leap *leap, const double value[RADAU_MAX + 1], double known,
-                             int contact) {
+/* Is alpha of one sign throughout, so that |omega| is largest at an end? */
+static bool is_speed_monotone(const Leap *leap) {
+    Trace s = {.value = {leap->start.alpha}};
+    for (int j = 0; j < leap->method->stages; j++) s.value[j + 1] = leap->node[j].alpha;
+    enclose(&s, leap->method->stages);
+    return fmax(s.low, -s.high) > SURE * (s.high - s.low);
+}
+
+/* The largest size of what the trace is of. */
+static double peak_of(const Way *way, const Leap *leap, const Trace *s, double known, int contact) {
     const Radau *r = leap->method;
-    double low = INFINITY, high = -INFINITY;
-    for (int j = 0; j <= r->stages; j++) {
-        low = fmin(low, value[j]);
-        high = fmax(high, value[j]);
-    }
-    const double largest = fmax(fabs(low), fabs(high));
-    if (largest + SURE * (high - low) <= known) return largest;
-    const Bernstein p = radau_polynomial(r, value);
-    if (bernstein_is_monotone(&p)) return largest;
+    const double ends = fmax(fabs(s->value[0]), fabs(s->value[r->stages]));
+    if (fmax(fabs(s->low), fabs(s->high)) + SURE * (s->high - s->low) <= known) return ends;
+    const Bernstein p = radau_polynomial(r, s->value);
+    if (bernstein_is_monotone(&p)) return ends;
     const double x = bernstein_peak(&p);
     const double size = fabs(bernstein_value(&p, x));
-    if (!(size > largest) || x <= 0.0 || x >= 1.0) return largest;
-    Leap part; /* ends at the peak: its end is more exact than a polynomial inside a step */
+    if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
+    Leap part; /* ends at the peak: its end is more exact than nodes and polynomial inside a step */
     if (!leap_solve(way, &leap->start, x * leap->h, r->stages, &part)) return size;
-    if (contact < 0) return fmax(largest, fabs(part.node[r->stages - 1].omega));
-    return fmax(largest, fabs(reaction_of(&part.node[r->stages - 1], contact)));
+    if (contact < 0) return fmax(ends, fabs(part.node[r->stages - 1].omega));
+    return fmax(ends, fabs(reaction_of(&part.node[r->stages - 1], contact)));
+}
+
+static double peak_of_speed(const Way *way, const Leap *leap, double known) {
+    const int n = leap->method->stages;
+    if (is_speed_monotone(leap)) return fmax(fabs(leap->start.omega), fabs(leap->node[n - 1].omega));
+    Trace s = {.value = {leap->start.omega}};
+    for (int j = 0; j < n; j++) s.value[j + 1] = leap->node[j].omega;
+    enclose(&s, n);
+    return peak_of(way, leap, &s, known, -1);
 }
 
 void passage_peaks(const Way *way, Passage *passage, double known_omega, const double known_reaction[2]) {
     const Leap *leap = &passage->leap;
     const int n = leap->method->stages;
-    double value[RADAU_MAX + 1];
-    value[0] = leap->start.omega;
-    for (int j = 0; j < n; j++) value[j + 1] = leap->node[j].omega;
-    passage->omega = peak_of_values(way, leap, value, known_omega, -1);
+    passage->omega = peak_of_speed(way, leap, known_omega);
     for (int i = 0; i < 2; i++) {
-        value[0] = reaction_of(&leap->start, i);
-        for (int j = 0; j < n; j++) value[j + 1] = reaction_of(&leap->node[j], i);
-        passage->reaction[i] = peak_of_values(way, leap, value, known_reaction[i], i);
+        Trace s = {.value = {reaction_of(&leap->start, i)}};
+        for (int j = 0; j < n; j++) s.value[j + 1] = reaction_of(&leap->node[j], i);
+        enclose(&s, n);
+        passage->reaction[i] = peak_of(way, leap, &s, known_reaction[i], i);
     }
 }
 
@@ -317,15 +387,21 @@ static void keep_earlier(double x, Watch watch, double *first, Watch *which) {
     *which = watch;
 }
 
-/* The first crossing in the leap; infinity if nothing happens. */
+/* The first crossing in the leap; infinity if nothing happens. While the speed keeps its sign, a stop or border is
+ * passed only if it is at the end. */
 static double first_crossing(const Guard *g, const Leap *leap, unsigned ignored, Watch *which) {
+    const int end = leap->method->stages - 1;
+    const double rest = crossing(g, WATCH_REST, leap);
     double first = INFINITY;
-    for (int watch = WATCH_REST; watch < (int)WATCH_COUNT; watch++) {
-        if (ignored & (1u << watch)) continue;
-        if (watch == (int)WATCH_EDGE && !g->edge) continue;
-        if (watch >= (int)WATCH_FLANK_1 && !has_friction(g->way->params)) continue;
-        keep_earlier(crossing(g, (Watch)watch, leap), (Watch)watch, &first, which);
+    if (!(ignored & (1u << WATCH_REST))) keep_earlier(rest, WATCH_REST, &first, which);
+    for (Watch watch = WATCH_STOP; watch <= WATCH_BORDER; watch++) {
+        if (ignored & (1u << watch) || (rest == INFINITY && watched(g, watch, leap, end) > 0.0)) continue;
+        keep_earlier(crossing(g, watch, leap), watch, &first, which);
     }
+    if (g->edge && !(ignored & (1u << WATCH_EDGE)))
+        keep_earlier(crossing(g, WATCH_EDGE, leap), WATCH_EDGE, &first, which);
+    for (Watch watch = WATCH_FLANK_1; g->friction && watch <= WATCH_FLANK_2; watch++)
+        if (!(ignored & (1u << watch))) keep_earlier(crossing(g, watch, leap), watch, &first, which);
     return first;
 }
 
@@ -336,6 +412,7 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
     passage->kind = EVENT_NONE;
     passage->at_border = false;
     passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
+    if (leap->h == time_to_border(way, start)) passage->next = fmax(passage->next, first); /* it was not the error's */
     /* An event found by its polynomial may prove later than another one, so the shortened leap is looked at again. */
     unsigned ignored = 0;
     for (int n = 0; n < 2 * WATCH_COUNT; n++) {
@@ -356,12 +433,12 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
 
 bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage) {
     Leap *leap = &passage->leap;
-    if (time_to_border(way, start) < left) return false;
-    if (!leap_solve(way, start, left, stages_for(way, start, left), leap)) return false;
+    const double h = fmin(left, time_to_border(way, start));
+    if (!leap_solve(way, start, h, stages_for(way, start, h), leap)) return false;
     if (leap->error > 1.0 || leap->energy_error > 1.0) return false;
     const Guard g = guard_of(way, start, room);
     Watch which = WATCH_REST;
     passage->kind = EVENT_NONE;
-    passage->at_border = false;
+    passage->at_border = h < left;
     return !(first_crossing(&g, leap, 0, &which) < INFINITY);
 }

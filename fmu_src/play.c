@@ -81,7 +81,7 @@ static Booking sum_over(const Mechanism *m, const Piece *piece, double from, dou
     Booking sum = {.work_in = 0.0};
     for (int j = 0; j < r->stages; j++) {
         const Edge edge = edge_at(m, piece, from + r->node[j] * (to - from), direction);
-        const double weight = (to - from) * r->once[r->stages - 1][j];
+        const double weight = (to - from) * r->weight[j];
         sum.work_in += weight * edge.torque;
         for (int i = 0; i < 2; i++) sum.heat_cam[i] += fabs(weight) * edge.heat[i];
         sum.work_ext += weight * edge.lift * m->inputs.F_ext[0];

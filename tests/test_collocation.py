@@ -7,44 +7,40 @@ import sys
 from fractions import Fraction
 from itertools import pairwise
 
-import build_fmu
 import numpy as np
 import pytest
-from driver import ROOT
+from driver import ROOT, Structure
 from hypothesis import given
 from hypothesis import strategies as st
 
-MOST = 7  # stages
+MOST, WIDTH = 7, 8  # stages; entries of a column
 
 
-class Radau(ctypes.Structure):
+class Radau(Structure):
     """radau.h"""
 
     _fields_ = (
         ("stages", ctypes.c_int),
         ("node", ctypes.c_double * MOST),
-        ("once", (ctypes.c_double * MOST) * MOST),
-        ("twice", (ctypes.c_double * MOST) * MOST),
+        ("once", (ctypes.c_double * WIDTH) * MOST),
+        ("twice", (ctypes.c_double * WIDTH) * MOST),
+        ("weight", ctypes.c_double * MOST),
         ("at_start", ctypes.c_double * MOST),
         ("defect_once", ctypes.c_double),
         ("defect_twice", ctypes.c_double),
-        ("bernstein", (ctypes.c_double * (MOST + 1)) * (MOST + 1)),
+        ("bernstein", (ctypes.c_double * WIDTH) * (MOST + 1)),
     )
 
 
-class Bernstein(ctypes.Structure):
+class Bernstein(Structure):
     """bernstein.h"""
 
     _fields_ = (("degree", ctypes.c_int), ("c", ctypes.c_double * 9))
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    path = tmp_path_factory.mktemp("collocation") / "lib.so"
-    sources = [ROOT / "fmu_src" / f"{name}.c" for name in ("radau", "bernstein")]
-    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
-    build_fmu.compile_c(build_fmu.ZIG, flags, sources, path)
-    made = ctypes.CDLL(str(path))
+def library(core):
+    made = core(["radau", "bernstein"], [Radau, Bernstein])
     made.radau_of.restype = ctypes.POINTER(Radau)
     made.radau_polynomial.restype = Bernstein
     made.radau_polynomial.argtypes = (ctypes.POINTER(Radau), ctypes.POINTER(ctypes.c_double))
@@ -66,8 +62,10 @@ def test_order_conditions(library, stages):
     r = library.radau_of(stages).contents
     assert r.stages == stages
     c = np.array(r.node[:stages])
-    once = np.array([row[:stages] for row in r.once[:stages]])
-    twice = np.array([row[:stages] for row in r.twice[:stages]])
+    once = np.array([column[:stages] for column in r.once[:stages]]).T
+    twice = np.array([column[:stages] for column in r.twice[:stages]]).T
+    np.testing.assert_array_equal(once[-1], r.weight[:stages])
+    assert not any(any(column[stages:]) for matrix in (r.once, r.twice) for column in matrix)
     assert c[-1] == 1
     assert np.all(np.diff(c) > 0)
     for k in range(2 * stages - 1):
