@@ -482,10 +482,19 @@ static double leap_to_event(Mechanism *m, double left) {
     return passage.leap.h;
 }
 
+/* Is each contact on its flank by more than rounding? Else its rate tells, which decide() asks for. */
+static bool is_firm(const Mechanism *m, const Way *way, const Balance *b) {
+    static const double CLEAR = 1e-9; /* of the loads that add up to it */
+    const double load = fabs(b->force) + fabs(b->damper) + m->params.inertia.follower_mass * fabs(b->lift * b->alpha);
+    for (int i = 0; i < 2; i++)
+        if (!(way->flank[i] * b->x[i] > CLEAR * fabs(b->axial[i]) * load)) return false;
+    return true;
+}
+
 /* Would decide() find the motion along `way` again? A short answer, for the common case. */
 static bool goes_on(const Mechanism *m, const Way *way, const Balance *start) {
     if (!start->pace.possible || !(way->direction * start->omega > 0.0)) return false;
-    if (has_friction(&m->params) && !(way->flank[0] * start->x[0] > 0.0 && way->flank[1] * start->x[1] > 0.0)) return false;
+    if (has_friction(&m->params) && !is_firm(m, way, start)) return false;
     if (way->kind == FLOW_INERTIAL) return true;
     /* without inertia it starts from rest at any time: with the spring's flanks, if they hold the damper's load too */
     const double load = stick_axial_load(m);
