@@ -252,19 +252,19 @@ void balance_at(const Way *w, double theta, double omega, double t, Balance *out
 
 /* ---- how it changes ---- */
 
-/* Size of the terms of P, which vanishes where a contact begins to lock. */
+/* The share of the course's size that counts as a term of z and of the slopes: their rounding is some eps of that size,
+ * where other sums count as zero below 1e-13 of their terms. */
+static const double COURSE_SHARE = 0.01;
+
+/* Size of the terms of P, which vanishes on a dwell or where a contact begins to lock. */
 static double grip_size(const Way *w, const Form *f) {
     double size = 1.0;
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &w->params->cam[i];
-        size *= cam->radius * (f->slope[i].value + cam->friction * cam->radius);
+        size *= cam->radius * (f->slope[i].value + cam->friction * cam->radius + COURSE_SHARE * w->course->slope_size);
     }
     return size;
 }
-
-/* The share of the course's size that counts as a term of z: its rounding is some eps of that size, where other sums
- * count as zero below 1e-13 of their terms. */
-static const double COURSE_SHARE = 0.01;
 
 /* Rates of change along the motion, and what they are made of. */
 typedef struct {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "bernstein.h"
 #include "check.h"
 #include "decide.h"
 #include "event.h"
@@ -416,10 +417,10 @@ static double room_ahead(const Mechanism *m, int direction) {
  * energies is of the third power of it. */
 static const double FOLD = 3e-6;
 
-/* The jump in grooves of any shape. Returns its length, rad; infinite if it ends at a stop. */
-static double jump_along_course(Mechanism *m, int direction, double bump) {
+/* The jump in grooves of any shape, to where `torque` is held. Returns its length, rad; infinite if it ends at a stop. */
+static double jump_along_course(Mechanism *m, int direction, double torque, double bump) {
     Jump jump;
-    play_jump(m, direction, bump, &jump);
+    play_jump(m, direction, torque, bump, &jump);
     if (m->params.ledger) {
         Peaks *peak = &m->state.ledger.peak;
         ledger_book(&m->state.ledger, &jump.booking);
@@ -440,9 +441,8 @@ static bool must_jump(const Mechanism *m) {
 
 /* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
 static double jump_or_hold(Mechanism *m, double left) {
-    return jump_along_course(m, direction_of(m->state.mode), 0.0) > 0.0 ? 0.0 : hold(m, left);
+    return jump_along_course(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0) > 0.0 ? 0.0 : hold(m, left);
 }
-
 
 static bool is_at_fold(const Way *way, const Passage *passage, double left) {
     const Leap *leap = &passage->leap;
@@ -457,6 +457,43 @@ static double fold_height(const Way *way, const Balance *start) {
     return FOLD * (way->piece->upper - way->piece->lower) * fabs(start->pace.by_theta);
 }
 
+/* For how long, up to `left` seconds, the torque grows in `direction` while F_ext stays; 0 if F_ext does not. */
+static double growing_time(const Inputs *in, int direction, double left) {
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (in->F_ext[k] != 0.0) return 0.0;
+    const double rate[INPUT_ORDER + 1] = {direction * in->tau[1], direction * in->tau[2], direction * in->tau[3]};
+    const Bernstein p = bernstein_of_taylor(rate, left);
+    return left * fmin(bernstein_descent(&p), 1.0);
+}
+
+/* Where the edge of the band is level, theta says nothing of the time, but the torque says all of theta: as long as it
+ * grows, theta goes where a jump of the torque would take it. Returns how long that is. */
+static double follow_by_torque(Mechanism *m, int direction, double t) {
+    Inputs after = m->inputs;
+    advance_inputs(&after, t);
+    jump_along_course(m, direction, after.tau[0], 0.0);
+    m->inputs = after;
+    enter(m, decide(m));
+    if (is_slip(m->state.mode)) {
+        const Way way = way_from_here(m, present_index(m));
+        m->state.omega = sum_of(balance_from_here(m, &way).omega);
+    }
+    if (m->params.ledger) {
+        peak_raise(&m->state.ledger.peak.torque, after.tau[0]);
+        peak_raise(&m->state.ledger.peak.omega, m->state.omega.hi);
+    }
+    return t;
+}
+
+/* At a fold of the edge, or where it is level. Returns how long it took, or NAN if there was no way to go. */
+static double pass_fold(Mechanism *m, const Way *way, const Balance *start, double left) {
+    const double grows = growing_time(&m->inputs, way->direction, left);
+    if (grows > 0.0) return follow_by_torque(m, way->direction, grows);
+    const double tells = 4.0 * FOLD * (way->piece->upper - way->piece->lower);
+    const double bump = fold_height(way, start);
+    return jump_along_course(m, way->direction, m->inputs.tau[0], bump) > tells ? 0.0 : NAN;
+}
+
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
 static double leap_to_event(Mechanism *m, double left) {
     const Way way = way_from_here(m, present_index(m));
@@ -469,8 +506,8 @@ static double leap_to_event(Mechanism *m, double left) {
     }
     const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
     const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left));
-    const double tells = 4.0 * FOLD * (way.piece->upper - way.piece->lower);
-    if (folds && jump_along_course(m, way.direction, fold_height(&way, &start)) > tells) return 0.0;
+    const double passed = folds ? pass_fold(m, &way, &start, left) : NAN;
+    if (!isnan(passed)) return passed;
     if (folds && !found) return hold(m, left);
     if (!found) {
         jam(m);

@@ -12,7 +12,8 @@ typedef struct {
     double reaction[2]; /* N, total: largest |R_i| so far, the way included */
 } Jump;
 
-/* From m->state.theta in `direction`. An edge that exceeds the torque by less than `bump`, N.m, does not hold it. */
-void play_jump(const Mechanism *m, int direction, double bump, Jump *jump);
+/* From m->state.theta in `direction`, under the present F_ext, to where `torque`, N.m, is held. An edge that exceeds it by
+ * less than `bump`, N.m, does not hold it. A torque that only grows leads to the same place, with the same accounts. */
+void play_jump(const Mechanism *m, int direction, double torque, double bump, Jump *jump);
 
 #endif

@@ -18,8 +18,10 @@ double stick_axial_size(const Mechanism *m) {
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    /* a factor can vanish, where a contact begins to lock; its rounding does not */
-    const double lever = m->model.course.straight ? fabs(factor) : fabs(factor) + m->place.geometry.lift;
+    /* a factor can vanish, on a dwell or where a contact begins to lock; its rounding does not */
+    const double COURSE_SHARE = 0.01; /* the course's digits are of its size */
+    const double rest = m->place.geometry.lift + COURSE_SHARE * m->model.course.slope_size;
+    const double lever = m->model.course.straight ? fabs(factor) : fabs(factor) + rest;
     return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
 }
 

@@ -380,6 +380,8 @@ def test_helical_scene_the_general_way(seed, tmp_path):
     points = reference.simulate(general(params, tmp_path), intervals)
     scales = natural_scales(exact)
     for point, other in zip(points, exact, strict=True):
+        if point.doubts or other.doubts:
+            break  # rounding, and so the machine, decides how it goes on
         for name in COMPARED:
             assert abs(point.value(name) - other.value(name)) <= 2e-12 * scales[name], name
         assert (point.mode, point.events) == (other.mode, other.events)
