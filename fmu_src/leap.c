@@ -391,7 +391,8 @@ static bool solve_quasistatic(System *s, Leap *leap) {
     leap->stiffness = 0.0;
     /* the speeds must add up to the way: what the ledger's integrals will miss */
     const double missed = fabs(leap->dtheta - s->h * dot(r->weight, s->y, r->stages));
-    const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta)) + edge_noise(s, leap);
+    leap->noise = edge_noise(s, leap);
+    const double noise = 64.0 * DBL_EPSILON * (fabs(s->start->theta) + fabs(leap->dtheta)) + leap->noise;
     leap->error = fmax(missed - noise, 0.0) / (fabs(leap->dtheta) + DBL_MIN) / s->way->params->tolerance;
     return true;
 }
@@ -458,9 +459,10 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     if (way->kind == FLOW_QUASISTATIC) {
         if (!solve_quasistatic(&s, leap)) return false;
         leap->booking = booking_of(way, leap);
-        check_energy(&s, leap, edge_noise(&s, leap));
+        check_energy(&s, leap, leap->noise);
         return true;
     }
+    leap->noise = 0.0;
     if (!iterate(&s, leap)) return false;
     const int last = s.method->stages - 1;
     place_nodes(&s);

@@ -26,6 +26,7 @@ typedef struct {
     double error;            /* estimate over what the tolerance allows: up to 1 is good */
     double energy_error;     /* what the energy balance misses, likewise */
     double stiffness;        /* of the step: large where a fast decay is stepped over */
+    double noise;            /* rad, quasi-static only: how far the rounding of the torques moves theta */
 } Leap;
 
 /* Solves the step of length h from `start`, the balance at the time of the way's inputs. False if Newton's method

@@ -417,20 +417,16 @@ static double room_ahead(const Mechanism *m, int direction) {
  * energies is of the third power of it. */
 static const double FOLD = 3e-6;
 
-/* The jump in grooves of any shape, to where `torque` is held. Returns its length, rad; infinite if it ends at a stop. */
-static double jump_along_course(Mechanism *m, int direction, double torque, double bump) {
-    Jump jump;
-    play_jump(m, direction, torque, bump, &jump);
+static void take_jump(Mechanism *m, int direction, const Jump *jump) {
     if (m->params.ledger) {
         Peaks *peak = &m->state.ledger.peak;
-        ledger_book(&m->state.ledger, &jump.booking);
+        ledger_book(&m->state.ledger, &jump->booking);
         peak_raise(&peak->torque, m->inputs.tau[0]);
-        for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], jump.reaction[i] / m->params.contacts);
+        for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], jump->reaction[i] / m->params.contacts);
     }
-    turn(m, jump.dtheta);
+    turn(m, jump->dtheta);
     stand_still(m);
-    if (jump.stopped) land(m, direction, EVENT_STOP);
-    return jump.stopped ? INFINITY : fabs(jump.dtheta);
+    if (jump->stopped) land(m, direction, EVENT_STOP);
 }
 
 static bool must_jump(const Mechanism *m) {
@@ -441,15 +437,21 @@ static bool must_jump(const Mechanism *m) {
 
 /* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
 static double jump_or_hold(Mechanism *m, double left) {
-    return jump_along_course(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0) > 0.0 ? 0.0 : hold(m, left);
+    const int direction = direction_of(m->state.mode);
+    Jump jump;
+    play_jump(m, direction, m->inputs.tau[0], 0.0, &jump);
+    take_jump(m, direction, &jump);
+    return jump.stopped || jump.dtheta != 0.0 ? 0.0 : hold(m, left);
 }
+
 
 static bool is_at_fold(const Way *way, const Passage *passage, double left) {
     const Leap *leap = &passage->leap;
     if (way->kind != FLOW_QUASISTATIC || passage->kind != EVENT_NONE || passage->at_border || leap->h >= left)
         return false;
     const bool slower = fabs(leap->node[leap->method->stages - 1].omega) < fabs(leap->start.omega);
-    return !slower && fabs(leap->dtheta) <= FOLD * (way->piece->upper - way->piece->lower);
+    const bool noisy = leap->noise > way->params->tolerance * fabs(leap->dtheta);
+    return !slower && ((noisy && inputs_load_constant(way->inputs)) || fabs(leap->dtheta) <= FOLD * (way->piece->upper - way->piece->lower));
 }
 
 /* How much higher the edge still is at the fold, at most, N.m. */
@@ -459,8 +461,7 @@ static double fold_height(const Way *way, const Balance *start) {
 
 /* For how long, up to `left` seconds, the torque grows in `direction` while F_ext stays; 0 if F_ext does not. */
 static double growing_time(const Inputs *in, int direction, double left) {
-    for (int k = 1; k <= INPUT_ORDER; k++)
-        if (in->F_ext[k] != 0.0) return 0.0;
+    if (!inputs_load_constant(in)) return 0.0;
     const double rate[INPUT_ORDER + 1] = {direction * in->tau[1], direction * in->tau[2], direction * in->tau[3]};
     const Bernstein p = bernstein_of_taylor(rate, left);
     return left * fmin(bernstein_descent(&p), 1.0);
@@ -471,7 +472,9 @@ static double growing_time(const Inputs *in, int direction, double left) {
 static double follow_by_torque(Mechanism *m, int direction, double t) {
     Inputs after = m->inputs;
     advance_inputs(&after, t);
-    jump_along_course(m, direction, after.tau[0], 0.0);
+    Jump jump;
+    play_jump(m, direction, after.tau[0], 0.0, &jump);
+    take_jump(m, direction, &jump);
     m->inputs = after;
     enter(m, decide(m));
     if (is_slip(m->state.mode)) {
@@ -485,13 +488,15 @@ static double follow_by_torque(Mechanism *m, int direction, double t) {
     return t;
 }
 
-/* At a fold of the edge, or where it is level. Returns how long it took, or NAN if there was no way to go. */
+/* At a fold, or where the edge is level: returns how long it took to pass, or NAN if there is nothing to pass. */
 static double pass_fold(Mechanism *m, const Way *way, const Balance *start, double left) {
     const double grows = growing_time(&m->inputs, way->direction, left);
     if (grows > 0.0) return follow_by_torque(m, way->direction, grows);
-    const double tells = 4.0 * FOLD * (way->piece->upper - way->piece->lower);
-    const double bump = fold_height(way, start);
-    return jump_along_course(m, way->direction, m->inputs.tau[0], bump) > tells ? 0.0 : NAN;
+    Jump jump;
+    play_jump(m, way->direction, m->inputs.tau[0], fold_height(way, start), &jump);
+    if (!jump.stopped && jump.dtheta == 0.0) return NAN;
+    take_jump(m, way->direction, &jump);
+    return 0.0;
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */

@@ -96,6 +96,12 @@ static inline bool is_linear(const Params *p) {
            p->damper.q_release == 0.0;
 }
 
+static inline bool inputs_load_constant(const Inputs *inputs) {
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (inputs->F_ext[k] != 0.0) return false;
+    return true;
+}
+
 static inline bool inputs_constant(const Inputs *inputs) {
     return inputs_within(inputs, 0);
 }

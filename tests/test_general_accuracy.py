@@ -86,10 +86,6 @@ def cuts(rng: np.random.Generator, duration: float) -> list[float]:
 
 def allowed_errors(scene: Scene, tolerance: float) -> dict[str, float]:
     size = scales(scene.points)
-    # A snap out of a followed edge begins where the edge is level. There the rounding of a torque, 1e-16,
-    # moves theta by its square root, 1e-8: nobody can know the energies better than that.
-    if any(math.isinf(p.peak["omega"]) for p in scene.points):
-        tolerance = max(tolerance, 1e-9)
     return {name: 10 * tolerance * size[name] + scene.error[name] for name in MEASURED}
 
 
