@@ -100,6 +100,7 @@ class Trace:
 
     read: list[dict[str, float]] = field(default_factory=list)
     largest: dict[str, float] = field(default_factory=dict)
+    turnover: float = 0.0  # J, the largest torque times the angle between the stops
     residual: float = 0.0  # relative to the largest account
     step: float = 0.0  # longest doStep, s
     total: float = 0.0  # all doSteps, s
@@ -470,7 +471,7 @@ def starts_at_stops(tables: Tables) -> Iterator[Scene]:
             for omega in (0.0, 5.0, -5.0) if inertia else (0.0,):
                 way = [
                     Interval(0.02, factor * torque),
-                    Interval(0.02, factor * torque, (1.0 - factor) * torque / 0.02),
+                    Interval(0.02, factor * torque, (0.95 - factor) * torque / 0.02),
                     Interval(0.02, 0.0),
                 ]
                 label = (
@@ -831,6 +832,7 @@ def _drive(fmu: driver.Driver, scene: Scene, cut: Cut, trace: Trace) -> None:
         trace.read.append(values)
     largest["omega"] = max(largest["omega"], _finite(values["peak.omega"]))
     trace.largest = largest
+    trace.turnover = _finite(values["peak.torque"]) * (upper - lower)
     # what goes to and fro inside a step does not show at its ends; its rounding does
     way = min(upper - lower, _finite(values["peak.omega"], math.inf) * trace.simulated)
     rounding = 1e-13 * values["peak.torque"] * way
@@ -852,8 +854,10 @@ def scene_names() -> list[str]:
     return [*MOTION, *(f"energy.{name}" for name in ACCOUNTS)]
 
 
-def sizes_of(largest: dict[str, float]) -> dict[str, float]:
-    energy = max(1e-9, *(largest[f"energy.{name}"] for name in ACCOUNTS))  # J; less is nothing happening
+def sizes_of(largest: dict[str, float], turnover: float) -> dict[str, float]:
+    """What errors are relative to. A millionth of what the largest torque could do between the stops is no
+    motion but rounding."""
+    energy = max(1e-6 * turnover, *(largest[f"energy.{name}"] for name in ACCOUNTS)) or 1.0  # J
     return {n: energy if n.startswith("energy.") else largest[n] or 1.0 for n in scene_names()}
 
 
@@ -961,7 +965,7 @@ def by_reference(scene: Scene, trace: Trace, verdict: Verdict) -> None:
     largest = {
         n: max([trace.largest[n], *(abs(point.get(n, 0.0)) for point in wanted)]) for n in scene_names()
     }
-    size = sizes_of(largest)
+    size = sizes_of(largest, trace.turnover)
     verdict.error, where = largest_error(scene, trace.read, wanted, size)
     verdict.judged = True
     if verdict.error <= scene.allowed:
@@ -1002,7 +1006,7 @@ def by_cutting(scene: Scene, trace: Trace, verdict: Verdict, library: Any) -> No
         return
     if pieces.problems or trace.problems or len(pieces.read) != len(trace.read):
         return
-    size = sizes_of({n: max(trace.largest[n], pieces.largest[n]) for n in scene_names()})
+    size = sizes_of({n: max(trace.largest[n], pieces.largest[n]) for n in scene_names()}, trace.turnover)
     verdict.error, where = largest_error(scene, trace.read, pieces.read, size)
     verdict.judged = True
     if verdict.error <= 100.0 * tolerance:

@@ -11,9 +11,9 @@ static const double AT_ONCE = 1e-9;
 /* Smooth borders between pieces may be passed by this share of a piece's width. */
 static const double BORDER_PASSED = 0.02;
 
-/* A table's knot by this share, over the root of the tolerance: what third derivatives of the other side do in passing
- * is of its square. */
-static const double KNOT_PASSED = 0.1;
+/* A table's knot by this share of the narrower piece, over the root of the tolerance: what third derivatives of the other
+ * side do in passing is of its square. */
+static const double KNOT_PASSED = 0.03;
 
 /* Along the edge of the stick band, which may fold there, by this one. */
 static const double FOLD_PASSED = 1e-10;
@@ -48,6 +48,13 @@ typedef struct {
     double distance, beyond;
 } Border;
 
+static double width_of_next(const Way *way) {
+    const Piece *piece = way->piece, *first = way->course->piece, *last = first + way->course->count - 1;
+    if (piece == (way->direction > 0 ? last : first)) return INFINITY;
+    const Piece *next = piece + way->direction;
+    return next->upper - next->lower;
+}
+
 static Border border_of(const Way *way, const Balance *start) {
     if (way->course->straight) return (Border){INFINITY, 0.0};
     const Piece *piece = way->piece;
@@ -55,9 +62,10 @@ static Border border_of(const Way *way, const Balance *start) {
     const double by_knot =
         way->kind == FLOW_QUASISTATIC ? FOLD_PASSED : KNOT_PASSED * sqrt(way->params->tolerance);
     const double share = knot ? by_knot : BORDER_PASSED;
+    const double next = width_of_next(way);
     return (Border){
         .distance = fmax(way->direction * ((up ? piece->upper : piece->lower) - start->theta), 0.0),
-        .beyond = share * (piece->upper - piece->lower),
+        .beyond = share * fmin(piece->upper - piece->lower, next),
     };
 }
 
@@ -271,14 +279,16 @@ static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     return false;
 }
 
-/* At the stop, would it have turned back before theta shows it? Then it is not stopped: a swing that returns to the stop
- * where it began touches it or not by rounding, and the little speed it has there takes time to lose. */
-static bool turns_within_rounding(const Guard *g, const Leap *leap) {
+/* At the stop, would it have turned back no farther beyond than theta is known? Then it is not stopped: a swing returns to
+ * the stop where it began without speed, but an error of its energy has it touch there, and lose the time that its root of
+ * a speed takes to vanish. */
+static bool turns_at_stop(const Guard *g, const Leap *leap) {
+    static const double ROUNDING = 64.0 * DBL_EPSILON; /* of the angles involved: a stretch adds up that much */
+    const Params *p = g->way->params;
     const Balance *end = &leap->node[leap->method->stages - 1];
-    const double UNSEEN = 64.0 * DBL_EPSILON; /* of the angles involved: a stretch adds up that much */
-    const double size = fmax(fabs(g->way->params->stop.upper), fabs(g->way->params->stop.lower));
+    const double unseen = fmax(ROUNDING, p->tolerance) * fmax(fabs(p->stop.upper), fabs(p->stop.lower));
     const double braking = -g->way->direction * end->alpha;
-    return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * UNSEEN * size;
+    return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * unseen;
 }
 
 /* A load that is only nearly zero would keep its flank, and without inertia a speed its direction: the leap is made
@@ -420,7 +430,7 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         const double x = first_crossing(&g, leap, ignored, &which);
         if (!(x < INFINITY)) break;
         const Leap before = *leap;
-        if (confirm(&g, which, x, leap) && !(which == WATCH_STOP && turns_within_rounding(&g, leap))) {
+        if (confirm(&g, which, x, leap) && !(which == WATCH_STOP && turns_at_stop(&g, leap))) {
             passage->kind = kind_of_watch(which);
             passage->at_border = which == WATCH_BORDER;
         } else {
