@@ -11,7 +11,7 @@ static const double NEWTON_SHARE = 0.05;
 /* A step may look this share of a piece's width beyond its ends: the polynomials still hold 11 digits there. */
 static const double LOOK_BEYOND = 0.05;
 
-/* An iteration that gets no further this near to what is allowed has met the rounding of the forces. */
+/* Rounding of the forces may be so many times that of what they add up to. */
 static const double STALLED = 100.0;
 
 /* Steps whose h |by_omega| + h^2 |by_theta| is below: the derivatives hardly change, and their own terms are small. */
@@ -240,21 +240,28 @@ static bool guess(System *s, Newton *newton) {
     return true;
 }
 
-/* Largest |y| there is to be relative to, and what its rounding makes unavoidable; at the latest evaluation. */
-static double allowed_correction(const System *s) {
+/* Corrections of y that count as small, at the latest evaluation. */
+typedef struct {
+    double rounding; /* of y: no correction gets smaller */
+    double wanted;   /* by the tolerance */
+} Allowed;
+
+static Allowed allowed_correction(const System *s) {
     const int n = s->method->stages;
     double speed = fabs(s->start->omega), y = fabs(s->start->pace.value);
     for (int i = 0; i < n; i++) {
         speed = fmax(speed, fabs(s->omega[i]));
         y = fmax(y, fabs(s->y[i]));
     }
-    const double rounding = 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size);
-    if (s->way->to_rounding) return rounding;
     const double per_y = s->way->kind == FLOW_INERTIAL ? speed / s->h : speed;
-    return NEWTON_SHARE * s->way->params->tolerance * per_y + rounding;
+    return (Allowed){
+        .rounding = 8.0 * DBL_EPSILON * fmax(y, s->start->pace.size),
+        .wanted = NEWTON_SHARE * s->way->params->tolerance * per_y,
+    };
 }
 
-/* Corrects until a correction is small enough, with new derivatives until only a correction of a correction is left. */
+/* Corrects until a correction is small enough, with new derivatives until only a correction of a correction is left. An
+ * iteration that gets no further has met the rounding of the forces. */
 static bool iterate(System *s, Leap *leap) {
     Newton newton;
     Pace pace[RADAU_MAX];
@@ -262,12 +269,13 @@ static bool iterate(System *s, Leap *leap) {
     double last = INFINITY;
     for (int n = 0; n < MAX_ITERATIONS; n++) {
         if (!evaluate(s, pace, n > 0 ? leap->node : NULL)) return false;
-        const double allowed = allowed_correction(s);
-        const bool fresh = !newton.slow && !(last <= 1e6 * allowed);
+        const Allowed allowed = allowed_correction(s);
+        const double small = allowed.rounding + (s->way->to_rounding ? 0.0 : allowed.wanted);
+        const bool fresh = !newton.slow && !(last <= 1e6 * small);
         const double size = correct(s, pace, &newton, fresh);
         if (isnan(size)) return false;
-        if (size <= allowed && n > 0) return true;
-        if (n > 3 && size > 0.5 * last) return size <= STALLED * allowed; /* rounding */
+        if (size <= small && n > 0) return true;
+        if (n > 3 && size > 0.5 * last) return size <= STALLED * allowed.rounding + allowed.wanted;
         last = size;
     }
     return false;

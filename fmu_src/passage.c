@@ -18,6 +18,12 @@ static const double KNOT_PASSED = 0.03;
 /* Along the edge of the stick band, which may fold there, by this one. */
 static const double FOLD_PASSED = 1e-10;
 
+/* Instead of a crossing: decide() has found it to rise, and all that the leap shows is that it has fallen. */
+static const double TOO_SOON = 0.0;
+
+/* It is looked at in ever shorter leaps, down to this share of the time left. */
+static const double SHORTEST = 1e-13;
+
 enum { MAX_SHORTENINGS = 60 };
 
 /* Up to this error of a step two more stages may do; beyond, the step is too long. */
@@ -219,7 +225,7 @@ static double descent(const Guard *g, Watch watch, const Leap *leap, Trace s) {
     if (x < AT_ONCE && s.value[0] == 0.0 && watch != WATCH_STOP && watch != WATCH_BORDER) {
         p.c[0] = p.c[1] = 0.0; /* decide() has found it to rise */
         x = bernstein_descent(&p);
-        if (x < AT_ONCE) return s.value[r->stages] < 0.0 && watch == WATCH_REST ? x : INFINITY;
+        if (x < AT_ONCE) return s.value[r->stages] < 0.0 ? (watch == WATCH_REST ? x : TOO_SOON) : INFINITY;
     }
     return x;
 }
@@ -229,54 +235,66 @@ static inline double crossing(const Guard *g, Watch watch, const Leap *leap) {
     return s.low > SURE * (s.high - s.low) ? INFINITY : descent(g, watch, leap, s);
 }
 
-static double watched_rate(const Guard *g, Watch watch, const Balance *b, double t) {
+/* How what is watched changes at the end of a leap, and what of it is rounding. */
+typedef struct {
+    double rate, noise;
+} Slope;
+
+static Slope slope_of(const Guard *g, Watch watch, const Balance *b, double t) {
     const int sign = g->way->direction;
-    if (watch == WATCH_STOP || watch == WATCH_BORDER) return -sign * b->omega;
-    if (watch == WATCH_REST && g->way->kind == FLOW_INERTIAL) return sign * b->alpha;
+    if (watch == WATCH_STOP || watch == WATCH_BORDER) return (Slope){-sign * b->omega, 0.0};
+    if (watch == WATCH_REST && g->way->kind == FLOW_INERTIAL) return (Slope){sign * b->alpha, 0.0};
     Trend trend;
     balance_trend(g->way, b, t, &trend);
-    if (watch == WATCH_REST) return sign * trend.pace;
+    if (watch == WATCH_REST) return (Slope){sign * trend.pace, 0.0};
     const int i = watch == WATCH_FLANK_1 ? 0 : 1;
-    return g->way->flank[i] * trend.contact[i];
+    return (Slope){g->way->flank[i] * trend.contact[i], DBL_EPSILON * trend.size[i]};
 }
+
+typedef enum { LANDED, NO_EVENT, BLOCKED } Landing;
 
 /* Shortens the leap so that it ends on the event to rounding: solved again to the time that its own polynomial gives,
  * then corrected by Newton's method inside the bracket [left, right], f >= 0 at its left and (if `closed`) f < 0 at
- * its right. False if it turns out that f does not fall below zero in the leap. */
-static bool shorten(const Guard *g, Watch watch, double x, Leap *leap) {
+ * its right. NO_EVENT, and the leap as it was, if it turns out that f does not fall below zero in the leap. BLOCKED if
+ * there is no way to get so far: the leap has stepped over a place where the contacts jam; it then ends before that. */
+static Landing shorten(const Guard *g, Watch watch, double x, Leap *leap) {
     enum { ITERATIONS = 150 };
     const Leap whole = *leap;
     Way way = *g->way;
     way.to_rounding = watch != WATCH_BORDER;
     const int stages = whole.method->stages;
     double left = 0.0, right = whole.h, t = x * whole.h;
-    bool closed = watched(g, watch, &whole, stages - 1) < 0.0;
+    bool closed = watched(g, watch, &whole, stages - 1) < 0.0, blocked = false;
     if (x < 1e-3 && watch == WATCH_STOP) t = fmin(ballistic_time(g->way, &whole.start, g->room), whole.h);
     for (int n = 0; n < ITERATIONS; n++) {
         t = fmax(t, DBL_MIN);
         if (!leap_solve(&way, &whole.start, t, stages, leap)) {
+            blocked = true;
             t = 0.5 * (left + t);
             continue;
         }
         const Balance *end = &leap->node[stages - 1];
         const double f = watched(g, watch, leap, stages - 1);
-        if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * g->beyond)) return true;
+        if (f == 0.0 || (watch == WATCH_BORDER && fabs(f) <= 0.5 * g->beyond)) return LANDED;
         if (f > 0.0) {
             left = fmax(left, t);
         } else {
             right = fmin(right, t);
             closed = true;
         }
-        double next = watch == WATCH_EDGE ? 0.5 * (left + right) : t - f / watched_rate(g, watch, end, t);
-        if (fabs(next - t) <= 4.0 * DBL_EPSILON * t || (closed && right - left <= 4.0 * DBL_EPSILON * right)) return true;
+        const Slope slope = slope_of(g, watch, end, t);
+        if (fabs(f) <= slope.noise) return LANDED;
+        double next = watch == WATCH_EDGE ? 0.5 * (left + right) : t - f / slope.rate;
+        if (fabs(next - t) <= 4.0 * DBL_EPSILON * t || (closed && right - left <= 4.0 * DBL_EPSILON * right)) return LANDED;
         if (!(next > left && next < right)) {
             if (!closed && t >= whole.h) break; /* it turned before it reached zero */
             next = closed ? 0.5 * (left + right) : whole.h;
         }
         t = next;
     }
+    if (blocked && closed && left > 0.0 && leap_solve(g->way, &whole.start, left, stages, leap)) return BLOCKED;
     *leap = whole;
-    return false;
+    return NO_EVENT;
 }
 
 /* At the stop, would it have turned back no farther beyond than theta is known? Then it is not stopped: a swing returns to
@@ -307,11 +325,11 @@ static void step_past(const Guard *g, Watch watch, Leap *leap) {
     }
 }
 
-static bool confirm(const Guard *g, Watch watch, double x, Leap *leap) {
-    if (!shorten(g, watch, x, leap)) return false;
+static Landing confirm(const Guard *g, Watch watch, double x, Leap *leap) {
+    const Landing landing = shorten(g, watch, x, leap);
     const bool flank = watch == WATCH_FLANK_1 || watch == WATCH_FLANK_2;
-    if (flank || (watch == WATCH_REST && g->way->kind != FLOW_INERTIAL)) step_past(g, watch, leap);
-    return true;
+    if (landing == LANDED && (flank || (watch == WATCH_REST && g->way->kind != FLOW_INERTIAL))) step_past(g, watch, leap);
+    return landing;
 }
 
 /* Is the damper's load on the flanks that the spring presses on? */
@@ -429,10 +447,21 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         Watch which = WATCH_REST;
         const double x = first_crossing(&g, leap, ignored, &which);
         if (!(x < INFINITY)) break;
+        if (x == TOO_SOON && leap->h > SHORTEST * left) {
+            if (!leap_solve(way, start, 0.125 * leap->h, leap->method->stages, leap)) return false;
+            passage->next = leap->h;
+            n--;
+            continue;
+        }
         const Leap before = *leap;
-        if (confirm(&g, which, x, leap) && !(which == WATCH_STOP && turns_at_stop(&g, leap))) {
+        const Landing landing = confirm(&g, which, x, leap);
+        if (landing == LANDED && !(which == WATCH_STOP && turns_at_stop(&g, leap))) {
             passage->kind = kind_of_watch(which);
             passage->at_border = which == WATCH_BORDER;
+        } else if (landing == BLOCKED) {
+            passage->kind = EVENT_NONE;
+            passage->at_border = false;
+            passage->next = leap->h;
         } else {
             *leap = before;
         }
