@@ -17,6 +17,11 @@
  * takes. Only bounces of a restitution near 1, or vibrations of a tiny inertia, come so often in one step. */
 enum { MAX_EVENTS_PER_STEP = 200000 };
 
+/* So many of them are to take at least this share of the step: speeds that are nothing but rounding, because next to
+ * nothing resists the motion, would keep it from getting on for minutes. Bounces fade out before. */
+enum { WATCHED_EVENTS = 2000 };
+static const double LEAST_PROGRESS = 1e-9;
+
 /* Moving contacts can jam (see jam()), and let go again at once. Without inertia of the shaft a locked contact
  * can do so for ever, in ever shorter time: rigid bodies under Coulomb friction then have no motion at all
  * (P. Painleve, 1895). */
@@ -617,14 +622,20 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, double 
                                                          : "the mode changes too often";
     snprintf(fault->text, sizeof fault->text,
              "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values, %d mode "
-             "changes and %d jams",
+             "changes, of which %d take at least %g of the step, and %d jams",
              h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], what, (int)MAX_EVENTS_PER_STEP,
-             (int)MAX_JAMS_PER_STEP);
+             (int)WATCHED_EVENTS, LEAST_PROGRESS, (int)MAX_JAMS_PER_STEP);
 }
 
 /* Returns how much of `left` seconds is left: 0, or more if there is no end of events, or NAN. */
 static double advance_through_events(Mechanism *m, double left, int *jams) {
+    const double least = LEAST_PROGRESS * left;
+    double before = INFINITY;
     for (int n = 0; n < MAX_EVENTS_PER_STEP && *jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
+        if (n % WATCHED_EVENTS == 0) {
+            if (before - left < least) break;
+            before = left;
+        }
         enter(m, decide(m));
         if (is_jammed(m)) {
             jam(m);

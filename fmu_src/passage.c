@@ -433,41 +433,50 @@ static double first_crossing(const Guard *g, const Leap *leap, unsigned ignored,
     return first;
 }
 
-bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
+typedef enum { SETTLED, TOO_LONG } Search;
+
+/* Ends the leap on the first event in it, if any. An event found by its polynomial may prove later than another one, so the
+ * shortened leap is looked at again. TOO_LONG: what happens in it shows in a shorter leap only; `good` is the length up
+ * to which there is a way. */
+static Search find_event(const Guard *g, Passage *passage, double *good) {
     Leap *leap = &passage->leap;
-    if (!solve_well(way, start, left, first, leap)) return false;
-    const Guard g = guard_of(way, start, room);
-    passage->kind = EVENT_NONE;
-    passage->at_border = false;
-    passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
-    if (leap->h == time_to_border(way, start)) passage->next = fmax(passage->next, first); /* it was not the error's */
-    /* An event found by its polynomial may prove later than another one, so the shortened leap is looked at again. */
     unsigned ignored = 0;
     for (int n = 0; n < 2 * WATCH_COUNT; n++) {
         Watch which = WATCH_REST;
-        const double x = first_crossing(&g, leap, ignored, &which);
+        const double x = first_crossing(g, leap, ignored, &which);
         if (!(x < INFINITY)) break;
-        if (x == TOO_SOON && leap->h > SHORTEST * left) {
-            if (!leap_solve(way, start, 0.125 * leap->h, leap->method->stages, leap)) return false;
-            passage->next = leap->h;
-            n--;
-            continue;
-        }
+        *good = leap->h;
+        if (x == TOO_SOON) return TOO_LONG;
         const Leap before = *leap;
-        const Landing landing = confirm(&g, which, x, leap);
-        if (landing == LANDED && !(which == WATCH_STOP && turns_at_stop(&g, leap))) {
+        const Landing landing = confirm(g, which, x, leap);
+        *good = leap->h;
+        if (landing == BLOCKED) return TOO_LONG;
+        if (landing == LANDED && !(which == WATCH_STOP && turns_at_stop(g, leap))) {
             passage->kind = kind_of_watch(which);
             passage->at_border = which == WATCH_BORDER;
-        } else if (landing == BLOCKED) {
-            passage->kind = EVENT_NONE;
-            passage->at_border = false;
-            passage->next = leap->h;
         } else {
             *leap = before;
         }
         ignored |= 1u << which;
     }
-    return true;
+    return SETTLED;
+}
+
+bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
+    Leap *leap = &passage->leap;
+    const Guard g = guard_of(way, start, room);
+    const double shortest = SHORTEST * left;
+    double length = first, good = 0.0;
+    do {
+        if (!solve_well(way, start, left, length, leap)) return false;
+        passage->kind = EVENT_NONE;
+        passage->at_border = false;
+        passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
+        if (leap->h == time_to_border(way, start)) passage->next = fmax(passage->next, first); /* it was not the error's */
+        if (find_event(&g, passage, &good) == SETTLED) return true;
+        length = 0.125 * good;
+    } while (length > shortest);
+    return false;
 }
 
 bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage) {

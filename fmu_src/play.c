@@ -81,7 +81,7 @@ static double held_between(const Walk *w, double from, double to) {
             f_to = f;
         }
     }
-    return to;
+    return isfinite(f_to) ? to : from; /* a contact locks there */
 }
 
 /* Rule of order 13 over [from, to]; the heats and the work along the edge. */
@@ -201,6 +201,16 @@ static void book_past_kink(const Walk *w, double from, double to, Jump *jump) {
     book(w, left, to, jump);
 }
 
+/* The first place in between where a contact locks, or NAN. */
+static double lock_between(const Walk *w, double from, double to) {
+    const Radau *r = radau_of(RADAU_MAX);
+    for (int j = 0; has_friction(&w->m->params) && j < r->stages; j++) {
+        const double theta = from + r->node[j] * (to - from);
+        if (isinf(edge_at(w, theta).torque)) return theta;
+    }
+    return NAN;
+}
+
 /* Goes on from jump->dtheta through one piece, to where the torque is held, or to its end. Returns true if held. */
 static bool cross_piece(const Walk *w, double end, double bump, Jump *jump) {
     /* where the edge is level, being on it is not being held */
@@ -212,6 +222,8 @@ static bool cross_piece(const Walk *w, double end, double bump, Jump *jump) {
     while (direction * (end - from) > 0.0) {
         double to = from + direction * step;
         if (!(direction * (end - to) > 0.0)) to = end;
+        const double lock = lock_between(w, from, to);
+        if (!isnan(lock)) to = lock;
         const bool held = !(beyond(w, to) >= -tie);
         if (held) to = held_between(w, from, to);
         book_past_kink(w, from, to, jump);
