@@ -422,7 +422,10 @@ static double room_ahead(const Mechanism *m, int direction) {
  * energies is of the third power of it. */
 static const double FOLD = 3e-6;
 
-static void take_jump(Mechanism *m, int direction, const Jump *jump) {
+/* False if a value would not be finite. */
+static bool take_jump(Mechanism *m, int direction, const Jump *jump) {
+    const Booking *b = &jump->booking;
+    if (!isfinite(jump->dtheta + b->work_in + b->work_ext + b->heat_cam[0] + b->heat_cam[1])) return false;
     if (m->params.ledger) {
         Peaks *peak = &m->state.ledger.peak;
         ledger_book(&m->state.ledger, &jump->booking);
@@ -432,6 +435,7 @@ static void take_jump(Mechanism *m, int direction, const Jump *jump) {
     turn(m, jump->dtheta);
     stand_still(m);
     if (jump->stopped) land(m, direction, EVENT_STOP);
+    return true;
 }
 
 static bool must_jump(const Mechanism *m) {
@@ -445,7 +449,7 @@ static double jump_or_hold(Mechanism *m, double left) {
     const int direction = direction_of(m->state.mode);
     Jump jump;
     play_jump(m, direction, m->inputs.tau[0], 0.0, &jump);
-    take_jump(m, direction, &jump);
+    if (!take_jump(m, direction, &jump)) return NAN;
     return jump.stopped || jump.dtheta != 0.0 ? 0.0 : hold(m, left);
 }
 
@@ -479,7 +483,7 @@ static double follow_by_torque(Mechanism *m, int direction, double t) {
     advance_inputs(&after, t);
     Jump jump;
     play_jump(m, direction, after.tau[0], 0.0, &jump);
-    take_jump(m, direction, &jump);
+    if (!take_jump(m, direction, &jump)) return NAN;
     m->inputs = after;
     enter(m, decide(m));
     if (is_slip(m->state.mode)) {
@@ -493,15 +497,19 @@ static double follow_by_torque(Mechanism *m, int direction, double t) {
     return t;
 }
 
-/* At a fold, or where the edge is level: returns how long it took to pass, or NAN if there is nothing to pass. */
-static double pass_fold(Mechanism *m, const Way *way, const Balance *start, double left) {
+/* At a fold, or where the edge is level: *took is how long it took to pass, or NAN if a value is not finite. False if there
+ * is nothing to pass. */
+static bool pass_fold(Mechanism *m, const Way *way, const Balance *start, double left, double *took) {
     const double grows = growing_time(&m->inputs, way->direction, left);
-    if (grows > 0.0) return follow_by_torque(m, way->direction, grows);
+    if (grows > 0.0) {
+        *took = follow_by_torque(m, way->direction, grows);
+        return true;
+    }
     Jump jump;
     play_jump(m, way->direction, m->inputs.tau[0], fold_height(way, start), &jump);
-    if (!jump.stopped && jump.dtheta == 0.0) return NAN;
-    take_jump(m, way->direction, &jump);
-    return 0.0;
+    if (!jump.stopped && jump.dtheta == 0.0) return false;
+    *took = take_jump(m, way->direction, &jump) ? 0.0 : NAN;
+    return true;
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
@@ -516,8 +524,8 @@ static double leap_to_event(Mechanism *m, double left) {
     }
     const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
     const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left));
-    const double passed = folds ? pass_fold(m, &way, &start, left) : NAN;
-    if (!isnan(passed)) return passed;
+    double took = 0.0;
+    if (folds && pass_fold(m, &way, &start, left, &took)) return took;
     if (folds && !found) return hold(m, left);
     if (!found) {
         jam(m);

@@ -224,7 +224,8 @@ static bool cross_piece(const Walk *w, double end, double bump, Jump *jump) {
         if (!(direction * (end - to) > 0.0)) to = end;
         const double lock = lock_between(w, from, to);
         if (!isnan(lock)) to = lock;
-        const bool held = !(beyond(w, to) >= -tie);
+        const double left = beyond(w, to);
+        const bool held = isinf(left) || !(left >= -tie);
         if (held) to = held_between(w, from, to);
         book_past_kink(w, from, to, jump);
         jump->dtheta = to - start;
