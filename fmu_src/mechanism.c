@@ -624,10 +624,22 @@ static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
     forget(&m->cache);
 }
 
-static void describe_failure(Fault *fault, const Mechanism *m, double h, double left, int jams) {
-    const char *const what = !(left > 0.0)               ? "the motion leaves the range of numbers"
-                             : jams >= MAX_JAMS_PER_STEP ? "the contacts jam and let go without end"
-                                                         : "the mode changes too often";
+/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. */
+static bool nothing_resists(const Mechanism *m) {
+    const double LEVEL = 1e-3; /* of the steepest slope: near enough to a dwell to run away */
+    const bool follower_only = m->params.inertia.shaft == 0.0 && m->params.shaft.damping == 0.0;
+    return follower_only && m->place.geometry.lift <= LEVEL * m->model.course.slope_size;
+}
+
+static const char *failure_of(const Mechanism *m, double left, int jams) {
+    if (!(left > 0.0)) return "the motion leaves the range of numbers";
+    if (jams >= MAX_JAMS_PER_STEP) return "the contacts jam and let go without end";
+    return nothing_resists(m) ? "the mode changes too often, on a dwell, where inertia.shaft or shaft.damping must be > 0"
+                              : "the mode changes too often";
+}
+
+/* After undo(), of a step in which `what` was found to go wrong. */
+static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *what) {
     snprintf(fault->text, sizeof fault->text,
              "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values, %d mode "
              "changes, of which %d take at least %g of the step, and %d jams",
@@ -665,8 +677,9 @@ bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
     int jams = 0;
     if (left > 0.0) left = advance_through_events(m, left, &jams);
     if (left == 0.0) return true;
+    const char *const what = failure_of(m, left, jams);
     undo(m, &state, &inputs);
-    describe_failure(fault, m, h, left, jams);
+    describe_failure(fault, m, h, what);
     return false;
 }
 

@@ -1157,7 +1157,9 @@ class Solver:
         values = [course.event(name, t, dense(t)) for t in (a, b)]
         if values[0] * values[1] >= 0:  # a zero at an end, to rounding
             return a if abs(values[0]) < abs(values[1]) else b
-        return brentq(lambda t: course.event(name, t, dense(t)), a, b, xtol=1e-15 * b)
+        return brentq(
+            lambda t: course.event(name, t, dense(t)), a, b, xtol=max(1e-15 * b, 1e-24), maxiter=500
+        )
 
     def _integrate(self, course: Course, start: float, y: np.ndarray, end: float) -> np.ndarray:
         if end <= start:
@@ -1860,6 +1862,13 @@ class Simulation:
             piece, knot = mech.groove.ahead(theta, sigma)
             ahead = mech.groove.at(theta + sigma * 1e-7 * span, piece)
             slip = Slip(sigma, self._static_flanks(ahead, sigma, s))
+            if ended in ("cross1", "cross2") and not following:
+                # without torque, a contact changes flank just where the edge torque passes zero
+                q = mech.balance(ahead, slip)
+                beyond = self._tau(self.t) - q.product / q.delta * self._f0(ahead, self.t)
+                if sigma * beyond < -self.arithmetic.tiny * torque:
+                    ended = "held"
+                    break
             course = self._creep_course(slip, piece, knot, following, nothing, scale)
             path, y, ended = self.flow.solver.march(course, path, y, 10.0, peaks)
             if ended == "knot":
