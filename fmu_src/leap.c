@@ -430,7 +430,7 @@ static double kinetic_energy(const Params *p, const Balance *b) {
 }
 
 /* Many steps may take energy back and forth: each may miss this share of what the tolerance allows. */
-static const double ENERGY_SHARE = 0.02;
+static const double ENERGY_SHARE = 0.1;
 
 /* What the balance of the step misses, over what the tolerance allows of the energies that pass. It checks the
  * integrals of the ledger, which the defect of the motion does not see, and the motion once more. `angle_noise`: how far rounding moves
