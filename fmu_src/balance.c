@@ -371,6 +371,57 @@ void balance_trend(const Way *w, const Balance *now, double t, Trend *out) {
     for (int i = 0; i < 2; i++) contact_trend(w, f, now, &d, &size, i, out);
 }
 
+/* ---- what it depends on ---- */
+
+/* The factors of the equation of motion, as far as they depend on friction at contact i: derivatives by mu_i. */
+static Form form_by_friction(const Way *w, const Form *f, int i) {
+    const double r = w->params->cam[i].radius, sign = w->direction * w->flank[i];
+    const double rn = r * r * sign, d = -f->slope[i].value * sign;
+    const double q = i == 0 ? d * f->rn[1].value : f->d[0].value * rn;
+    return (Form){
+        .q = {.value = q},
+        .delta = {.value = q + (i == 0 ? rn * f->d[1].value : f->rn[0].value * d)},
+        .p = {.value = i == 0 ? rn * f->rn[1].value : f->rn[0].value * rn},
+    };
+}
+
+/* Delta (tau - b omega) - P (F_0 + D) - [P m z'' + Q I gamma''] omega^2 - [J Delta + P m z' + Q I gamma'] alpha */
+void balance_partials(const Way *w, const Balance *now, Partials *out) {
+    const Params *p = w->params;
+    const double J = p->inertia.shaft, m = p->inertia.follower_mass, I = p->inertia.follower, b = p->shaft.damping;
+    const double omega = now->omega, spin2 = omega * omega, alpha = now->alpha, torque = now->tau - b * omega;
+    Form here;
+    double z;
+    const Form *f = form_at(w, now->theta, &here, &z);
+    const double v = f->lift.value * omega, load = now->force + now->damper;
+    const double resistance = w->c + 2.0 * w->q * fabs(v); /* dD/dv */
+    const double load_slope = spring_rate(&p->spring, z) * f->lift.value + resistance * f->lift.slope * omega;
+    const Dual swirl = dual_add(dual_multiply(dual_scale(m, f->p), f->lift_rate),
+                                dual_multiply(dual_scale(I, f->q), f->turn_rate));
+    const Dual mass = dual_add(dual_scale(J, f->delta), dual_add(dual_multiply(dual_scale(m, f->p), f->lift),
+                                                                 dual_multiply(dual_scale(I, f->q), f->turn[0])));
+    double *by = out->by;
+    *out = (Partials){.by = {0.0}};
+    by[KNOB_THETA] = f->delta.slope * torque - f->p.slope * load - f->p.value * load_slope - swirl.slope * spin2 -
+                     mass.slope * alpha;
+    by[KNOB_OMEGA] = -f->delta.value * b - f->p.value * resistance * f->lift.value - 2.0 * swirl.value * omega;
+    by[KNOB_ALPHA] = -mass.value;
+    by[KNOB_TAU] = f->delta.value;
+    by[KNOB_F_EXT] = by[KNOB_PRELOAD] = -f->p.value;
+    by[KNOB_STIFFNESS] = -f->p.value * z;
+    by[KNOB_STIFFNESS2] = -f->p.value * z * z;
+    by[KNOB_STIFFNESS3] = -f->p.value * z * z * z;
+    by[w->direction > 0 ? KNOB_C_LOAD : KNOB_C_RELEASE] = -f->p.value * v;
+    by[w->direction > 0 ? KNOB_Q_LOAD : KNOB_Q_RELEASE] = -f->p.value * v * fabs(v);
+    for (int i = 0; i < 2; i++) {
+        const Form d = form_by_friction(w, f, i);
+        const double mass_rate = J * d.delta.value + m * d.p.value * f->lift.value + I * d.q.value * f->turn[0].value;
+        const double swirl_rate = m * d.p.value * f->lift_rate.value + I * d.q.value * f->turn_rate.value;
+        by[KNOB_FRICTION_1 + i] =
+            d.delta.value * torque - d.p.value * load - swirl_rate * spin2 - mass_rate * alpha;
+    }
+}
+
 Booking balance_power(const Way *w, const Balance *now) {
     const double omega = now->omega, v = now->lift * omega;
     Booking power = {

@@ -16,6 +16,7 @@
 #include "course.h"
 #include "dual.h"
 #include "flow.h"
+#include "knobs.h"
 #include "params.h"
 
 /* Grooves and friction at one theta, with derivatives by theta. */
@@ -90,6 +91,10 @@ typedef struct {
 } Trend;
 
 void balance_trend(const Way *way, const Balance *now, double t, Trend *out);
+
+/* The equation of motion times Delta, with all terms on one side: zero at `now`, whatever brings that about. Its partial
+ * derivatives, N.m m^2 per unit: alpha changes with a knob k by -by[k]/by[KNOB_ALPHA], tau by -by[k]/by[KNOB_TAU]. */
+void balance_partials(const Way *way, const Balance *now, Partials *out);
 
 /* Rates of the accounts at this instant, W. */
 Booking balance_power(const Way *way, const Balance *now);

@@ -260,7 +260,7 @@ static void put_capabilities(Sink *sink) {
         "\n    canNotUseMemoryManagementFunctions=\"true\""
         "\n    canGetAndSetFMUstate=\"true\""
         "\n    canSerializeFMUstate=\"true\""
-        "\n    providesDirectionalDerivative=\"false\"/>\n");
+        "\n    providesDirectionalDerivative=\"true\"/>\n");
 }
 
 static void put_document(Sink *sink, const char *guid) {

@@ -442,13 +442,57 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return fmi2OK;
 }
 
+/* ---- partial derivatives ---- */
+
+static bool is_unknown(const Instance *instance, const char *function, fmi2ValueReference reference) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    if (model_has_partials(reference)) return true;
+    instance_refuse(instance, "%s: unknown %s: allowed are outputs and derivatives of states", function, variable->name);
+    return false;
+}
+
+static bool is_known(const Instance *instance, const char *function, fmi2ValueReference reference, double direction) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    if (model_knob(reference) < 0) {
+        instance_refuse(instance, "%s: known %s: allowed are Real inputs, states and tunable parameters", function,
+                        variable->name);
+        return false;
+    }
+    if (isfinite(direction)) return true;
+    instance_refuse(instance, "%s: dvKnown of %s = %g: allowed is any finite number", function, variable->name, direction);
+    return false;
+}
+
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[],
                                         size_t nUnknown, const fmi2ValueReference vKnown_ref[], size_t nKnown,
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[]) {
-    (void)vUnknown_ref, (void)nUnknown, (void)vKnown_ref, (void)nKnown, (void)dvKnown, (void)dvUnknown;
-    if (c == NULL) return fmi2Error;
-    return instance_refuse(
-        c, "%s: this FMU has providesDirectionalDerivative = false: allowed is not to call it", __func__);
+    Instance *instance = c;
+    if (!instance_is_in(instance, __func__, PHASE_INITIALIZATION | PHASE_STEP) ||
+        !has_array(instance, __func__, nUnknown, vUnknown_ref, "vUnknown_ref") ||
+        !has_array(instance, __func__, nUnknown, dvUnknown, "dvUnknown") ||
+        !has_array(instance, __func__, nKnown, vKnown_ref, "vKnown_ref") ||
+        !has_array(instance, __func__, nKnown, dvKnown, "dvKnown"))
+        return fmi2Error;
+    for (size_t i = 0; i < nUnknown; i++)
+        if (!is_unknown(instance, __func__, vUnknown_ref[i])) return fmi2Error;
+    for (size_t j = 0; j < nKnown; j++)
+        if (!is_known(instance, __func__, vKnown_ref[j], dvKnown[j])) return fmi2Error;
+    if (!instance_provide(instance, __func__, GROUP_STATE)) return fmi2Error;
+    const Machine *machine = &instance->values.machine;
+    Partials partials;
+    Fault fault;
+    for (size_t i = 0; i < nUnknown; i++) /* nothing is written unless all can be */
+        if (!model_partials(machine, vUnknown_ref[i], &partials, &fault))
+            return instance_refuse(instance, "%s: %s", __func__, fault.text);
+    for (size_t i = 0; i < nUnknown; i++) {
+        (void)model_partials(machine, vUnknown_ref[i], &partials, &fault);
+        double sum = 0.0;
+        for (size_t j = 0; j < nKnown; j++) sum += partials.by[model_knob(vKnown_ref[j])] * dvKnown[j];
+        dvUnknown[i] = sum;
+    }
+    return fmi2OK;
 }
 
 /* ---- the step ---- */

@@ -18,6 +18,7 @@
 #include "course.h"
 #include "fault.h"
 #include "imposed.h"
+#include "knobs.h"
 #include "ledger.h"
 #include "mode.h"
 #include "params.h"
@@ -112,5 +113,10 @@ bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault);
 bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault);
 bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault);
 void inverse_energy(const Inverse *m, InverseEnergy *out);
+
+/* Partial derivatives of tau, one-sided in the direction of motion (at rest: of the last motion), and of z (order 0) and
+ * v (order 1). False, with the reason, where they do not exist: beyond the stops, wedged; v with an elastic shaft. */
+bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault);
+bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault);
 
 #endif

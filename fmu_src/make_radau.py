@@ -108,9 +108,7 @@ def method(s: int) -> str:
         f"    .at_start = {row(value(p, MP.mpf(0)) for p in basis)},",
         f"    .defect_once = {MP.nstr(largest(sweep), 6)},",
         f"    .defect_twice = {MP.nstr(largest(integral(sweep)), 6)},",
-        "    .bernstein = {"
-        + ",\n                  ".join(row(column) for column in columns)
-        + "},",
+        "    .bernstein = {" + ",\n                  ".join(row(column) for column in columns) + "},",
     ]
     return f"static const Radau RADAU_{s} = {{\n" + "\n".join(lines) + "\n};\n"
 

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include "fault.h"
+#include "knobs.h"
 
 #define MODEL_FORWARD 1
 #define MODEL_INVERSE 2
@@ -64,6 +65,15 @@ bool model_outputs(const Machine *m, unsigned groups, MachineOutputs *outputs, F
 /* Time derivative of order 1 to MAX_OUTPUT_ORDER of the output with that value reference; `outputs` are
  * up to date in the groups that model_outputs() has. */
 double model_output_derivative(const Machine *m, const MachineOutputs *outputs, unsigned reference, int order);
+
+/* The knob that a variable is, or -1: nothing is differentiated by it. */
+int model_knob(unsigned reference);
+
+/* Can that variable be differentiated: is it an output, or the derivative of a state? */
+bool model_has_partials(unsigned reference);
+
+/* Its partial derivatives, in the present state and with the present inputs. */
+bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault);
 
 /* Bytes that belong to no member, so that equal states have equal bytes. */
 void model_clear_padding(MachineState *state);

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "sensitivity.h"
 #include "variables.h"
 
 bool model_start(Machine *m, Fault *fault) {
@@ -46,6 +47,48 @@ double model_output_derivative(const Machine *m, const Outputs *outputs, unsigne
         case VR_OMEGA: return of_theta[order];
         case VR_Z: return mechanism_axial_derivative(m, order);
         default: return mechanism_axial_derivative(m, order + 1);
+    }
+}
+
+int model_knob(unsigned reference) {
+    switch (reference) {
+        case VR_THETA: return KNOB_THETA;
+        case VR_OMEGA: return KNOB_OMEGA;
+        case VR_TAU: return KNOB_TAU;
+        case VR_F_EXT: return KNOB_F_EXT;
+        case VR_CAM1_FRICTION: return KNOB_FRICTION_1;
+        case VR_CAM2_FRICTION: return KNOB_FRICTION_2;
+        case VR_SPRING_PRELOAD: return KNOB_PRELOAD;
+        case VR_SPRING_STIFFNESS: return KNOB_STIFFNESS;
+        case VR_SPRING_STIFFNESS2: return KNOB_STIFFNESS2;
+        case VR_SPRING_STIFFNESS3: return KNOB_STIFFNESS3;
+        case VR_DAMPER_C_LOAD: return KNOB_C_LOAD;
+        case VR_DAMPER_Q_LOAD: return KNOB_Q_LOAD;
+        case VR_DAMPER_C_RELEASE: return KNOB_C_RELEASE;
+        case VR_DAMPER_Q_RELEASE: return KNOB_Q_RELEASE;
+        default: return -1;
+    }
+}
+
+bool model_has_partials(unsigned reference) {
+    switch (reference) {
+        case VR_THETA:
+        case VR_OMEGA:
+        case VR_ALPHA:
+        case VR_Z:
+        case VR_V: return true;
+        default: return false;
+    }
+}
+
+/* Angle and speed are states: they depend on nothing but themselves. */
+bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {
+    switch (reference) {
+        case VR_THETA: *out = (Partials){.by = {[KNOB_THETA] = 1.0}}; return true;
+        case VR_OMEGA: *out = (Partials){.by = {[KNOB_OMEGA] = 1.0}}; return true;
+        case VR_Z: mechanism_axial_partials(m, 0, out); return true;
+        case VR_V: mechanism_axial_partials(m, 1, out); return true;
+        default: return mechanism_alpha_partials(m, out, fault);
     }
 }
 

@@ -48,6 +48,35 @@ double model_output_derivative(const Machine *m, const InverseOutputs *outputs, 
     return 0.0;
 }
 
+int model_knob(unsigned reference) {
+    switch (reference) {
+        case VR_THETA: return KNOB_THETA;
+        case VR_OMEGA: return KNOB_OMEGA;
+        case VR_ALPHA: return KNOB_ALPHA;
+        case VR_F_EXT: return KNOB_F_EXT;
+        case VR_CAM1_FRICTION: return KNOB_FRICTION_1;
+        case VR_CAM2_FRICTION: return KNOB_FRICTION_2;
+        case VR_SPRING_PRELOAD: return KNOB_PRELOAD;
+        case VR_SPRING_STIFFNESS: return KNOB_STIFFNESS;
+        case VR_SPRING_STIFFNESS2: return KNOB_STIFFNESS2;
+        case VR_SPRING_STIFFNESS3: return KNOB_STIFFNESS3;
+        case VR_DAMPER_C_LOAD: return KNOB_C_LOAD;
+        case VR_DAMPER_Q_LOAD: return KNOB_Q_LOAD;
+        case VR_DAMPER_C_RELEASE: return KNOB_C_RELEASE;
+        case VR_DAMPER_Q_RELEASE: return KNOB_Q_RELEASE;
+        default: return -1;
+    }
+}
+
+bool model_has_partials(unsigned reference) {
+    return reference == VR_TAU || reference == VR_Z || reference == VR_V;
+}
+
+bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {
+    if (reference == VR_TAU) return inverse_torque_partials(m, out, fault);
+    return inverse_axial_partials(m, reference == VR_Z ? 0 : 1, out, fault);
+}
+
 /* A new member fails here until its padding is looked at. */
 _Static_assert(sizeof(InverseState) ==
                    3 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),

@@ -63,6 +63,7 @@ def drive(fmu, value):
     """That input as argument of step() and set()."""
     return {DRIVE[fmu.model]: value}
 
+
 # A torsion spring without friction, far from its stops: motion in closed form.
 LIFT = 0.01  # m/rad: two cams of 0.02 m at 45 degrees share the turning
 INERTIA = 0.5
@@ -167,9 +168,7 @@ def test_refuses_to_instantiate(library, model, wrong, word):
     assert word != "fmuGUID" or model.guid in message.text
 
 
-@pytest.mark.parametrize(
-    ("model", "other"), [(FORWARD, INVERSE), (INVERSE, FORWARD)], indirect=["model"]
-)
+@pytest.mark.parametrize(("model", "other"), [(FORWARD, INVERSE), (INVERSE, FORWARD)], indirect=["model"])
 def test_one_fmu_is_not_the_other(library, model, other):
     assert not Driver(library, guid=other.guid, model=model).component
 
@@ -561,7 +560,7 @@ def test_null_arrays_of_derivatives(fmu):
     "bad", [{"cam1.radius": -1.0}, {"z": 0.0}, {"F_ext": math.nan}, {"cam1.friction": 11.0}]
 )
 def test_a_call_is_carried_out_wholly_or_not_at_all(fmu, bad):
-    fmu.refused_set(drive(fmu, 0.3) | { "cam1.friction": 0.2, "stop.upper": 1.0} | bad, mentions=tuple(bad))
+    fmu.refused_set(drive(fmu, 0.3) | {"cam1.friction": 0.2, "stop.upper": 1.0} | bad, mentions=tuple(bad))
 
 
 def test_a_call_in_step_mode_is_carried_out_wholly_or_not_at_all(fmu):
@@ -846,12 +845,6 @@ def test_refuses_orders_of_outputs(fmu, name, order):
 def test_refuses_derivatives_of_what_is_no_output(fmu, name):
     arguments = fmu.model.references([name]), 1, (c_int * 1)(1), to_c("Real", [0.0])
     fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=(str(name),))
-
-
-def test_directional_derivative_is_refused(fmu):
-    one = to_c("Real", [1.0])
-    arguments = fmu.model.references(["z"]), 1, fmu.model.references(["F_ext"]), 1, one, one
-    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("providesDirectionalDerivative",))
 
 
 def test_derivatives_of_all_orders(fmu):

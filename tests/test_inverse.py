@@ -215,9 +215,7 @@ def test_efficiency(make):
 
 def test_torque_worked_out(make):
     """tau = rho (F0 + k z + F_ext + c v + m z' alpha) + rho/2 ... with I = 0, plus b omega + J alpha."""
-    fmu = make().start(
-        WIDE | {"damper.c_load": 400.0, "inertia.follower_mass": 2.0, "shaft.damping": 0.03}
-    )
+    fmu = make().start(WIDE | {"damper.c_load": 400.0, "inertia.follower_mass": 2.0, "shaft.damping": 0.03})
     theta, omega, alpha, F_ext = 0.4, 3.0, -7.0, 12.0
     force = PRELOAD + STIFFNESS * LIFT * theta + F_ext + 400.0 * LIFT * omega + 2.0 * LIFT * alpha
     expected = RHO[1] * force + 0.03 * omega + INERTIA * alpha

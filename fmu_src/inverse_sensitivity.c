@@ -1,0 +1,121 @@
+#include <stdio.h>
+
+#include "balance.h"
+#include "drag.h"
+#include "inverse.h"
+#include "rigid.h"
+
+/* The direction of motion, at rest that of the last one. */
+static int present_direction(const Inverse *m) {
+    const double omega = m->inputs.omega[0];
+    return omega > 0.0 ? 1 : omega < 0.0 ? -1 : m->state.direction;
+}
+
+/* Balance of the imposed motion: balance_partials() needs no more of it. */
+static Balance balance_of(const Inverse *m, const Effort *effort, const Moment *at) {
+    return (Balance){
+        .theta = at->theta,
+        .omega = at->omega,
+        .alpha = at->alpha,
+        .tau = effort->tau,
+        .force = spring_force(&m->params.spring, effort->station.z) + at->F_ext,
+        .damper = effort->damper,
+    };
+}
+
+/* tau makes the equation of motion hold: d tau/dk = -(d/dk)/(d/d tau) of it. */
+static void solve_for_torque(const Inverse *m, double theta, int direction, const int flank[2], const Balance *now,
+                             Partials *out) {
+    const Inputs none = {.tau = {0.0}};
+    const Way way = way_of(&m->params, &m->course, &none, theta, direction, flank);
+    Partials residual;
+    balance_partials(&way, now, &residual);
+    *out = (Partials){.by = {0.0}};
+    for (int k = 0; k < KNOB_COUNT; k++)
+        if (k != KNOB_TAU) out->by[k] = -residual.by[k] / residual.by[KNOB_TAU];
+}
+
+static bool rigid_partials(const Inverse *m, Partials *out, Fault *fault) {
+    const Moment at = {
+        .theta = m->inputs.theta[0],
+        .omega = m->inputs.omega[0],
+        .alpha = m->inputs.alpha[0],
+        .F_ext = m->inputs.F_ext[0],
+        .direction = present_direction(m),
+    };
+    Effort effort;
+    if (!rigid_effort(&m->params, course_piece(&m->course, at.theta, at.direction), &at, &effort)) {
+        rigid_describe_wedge(fault, &at);
+        return false;
+    }
+    const Balance now = balance_of(m, &effort, &at);
+    solve_for_torque(m, at.theta, at.direction, effort.bearing.flank, &now, out);
+    return true;
+}
+
+/* How cam 2's angle and the torque of the elastic shaft change: tau = K (theta - cam). While cam 2 sticks, that is all;
+ * while it slips, tau is the edge E(cam, k) of the stick band as well, so d cam = (K d theta - E_k dk)/(K + E_theta). */
+static bool elastic_partials(const Inverse *m, Partials *cam, Partials *tau) {
+    const double K = m->params.shaft.stiffness;
+    Dragged d;
+    drag_present(m, &d);
+    *cam = *tau = (Partials){.by = {0.0}};
+    tau->by[KNOB_THETA] = K;
+    if (d.mode != MODE_LOADING && d.mode != MODE_RELEASING) return true;
+    const int direction = d.mode == MODE_LOADING ? 1 : -1;
+    const double F_0 = spring_force(&m->params.spring, d.station.z) + m->inputs.F_ext[0];
+    Bearing bearing;
+    if (!station_edge(&d.station, direction, F_0, &bearing)) return false;
+    const Balance now = {.theta = d.cam, .tau = d.tau, .force = F_0};
+    Partials edge;
+    solve_for_torque(m, d.cam, direction, bearing.flank, &now, &edge);
+    const double sum = K + edge.by[KNOB_THETA];
+    for (int k = 0; k < KNOB_COUNT; k++) {
+        const double by_input = k == KNOB_THETA ? K : 0.0, by_edge = k == KNOB_THETA ? 0.0 : edge.by[k];
+        cam->by[k] = k == KNOB_OMEGA || k == KNOB_ALPHA ? 0.0 : (by_input - by_edge) / sum;
+        tau->by[k] = by_input - K * cam->by[k];
+    }
+    return true;
+}
+
+static bool is_within_stops(const Inverse *m, Fault *fault) {
+    InverseMotion motion;
+    return inverse_motion(m, &motion, fault);
+}
+
+bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
+    if (!is_within_stops(m, fault)) return false;
+    if (!has_elastic_shaft(m)) return rigid_partials(m, out, fault);
+    Partials cam;
+    if (elastic_partials(m, &cam, out)) return true;
+    snprintf(fault->text, sizeof fault->text,
+             "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %.17g only", m->state.theta);
+    return false;
+}
+
+bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault) {
+    if (!is_within_stops(m, fault)) return false;
+    *out = (Partials){.by = {0.0}};
+    if (has_elastic_shaft(m)) {
+        Dragged d;
+        Partials tau;
+        drag_present(m, &d);
+        if (order == 0 && elastic_partials(m, out, &tau)) {
+            for (int k = 0; k < KNOB_COUNT; k++) out->by[k] *= d.station.geometry.lift;
+            return true;
+        }
+        snprintf(fault->text, sizeof fault->text,
+                 "%s with shaft.stiffness = %.17g has no partial derivatives: shaft.stiffness must be 0 for them",
+                 order == 0 ? "z, wedged," : "v", m->params.shaft.stiffness);
+        return false;
+    }
+    const double theta = m->inputs.theta[0], omega = m->inputs.omega[0];
+    const Station station = station_at(&m->params, course_piece(&m->course, theta, present_direction(m)), theta);
+    if (order == 0) {
+        out->by[KNOB_THETA] = station.geometry.lift;
+        return true;
+    }
+    out->by[KNOB_THETA] = station.lift_rate * omega;
+    out->by[KNOB_OMEGA] = station.geometry.lift;
+    return true;
+}

@@ -1,0 +1,191 @@
+"""Partial derivatives (fmi2GetDirectionalDerivative) against differences of the FMUs themselves."""
+
+import math
+from ctypes import c_double
+
+import numpy as np
+import pytest
+from driver import Driver, models, to_c
+
+FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
+TUNABLE = {
+    "cam1.friction": 0.1,
+    "cam2.friction": 0.1,
+    "spring.preload": 50.0,
+    "spring.stiffness": 2e4,
+    "spring.stiffness2": 1e5,
+    "spring.stiffness3": 1e6,
+    "damper.c_load": 20.0,
+    "damper.q_load": 50.0,
+    "damper.c_release": 30.0,
+    "damper.q_release": 40.0,
+}  # with sizes
+ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "cam2.radius": 0.025, "cam2.lead_angle": 0.7}
+MASSES = {
+    "inertia.shaft": 0.002,
+    "inertia.follower_mass": 0.3,
+    "inertia.follower": 3e-5,
+    "shaft.damping": 0.01,
+}
+GROOVES = {
+    "helices": {"cam1.lead_angle": 0.6, "cam2.lead_angle": 0.9},
+    "ellipses": ELLIPSES,
+    "mixed": ELLIPSES | {"cam1.profile": 1, "cam1.ellipse_curvature": 1},
+}
+
+
+def partial(fmu: Driver, unknown: str, known: str, seed: float = 1.0) -> float:
+    result = (c_double * 1)()
+    references = fmu.model.references
+    arguments = references([unknown]), 1, references([known]), 1, to_c("Real", [seed]), result
+    fmu.ok("fmi2GetDirectionalDerivative", *arguments)
+    return result[0]
+
+
+def difference(f, x: float, size: float) -> float:
+    """Central, of order 6."""
+    h = 1e-3 * size
+    weights = {1: 45.0, 2: -9.0, 3: 1.0}
+    return math.fsum(w * (f(x + k * h) - f(x - k * h)) for k, w in weights.items()) / (60.0 * h)
+
+
+def assert_close(found: float, expected: float, scale: float) -> None:
+    assert abs(found - expected) <= 1e-6 * max(abs(expected), 1e-6 * scale), (found, expected)
+
+
+@pytest.mark.parametrize("groove", GROOVES)
+@pytest.mark.parametrize("omega", [3.0, -3.0])
+@pytest.mark.parametrize("F_ext", [10.0, -400.0])
+def test_acceleration_while_slipping(make_model, groove, omega, F_ext):
+    values = TUNABLE | MASSES | GROOVES[groove]
+
+    def at(theta: float, speed: float) -> Driver:
+        fmu = make_model(FORWARD)
+        start = {"initial.theta": theta, "initial.omega": speed, "tau": 2.0, "F_ext": F_ext}
+        return fmu.start(values | start)
+
+    fmu = at(0.6, omega)
+    assert fmu.get("mode") == (2 if omega > 0 else 3)
+    scale = abs(fmu.get("alpha"))
+
+    def alpha_with(name: str):
+        def alpha(value: float) -> float:
+            before = fmu.get(name)
+            fmu.set({name: value})
+            found = fmu.get("alpha")
+            fmu.set({name: before})
+            return found
+
+        return alpha
+
+    for name, size in (TUNABLE | {"tau": 2.0, "F_ext": 100.0}).items():
+        expected = difference(alpha_with(name), fmu.get(name), size)
+        assert_close(partial(fmu, "alpha", name), expected, scale / size)
+    expected = difference(lambda theta: at(theta, omega).get("alpha"), 0.6, 0.1)
+    assert_close(partial(fmu, "alpha", "theta"), expected, scale)
+    expected = difference(lambda speed: at(0.6, speed).get("alpha"), omega, 1.0)
+    assert_close(partial(fmu, "alpha", "omega"), expected, scale)
+    for name in ("z", "v"):
+        expected = difference(lambda theta, n=name: at(theta, omega).get(n), 0.6, 0.1)
+        assert_close(partial(fmu, name, "theta"), expected, abs(fmu.get(name)))
+        expected = difference(lambda speed, n=name: at(0.6, speed).get(n), omega, 1.0)
+        assert_close(partial(fmu, name, "omega"), expected, abs(fmu.get(name)))
+        assert partial(fmu, name, "tau") == 0.0
+
+
+def test_outputs_follow_states_alone(make_model):
+    """No direct feedthrough: what is put out does not depend on inputs, at rest alpha neither."""
+    fmu = make_model(FORWARD).start({"initial.theta": 0.5, "tau": 2.5})
+    assert fmu.get("mode") == 1
+    for unknown in ("theta", "omega", "z", "v", "alpha"):
+        assert partial(fmu, unknown, "tau") == partial(fmu, unknown, "F_ext") == 0.0
+    assert partial(fmu, "theta", "theta", 2.5) == 2.5
+    assert partial(fmu, "omega", "omega") == 1.0
+
+
+@pytest.mark.parametrize("groove", GROOVES)
+@pytest.mark.parametrize("omega", [3.0, -3.0])
+@pytest.mark.parametrize("F_ext", [10.0, -400.0])
+def test_torque_of_the_imposed_motion(make_model, groove, omega, F_ext):
+    motion = {"theta": 0.6, "omega": omega, "alpha": 20.0, "F_ext": F_ext}
+    sizes = TUNABLE | {"theta": 0.1, "omega": 1.0, "alpha": 10.0, "F_ext": 100.0}
+    check_inverse(make_model, TUNABLE | MASSES | GROOVES[groove], motion, sizes, ("tau", "z", "v"))
+
+
+@pytest.mark.parametrize("groove", GROOVES)
+@pytest.mark.parametrize("theta", [0.505, 0.62, 0.7, 0.3])
+def test_torque_of_an_elastic_shaft(make_model, groove, theta):
+    """Where cam 2 slips tau is the edge of the stick band; where it sticks, the shaft alone gives way."""
+    values = TUNABLE | GROOVES[groove] | {"shaft.stiffness": 60.0}
+    motion = {"theta": theta, "omega": math.copysign(1.0, theta - 0.5), "alpha": 0.0, "F_ext": 10.0}
+    sizes = {"theta": 0.01}
+    if abs(theta - 0.5) > 0.1:  # it slips; stuck where it started, it is on the edge of the band: a kink
+        sizes["F_ext"] = 10.0
+    check_inverse(make_model, values, motion, sizes, ("tau", "z"), start=0.5)
+
+
+def check_inverse(make_model, values, motion, sizes, unknowns, start=None):
+    fmu = make_model(INVERSE)
+    first = motion if start is None else motion | {"theta": start, "omega": 0.0}
+    fmu.start(values | first)
+    if start is not None:
+        fmu.set(motion)
+
+    def output_with(unknown: str, name: str):
+        def output(value: float) -> float:
+            before = fmu.get(name)
+            fmu.set({name: value})
+            found = fmu.get(unknown)
+            fmu.set({name: before})
+            return found
+
+        return output
+
+    for unknown in unknowns:
+        scale = abs(fmu.get(unknown))
+        for name, size in sizes.items():
+            expected = difference(output_with(unknown, name), fmu.get(name), size)
+            assert_close(partial(fmu, unknown, name), expected, scale / size)
+
+
+def test_a_combination_is_linear(make_model):
+    fmu = make_model(FORWARD).start(MASSES | {"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0})
+    names, seeds = ["tau", "F_ext", "theta"], [0.5, -3.0, 0.25]
+    result = (c_double * 2)()
+    references = fmu.model.references
+    arguments = references(["alpha", "v"]), 2, references(names), 3, to_c("Real", seeds), result
+    fmu.ok("fmi2GetDirectionalDerivative", *arguments)
+    for found, unknown in zip(result, ("alpha", "v"), strict=True):
+        parts = [partial(fmu, unknown, name, seed) for name, seed in zip(names, seeds, strict=True)]
+        assert found == pytest.approx(math.fsum(parts), rel=1e-14)
+    state = np.array([fmu.get(n) for n in ("theta", "omega", "alpha")])
+    assert np.all(np.isfinite(state))
+
+
+@pytest.mark.parametrize(
+    ("unknown", "known", "seed", "mentions"),
+    [
+        ("energy.spring", "tau", 1.0, ("energy.spring", "outputs")),
+        ("z", "cam1.radius", 1.0, ("cam1.radius", "tunable")),
+        ("z", "tau", math.nan, ("tau", "finite")),
+        ("contacts", "tau", 1.0, ("contacts", "Real")),
+        ("z", 12345, 1.0, ("12345",)),
+    ],
+)
+def test_refuses_what_has_no_derivative(make_model, unknown, known, seed, mentions):
+    fmu = make_model(FORWARD).start({"initial.theta": 0.5})
+    before = fmu.get("z")
+    result = (c_double * 1)(7.0)
+    references = fmu.model.references
+    arguments = references([unknown]), 1, references([known]), 1, to_c("Real", [seed]), result
+    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=mentions)
+    assert result[0] == 7.0
+    assert fmu.get("z") == before
+
+
+def test_without_inertia_the_speed_is_no_state(make_model):
+    fmu = make_model(FORWARD).start({"inertia.shaft": 0.0, "initial.theta": 0.5, "tau": 4.0})
+    result = (c_double * 1)()
+    references = fmu.model.references
+    arguments = references(["alpha"]), 1, references(["tau"]), 1, to_c("Real", [1.0]), result
+    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("alpha", "inertia.shaft"))
