@@ -121,9 +121,7 @@ def interface(model):
 
 def test_the_committed_file_is_what_the_emitter_prints(model):
     build_fmu.emit_description(model.identifier, check=True)
-    printed = subprocess.run(
-        [ROOT / f"build/host/emit_{model.identifier}"], capture_output=True, check=True
-    )
+    printed = subprocess.run([ROOT / f"build/host/emit_{model.identifier}"], capture_output=True, check=True)
     assert printed.stdout == model.xml.read_bytes()
 
 
@@ -240,7 +238,8 @@ def test_display_units_are_what_their_names_say(model):
 
 def test_types_give_quantity_unit_and_display_unit(model):
     displays = {
-        u.attrib["name"]: [d.attrib["name"] for d in u.iter("DisplayUnit")] for u in model.document.iter("Unit")
+        u.attrib["name"]: [d.attrib["name"] for d in u.iter("DisplayUnit")]
+        for u in model.document.iter("Unit")
     }
     types = {t.attrib["name"]: t[0].attrib for t in model.document.iter("SimpleType")}
     assert not set(types) & set(model.variables)
