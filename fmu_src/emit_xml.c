@@ -1,5 +1,5 @@
 /* Host program of the build: prints the modelDescription.xml of the FMU that MODEL_BUILT chooses, from
- * variables.def.
+ * variables.def. Its arguments are the names of the FMU's source files.
  *
  * The GUID is a hash of the text printed with an empty GUID, so equal descriptions have equal GUIDs and
  * there is no clock in it. */
@@ -285,7 +285,7 @@ static void put_head(Sink *sink, const char *guid) {
     put(sink, ">\n");
 }
 
-static void put_capabilities(Sink *sink) {
+static void put_capabilities(Sink *sink, char *const *sources) {
     put(sink, "  <CoSimulation\n   ");
     put_attribute(sink, "modelIdentifier", IDENTIFIER);
     put(sink,
@@ -298,12 +298,19 @@ static void put_capabilities(Sink *sink) {
         "\n    canNotUseMemoryManagementFunctions=\"true\""
         "\n    canGetAndSetFMUstate=\"true\""
         "\n    canSerializeFMUstate=\"true\""
-        "\n    providesDirectionalDerivative=\"false\"/>\n");
+        "\n    providesDirectionalDerivative=\"false\">\n"
+        "    <SourceFiles>\n");
+    for (char *const *source = sources; *source != NULL; source++) {
+        put(sink, "      <File");
+        put_attribute(sink, "name", *source);
+        put(sink, "/>\n");
+    }
+    put(sink, "    </SourceFiles>\n  </CoSimulation>\n");
 }
 
-static void put_document(Sink *sink, const char *guid) {
+static void put_document(Sink *sink, const char *guid, char *const *sources) {
     put_head(sink, guid);
-    put_capabilities(sink);
+    put_capabilities(sink, sources);
     put_units(sink);
     put_types(sink);
     put(sink,
@@ -320,14 +327,16 @@ static Sink sink_of(FILE *file) {
     return (Sink){.file = file, .hash = {HASH_BASIS[0], HASH_BASIS[1]}, .failed = false};
 }
 
-int main(void) {
+int main(int count, char *arguments[]) {
+    if (count < 2) return 2;
+    char *const *sources = arguments + 1; /* C ends the list with NULL */
     Sink blank = sink_of(NULL);
-    put_document(&blank, "");
+    put_document(&blank, "", sources);
     char guid[39];
     const uint64_t high = blank.hash[0], low = blank.hash[1];
     snprintf(guid, sizeof guid, "{%08" PRIx64 "-%04" PRIx64 "-%04" PRIx64 "-%04" PRIx64 "-%012" PRIx64 "}",
              high >> 32, high >> 16 & 0xffff, high & 0xffff, low >> 48, low & UINT64_C(0xffffffffffff));
     Sink printed = sink_of(stdout);
-    put_document(&printed, guid);
+    put_document(&printed, guid, sources);
     return printed.failed || fflush(stdout) != 0 ? 1 : 0;
 }
