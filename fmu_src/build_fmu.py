@@ -26,6 +26,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import archive
+import document
+
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"
@@ -60,6 +63,7 @@ class Fmu:
     description: str
     guid: str
     extra: dict[str, Path] = field(default_factory=dict)  # name in the archive -> file
+    texts: dict[str, str] = field(default_factory=dict)  # name in the archive -> content made by the build
     defines: list[str] = field(default_factory=list)
 
     @property
@@ -150,13 +154,14 @@ def emit_description(identifier: str, check: bool) -> str:
     committed = DESCRIPTIONS / f"{identifier}.xml"
     emitter, included = ROOT / "fmu_src/emit_xml.c", ROOT / "fmu_src/variables.c"
     fresh = BUILD / "description" / committed.name
-    stamp = fingerprint([emitter, included, *headers()])
+    names = [source.name for source in core_sources(identifier)]
+    stamp = fingerprint([emitter, included, *headers()], *names)
     if not is_fresh(fresh, stamp):
         say(f"emit {relative(committed)}")
         program = BUILD / "host" / f"emit_{identifier}"
         compile_c(ZIG, ["-O1", model_define(identifier)], [emitter], program)
         fresh.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_bytes(run([program], "emit_xml").encode())
+        fresh.write_bytes(run([program, *names], "emit_xml").encode())
         set_stamp(fresh, stamp)
     if not committed.exists() or committed.read_bytes() != fresh.read_bytes():
         if check:
@@ -169,16 +174,15 @@ def emit_description(identifier: str, check: bool) -> str:
 
 def dual_cam(identifier: str, check: bool) -> Fmu:
     description = emit_description(identifier, check)
-    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE"}
-    for folder in ("documentation", "resources", "terminalsAndIcons"):
-        for path in (DESCRIPTIONS / folder).rglob("*"):
-            if path.is_file():
-                extra[path.relative_to(DESCRIPTIONS).as_posix()] = path
-    if (DESCRIPTIONS / "model.png").exists():
-        extra["model.png"] = DESCRIPTIONS / "model.png"
     guid = ET.fromstring(description).attrib["guid"]
     sources, defines = core_sources(identifier), [model_define(identifier)]
-    return Fmu(identifier, sources, description, guid, extra, defines)
+    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "model.png": DESCRIPTIONS / "model.png"}
+    extra |= archive.sources([*sources, *headers()]) | archive.reference(DESCRIPTIONS, identifier)
+    texts = {
+        "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
+        "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid),
+    }
+    return Fmu(identifier, sources, description, guid, extra, texts, defines)
 
 
 def null_fmu(like: Fmu) -> Fmu:
@@ -233,7 +237,7 @@ def validate(path: Path) -> None:
 def build(fmu: Fmu) -> None:
     flags = [*TARGET, *SHARED, *fmu.defines, *identity(fmu)]
     inputs = [*fmu.sources, *fmu.extra.values(), *headers(), Path(__file__).resolve()]
-    stamp = fingerprint(inputs, fmu.description, *flags)
+    stamp = fingerprint(inputs, fmu.description, *fmu.extra, *fmu.texts, *fmu.texts.values(), *flags)
     if is_fresh(fmu.path, stamp):
         return
     say(f"compile {fmu.identifier}.so ({len(fmu.sources)} files)")
@@ -241,6 +245,7 @@ def build(fmu: Fmu) -> None:
     compile_c(ZIG, flags, fmu.sources, library)
     check_glibc(library)
     members = {name: path.read_bytes() for name, path in fmu.extra.items()}
+    members |= {name: text.encode() for name, text in fmu.texts.items()}
     members["modelDescription.xml"] = fmu.description.encode()
     members[f"binaries/linux64/{fmu.identifier}.so"] = library.read_bytes()
     unfinished = BUILD / f"{fmu.identifier}.{os.getpid()}.fmu"

@@ -1,5 +1,5 @@
 /* Host program of the build: prints the modelDescription.xml of the FMU that MODEL_BUILT chooses, from
- * variables.def.
+ * variables.def. Its arguments are the names of the FMU's source files.
  *
  * The GUID is a hash of the text printed with an empty GUID, so equal descriptions have equal GUIDs and
  * there is no clock in it. */
@@ -94,9 +94,33 @@ static void put_units(Sink *sink) {
         put_exponent(sink, "m", unit->m);
         put_exponent(sink, "s", unit->s);
         put_exponent(sink, "rad", unit->rad);
-        put(sink, "/></Unit>\n");
+        put(sink, "/>");
+        if (unit->display[0] != '\0') {
+            put(sink, "<DisplayUnit");
+            put_attribute(sink, "name", unit->display);
+            put_number(sink, "factor", unit->factor);
+            put(sink, "/>");
+        }
+        put(sink, "</Unit>\n");
     }
     put(sink, "  </UnitDefinitions>\n");
+}
+
+/* One type for each unit. */
+static void put_types(Sink *sink) {
+    put(sink, "  <TypeDefinitions>\n");
+    for (int id = UNIT_NONE + 1; id < UNIT_COUNT; id++) {
+        const Unit *unit = &UNITS[id];
+        if (!is_used((UnitId)id)) continue;
+        put(sink, "    <SimpleType");
+        put_attribute(sink, "name", unit->quantity);
+        put(sink, "><Real");
+        put_attribute(sink, "quantity", unit->quantity);
+        put_attribute(sink, "unit", unit->name);
+        if (unit->display[0] != '\0') put_attribute(sink, "displayUnit", unit->display);
+        put(sink, "/></SimpleType>\n");
+    }
+    put(sink, "  </TypeDefinitions>\n");
 }
 
 /* ---- variables ---- */
@@ -134,6 +158,8 @@ static void put_range(Sink *sink, const Variable *variable) {
     if (variable->type != TYPE_REAL && variable->type != TYPE_INTEGER) return;
     if (isfinite(variable->min)) put_number(sink, "min", variable->min);
     if (isfinite(variable->max)) put_number(sink, "max", variable->max);
+    if (variable->type == TYPE_REAL && variable->causality != CAUSALITY_PARAMETER)
+        put_number(sink, "nominal", variable->nominal);
 }
 
 /* `initial` is spelt out only where FMI has a choice: inputs must not have it. */
@@ -148,7 +174,10 @@ static void put_variable(Sink *sink, unsigned reference) {
         put_attribute(sink, "initial", has_start(variable) ? "exact" : "calculated");
     put_attribute(sink, "description", variable->description);
     print(sink, ">\n      <%s", type_name(variable->type));
-    if (variable->unit != UNIT_NONE) put_attribute(sink, "unit", UNITS[variable->unit].name);
+    if (variable->unit != UNIT_NONE) {
+        put_attribute(sink, "declaredType", UNITS[variable->unit].quantity);
+        put_attribute(sink, "unit", UNITS[variable->unit].name); /* for masters that do not look types up */
+    }
     put_range(sink, variable);
     if (has_start(variable)) put_start(sink, variable);
     put(sink, "/>\n    </ScalarVariable>\n");
@@ -162,34 +191,37 @@ static void put_variables(Sink *sink) {
 
 /* ---- model structure ---- */
 
+typedef enum { DEPENDENT, CONSTANT } DependencyKind;
+
 typedef struct {
     VariableId output, known;
+    DependencyKind kind;
 } Dependency;
 
 /* Both end with a row that belongs to no output: no list may be empty in C. */
 static const Dependency FOLLOWS[] = {
 #define UNIT(...)
 #define VARIABLE(...)
-#define FOLLOWS(model, output, known) IN_##model({VR_##output, VR_##known},)
+#define FOLLOWS(model, output, known, kind) IN_##model({VR_##output, VR_##known, kind},)
 #define STARTS_FROM(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
-    {VARIABLE_COUNT, VARIABLE_COUNT}};
+    {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 static const Dependency STARTS_FROM[] = {
 #define UNIT(...)
 #define VARIABLE(...)
 #define FOLLOWS(...)
-#define STARTS_FROM(model, output, known) IN_##model({VR_##output, VR_##known},)
+#define STARTS_FROM(model, output, known, kind) IN_##model({VR_##output, VR_##known, kind},)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
-    {VARIABLE_COUNT, VARIABLE_COUNT}};
+    {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 /* Place in the list of variables, from 1. */
 static unsigned index_of(VariableId id) {
@@ -202,6 +234,12 @@ static void put_dependencies(Sink *sink, VariableId output, const Dependency *li
     for (const Dependency *row = list; row->output != VARIABLE_COUNT; row++) {
         if (row->output != output) continue;
         print(sink, "%s%u", separator, index_of(row->known));
+        separator = " ";
+    }
+    separator = "\" dependenciesKind=\"";
+    for (const Dependency *row = list; row->output != VARIABLE_COUNT; row++) {
+        if (row->output != output) continue;
+        print(sink, "%s%s", separator, row->kind == CONSTANT ? "constant" : "dependent");
         separator = " ";
     }
     put(sink, "\"");
@@ -247,7 +285,7 @@ static void put_head(Sink *sink, const char *guid) {
     put(sink, ">\n");
 }
 
-static void put_capabilities(Sink *sink) {
+static void put_capabilities(Sink *sink, char *const *sources) {
     put(sink, "  <CoSimulation\n   ");
     put_attribute(sink, "modelIdentifier", IDENTIFIER);
     put(sink,
@@ -260,13 +298,21 @@ static void put_capabilities(Sink *sink) {
         "\n    canNotUseMemoryManagementFunctions=\"true\""
         "\n    canGetAndSetFMUstate=\"true\""
         "\n    canSerializeFMUstate=\"true\""
-        "\n    providesDirectionalDerivative=\"true\"/>\n");
+        "\n    providesDirectionalDerivative=\"true\">\n"
+        "    <SourceFiles>\n");
+    for (char *const *source = sources; *source != NULL; source++) {
+        put(sink, "      <File");
+        put_attribute(sink, "name", *source);
+        put(sink, "/>\n");
+    }
+    put(sink, "    </SourceFiles>\n  </CoSimulation>\n");
 }
 
-static void put_document(Sink *sink, const char *guid) {
+static void put_document(Sink *sink, const char *guid, char *const *sources) {
     put_head(sink, guid);
-    put_capabilities(sink);
+    put_capabilities(sink, sources);
     put_units(sink);
+    put_types(sink);
     put(sink,
         "  <LogCategories>\n"
         "    <Category name=\"logStatusError\" description=\"Calls that were refused, and why\"/>\n"
@@ -281,14 +327,16 @@ static Sink sink_of(FILE *file) {
     return (Sink){.file = file, .hash = {HASH_BASIS[0], HASH_BASIS[1]}, .failed = false};
 }
 
-int main(void) {
+int main(int count, char *arguments[]) {
+    if (count < 2) return 2;
+    char *const *sources = arguments + 1; /* C ends the list with NULL */
     Sink blank = sink_of(NULL);
-    put_document(&blank, "");
+    put_document(&blank, "", sources);
     char guid[39];
     const uint64_t high = blank.hash[0], low = blank.hash[1];
     snprintf(guid, sizeof guid, "{%08" PRIx64 "-%04" PRIx64 "-%04" PRIx64 "-%04" PRIx64 "-%012" PRIx64 "}",
              high >> 32, high >> 16 & 0xffff, high & 0xffff, low >> 48, low & UINT64_C(0xffffffffffff));
     Sink printed = sink_of(stdout);
-    put_document(&printed, guid);
+    put_document(&printed, guid, sources);
     return printed.failed || fflush(stdout) != 0 ? 1 : 0;
 }

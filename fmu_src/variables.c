@@ -6,8 +6,15 @@
 #include <string.h>
 
 const Unit UNITS[UNIT_COUNT] = {
-#define UNIT(id, unit_name, kg_, m_, s_, rad_) \
-    [UNIT_##id] = {.name = unit_name, .kg = kg_, .m = m_, .s = s_, .rad = rad_},
+#define UNIT(id, unit_name, kg_, m_, s_, rad_, quantity_, display_, factor_) \
+    [UNIT_##id] = {.name = unit_name,                                        \
+                   .kg = kg_,                                                \
+                   .m = m_,                                                  \
+                   .s = s_,                                                  \
+                   .rad = rad_,                                              \
+                   .quantity = quantity_,                                    \
+                   .display = display_,                                      \
+                   .factor = factor_},
 #define VARIABLE(...)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
@@ -63,7 +70,7 @@ enum {
 const Variable VARIABLES[VARIABLE_COUNT] = {
 #define UNIT(...)
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
-                 max_, text)                                                                             \
+                 max_, nominal_, text)                                                                   \
     IN_##model_([VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                            \
                              .group = GROUP_##group_,                                                    \
                              .type = (Type)TYPE_OF_##kind_,                                              \
@@ -73,6 +80,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .start = start_,                                                            \
                              .min = min_,                                                                \
                              .max = max_,                                                                \
+                             .nominal = nominal_,                                                        \
                              .name = name_,                                                              \
                              .description = text,                                                        \
                              .unit = UNIT_##unit_},)

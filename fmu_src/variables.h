@@ -45,7 +45,7 @@ typedef enum {
 
 typedef enum {
     UNIT_NONE,
-#define UNIT(id, name, kg, m, s, rad) UNIT_##id,
+#define UNIT(id, ...) UNIT_##id,
 #define VARIABLE(...)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
@@ -74,6 +74,8 @@ typedef enum {
 typedef struct {
     const char *name;
     int kg, m, s, rad;
+    const char *quantity, *display;
+    double factor;
 } Unit;
 
 typedef struct {
@@ -83,7 +85,7 @@ typedef struct {
     Kind kind;
     Causality causality;
     Variability variability;
-    double start, min, max; /* as in variables.def */
+    double start, min, max, nominal; /* as in variables.def */
     const char *name;
     const char *description;
     UnitId unit;

@@ -121,7 +121,9 @@ def interface(model):
 
 def test_the_committed_file_is_what_the_emitter_prints(model):
     build_fmu.emit_description(model.identifier, check=True)
-    printed = subprocess.run([ROOT / f"build/host/emit_{model.identifier}"], capture_output=True, check=True)
+    names = [source.name for source in build_fmu.core_sources(model.identifier)]
+    emitter = ROOT / f"build/host/emit_{model.identifier}"
+    printed = subprocess.run([emitter, *names], capture_output=True, check=True)
     assert printed.stdout == model.xml.read_bytes()
 
 
@@ -209,6 +211,92 @@ def test_unit_is_what_its_name_says(model, item):
     assert set(attributes) <= {"kg", "m", "s", "rad"}
 
 
+DISPLAYED = {"deg": math.degrees(1), "rpm": 30 / math.pi, "rad": 1.0, "rad/s": 1.0, "mm": 1e3}
+
+
+def ratio(unit, display):
+    """How many `display` are one `unit`, by their names."""
+    if unit in DISPLAYED and display in DISPLAYED:
+        return DISPLAYED[display] / DISPLAYED[unit]
+    factor = 1.0
+    for name, way in ((display, 1), (unit, -1)):
+        numerator, _, denominator = name.partition("/")
+        for part, side in ((numerator, 1), (denominator, -1)):
+            for symbol, power in re.findall(r"([A-Za-z]+)(\d*)", part):
+                factor *= DISPLAYED.get(symbol, 1.0) ** (way * side * int(power or 1))
+    return factor
+
+
+def test_display_units_are_what_their_names_say(model):
+    shown = {
+        unit.attrib["name"]: (display.attrib["name"], float(display.attrib["factor"]))
+        for unit in model.document.iter("Unit")
+        for display in unit.iter("DisplayUnit")
+    }
+    assert {"rad": "deg", "rad/s": "rpm", "m": "mm"}.items() <= {u: d for u, (d, _) in shown.items()}.items()
+    for unit, (display, factor) in shown.items():
+        assert factor == pytest.approx(ratio(unit, display), rel=1e-15), unit
+
+
+def test_types_give_quantity_unit_and_display_unit(model):
+    displays = {
+        u.attrib["name"]: [d.attrib["name"] for d in u.iter("DisplayUnit")]
+        for u in model.document.iter("Unit")
+    }
+    types = {t.attrib["name"]: t[0].attrib for t in model.document.iter("SimpleType")}
+    assert not set(types) & set(model.variables)
+    for name, attributes in types.items():
+        assert attributes["quantity"] == name
+        assert [attributes[k] for k in ("displayUnit",) if k in attributes] == displays[attributes["unit"]]
+    reals = [v[0] for v in model.document.iter("ScalarVariable") if v[0].tag == "Real"]
+    assert {r.attrib["declaredType"] for r in reals} == set(types)
+    assert all(r.attrib["unit"] == types[r.attrib["declaredType"]]["unit"] for r in reals)
+
+
+def test_nominals_are_orders_of_magnitude_of_the_default_mechanism(make, model):
+    """Within 30 times, over a quick load and release with a damper (without it damper.force is 0)."""
+    nominal = {
+        v.attrib["name"]: float(v[0].attrib["nominal"])
+        for v in model.document.iter("ScalarVariable")
+        if "nominal" in v[0].attrib
+    }
+    unstarted = {"output", "local", "input"}
+    assert set(nominal) == {
+        n for n, v in model.variables.items() if v.type == "Real" and v.causality in unstarted
+    }
+    fmu = make().start({"damper.c_load": 200.0, "damper.c_release": 200.0})
+    largest = dict.fromkeys(nominal, 0.0)
+    for k in range(200):
+        t = 1e-3 * (k + 1)
+        if model is FORWARD:
+            fmu.step(1e-3, tau=6.0 * math.sin(10 * math.pi * t) ** 2)
+        else:
+            angle = 20 * math.pi * t
+            imposed = {
+                "theta": 0.4 * (1 - math.cos(angle)),
+                "omega": 8 * math.pi * math.sin(angle),
+                "alpha": 160 * math.pi**2 * math.cos(angle),
+            }
+            fmu.step(1e-3, **imposed)
+        for name in nominal:
+            largest[name] = max(largest[name], abs(fmu.get(name)))
+    quiet = {"F_ext", "energy.residual"} | {n for n, size in largest.items() if size == 0}
+    assert quiet <= {
+        "F_ext", "energy.residual", "energy.work_ext", "energy.work_tuning", "energy.shaft",
+        "energy.heat_shaft", "energy.heat_stop",
+    }  # fmt: skip
+    wrong = {n: largest[n] for n in nominal if n not in quiet and not 1 / 30 < largest[n] / nominal[n] < 30}
+    assert not wrong
+
+
+def test_default_experiment_and_log_categories(model):
+    experiment = model.document.find("DefaultExperiment").attrib
+    assert {k: float(v) for k, v in experiment.items()} == {
+        "startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-3, "tolerance": 1e-9,
+    }  # fmt: skip
+    assert [c.attrib["name"] for c in model.document.iter("Category")] == ["logStatusError"]
+
+
 def test_initial_is_what_fmi_allows(model):
     expected = {"parameter": "exact", "input": None, "output": "calculated", "local": "calculated"}
     for element in model.document.iter("ScalarVariable"):
@@ -251,8 +339,29 @@ def unknowns(model, kind):
     }
 
 
+def test_kinds_of_dependency(make, model):
+    """All depend in no particular way, but for the start angle, which is that of the parameter."""
+    kinds = {}
+    for unknown in [*model.document.find("ModelStructure").iter("Unknown")]:
+        dependencies = unknown.attrib["dependencies"].split()
+        named = unknown.attrib.get("dependenciesKind", "").split()
+        assert len(named) == len(dependencies)
+        kinds |= {(int(unknown.attrib["index"]), int(d)): k for d, k in zip(dependencies, named, strict=True)}
+    constant = [pair for pair, kind in kinds.items() if kind != "dependent"]
+    if model is INVERSE:
+        assert not constant
+        return
+    assert constant == [tuple(model.variables[n].index for n in ("theta", "initial.theta"))]
+    for start in (0.0, 0.1, 1.3):
+        for scene in ({}, MASSLESS, ELLIPSES | {"stop.upper": 1.5, "inertia.shaft": 0.0}):
+            fmu = make()
+            fmu.set(scene | {"initial.theta": start, "tau": 30.0})
+            assert fmu.get("theta") == start
+
+
 ELLIPSES = {f"cam{i}.profile": 2 for i in (1, 2)} | {"stop.upper": 0.6}
 TABLES = {f"cam{i}.{n}": v for i in (1, 2) for n, v in (("profile", 3), ("table", "a.csv"))}
+MASSLESS = {"inertia.shaft": 0.0}
 MOVING = {"theta": 0.25, "omega": 3.0, "alpha": 5.0, "F_ext": 2.0, "shaft.damping": 0.01}
 HEAVY = {f"inertia.{n}": v for n, v in (("shaft", 0.001), ("follower_mass", 0.2), ("follower", 0.001))}
 DAMPED = {f"damper.{c}_{way}": 10.0 for c in "cq" for way in ("load", "release")}
@@ -332,6 +441,13 @@ def test_outputs_depend_on_what_the_structure_says(make, model):
     assert set(known) == set(model.names(causality=["output"]))
     if model is FORWARD:
         assert not set().union(*known.values())  # no input passes through
+        for scene in ({}, MASSLESS, MASSLESS | {"damper.c_load": 100.0, "damper.c_release": 100.0}):
+            fmu = make().start(scene)
+            fmu.step(0.01, tau=5.0, F_ext=1.0)
+            before = {output: fmu.get(output) for output in known}
+            for inputs in ({"tau": 9.0}, {"tau": -9.0}, {"F_ext": 500.0}, {"F_ext": -500.0}):
+                fmu.set(inputs)
+                assert {output: fmu.get(output) for output in known} == before
         return
     seen: dict = {output: set() for output in known}
     for scene in (ELLIPSES | {"shaft.damping": 0.1}, ELLIPSES | {"shaft.stiffness": 20.0}):
