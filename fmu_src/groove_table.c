@@ -59,7 +59,8 @@ static Knot estimate(const Samples *s, size_t j) {
 static Knot bounded(const Samples *s, size_t j, Knot knot) {
     const bool left = j > 0, right = j + 1 < s->count;
     const bool dwell = (left && chord(s, j - 1) == 0.0) || (right && chord(s, j) == 0.0);
-    if (dwell || !(knot.slope > 0.0)) return (Knot){0.0, 0.0};
+    if (dwell) return (Knot){0.0, 0.0};
+    knot.slope = fmax(knot.slope, 0.0);
     if (right) knot.bend = fmax(knot.bend, -4.0 * knot.slope / width_at(s, j));
     if (left) knot.bend = fmin(knot.bend, 4.0 * knot.slope / width_at(s, j - 1));
     return knot;

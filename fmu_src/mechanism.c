@@ -609,8 +609,17 @@ static bool jump(Mechanism *m, const Slip *slip) {
 
 /* ---- the step ---- */
 
+/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. */
+static bool nothing_resists(const Mechanism *m) {
+    const double LEVEL = 1e-3; /* of the steepest slope: near enough to a dwell to run away */
+    const bool follower_only = m->params.inertia.shaft == 0.0 && m->params.shaft.damping == 0.0;
+    return follower_only && m->place.geometry.lift <= LEVEL * m->model.course.slope_size;
+}
+
 /* Spends up to `left` seconds in the mode that the inclusion asks for now; returns how long. */
 static double advance_in_mode(Mechanism *m, double left) {
+    /* pressed beyond a finite edge, and yet there is no motion that agrees: it would be infinitely fast */
+    if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_pressed(m) != 0) return NAN;
     if (!is_slip(m->state.mode)) return hold(m, left);
     if (!is_closed_form(m)) return must_jump(m) ? jump_or_hold(m, left) : leap_to_event(m, left);
     const Slip *slip = present_slip(m);
@@ -624,18 +633,11 @@ static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
     forget(&m->cache);
 }
 
-/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. */
-static bool nothing_resists(const Mechanism *m) {
-    const double LEVEL = 1e-3; /* of the steepest slope: near enough to a dwell to run away */
-    const bool follower_only = m->params.inertia.shaft == 0.0 && m->params.shaft.damping == 0.0;
-    return follower_only && m->place.geometry.lift <= LEVEL * m->model.course.slope_size;
-}
-
 static const char *failure_of(const Mechanism *m, double left, int jams) {
+    if (nothing_resists(m)) return "nothing resists the motion on a dwell, where inertia.shaft or shaft.damping must be > 0";
     if (!(left > 0.0)) return "the motion leaves the range of numbers";
     if (jams >= MAX_JAMS_PER_STEP) return "the contacts jam and let go without end";
-    return nothing_resists(m) ? "the mode changes too often, on a dwell, where inertia.shaft or shaft.damping must be > 0"
-                              : "the mode changes too often";
+    return "the mode changes too often";
 }
 
 /* After undo(), of a step in which `what` was found to go wrong. */

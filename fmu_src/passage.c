@@ -310,19 +310,19 @@ static bool turns_at_stop(const Guard *g, const Leap *leap) {
 }
 
 /* A load that is only nearly zero would keep its flank, and without inertia a speed its direction: the leap is made
- * longer by roundings until it is past zero. */
+ * longer by roundings until it is past zero. One that comes no nearer to zero stays as it is. */
 static void step_past(const Guard *g, Watch watch, Leap *leap) {
-    const Balance start = leap->start;
+    enum { NUDGES = 12 };
+    const Leap landed = *leap;
     Way way = *g->way;
     way.to_rounding = true;
     const int stages = leap->method->stages;
     double nudge = 8.0 * DBL_EPSILON;
-    for (int n = 0; n < 24 && watched(g, watch, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
-        const Leap before = *leap;
-        if (leap_solve(&way, &start, before.h * (1.0 + nudge), stages, leap)) continue;
-        *leap = before;
-        return;
+    for (int n = 0; n < NUDGES; n++, nudge *= 4.0) {
+        if (watched(g, watch, leap, stages - 1) <= 0.0) return;
+        if (!leap_solve(&way, &landed.start, landed.h * (1.0 + nudge), stages, leap)) break;
     }
+    *leap = landed;
 }
 
 static Landing confirm(const Guard *g, Watch watch, double x, Leap *leap) {

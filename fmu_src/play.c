@@ -12,7 +12,7 @@ enum { SAMPLES = 32 };
 /* The first sample is this share of a piece away; each is up to twice as far from the last as that from its own. */
 static const double FIRST_SAMPLE = 1e-6;
 
-enum { MAX_HALVINGS = 30 };
+enum { MAX_DEPTH = 30, MAX_HALVINGS = 5000 };
 
 /* Two rules of order 13 that agree are more exact than their difference. */
 static const double SHARE_OF_TOLERANCE = 0.1;
@@ -23,6 +23,7 @@ typedef struct {
     const Piece *piece;
     int direction;
     double torque; /* N.m, to be held */
+    int *halvings; /* left: a bound of the time a jump takes */
 } Walk;
 
 /* The band's edge at one angle. */
@@ -117,7 +118,7 @@ static Booking integrate(const Walk *w, double from, double to, const Booking *w
     const Booking right = sum_over(w, middle, to);
     Booking sum = left;
     add(&sum, &right);
-    if (depth >= MAX_HALVINGS || alike(&sum, whole, allowed)) return sum;
+    if (depth >= MAX_DEPTH || --*w->halvings < 0 || alike(&sum, whole, allowed)) return sum;
     sum = integrate(w, from, middle, &left, allowed, depth + 1);
     const Booking rest = integrate(w, middle, to, &right, allowed, depth + 1);
     add(&sum, &rest);
@@ -175,8 +176,7 @@ static void book(const Walk *w, double from, double to, Jump *jump) {
     const double size = fabs(whole.work_in) + fabs(whole.work_ext) + whole.heat_cam[0] + whole.heat_cam[1];
     /* on a dwell z and with it every energy stays what it is, but for rounding */
     const double z = fabs(m->place.z) + m->model.course.z_size;
-    const double stored = (fabs(spring_force(&m->params.spring, m->place.z)) + fabs(m->inputs.F_ext[0])) * z;
-    const double rounding = 64.0 * DBL_EPSILON * (size + stored);
+    const double rounding = 64.0 * DBL_EPSILON * (size + stick_axial_size(m) * z);
     const double allowed = SHARE_OF_TOLERANCE * m->params.tolerance * size + rounding;
     const Booking sum = integrate(w, from, to, &whole, allowed, 0);
     add(&jump->booking, &sum);
@@ -240,7 +240,8 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     const Course *course = &m->model.course;
     const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     const Piece *last = direction > 0 ? course->piece + course->count - 1 : course->piece;
-    Walk walk = {m, course_piece(course, m->state.theta.hi, direction), direction, torque};
+    int halvings = MAX_HALVINGS;
+    Walk walk = {m, course_piece(course, m->state.theta.hi, direction), direction, torque, &halvings};
     *jump = (Jump){.stopped = false};
     for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
     for (;; walk.piece += direction) {
