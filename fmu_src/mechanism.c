@@ -609,10 +609,12 @@ static bool jump(Mechanism *m, const Slip *slip) {
 
 /* ---- the step ---- */
 
-/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. */
+/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. With a follower that has mass the shaft's
+ * damping alone does not help: speed is a state then. */
 static bool nothing_resists(const Mechanism *m) {
     const double LEVEL = 1e-3; /* of the steepest slope: near enough to a dwell to run away */
-    const bool follower_only = m->params.inertia.shaft == 0.0 && m->params.shaft.damping == 0.0;
+    const bool damped = m->params.shaft.damping > 0.0 && !has_inertia(&m->params);
+    const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
     return follower_only && m->place.geometry.lift <= LEVEL * m->model.course.slope_size;
 }
 
@@ -634,7 +636,9 @@ static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
 }
 
 static const char *failure_of(const Mechanism *m, double left, int jams) {
-    if (nothing_resists(m)) return "nothing resists the motion on a dwell, where inertia.shaft or shaft.damping must be > 0";
+    if (nothing_resists(m))
+        return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
+               "be > 0";
     if (!(left > 0.0)) return "the motion leaves the range of numbers";
     if (jams >= MAX_JAMS_PER_STEP) return "the contacts jam and let go without end";
     return "the mode changes too often";
