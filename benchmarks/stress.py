@@ -1162,6 +1162,7 @@ class Row:
 
 REASONS = {
     "jam when loading": '"the contacts jam when loading at theta = ..."',
+    "nothing resists": '"nothing resists the motion on a dwell"',
     "jam and let go": '"the contacts jam and let go without end"',
     "too often": '"the mode changes too often"',
     "both grooves are level": '"both grooves are level at theta = ..."',
