@@ -11,7 +11,7 @@ static const double AT_ONCE = 1e-9;
 /* Smooth borders between pieces may be passed by this share of a piece's width. */
 static const double BORDER_PASSED = 0.02;
 
-/* A table's knot by this share of the narrower piece, over the root of the tolerance: what third derivatives of the other
+/* A table's knot by this share of the narrower piece, times the root of the tolerance: what third derivatives of the other
  * side do in passing is of its square. */
 static const double KNOT_PASSED = 0.03;
 

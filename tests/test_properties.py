@@ -315,6 +315,11 @@ def rests(fmu: Driver, parameters, grooves) -> bool:
     ratio = max((abs(edge) for edge in band(r, a, mu, size) if math.isfinite(edge)), default=0.0)
     rounding = TOLERANCE * (abs(tau) + ratio + a[0] * a[1] / (a[0] + a[1]) * size) + NOTHING
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
+    # and z is known to those of the whole way: what that makes of a force that is next to nothing
+    doubt = 1e-14 * max(r)
+    noise = sum(abs(c) * ((abs(z) + doubt) ** i - abs(z) ** i) for i, c in enumerate(k))
+    reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
+    rounding += (reach + max(r)) * noise
     if mode == STICK:
         return release - rounding <= tau <= load + rounding
     if mode == LOWER_STOP:
