@@ -10,8 +10,8 @@ from hypothesis.internal.conjecture import providers
 sys.path.insert(0, str(ROOT / "fmu_src"))
 import build_fmu
 
-# Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized profile
-# would depend on which tests ran before in the same process.
+# Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
+# profile would depend on which tests ran before in the same process.
 if hasattr(providers, "_get_local_constants"):
     providers._get_local_constants = lambda: providers._local_constants
 
