@@ -11,7 +11,7 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
-  stress   build, then run benchmarks/stress.py (half an hour), which writes docs/stress.md; arguments go to it
+  stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
