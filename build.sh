@@ -7,6 +7,7 @@ usage() {
 usage: ./build.sh [command] [arguments]
 
   (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
+  all      build both FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
@@ -65,7 +66,7 @@ install_dependencies() {
     printf '%s\n' "$stamp" >"$name"
 }
 
-build() { .venv/bin/python fmu_src/build_fmu.py; }
+build() { .venv/bin/python fmu_src/build_fmu.py "$@"; }
 
 command=${1-example}
 [ $# -eq 0 ] || shift
@@ -79,6 +80,10 @@ case $command in
         build
         say "run system_examples/robot_joint.py"
         exec .venv/bin/python system_examples/robot_joint.py "$@"
+        ;;
+    all)
+        install_dependencies .
+        build --all
         ;;
     test)
         install_dependencies '.[test]'

@@ -1,11 +1,12 @@
 """Builds the FMUs: variables.def -> modelDescription.xml -> shared library -> .fmu.
 
     python fmu_src/build_fmu.py             build/DualCamForward.fmu, DualCamInverse.fmu and NullFmu.fmu
-    python fmu_src/build_fmu.py --check     the same, but fail if the committed XML is not fresh
+    python fmu_src/build_fmu.py --all       the same, but the first two for every platform
+    python fmu_src/build_fmu.py --check     as without, but fail if the committed XML is not fresh
     python fmu_src/build_fmu.py --sanitize  the native test drivers, with sanitizers and without
 
-The compiler is the one in the `ziglang` wheel, so any machine with Python builds the same binary; it
-runs on every Linux with glibc >= 2.17. Nothing is done when no input has changed since the last time.
+The compiler is the one in the `ziglang` wheel, so any machine with Python builds the same binaries, for
+all platforms. Nothing is done when no input has changed since the last time.
 """
 
 from __future__ import annotations
@@ -18,8 +19,10 @@ import importlib.util
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
+import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable, Sequence
@@ -35,14 +38,46 @@ DESCRIPTIONS = ROOT / "modelDescription"
 LIFECYCLE = ROOT / "tests/native/lifecycle.c"
 
 NEWEST_GLIBC = (2, 17)
-TARGET = ["-target", "x86_64-linux-gnu.{}.{}".format(*NEWEST_GLIBC)]
+GLIBC = "gnu.{}.{}".format(*NEWEST_GLIBC)
+TARGET = ["-target", f"x86_64-linux-{GLIBC}"]
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
 # -ffp-contract=off: no fused multiply-add, so the last digit is the same on every processor.
 # -fno-math-errno: nobody reads errno, and sqrt becomes one instruction. Every other IEEE rule stays
 # (-ffast-math would let the compiler undo compensated sums and NaN checks).
 ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
-# -flto: one concept per file costs no call. -z defs: an undefined symbol fails here, not in a master.
-SHARED = ["-O3", "-flto", "-fPIC", "-shared", "-fvisibility=hidden", "-Wl,-z,defs", "-s"]
+# -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does).
+LIBRARY = ["-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-s"]
+LTO = "-flto"  # one concept per file costs no call
+SMALL = "-fno-unroll-loops"  # a tenth smaller, for the promised size
+SMALLER = ("-fno-vectorize", "-fno-slp-vectorize")  # and some more, where that is not enough
+LINUX = (LTO, "-Wl,-z,defs")
+SHARED = [*LIBRARY, *LINUX]
+
+
+@dataclass(frozen=True)
+class Platform:
+    """Where an FMU runs: its directory in `binaries` and how it is compiled for it."""
+
+    folder: str
+    targets: tuple[str, ...]  # several: one binary that holds them all
+    suffix: str
+    flags: tuple[str, ...]
+
+    def library(self, identifier: str) -> Path:
+        return BUILD / self.folder / f"{identifier}{self.suffix}"
+
+
+# FMI 2.0 names linux64, win64, win32 and darwin64. It has no name for Linux on ARM: this one is FMI 3's.
+# Windows: 10 and newer, where the C library (ucrt) belongs to the system. macOS: its linker knows no -flto.
+PLATFORMS = (
+    Platform("linux64", (f"x86_64-linux-{GLIBC}",), ".so", LINUX),
+    Platform("aarch64-linux", (f"aarch64-linux-{GLIBC}",), ".so", LINUX),
+    Platform("win64", ("x86_64-windows-gnu",), ".dll", (LTO, SMALL, *SMALLER)),
+    Platform("win32", ("x86-windows-gnu",), ".dll", (LTO, SMALL)),
+    Platform("darwin64", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ".dylib", (SMALL,)),
+)
+HERE = PLATFORMS[:1]
+PAGE_BITS = 14  # a memory page of the newest Macs
 
 HOST_SOURCES = {"emit_xml.c"}  # run while building, not part of an FMU
 
@@ -135,14 +170,13 @@ def run(command: Sequence[str | Path], purpose: str) -> str:
 
 def compile_c(compiler: Sequence[str], flags: Sequence[str], sources: Iterable[Path], product: Path) -> None:
     product.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = product.with_name(f"{product.name}.{os.getpid()}")
     inputs = [relative(s) for s in sources]
     common = [*WARNINGS, *ARITHMETIC, "-isystem", str(fmi_headers()), "-Ifmu_src"]
-    try:
+    # Under its own name, which gets into some formats; and the linker may leave other files beside it.
+    with tempfile.TemporaryDirectory(dir=product.parent, prefix=f"{product.name}.") as scratch:
+        unfinished = Path(scratch) / product.name
         run([*compiler, *common, *flags, *inputs, "-o", str(unfinished), "-lm"], f"compile {product.name}")
         unfinished.replace(product)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
@@ -208,7 +242,7 @@ def null_fmu(like: Fmu) -> Fmu:
 
 def check_glibc(library: Path) -> None:
     """Refuses a library that needs a newer glibc than promised. The versions it needs stand as plain
-    text in its string table."""
+    text in the string table of Linux's."""
     needed = [tuple(map(int, m.split(b"."))) for m in re.findall(rb"\0GLIBC_([0-9.]+)", library.read_bytes())]
     newer = [v for v in needed if v > NEWEST_GLIBC]
     if newer:
@@ -222,7 +256,7 @@ def write_archive(path: Path, members: dict[str, bytes]) -> None:
         for name in sorted(members):
             info = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
             info.create_system = 3  # Unix, whatever the host: the permissions below are Unix ones
-            info.external_attr = (0o100755 if name.endswith(".so") else 0o100644) << 16
+            info.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16
             archive.writestr(info, members[name])
 
 
@@ -234,20 +268,57 @@ def validate(path: Path) -> None:
         raise BuildError(f"{relative(path)} is not a valid FMU:\n" + "\n".join(findings))
 
 
-def build(fmu: Fmu) -> None:
-    flags = [*TARGET, *SHARED, *fmu.defines, *identity(fmu)]
+def universal(slices: Sequence[bytes]) -> bytes:
+    """One Mach-O file for several processors: a table of where each one's is, big-endian, then these, each
+    at the start of a memory page."""
+    page = 1 << PAGE_BITS
+    table, body = struct.pack(">II", 0xCAFEBABE, len(slices)), b""
+    for content in slices:
+        kind, subkind = struct.unpack_from("<II", content, 4)
+        body += bytes(-len(body) % page)
+        table += struct.pack(">IIIII", kind, subkind, page + len(body), len(content), PAGE_BITS)
+        body += content
+    return table.ljust(page, b"\0") + body
+
+
+def build_library(fmu: Fmu, platform: Platform) -> Path:
+    """The binary of `fmu` for `platform`."""
+    library = platform.library(fmu.identifier)
+    flags = [*LIBRARY, *platform.flags, *fmu.defines, *identity(fmu)]
+    if platform.suffix == ".dylib":
+        flags.append(f"-Wl,-install_name,@rpath/{library.name}")  # else it is the path of the output
+    stamp = fingerprint([*fmu.sources, *headers(), Path(__file__).resolve()], *platform.targets, *flags)
+    if is_fresh(library, stamp):
+        return library
+    say(f"compile {platform.folder}/{library.name} ({len(fmu.sources)} files)")
+    parts = [BUILD / "parts" / target / library.name for target in platform.targets]
+    for target, part in zip(platform.targets, parts, strict=True):
+        compile_c(ZIG, ["-target", target, *flags], fmu.sources, part)
+        check_glibc(part)
+    contents = [part.read_bytes() for part in parts]
+    library.parent.mkdir(parents=True, exist_ok=True)
+    library.write_bytes(contents[0] if len(contents) == 1 else universal(contents))
+    set_stamp(library, stamp)
+    return library
+
+
+def build(fmu: Fmu, platforms: Sequence[Platform] = HERE) -> None:
+    """Makes the FMU for `platforms`, unless it is there already, for these or for all."""
     inputs = [*fmu.sources, *fmu.extra.values(), *headers(), Path(__file__).resolve()]
-    stamp = fingerprint(inputs, fmu.description, *fmu.extra, *fmu.texts, *fmu.texts.values(), *flags)
-    if is_fresh(fmu.path, stamp):
+
+    def stamp(held: Sequence[Platform]) -> str:
+        folders = [platform.folder for platform in held]
+        texts = [*fmu.texts, *fmu.texts.values()]
+        return fingerprint(inputs, fmu.description, *fmu.defines, *fmu.extra, *texts, *folders)
+
+    if any(is_fresh(fmu.path, stamp(held)) for held in (platforms, PLATFORMS)):
         return
-    say(f"compile {fmu.identifier}.so ({len(fmu.sources)} files)")
-    library = BUILD / "linux64" / f"{fmu.identifier}.so"
-    compile_c(ZIG, flags, fmu.sources, library)
-    check_glibc(library)
     members = {name: path.read_bytes() for name, path in fmu.extra.items()}
     members |= {name: text.encode() for name, text in fmu.texts.items()}
     members["modelDescription.xml"] = fmu.description.encode()
-    members[f"binaries/linux64/{fmu.identifier}.so"] = library.read_bytes()
+    for platform in platforms:
+        library = build_library(fmu, platform)
+        members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
     unfinished = BUILD / f"{fmu.identifier}.{os.getpid()}.fmu"
     try:
         write_archive(unfinished, members)
@@ -255,7 +326,7 @@ def build(fmu: Fmu) -> None:
         unfinished.replace(fmu.path)
     finally:
         unfinished.unlink(missing_ok=True)
-    set_stamp(fmu.path, stamp)
+    set_stamp(fmu.path, stamp(platforms))
     say(f"{relative(fmu.path)} ({fmu.path.stat().st_size // 1024} kB, valid)")
 
 
@@ -300,6 +371,7 @@ def build_native_drivers(fmu: Fmu) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--all", action="store_true", help="for every platform, not this one only")
     parser.add_argument("--check", action="store_true", help="fail if the committed XML is not fresh")
     parser.add_argument("--sanitize", action="store_true", help="build the native test drivers instead")
     arguments = parser.parse_args()
@@ -312,8 +384,8 @@ def main() -> int:
                 build_native_drivers(forward)
                 build_native_drivers(inverse)
             else:
-                build(forward)
-                build(inverse)
+                build(forward, PLATFORMS if arguments.all else HERE)
+                build(inverse, PLATFORMS if arguments.all else HERE)
                 build(null_fmu(forward))
     except BuildError as error:
         print(f"build_fmu: {error}", file=sys.stderr)

@@ -1,23 +1,23 @@
-#define _POSIX_C_SOURCE 200809L /* newlocale, uselocale */
-
 #include "groove_csv.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform.h"
+
 enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
 
 static const char HEADER[] = "psi_rad,z_m";
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
 
-/* What is being read, for messages. */
+/* What is being read. */
 typedef struct {
-    const char *variable, *path;
+    const char *variable, *path; /* for messages */
     Fault *fault;
+    PlainLocale *locale; /* of its numbers */
 } Source;
 
 /* A stretch of the file's text, not terminated. */
@@ -48,14 +48,14 @@ static bool refuse(const Source *source, const char *format, ...) {
 /* ---- the file ---- */
 
 static FILE *open_absolute(const Source *source, const char *path) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = platform_open(path);
     if (!file) refuse(source, "this file cannot be opened: it must be a readable CSV file");
     return file;
 }
 
 /* The current directory plays no part: it is the host application's, and may change. */
 static FILE *open_table(const Source *source, const char *resources) {
-    if (source->path[0] == '/') return open_absolute(source, source->path);
+    if (platform_is_absolute(source->path)) return open_absolute(source, source->path);
     if (!resources) {
         refuse(source, "the path must be absolute, because the FMU's resources directory is not known");
         return NULL;
@@ -153,15 +153,15 @@ static bool is_decimal(Span span) {
     return c == span.end;
 }
 
-/* The number in `span`, NAN if it is none. The thread's locale must be "C". */
-static double number(Span span) {
+/* The number in `span`, NAN if it is none. */
+static double number(Span span, PlainLocale *locale) {
     span = trimmed(span);
     char text[NUMBER_SIZE];
     const size_t length = (size_t)(span.end - span.begin);
     if (length >= sizeof text || !is_decimal(span)) return NAN;
     memcpy(text, span.begin, length);
     text[length] = '\0';
-    return strtod(text, NULL);
+    return plain_number(text, locale);
 }
 
 /* `line` as printable text. */
@@ -178,7 +178,9 @@ static const char *quoted_line(Span line, char text[QUOTED_LINE + 1]) {
 
 static bool read_sample(const Source *source, Span line, size_t line_number, Sample *out) {
     const char *comma = memchr(line.begin, ',', (size_t)(line.end - line.begin));
-    if (comma) *out = (Sample){number((Span){line.begin, comma}), number((Span){comma + 1, line.end})};
+    if (comma)
+        *out = (Sample){number((Span){line.begin, comma}, source->locale),
+                        number((Span){comma + 1, line.end}, source->locale)};
     if (comma && isfinite(out->psi) && isfinite(out->z)) return true;
     char text[QUOTED_LINE + 1];
     return refuse(source, "line %zu, \"%s\", must be two finite numbers \"psi_rad,z_m\", like \"0.25,0.005\"",
@@ -237,21 +239,9 @@ static bool parse(const Source *source, Span text, Samples *samples) {
     return read_samples(source, text, samples) && check_whole(source, samples);
 }
 
-/* strtod() follows the locale, and the host application may have set one with a decimal comma. This
- * changes it for the calling thread only, and only while parsing. */
-static bool parse_in_C_locale(const Source *source, Span text, Samples *samples) {
-    const locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (plain == (locale_t)0) return refuse(source, "not enough memory to read it, some must be available");
-    const locale_t before = uselocale(plain);
-    const bool good = parse(source, text, samples);
-    uselocale(before);
-    freelocale(plain);
-    return good;
-}
-
 bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable,
                   Fault *fault) {
-    const Source source = {variable, path, fault};
+    Source source = {variable, path, fault, NULL};
     *samples = (Samples){.sample = NULL};
     if (path[0] == '\0') return refuse(&source, "a table profile must name a CSV file");
     FILE *file = open_table(&source, resources);
@@ -259,7 +249,11 @@ bool samples_read(Samples *samples, const char *path, const char *resources, con
     size_t length;
     char *text = read_all(&source, file, &length);
     fclose(file);
-    const bool good = text && parse_in_C_locale(&source, (Span){text, text + length}, samples);
+    if (!text) return false;
+    source.locale = plain_locale_new();
+    const bool good = source.locale ? parse(&source, (Span){text, text + length}, samples)
+                                    : refuse(&source, "not enough memory to read it, some must be available");
+    if (source.locale) plain_locale_free(source.locale);
     free(text);
     if (!good) samples_free(samples);
     return good;

@@ -83,7 +83,7 @@ class Course(Structure):
     ]
 
 
-FILES = ["course", "groove", "groove_table", "groove_csv"]
+FILES = ["course", "groove", "groove_table", "groove_csv", "platform"]
 STRUCTURES = [CamParams, Fault, GroovePoint, TablePiece, Table, Groove, Piece, Spot, Course]
 
 

@@ -1,0 +1,308 @@
+"""The FMUs' binaries for each platform: size, what they depend on and export, the same bytes from the same
+files, and runs in an emulator.
+
+A plain build holds Linux x86-64 alone; after `./build.sh all` these tests see the others too, and with
+DUALCAM_REBUILD=all they compile every binary a second time, in another directory.
+"""
+
+import importlib.util
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import urllib.parse
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import build_fmu
+import pytest
+from driver import ARGUMENTS, FORWARD, ROOT, models
+
+LARGEST = 200_000  # bytes, for one processor
+FUNCTIONS = {*ARGUMENTS, *("fmi2Instantiate", "fmi2FreeInstance", "fmi2GetVersion", "fmi2GetTypesPlatform")}
+LINKER_MARKS = {"__dso_handle", "_mh_dylib_header"}  # zig's, in every dylib
+PLATFORMS = {p.folder: p for p in build_fmu.PLATFORMS}
+REBUILD_ALL = os.environ.get("DUALCAM_REBUILD") == "all"
+
+
+# ---- readers of the three formats: only what is asked below ----
+
+
+@dataclass
+class Binary:
+    machine: str
+    needs: set[str]  # libraries
+    exports: set[str]
+    name: str = ""  # its own, where it has one
+    signed: bool = False
+
+
+def text_at(content: bytes, offset: int) -> str:
+    return content[offset : content.index(b"\0", offset)].decode()
+
+
+def read_elf(content: bytes) -> Binary:
+    machine = {62: "x86_64", 183: "aarch64"}[struct.unpack_from("<H", content, 18)[0]]
+    (table,) = struct.unpack_from("<Q", content, 40)
+    size, count = struct.unpack_from("<HH", content, 58)
+    sections = [struct.unpack_from("<IIQQQQIIQQ", content, table + i * size) for i in range(count)]
+    needs, exports = set(), set()
+    for _, kind, _, _, offset, length, link, *_ in sections:
+        strings = sections[link][4]
+        if kind == 6:  # dynamic
+            entries = struct.iter_unpack("<QQ", content[offset : offset + length])
+            needs |= {text_at(content, strings + value) for tag, value in entries if tag == 1}
+        if kind == 11:  # dynamic symbols
+            for at in range(offset + 24, offset + length, 24):
+                name, _, _, section = struct.unpack_from("<IBBH", content, at)
+                if section != 0:
+                    exports.add(text_at(content, strings + name))
+    return Binary(machine, needs, exports)
+
+
+def read_pe(content: bytes) -> Binary:
+    (pe,) = struct.unpack_from("<I", content, 60)
+    kind, sections = struct.unpack_from("<HH", content, pe + 4)
+    (optional,) = struct.unpack_from("<H", content, pe + 20)
+    machine = {0x8664: "x86_64", 0x14C: "x86"}[kind]
+    directories = pe + 24 + {"x86_64": 112, "x86": 96}[machine]
+
+    def place(address: int) -> int:
+        for i in range(sections):
+            size, start, length, offset = struct.unpack_from("<IIII", content, pe + 32 + optional + 40 * i)
+            if start <= address < start + max(size, length):
+                return address - start + offset
+        raise ValueError(f"address {address} is in no section")
+
+    exported, _, imported, _ = struct.unpack_from("<IIII", content, directories)
+    table = struct.unpack_from("<IIIIIIIIIII", content, place(exported))
+    names = struct.unpack_from(f"<{table[6]}I", content, place(table[8]))
+    needs, at = set(), place(imported)
+    while (library := struct.unpack_from("<IIIII", content, at)[3]) != 0:
+        needs.add(text_at(content, place(library)))
+        at += 20
+    return Binary(
+        machine, needs, {text_at(content, place(n)) for n in names}, text_at(content, place(table[3]))
+    )
+
+
+def read_mach_o(content: bytes) -> Binary:
+    machine = {0x01000007: "x86_64", 0x0100000C: "aarch64"}[struct.unpack_from("<I", content, 4)[0]]
+    (count,) = struct.unpack_from("<I", content, 16)
+    found, at = Binary(machine, set(), set()), 32
+    for _ in range(count):
+        kind, size = struct.unpack_from("<II", content, at)
+        if kind in (0x0C, 0x80000018):  # load this library, or go without
+            found.needs.add(text_at(content, at + struct.unpack_from("<I", content, at + 8)[0]))
+        elif kind == 0x0D:  # what it is called
+            found.name = text_at(content, at + struct.unpack_from("<I", content, at + 8)[0])
+        elif kind == 0x1D:
+            found.signed = True
+        elif kind == 0x02:  # symbols; without debugging ones, those that are external and in a section
+            symbols, number, strings, _ = struct.unpack_from("<IIII", content, at + 8)
+            for i in range(number):
+                name, flags = struct.unpack_from("<IB", content, symbols + 16 * i)
+                if flags & 0xE0 == 0 and flags & 0x01 and flags & 0x0E == 0x0E and not flags & 0x10:
+                    found.exports.add(text_at(content, strings + name).removeprefix("_"))
+        at += size
+    return found
+
+
+def slices(content: bytes) -> list[bytes]:
+    """The parts of a universal binary; of any other, itself."""
+    if content[:4] != bytes.fromhex("cafebabe"):
+        return [content]
+    (count,) = struct.unpack_from(">I", content, 4)
+    places = [struct.unpack_from(">IIIII", content, 8 + 20 * i) for i in range(count)]
+    assert all(offset % (1 << bits) == 0 for _, _, offset, _, bits in places)
+    return [content[offset : offset + size] for _, _, offset, size, _ in places]
+
+
+# ---- what is in the archive ----
+
+
+@pytest.fixture(params=PLATFORMS)
+def platform(request):
+    return PLATFORMS[request.param]
+
+
+def shipped(model, platform) -> bytes:
+    """The binary as it is in the FMU."""
+    name = platform.library(model.identifier).name
+    with zipfile.ZipFile(model.fmu) as archive:
+        member = f"binaries/{platform.folder}/{name}"
+        if member not in archive.namelist():
+            pytest.skip(f"{model.fmu.name} was not built for {platform.folder}: run ./build.sh all")
+        return archive.read(member)
+
+
+each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
+
+
+@each_model
+def test_size(model, platform):
+    for part in slices(shipped(model, platform)):
+        assert len(part) <= LARGEST
+
+
+@each_model
+def test_depends_on_the_c_library_alone(model, platform):
+    content = shipped(model, platform)
+    if platform.suffix == ".so":
+        binary = read_elf(content)
+        assert binary.machine == {"linux64": "x86_64"}.get(platform.folder, "aarch64")
+        assert binary.needs <= {"libc.so.6", "libm.so.6"}
+        assert binary.exports == FUNCTIONS
+    elif platform.suffix == ".dll":
+        binary = read_pe(content)
+        assert binary.machine == {"win64": "x86_64", "win32": "x86"}[platform.folder]
+        assert all(n == "KERNEL32.dll" or n.startswith("api-ms-win-crt-") for n in binary.needs), binary.needs
+        assert binary.exports == FUNCTIONS
+        assert binary.name == f"{model.identifier}.dll"
+    else:
+        parts = [read_mach_o(part) for part in slices(content)]
+        assert [part.machine for part in parts] == ["x86_64", "aarch64"]
+        assert parts[1].signed  # Macs with ARM load nothing else
+        for binary in parts:
+            assert binary.needs == {"/usr/lib/libSystem.B.dylib"}
+            assert binary.exports == FUNCTIONS | LINKER_MARKS
+            assert binary.name == f"@rpath/{model.identifier}.dylib"
+
+
+@each_model
+def test_names_no_place(model, platform):
+    content = shipped(model, platform)
+    for place in (ROOT, build_fmu.fmi_headers()):
+        assert str(place).encode() not in content
+
+
+def test_a_plain_build_leaves_one_for_all_alone():
+    for platform in PLATFORMS.values():
+        shipped(FORWARD, platform)
+    before = FORWARD.fmu.stat().st_mtime_ns
+    build_fmu.build(build_fmu.dual_cam(FORWARD.identifier, check=True))
+    assert FORWARD.fmu.stat().st_mtime_ns == before
+
+
+# ---- the same bytes ----
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory):
+    """build_fmu of a copy of the sources in another directory. The two share nothing but the compiler's
+    cache of its own C library."""
+    root = tmp_path_factory.mktemp("another") / "place of longer name"
+    for folder in ("fmu_src", "modelDescription", "benchmarks/null_fmu"):
+        shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "LICENSE", root)
+    spec = importlib.util.spec_from_file_location("build_fmu_elsewhere", root / "fmu_src/build_fmu.py")
+    module = importlib.util.module_from_spec(spec)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, spec.name, module)
+        shared = os.environ.get("ZIG_GLOBAL_CACHE_DIR", str(build_fmu.BUILD / "zig-cache"))
+        patch.setenv("ZIG_GLOBAL_CACHE_DIR", shared)
+        patch.setenv("ZIG_LOCAL_CACHE_DIR", str(root / "zig-cache"))
+        spec.loader.exec_module(module)
+        yield module
+
+
+def test_another_directory_gives_the_same_bytes(elsewhere):
+    model = models["DualCamInverse"]  # the smaller one
+    library = elsewhere.build_library(elsewhere.dual_cam(model.identifier, True), elsewhere.PLATFORMS[0])
+    assert ROOT not in library.parents
+    assert library.read_bytes() == shipped(model, PLATFORMS["linux64"])
+
+
+@pytest.mark.skipif(not REBUILD_ALL, reason="takes minutes: DUALCAM_REBUILD=all runs it")
+@each_model
+def test_another_directory_gives_the_same_fmu(elsewhere, model):
+    for platform in PLATFORMS.values():
+        shipped(model, platform)
+    fmu = elsewhere.dual_cam(model.identifier, True)
+    elsewhere.build(fmu, elsewhere.PLATFORMS)
+    assert fmu.path != model.fmu
+    assert fmu.path.read_bytes() == model.fmu.read_bytes()
+
+
+# ---- runs ----
+
+# exp, sin and tan are those of each C library and may differ by a rounding (1.1e-16), which the mechanism
+# passes on from event to event: a thousand of them are allowed. Everything else, and with it the count of
+# events, is the same arithmetic on every machine.
+ALLOWED = 1e-13
+
+ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")
+
+
+def table() -> str:
+    angles = [k / 10 for k in range(-20, 21)]
+    return "psi_rad,z_m\n" + "".join(f"{a!r},{0.02 * a + 0.0011 * a * a!r}\n" for a in angles)
+
+
+def emulator(folder: str) -> list[str]:
+    """The words before the host's, or a skip that says what is missing."""
+    if folder == "aarch64-linux":
+        program = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+        if program is None:
+            pytest.skip("qemu-aarch64 is not installed (Debian: qemu-user)")
+        if not ARM_LIBRARIES.is_dir():
+            pytest.skip(f"{ARM_LIBRARIES} is missing (Debian: libc6-arm64-cross)")
+        return [program, "-L", str(ARM_LIBRARIES)]
+    program = shutil.which("wine64") or shutil.which("wine")
+    if program is None:
+        pytest.skip("wine is not installed (Debian: wine, wine64)")
+    return [program]
+
+
+@pytest.fixture(scope="module")
+def play(tmp_path_factory):
+    """Runs native/host.c with the forward FMU's binary of a platform; returns its words, line by line."""
+    folder = tmp_path_factory.mktemp("play")
+    resources = folder / "résources 1 %"  # in UTF-8 everywhere, also on Windows
+    resources.mkdir()
+    for place in (resources, folder):
+        (place / "groove.csv").write_text(table())
+
+    def run(platform, before: list[str] = (), root: str = "") -> list[list[str]]:
+        home = folder / platform.folder
+        home.mkdir()
+        library, host = home / platform.library(FORWARD.identifier).name, home / "host.exe"
+        library.write_bytes(shipped(FORWARD, platform))
+        flags = ["-O1", "-target", platform.targets[0], *(["-ldl"] if platform.suffix == ".so" else [])]
+        build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "tests/native/host.c"], host)
+        location = f"file://{root and '/' + root}{urllib.parse.quote(str(resources))}"
+        references = [f"{v.name}={v.reference}" for v in FORWARD.variables.values()]
+        words = [f"{root}{library}", FORWARD.guid, location, f"{root}{folder}/groove.csv", *references]
+        environment = {**os.environ, "WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
+        done = subprocess.run(
+            [*before, host, *words], capture_output=True, text=True, env=environment, timeout=300
+        )
+        assert done.returncode == 0, f"exit {done.returncode}\n{done.stderr[-3000:]}"
+        return [line.split() for line in done.stdout.splitlines()]
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def here(play):
+    return play(PLATFORMS["linux64"])
+
+
+def test_the_host_sees_stick_slip(here):
+    assert len(here) == 150
+    for scene in ("closed_form", "general", "absolute"):
+        assert max(int(line[4]) for line in here if line[0] == scene) > 10
+        assert any(float(line[3]) > 1.0 for line in here if line[0] == scene)
+        assert any(float(line[3]) < -1.0 for line in here if line[0] == scene)
+
+
+@pytest.mark.parametrize(("folder", "root"), [("aarch64-linux", ""), ("win64", "Z:")])
+def test_runs_alike(play, here, folder, root):
+    there = play(PLATFORMS[folder], emulator(folder), root)
+    assert len(there) == len(here)
+    for (*scene, theta, omega, events), line in zip(here, there, strict=True):
+        assert line[:2] == scene and line[4] == events
+        for mine, other in ((theta, line[2]), (omega, line[3])):
+            assert abs(float(mine) - float(other)) <= ALLOWED * max(1.0, abs(float(mine)))
