@@ -102,9 +102,24 @@ Way way_of(const Params *p, const Course *course, const Inputs *inputs, double t
 
 /* ---- the equation of motion ---- */
 
+/* J Delta + P m z' + Q I gamma' */
+static inline Dual mass_of(const Way *w, const Form *f) {
+    const InertiaParams *i = &w->params->inertia;
+    const Dual shaft = dual_scale(i->shaft, f->delta);
+    if (!w->heavy) return shaft;
+    return dual_add(shaft, dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), f->lift),
+                                    dual_multiply(dual_scale(i->follower, f->q), f->turn[0])));
+}
+
+/* P m z'' + Q I gamma'' */
+static inline Dual swirl_of(const Way *w, const Form *f) {
+    const InertiaParams *i = &w->params->inertia;
+    return dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), f->lift_rate),
+                    dual_multiply(dual_scale(i->follower, f->q), f->turn_rate));
+}
+
 static inline Pace pace_of_inertial(const Way *w, const Form *f, double z, const Drive *in, double omega) {
     const Params *p = w->params;
-    const double J = p->inertia.shaft, m = p->inertia.follower_mass, I = p->inertia.follower;
     const double v = f->lift.value * omega;
     const double damper = v * (w->c + w->q * fabs(v));
     const double damper_rate = w->c + 2.0 * w->q * fabs(v);
@@ -112,14 +127,12 @@ static inline Pace pace_of_inertial(const Way *w, const Form *f, double z, const
     const Dual load = {spring + F_ext + damper,
                        spring_rate(&p->spring, z) * f->lift.value + damper_rate * f->lift.slope * omega};
     const double drag = p->shaft.damping * omega, torque = in->tau, tau = torque - drag;
-    Dual mass = dual_scale(J, f->delta);
+    const Dual mass = mass_of(w, f);
     Dual net = {f->delta.value * tau - f->p.value * load.value,
                 f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
     double net_by_omega = -f->delta.value * p->shaft.damping - f->p.value * damper_rate * f->lift.value;
     if (w->heavy) {
-        const Dual pm = dual_scale(m, f->p), qi = dual_scale(I, f->q);
-        mass = dual_add(mass, dual_add(dual_multiply(pm, f->lift), dual_multiply(qi, f->turn[0])));
-        const Dual swirl = dual_add(dual_multiply(pm, f->lift_rate), dual_multiply(qi, f->turn_rate));
+        const Dual swirl = swirl_of(w, f);
         net.value -= swirl.value * omega * omega;
         net.slope -= swirl.slope * omega * omega;
         net_by_omega -= 2.0 * swirl.value * omega;
@@ -132,8 +145,7 @@ static inline Pace pace_of_inertial(const Way *w, const Form *f, double z, const
         .size = (fabs(f->delta.value) * (fabs(torque) + fabs(drag)) + fabs(f->p.value) * force_size) * fabs(inverse),
         .by_theta = (net.slope - alpha * mass.slope) * inverse,
         .by_omega = net_by_omega * inverse,
-        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) *
-                   inverse,
+        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) * inverse,
         .resistance = fabs(mass.value),
         .possible = mass.value * f->delta.value > 0.0,
         .stable = true,
@@ -167,8 +179,7 @@ static inline Pace pace_of_viscous(const Way *w, const Form *f, double z, const 
         .value = omega,
         .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
-        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) *
-                   inverse,
+        .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) * inverse,
         .possible = sum != 0.0 && square >= 0.0 && f->delta.value != 0.0,
         .stable = sign * f->delta.value > 0.0,
     };
@@ -396,10 +407,7 @@ void balance_partials(const Way *w, const Balance *now, Partials *out) {
     const double v = f->lift.value * omega, load = now->force + now->damper;
     const double resistance = w->c + 2.0 * w->q * fabs(v); /* dD/dv */
     const double load_slope = spring_rate(&p->spring, z) * f->lift.value + resistance * f->lift.slope * omega;
-    const Dual swirl = dual_add(dual_multiply(dual_scale(m, f->p), f->lift_rate),
-                                dual_multiply(dual_scale(I, f->q), f->turn_rate));
-    const Dual mass = dual_add(dual_scale(J, f->delta), dual_add(dual_multiply(dual_scale(m, f->p), f->lift),
-                                                                 dual_multiply(dual_scale(I, f->q), f->turn[0])));
+    const Dual swirl = swirl_of(w, f), mass = mass_of(w, f);
     double *by = out->by;
     *out = (Partials){.by = {0.0}};
     by[KNOB_THETA] = f->delta.slope * torque - f->p.slope * load - f->p.value * load_slope - swirl.slope * spin2 -

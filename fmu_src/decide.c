@@ -92,7 +92,7 @@ static const double COARSE = 10.0;
 /* However small a load is, theta is known to its rounding only: what that makes of x_i, as a size. */
 static double noise_of_angle(const Mechanism *m, double by_angle) {
     static const double ROUNDING = 4.0 * DBL_EPSILON / NO_REACTION;
-    return ROUNDING * fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower)) * fabs(by_angle);
+    return ROUNDING * largest_angle(&m->params) * fabs(by_angle);
 }
 
 static Look look_at_any_form(const Mechanism *m, int index) {

@@ -56,7 +56,7 @@ static bool is_in_reach(const Inverse *m, double theta) {
     return has_elastic_shaft(m) || (theta >= stop->lower - slack && theta <= stop->upper + slack);
 }
 
-static bool check_reach(const Inverse *m, double theta, Fault *fault) {
+bool inverse_reaches(const Inverse *m, double theta, Fault *fault) {
     if (is_in_reach(m, theta)) return true;
     snprintf(fault->text, sizeof fault->text,
              "theta = %.17g is beyond the stops: allowed is stop.lower = %.17g to stop.upper = %.17g", theta,
@@ -68,21 +68,6 @@ static bool check_reach(const Inverse *m, double theta, Fault *fault) {
 
 static const Piece *piece_of(const Inverse *m, double theta, int direction) {
     return course_piece(&m->course, theta, direction);
-}
-
-static int direction_of(const Inverse *m) {
-    const double omega = m->inputs.omega[0];
-    return omega > 0.0 ? 1 : omega < 0.0 ? -1 : m->state.direction;
-}
-
-static Moment present(const Inverse *m) {
-    return (Moment){
-        .theta = m->inputs.theta[0],
-        .omega = m->inputs.omega[0],
-        .alpha = m->inputs.alpha[0],
-        .F_ext = m->inputs.F_ext[0],
-        .direction = direction_of(m),
-    };
 }
 
 static Mode rigid_mode(double omega) {
@@ -102,7 +87,7 @@ static Now now_of(const Inverse *m) {
         drag_present(m, &d);
         return (Now){.station = d.station, .theta = d.cam, .omega = d.speed, .mode = d.mode};
     }
-    const Moment at = present(m);
+    const Moment at = rigid_present(m);
     return (Now){.station = station_at(&m->params, piece_of(m, at.theta, at.direction), at.theta),
                  .theta = at.theta,
                  .omega = at.omega,
@@ -110,21 +95,21 @@ static Now now_of(const Inverse *m) {
 }
 
 bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault) {
-    if (!check_reach(m, m->inputs.theta[0], fault)) return false;
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const Now now = now_of(m);
     *out = (InverseMotion){.z = course_z(&m->course, now.theta), .v = now.station.geometry.lift * now.omega};
     return true;
 }
 
 bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault) {
-    if (!check_reach(m, m->inputs.theta[0], fault)) return false;
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     if (has_elastic_shaft(m)) {
         Dragged d;
         drag_present(m, &d);
         *out = (InverseContact){.tau = d.tau, .reaction = {d.reaction[0], d.reaction[1]}};
         return true;
     }
-    const Moment at = present(m);
+    const Moment at = rigid_present(m);
     Effort effort;
     if (!rigid_effort(&m->params, piece_of(m, at.theta, at.direction), &at, &effort)) {
         rigid_describe_wedge(fault, &at);
@@ -151,7 +136,7 @@ static double damping_of(const Inverse *m, double v) {
 }
 
 bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault) {
-    if (!check_reach(m, m->inputs.theta[0], fault)) return false;
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const Now now = now_of(m);
     const Geometry *g = &now.station.geometry;
     const double z = course_z(&m->course, now.theta);
@@ -206,7 +191,7 @@ void inverse_energy(const Inverse *m, InverseEnergy *out) {
 /* ---- start and tuning ---- */
 
 bool inverse_start(Inverse *m, Fault *fault) {
-    if (!inverse_rebuild(m, fault) || !check_reach(m, m->inputs.theta[0], fault)) return false;
+    if (!inverse_rebuild(m, fault) || !inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const double theta = m->inputs.theta[0], omega = m->inputs.omega[0];
     m->state = (InverseState){
         .theta = theta,
@@ -259,8 +244,8 @@ static bool is_finite(const Imposed *motion) {
 
 static bool check_motion(const Inverse *m, const Imposed *motion, double h, Fault *fault) {
     if (is_finite(motion))
-        return check_reach(m, motion->theta.c[0], fault) &&
-               check_reach(m, motion->theta.c[motion->theta.degree], fault);
+        return inverse_reaches(m, motion->theta.c[0], fault) &&
+               inverse_reaches(m, motion->theta.c[motion->theta.degree], fault);
     snprintf(fault->text, sizeof fault->text,
              "the motion to theta = %.17g, omega = %.17g within %.17g s leaves the range of numbers; allowed are finite "
              "values",

@@ -107,6 +107,9 @@ void inverse_free(Inverse *m);
  * motion that no torque can bring about. */
 bool inverse_advance(Inverse *m, double h, Given given, Fault *fault);
 
+/* Is theta between the stops, to rounding? With an elastic shaft they hold cam 2, and any theta is. */
+bool inverse_reaches(const Inverse *m, double theta, Fault *fault);
+
 /* The groups of outputs, from state, params and present inputs: what they would be if the motion had gone straight
  * to the present inputs. Reading never changes anything. */
 bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault);

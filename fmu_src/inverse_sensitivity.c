@@ -5,12 +5,6 @@
 #include "inverse.h"
 #include "rigid.h"
 
-/* The direction of motion, at rest that of the last one. */
-static int present_direction(const Inverse *m) {
-    const double omega = m->inputs.omega[0];
-    return omega > 0.0 ? 1 : omega < 0.0 ? -1 : m->state.direction;
-}
-
 /* Balance of the imposed motion: balance_partials() needs no more of it. */
 static Balance balance_of(const Inverse *m, const Effort *effort, const Moment *at) {
     return (Balance){
@@ -36,13 +30,7 @@ static void solve_for_torque(const Inverse *m, double theta, int direction, cons
 }
 
 static bool rigid_partials(const Inverse *m, Partials *out, Fault *fault) {
-    const Moment at = {
-        .theta = m->inputs.theta[0],
-        .omega = m->inputs.omega[0],
-        .alpha = m->inputs.alpha[0],
-        .F_ext = m->inputs.F_ext[0],
-        .direction = present_direction(m),
-    };
+    const Moment at = rigid_present(m);
     Effort effort;
     if (!rigid_effort(&m->params, course_piece(&m->course, at.theta, at.direction), &at, &effort)) {
         rigid_describe_wedge(fault, &at);
@@ -78,13 +66,8 @@ static bool elastic_partials(const Inverse *m, Partials *cam, Partials *tau) {
     return true;
 }
 
-static bool is_within_stops(const Inverse *m, Fault *fault) {
-    InverseMotion motion;
-    return inverse_motion(m, &motion, fault);
-}
-
 bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
-    if (!is_within_stops(m, fault)) return false;
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     if (!has_elastic_shaft(m)) return rigid_partials(m, out, fault);
     Partials cam;
     if (elastic_partials(m, &cam, out)) return true;
@@ -94,7 +77,7 @@ bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
 }
 
 bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault) {
-    if (!is_within_stops(m, fault)) return false;
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     *out = (Partials){.by = {0.0}};
     if (has_elastic_shaft(m)) {
         Dragged d;
@@ -109,13 +92,13 @@ bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *f
                  order == 0 ? "z, wedged," : "v", m->params.shaft.stiffness);
         return false;
     }
-    const double theta = m->inputs.theta[0], omega = m->inputs.omega[0];
-    const Station station = station_at(&m->params, course_piece(&m->course, theta, present_direction(m)), theta);
+    const Moment at = rigid_present(m);
+    const Station station = station_at(&m->params, course_piece(&m->course, at.theta, at.direction), at.theta);
     if (order == 0) {
         out->by[KNOB_THETA] = station.geometry.lift;
         return true;
     }
-    out->by[KNOB_THETA] = station.lift_rate * omega;
+    out->by[KNOB_THETA] = station.lift_rate * at.omega;
     out->by[KNOB_OMEGA] = station.geometry.lift;
     return true;
 }

@@ -326,7 +326,7 @@ static void hit_stop(Mechanism *m, int direction) {
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0) {
         const int slip = decide_slip(m, -direction, false);
-        const double size = fmax(fabs(m->params.stop.upper), fabs(m->params.stop.lower));
+        const double size = largest_angle(&m->params);
         const double back = slip < 0 ? 0.0 : direction * look_at(m, slip).alpha;
         if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * size) stand_still(m);
     }

@@ -54,17 +54,7 @@ int model_knob(unsigned reference) {
         case VR_OMEGA: return KNOB_OMEGA;
         case VR_ALPHA: return KNOB_ALPHA;
         case VR_F_EXT: return KNOB_F_EXT;
-        case VR_CAM1_FRICTION: return KNOB_FRICTION_1;
-        case VR_CAM2_FRICTION: return KNOB_FRICTION_2;
-        case VR_SPRING_PRELOAD: return KNOB_PRELOAD;
-        case VR_SPRING_STIFFNESS: return KNOB_STIFFNESS;
-        case VR_SPRING_STIFFNESS2: return KNOB_STIFFNESS2;
-        case VR_SPRING_STIFFNESS3: return KNOB_STIFFNESS3;
-        case VR_DAMPER_C_LOAD: return KNOB_C_LOAD;
-        case VR_DAMPER_Q_LOAD: return KNOB_Q_LOAD;
-        case VR_DAMPER_C_RELEASE: return KNOB_C_RELEASE;
-        case VR_DAMPER_Q_RELEASE: return KNOB_Q_RELEASE;
-        default: return -1;
+        default: return tunable_knob(reference);
     }
 }
 

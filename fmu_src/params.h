@@ -2,6 +2,7 @@
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 
+#include <math.h>
 #include <stdbool.h>
 
 enum { INPUT_ORDER = 3 }; /* highest time derivative of an input that a step can carry */
@@ -74,6 +75,11 @@ typedef struct {
     double tau[INPUT_ORDER + 1];   /* N.m, applied to cam 2, + loads */
     double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
 } Inputs;
+
+/* rad, between the stops: what the rounding of theta is of. */
+static inline double largest_angle(const Params *p) {
+    return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+}
 
 static inline bool has_inertia(const Params *p) {
     return p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0;

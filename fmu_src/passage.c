@@ -77,9 +77,8 @@ static Border border_of(const Way *way, const Balance *start) {
 
 /* Time to the middle of what lies beyond the border, as seen from the start: with a pace that grows evenly, so that most
  * leaps that are to end there do. */
-static double time_to_border(const Way *way, const Balance *start) {
-    const Border border = border_of(way, start);
-    const double distance = border.distance + 0.5 * border.beyond;
+static double time_to_border(const Way *way, const Balance *start, const Border *border) {
+    const double distance = border->distance + 0.5 * border->beyond;
     double t = ballistic_time(way, start, distance);
     if (way->kind == FLOW_QUASISTATIC) return t;
     const Pace *p = &start->pace;
@@ -107,10 +106,10 @@ static double factor_of(const Leap *leap) {
     return 0.9 * pow(fmax(fmax(leap->error, leap->energy_error), 1e-12), -1.0 / order_of(leap));
 }
 
-/* The longest good step of at most `left`, tried from `first` on, with more stages before a shorter one. What the energy
+/* The longest good step of at most `longest`, with more stages before a shorter one. What the energy
  * balance misses may be the last digits of the course itself, which no shorter step makes better. */
-static bool solve_well(const Way *way, const Balance *start, double left, double first, Leap *leap) {
-    double h = fmin(fmin(left, first), time_to_border(way, start)), energy_before = INFINITY;
+static bool solve_well(const Way *way, const Balance *start, double longest, Leap *leap) {
+    double h = longest, energy_before = INFINITY;
     int stages = stages_for(way, start, h);
     for (int n = 0; n < MAX_SHORTENINGS; n++) {
         if (!leap_solve(way, start, h, stages, leap)) {
@@ -304,7 +303,7 @@ static bool turns_at_stop(const Guard *g, const Leap *leap) {
     static const double ROUNDING = 64.0 * DBL_EPSILON; /* of the angles involved: a stretch adds up that much */
     const Params *p = g->way->params;
     const Balance *end = &leap->node[leap->method->stages - 1];
-    const double unseen = fmax(ROUNDING, p->tolerance) * fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+    const double unseen = fmax(ROUNDING, p->tolerance) * largest_angle(p);
     const double braking = -g->way->direction * end->alpha;
     return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * unseen;
 }
@@ -312,17 +311,17 @@ static bool turns_at_stop(const Guard *g, const Leap *leap) {
 /* A load that is only nearly zero would keep its flank, and without inertia a speed its direction: the leap is made
  * longer by roundings until it is past zero. One that comes no nearer to zero stays as it is. */
 static void step_past(const Guard *g, Watch watch, Leap *leap) {
-    enum { NUDGES = 12 };
+    enum { NUDGES = 11 };
     const Leap landed = *leap;
     Way way = *g->way;
     way.to_rounding = true;
     const int stages = leap->method->stages;
     double nudge = 8.0 * DBL_EPSILON;
-    for (int n = 0; n < NUDGES; n++, nudge *= 4.0) {
-        if (watched(g, watch, leap, stages - 1) <= 0.0) return;
-        if (!leap_solve(&way, &landed.start, landed.h * (1.0 + nudge), stages, leap)) break;
+    for (int n = 0; watched(g, watch, leap, stages - 1) > 0.0; n++, nudge *= 4.0) {
+        if (n < NUDGES && leap_solve(&way, &landed.start, landed.h * (1.0 + nudge), stages, leap)) continue;
+        *leap = landed;
+        return;
     }
-    *leap = landed;
 }
 
 static Landing confirm(const Guard *g, Watch watch, double x, Leap *leap) {
@@ -337,13 +336,12 @@ static bool is_on_springs_flanks(const Way *way, const Balance *start) {
     return way->flank[0] * start->force > 0.0 && way->flank[1] * start->force > 0.0;
 }
 
-static Guard guard_of(const Way *way, const Balance *start, double room) {
-    const Border border = border_of(way, start);
+static Guard guard_of(const Way *way, const Balance *start, double room, const Border *border) {
     Guard g = {
         .way = way,
         .room = room,
-        .border = border.distance + border.beyond,
-        .beyond = border.beyond,
+        .border = border->distance + border->beyond,
+        .beyond = border->beyond,
         .friction = has_friction(way->params),
     };
     if (way->kind == FLOW_VISCOUS && g.friction && !is_on_springs_flanks(way, start)) {
@@ -464,15 +462,16 @@ static Search find_event(const Guard *g, Passage *passage, double *good) {
 
 bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
     Leap *leap = &passage->leap;
-    const Guard g = guard_of(way, start, room);
-    const double shortest = SHORTEST * left;
+    const Border border = border_of(way, start);
+    const Guard g = guard_of(way, start, room, &border);
+    const double to_border = time_to_border(way, start, &border), shortest = SHORTEST * left;
     double length = first, good = 0.0;
     do {
-        if (!solve_well(way, start, left, length, leap)) return false;
+        if (!solve_well(way, start, fmin(fmin(left, length), to_border), leap)) return false;
         passage->kind = EVENT_NONE;
         passage->at_border = false;
         passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
-        if (leap->h == time_to_border(way, start)) passage->next = fmax(passage->next, first); /* it was not the error's */
+        if (leap->h == to_border) passage->next = fmax(passage->next, first); /* it was not the error's */
         if (find_event(&g, passage, &good) == SETTLED) return true;
         length = 0.125 * good;
     } while (length > shortest);
@@ -481,10 +480,11 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
 
 bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage) {
     Leap *leap = &passage->leap;
-    const double h = fmin(left, time_to_border(way, start));
+    const Border border = border_of(way, start);
+    const double h = fmin(left, time_to_border(way, start, &border));
     if (!leap_solve(way, start, h, stages_for(way, start, h), leap)) return false;
     if (leap->error > 1.0 || leap->energy_error > 1.0) return false;
-    const Guard g = guard_of(way, start, room);
+    const Guard g = guard_of(way, start, room, &border);
     Watch which = WATCH_REST;
     passage->kind = EVENT_NONE;
     passage->at_border = h < left;

@@ -20,6 +20,17 @@ double rigid_slack(const StopParams *stop) {
 
 /* ---- one instant ---- */
 
+Moment rigid_present(const Inverse *m) {
+    const int direction = sign_of(m->inputs.omega[0]);
+    return (Moment){
+        .theta = m->inputs.theta[0],
+        .omega = m->inputs.omega[0],
+        .alpha = m->inputs.alpha[0],
+        .F_ext = m->inputs.F_ext[0],
+        .direction = direction != 0 ? direction : m->state.direction,
+    };
+}
+
 /* A and W of the mechanism page's section 6. */
 static Burden burden_of(const Params *p, const Station *s, const Moment *now, double damper) {
     const Geometry *g = &s->geometry;

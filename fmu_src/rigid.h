@@ -12,6 +12,9 @@ typedef struct {
     int direction;
 } Moment;
 
+/* As the inputs have it now; at rest in the direction of the last motion. */
+Moment rigid_present(const Inverse *m);
+
 /* What it takes. */
 typedef struct {
     Station station;

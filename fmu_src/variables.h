@@ -105,6 +105,7 @@ static inline const Variable *variable_find(unsigned reference) {
     return reference < VARIABLE_COUNT ? &VARIABLES[reference] : NULL;
 }
 
+int tunable_knob(unsigned reference); /* the Knob that a tunable parameter is, or -1 */
 const char *type_name(Type type); /* as FMI writes it: "Real", ... */
 
 /* Writes the start values of all parameters and inputs. */

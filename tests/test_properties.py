@@ -378,23 +378,28 @@ def nudged(parameters):
     return {n: v * (1.0 + NUDGE) if any(word in n for word in words) else v for n, v in parameters.items()}
 
 
-@GENERAL_FIXTURE
-@given(GENERAL, CURVES, CURVES)
-def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first, second):
-    fmu = started(make, general(scene, scratch))
-    torque_unit = unit_of_torque(fmu, LEAST)
+def check_that_it_repeats(fmu: Driver, go_on, first, second) -> None:
+    """After `first` the state is taken; from there `second` leads to the same bits twice."""
     for one in first:
-        curve(fmu, torque_unit, *one)
+        go_on(one)
     state, time = fmu.take(), fmu.time
     runs = []
     for _ in range(2):
         fmu.restore(state)
         fmu.time = time
         for one in second:
-            curve(fmu, torque_unit, *one)
+            go_on(one)
         runs.append(fmu.everything())
     fmu.free_state(state)
     assert runs[0] == runs[1]
+
+
+@GENERAL_FIXTURE
+@given(GENERAL, CURVES, CURVES)
+def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first, second):
+    fmu = started(make, general(scene, scratch))
+    torque_unit = unit_of_torque(fmu, LEAST)
+    check_that_it_repeats(fmu, lambda one: curve(fmu, torque_unit, *one), first, second)
 
 
 @FIXTURE
@@ -402,18 +407,7 @@ def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first,
 def test_a_restored_run_repeats_bit_for_bit(make, parameters, first, second):
     fmu = started(make, parameters)
     torque_unit = unit_of_torque(fmu)
-    for one in first:
-        step(fmu, torque_unit, *one)
-    state, time = fmu.take(), fmu.time
-    runs = []
-    for _ in range(2):
-        fmu.restore(state)
-        fmu.time = time
-        for one in second:
-            step(fmu, torque_unit, *one)
-        runs.append(fmu.everything())
-    fmu.free_state(state)
-    assert runs[0] == runs[1]
+    check_that_it_repeats(fmu, lambda one: step(fmu, torque_unit, *one), first, second)
 
 
 @pytest.mark.parametrize("name", [v.name for v in VARIABLES.values() if v.causality == "parameter"])
