@@ -221,3 +221,10 @@ static Decision decide_moving(const Mechanism *m) {
 Decision decide(const Mechanism *m) {
     return has_inertia(&m->params) && m->state.omega.hi != 0.0 ? decide_moving(m) : decide_at_rest(m);
 }
+
+Decision decision_of(const Mechanism *m) {
+    if (!m->continuous) return decide(m);
+    const Mode mode = m->state.mode;
+    const int direction = mode == MODE_LOADING ? 1 : -1;
+    return (Decision){.mode = mode, .slip = is_slip(mode) ? slip_index(direction, m->state.flank) : -1};
+}

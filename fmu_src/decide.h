@@ -13,6 +13,9 @@ typedef struct {
 /* The mode that state and present inputs ask for. */
 Decision decide(const Mechanism *m);
 
+/* The mode that counts at this instant: that one, or, where somebody else integrates, the present one. */
+Decision decision_of(const Mechanism *m);
+
 /* The way to slip in `direction` (+1, -1) whose flanks agree with their own reactions, or -1: index into
  * Model.slip. Several can agree where a contact locks; then both supporting flanks come first, as in section 3
  * of the mechanism page. */

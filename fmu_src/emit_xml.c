@@ -125,6 +125,25 @@ static void put_types(Sink *sink) {
 
 /* ---- variables ---- */
 
+typedef struct {
+    VariableId rate, state;
+} Rate;
+
+/* Ends with a row that belongs to no state: no list may be empty in C. */
+static const Rate RATES[] = {
+#define UNIT(...)
+#define VARIABLE(...)
+#define FOLLOWS(...)
+#define STARTS_FROM(...)
+#define RATE_OF(model, rate, state) IN_##model({VR_##rate, VR_##state},)
+#include "variables.def"
+#undef UNIT
+#undef VARIABLE
+#undef FOLLOWS
+#undef STARTS_FROM
+#undef RATE_OF
+    {VARIABLE_COUNT, VARIABLE_COUNT}};
+
 static const char *causality_name(Causality causality) {
     static const char *const names[] = {[CAUSALITY_PARAMETER] = "parameter",
                                         [CAUSALITY_INPUT] = "input",
@@ -162,6 +181,18 @@ static void put_range(Sink *sink, const Variable *variable) {
         put_number(sink, "nominal", variable->nominal);
 }
 
+/* Place in the list of variables, from 1. */
+static unsigned index_of(VariableId id) {
+    return (unsigned)id + 1;
+}
+
+/* The continuous state that it is the derivative of, or VARIABLE_COUNT. */
+static VariableId state_of(unsigned reference) {
+    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
+        if (row->rate == reference) return row->state;
+    return VARIABLE_COUNT;
+}
+
 /* `initial` is spelt out only where FMI has a choice: inputs must not have it. */
 static void put_variable(Sink *sink, unsigned reference) {
     const Variable *variable = &VARIABLES[reference];
@@ -179,6 +210,7 @@ static void put_variable(Sink *sink, unsigned reference) {
         put_attribute(sink, "unit", UNITS[variable->unit].name); /* for masters that do not look types up */
     }
     put_range(sink, variable);
+    if (state_of(reference) != VARIABLE_COUNT) put_number(sink, "derivative", index_of(state_of(reference)));
     if (has_start(variable)) put_start(sink, variable);
     put(sink, "/>\n    </ScalarVariable>\n");
 }
@@ -204,11 +236,13 @@ static const Dependency FOLLOWS[] = {
 #define VARIABLE(...)
 #define FOLLOWS(model, output, known, kind) IN_##model({VR_##output, VR_##known, kind},)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 static const Dependency STARTS_FROM[] = {
@@ -216,17 +250,14 @@ static const Dependency STARTS_FROM[] = {
 #define VARIABLE(...)
 #define FOLLOWS(...)
 #define STARTS_FROM(model, output, known, kind) IN_##model({VR_##output, VR_##known, kind},)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
-
-/* Place in the list of variables, from 1. */
-static unsigned index_of(VariableId id) {
-    return (unsigned)id + 1;
-}
 
 static void put_dependencies(Sink *sink, VariableId output, const Dependency *list) {
     const char *separator = "";
@@ -245,10 +276,22 @@ static void put_dependencies(Sink *sink, VariableId output, const Dependency *li
     put(sink, "\"");
 }
 
-static void put_unknowns(Sink *sink, const char *element, const Dependency *list) {
+static bool is_output(unsigned reference) {
+    return VARIABLES[reference].causality == CAUSALITY_OUTPUT;
+}
+
+static bool is_rate(unsigned reference) {
+    return state_of(reference) != VARIABLE_COUNT;
+}
+
+static bool is_output_or_rate(unsigned reference) {
+    return is_output(reference) || is_rate(reference);
+}
+
+static void put_unknowns(Sink *sink, const char *element, bool (*is_one)(unsigned), const Dependency *list) {
     print(sink, "    <%s>\n", element);
     for (unsigned i = 0; i < VARIABLE_COUNT; i++) {
-        if (VARIABLES[i].causality != CAUSALITY_OUTPUT) continue;
+        if (!is_one(i)) continue;
         print(sink, "      <Unknown index=\"%u\"", index_of((VariableId)i));
         put_dependencies(sink, (VariableId)i, list);
         put(sink, "/>\n");
@@ -258,8 +301,9 @@ static void put_unknowns(Sink *sink, const char *element, const Dependency *list
 
 static void put_structure(Sink *sink) {
     put(sink, "  <ModelStructure>\n");
-    put_unknowns(sink, "Outputs", FOLLOWS);
-    put_unknowns(sink, "InitialUnknowns", STARTS_FROM);
+    put_unknowns(sink, "Outputs", is_output, FOLLOWS);
+    if (CONTINUOUS_STATES > 0) put_unknowns(sink, "Derivatives", is_rate, FOLLOWS);
+    put_unknowns(sink, "InitialUnknowns", is_output_or_rate, STARTS_FROM);
     put(sink, "  </ModelStructure>\n");
 }
 
@@ -282,10 +326,34 @@ static void put_head(Sink *sink, const char *guid) {
     put_attribute(sink, "generationTool", "emit_xml");
     put(sink, "\n   ");
     put_attribute(sink, "variableNamingConvention", "structured");
-    put(sink, ">\n");
+    print(sink, "\n    numberOfEventIndicators=\"%d\">\n", (int)EVENT_INDICATORS);
 }
 
-static void put_capabilities(Sink *sink, char *const *sources) {
+static void put_sources(Sink *sink, char *const *sources) {
+    put(sink, "    <SourceFiles>\n");
+    for (char *const *source = sources; *source != NULL; source++) {
+        put(sink, "      <File");
+        put_attribute(sink, "name", *source);
+        put(sink, "/>\n");
+    }
+    put(sink, "    </SourceFiles>\n");
+}
+
+static void put_exchange(Sink *sink, char *const *sources) {
+    put(sink, "  <ModelExchange\n   ");
+    put_attribute(sink, "modelIdentifier", IDENTIFIER);
+    put(sink,
+        "\n    completedIntegratorStepNotNeeded=\"false\""
+        "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
+        "\n    canNotUseMemoryManagementFunctions=\"true\""
+        "\n    canGetAndSetFMUstate=\"true\""
+        "\n    canSerializeFMUstate=\"true\""
+        "\n    providesDirectionalDerivative=\"true\">\n");
+    put_sources(sink, sources);
+    put(sink, "  </ModelExchange>\n");
+}
+
+static void put_co_simulation(Sink *sink, char *const *sources) {
     put(sink, "  <CoSimulation\n   ");
     put_attribute(sink, "modelIdentifier", IDENTIFIER);
     put(sink,
@@ -298,19 +366,15 @@ static void put_capabilities(Sink *sink, char *const *sources) {
         "\n    canNotUseMemoryManagementFunctions=\"true\""
         "\n    canGetAndSetFMUstate=\"true\""
         "\n    canSerializeFMUstate=\"true\""
-        "\n    providesDirectionalDerivative=\"true\">\n"
-        "    <SourceFiles>\n");
-    for (char *const *source = sources; *source != NULL; source++) {
-        put(sink, "      <File");
-        put_attribute(sink, "name", *source);
-        put(sink, "/>\n");
-    }
-    put(sink, "    </SourceFiles>\n  </CoSimulation>\n");
+        "\n    providesDirectionalDerivative=\"true\">\n");
+    put_sources(sink, sources);
+    put(sink, "  </CoSimulation>\n");
 }
 
 static void put_document(Sink *sink, const char *guid, char *const *sources) {
     put_head(sink, guid);
-    put_capabilities(sink, sources);
+    put_exchange(sink, sources);
+    put_co_simulation(sink, sources);
     put_units(sink);
     put_types(sink);
     put(sink,

@@ -1,5 +1,6 @@
 #include "instance.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,9 +8,89 @@
 
 #include "resources.h"
 
+#ifndef MODEL_GUID
+#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
+#endif
+
 enum { MESSAGE_SIZE = 1024 };
 
-static const char *const ERROR_CATEGORY = "logStatusError";
+const char *const ERROR_CATEGORY = "logStatusError";
+
+/* ---- messages ---- */
+
+/* Bytes that a caller passed in and that are not plain text do not get into the log. */
+static void clean(char *text) {
+    for (char *c = text; *c != '\0'; c++)
+        if (*c < ' ' || *c > '~') *c = '?';
+}
+
+__attribute__((format(printf, 3, 0))) static void log_error(const Log *log, const char *name, const char *format,
+                                                            va_list arguments) {
+    char text[MESSAGE_SIZE];
+    vsnprintf(text, sizeof text, format, arguments);
+    clean(text);
+    log->error(log, name, text);
+}
+
+bool instance_refuse(const Instance *instance, const char *format, ...) {
+    if (!instance->logs_errors) return false;
+    va_list arguments;
+    va_start(arguments, format);
+    log_error(&instance->log, instance->name, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* The same where there is no instance. */
+__attribute__((format(printf, 3, 4))) static Instance *refuse_instance(const Log *log, const char *name,
+                                                                       const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    log_error(log, name, format, arguments);
+    va_end(arguments);
+    return NULL;
+}
+
+bool instance_has_array(const Instance *instance, const char *function, size_t n, const void *array,
+                        const char *name) {
+    if (n == 0 || array != NULL) return true;
+    return instance_refuse(instance, "%s: %s = NULL, with %zu elements asked for: allowed is an array of that many",
+                           function, name, n);
+}
+
+bool instance_has_pointer(const Instance *instance, const char *function, const void *pointer,
+                          const char *name) {
+    if (pointer != NULL) return true;
+    return instance_refuse(instance, "%s: %s = NULL: allowed is a valid address", function, name);
+}
+
+static bool is_log_category(const char *name) {
+    static const char *const standard[] = {"logEvents",           "logSingularLinearSystems",
+                                           "logNonlinearSystems", "logDynamicStateSelection",
+                                           "logStatusWarning",    "logStatusDiscard",
+                                           "logStatusError",      "logStatusFatal",
+                                           "logStatusPending",    "logAll"};
+    for (size_t i = 0; i < sizeof standard / sizeof standard[0]; i++)
+        if (strcmp(name, standard[i]) == 0) return true;
+    return false;
+}
+
+bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
+                          const char *const categories[]) {
+    if (instance == NULL || !instance_has_array(instance, function, count, categories, "categories")) return false;
+    bool errors = count == 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!instance_has_pointer(instance, function, categories[i], "a category")) return false;
+        if (!is_log_category(categories[i]))
+            return instance_refuse(
+                instance,
+                "%s: unknown category \"%.100s\": allowed are the standard ones, such as logStatusError",
+                function, categories[i]);
+        errors = errors || strcmp(categories[i], ERROR_CATEGORY) == 0 || strcmp(categories[i], "logAll") == 0;
+    }
+    if (errors) instance->logs_errors = on;
+    return true;
+}
 
 /* ---- life ---- */
 
@@ -20,16 +101,22 @@ static char *copy_of(const char *text) {
     return copy;
 }
 
-Instance *instance_new(const char *name, const char *location, const fmi2CallbackFunctions *callbacks) {
+Instance *instance_new(const Wish *wish, const Log *log) {
+    if (wish->name == NULL)
+        return refuse_instance(log, "", "%s: instanceName = NULL: allowed is any text", wish->function);
+    if (wish->guid == NULL || strcmp(wish->guid, MODEL_GUID) != 0)
+        return refuse_instance(log, wish->name, "%s: %s %s: allowed is only " MODEL_GUID, wish->function,
+                               wish->guid_name, wish->guid == NULL ? "= NULL" : "is not that of this FMU");
     Instance *instance = calloc(1, sizeof *instance);
-    if (instance == NULL) return NULL;
-    instance->name = copy_of(name);
-    if (instance->name == NULL || !resources_directory(location, &instance->resources)) {
+    if (instance != NULL) instance->name = copy_of(wish->name);
+    if (instance == NULL || instance->name == NULL ||
+        !resources_directory(wish->location, &instance->resources)) {
         instance_free(instance);
-        return NULL;
+        return refuse_instance(log, wish->name, "%s: no memory left", wish->function);
     }
     instance->logs_errors = true;
-    if (callbacks != NULL) instance->callbacks = *callbacks;
+    instance->log = *log;
+    instance->run.use = (uint16_t)wish->use;
     instance_reset(instance);
     return instance;
 }
@@ -49,28 +136,50 @@ void instance_reset(Instance *instance) {
     variables_start(&instance->values);
     machine->params.tolerance = TOLERANCE_DEFAULT;
     machine->resources = instance->resources;
-    instance->run = (Run){.time = 0.0, .phase = PHASE_INSTANTIATED, .with_rates = 0};
+    instance->run = (Run){.phase = PHASE_INSTANTIATED, .use = instance->run.use};
     instance_changed(instance);
 }
 
-/* ---- what is valid ---- */
-
-static bool refuse_for(const Instance *instance, const char *function, const Fault *fault) {
-    instance_refuse(instance, "%s: %s", function, fault->text);
-    return false;
+bool instance_setup(Instance *instance, const char *function, const double *tolerance, double start_time,
+                    const double *stop_time) {
+    if (!instance_is_in(instance, function, PHASE_INSTANTIATED)) return false;
+    if (tolerance != NULL && !(isfinite(*tolerance) && *tolerance > 0.0))
+        return instance_refuse(instance, "%s: tolerance = %.17g: allowed is any finite number > 0", function,
+                               *tolerance);
+    if (!isfinite(start_time))
+        return instance_refuse(instance, "%s: startTime = %.17g: allowed is any finite number", function,
+                               start_time);
+    if (stop_time != NULL && !(isfinite(*stop_time) && *stop_time >= start_time))
+        return instance_refuse(instance,
+                               "%s: stopTime = %.17g: allowed is any finite number from startTime = %.17g",
+                               function, *stop_time, start_time);
+    instance->run.time = instance->run.accepted = start_time;
+    instance->values.machine.params.tolerance =
+        tolerance != NULL ? fmin(fmax(*tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
+    instance_changed(instance);
+    return true;
 }
+
+bool instance_begin(Instance *instance, const char *function, Phase to) {
+    if (!instance_is_in(instance, function, PHASE_INITIALIZATION)) return false;
+    if (!instance_provide(instance, function, GROUP_STATE)) return false;
+    instance->run.phase = to;
+    return true;
+}
+
+/* ---- what is valid ---- */
 
 bool instance_provide(Instance *instance, const char *function, unsigned groups) {
     if ((groups & ~instance->valid) == 0) return true;
     Fault fault;
     Values *values = &instance->values;
     if ((instance->valid & GROUP_STATE) == 0) {
-        if (!model_start(&values->machine, &fault)) return refuse_for(instance, function, &fault);
+        if (!model_start(&values->machine, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
         instance->valid |= GROUP_STATE;
     }
     const unsigned missing = groups & ~instance->valid;
     if (!model_outputs(&values->machine, missing, &values->outputs, &fault))
-        return refuse_for(instance, function, &fault);
+        return instance_refuse(instance, "%s: %s", function, fault.text);
     instance->valid |= missing;
     return true;
 }
@@ -82,11 +191,13 @@ static const char *phase_name(Phase phase) {
         case PHASE_INSTANTIATED: return "instantiated";
         case PHASE_INITIALIZATION: return "initialization mode";
         case PHASE_STEP: return "step mode";
+        case PHASE_EVENT: return "event mode";
+        case PHASE_CONTINUOUS: return "continuous-time mode";
         default: return "terminated";
     }
 }
 
-static void refuse_phase(const Instance *instance, const char *function, unsigned phases) {
+static bool refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[128] = "";
     size_t length = 0;
     for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_TERMINATED; phase <<= 1) {
@@ -95,46 +206,17 @@ static void refuse_phase(const Instance *instance, const char *function, unsigne
         length += (size_t)snprintf(allowed + length, sizeof allowed - length, "%s%s", separator,
                                    phase_name((Phase)phase));
     }
-    instance_refuse(instance, "%s is not allowed in phase \"%s\": allowed is \"%s\"", function,
-                    phase_name(instance->run.phase), allowed);
+    return instance_refuse(instance, "%s is not allowed in phase \"%s\": allowed is \"%s\"", function,
+                           phase_name(instance->run.phase), allowed);
 }
 
 bool instance_is_in(const Instance *instance, const char *function, unsigned phases) {
     if (instance == NULL) return false;
-    if ((instance->run.phase & phases) != 0) return true;
-    refuse_phase(instance, function, phases);
-    return false;
+    return (instance->run.phase & phases) != 0 || refuse_phase(instance, function, phases);
 }
 
-/* ---- messages ---- */
-
-/* FMI reads a message as a printf format with #...# for variables, and masters differ in whether they
- * expand it: with % and # doubled the text is right where they do, and readable where they do not. Bytes
- * that a caller passed in and that are not plain text do not get into the log. */
-static void escape(char *escaped, size_t size, const char *text) {
-    size_t length = 0;
-    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
-        const bool plain = *c >= ' ' && *c <= '~';
-        if (*c == '%' || *c == '#') escaped[length++] = *c;
-        escaped[length++] = plain ? *c : '?';
-    }
-    escaped[length] = '\0';
-}
-
-void log_error(const fmi2CallbackFunctions *callbacks, const char *name, const char *text) {
-    if (callbacks == NULL || callbacks->logger == NULL) return;
-    char message[MESSAGE_SIZE];
-    escape(message, sizeof message, text);
-    callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, ERROR_CATEGORY, message);
-}
-
-fmi2Status instance_refuse(const Instance *instance, const char *format, ...) {
-    if (!instance->logs_errors) return fmi2Error;
-    char text[MESSAGE_SIZE];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    log_error(&instance->callbacks, instance->name, text);
-    return fmi2Error;
+bool instance_go(Instance *instance, const char *function, unsigned from, Phase to) {
+    if (!instance_is_in(instance, function, from)) return false;
+    instance->run.phase = to;
+    return true;
 }

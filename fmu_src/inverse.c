@@ -280,3 +280,15 @@ bool inverse_advance(Inverse *m, double h, Given given, Fault *fault) {
     m->inputs = inputs;
     return true;
 }
+
+/* ---- model exchange ---- */
+
+void inverse_settle(Inverse *m) {
+    const double omega = m->inputs.omega[0];
+    if (omega != 0.0) m->state.direction = omega > 0.0 ? 1 : -1;
+}
+
+double inverse_indicator(const Inverse *m) {
+    static const double LATE_SPEED = 1e-10; /* rad/s: an event is late by this, so that rest is none */
+    return m->state.direction * m->inputs.omega[0] + LATE_SPEED;
+}

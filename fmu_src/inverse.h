@@ -79,6 +79,7 @@ typedef struct {
     CamParams cam[2];      /* what the course was built from, friction apart */
     StopParams stop;       /* likewise */
     const char *resources; /* directory that a table's relative path starts from, or NULL; not owned */
+    bool continuous;       /* model exchange: the direction changes in inverse_settle() only */
 } Inverse;
 
 static inline bool has_elastic_shaft(const Inverse *m) {
@@ -106,6 +107,12 @@ void inverse_free(Inverse *m);
  * of the angle and speed of the latest communication point is no motion. Refused are angles beyond the stops and
  * motion that no torque can bring about. */
 bool inverse_advance(Inverse *m, double h, Given given, Fault *fault);
+
+/* Takes on the direction of the present motion, where there is one: friction acts against it from now on. */
+void inverse_settle(Inverse *m);
+
+/* Where this changes its sign, that is due: rad/s, speed in the present direction. */
+double inverse_indicator(const Inverse *m);
 
 /* Is theta between the stops, to rounding? With an elastic shaft they hold cam 2, and any theta is. */
 bool inverse_reaches(const Inverse *m, double theta, Fault *fault);

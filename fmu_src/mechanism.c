@@ -689,6 +689,38 @@ bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
     return false;
 }
 
+/* ---- events without time ---- */
+
+void mechanism_place(Mechanism *m, double theta, double omega) {
+    m->state.theta = sum_of(theta);
+    m->state.omega = sum_of(omega);
+    arrive(m);
+}
+
+static void land_where_it_is(Mechanism *m) {
+    if (!is_slip(m->state.mode)) return;
+    const int direction = direction_of(m->state.mode);
+    if (direction * m->state.omega.hi <= 0.0) stand_still(m);
+    if (room_ahead(m, direction) <= 0.0) hit_stop(m, direction);
+}
+
+bool mechanism_settle(Mechanism *m, Fault *fault) {
+    const State before = m->state;
+    land_where_it_is(m);
+    int jams = 0;
+    for (; jams < MAX_JAMS_PER_STEP; jams++) {
+        enter(m, decide(m));
+        if (!is_jammed(m)) break;
+        jam(m);
+    }
+    m->state.ledger = before.ledger;
+    if (jams < MAX_JAMS_PER_STEP) return true;
+    undo(m, &before, &m->inputs);
+    arrive(m);
+    describe_failure(fault, m, 0.0, failure_of(m, 1.0, jams));
+    return false;
+}
+
 /* ---- start and tuning ---- */
 
 bool mechanism_start(Mechanism *m, Fault *fault) {
@@ -767,7 +799,7 @@ void mechanism_loads(const Mechanism *m, Loads *out) {
     const Geometry *g = &m->place.geometry;
     const double F_0 = stick_axial_load(m);
     const EdgeFactors f = stick_edges(m, F_0);
-    const Decision now = decide(m);
+    const Decision now = decision_of(m);
     *out = (Loads){
         .gamma = m->model.course.straight ? g->turn[0] * m->state.theta.hi
                                           : course_gamma(&m->model.course, m->state.theta.hi),
@@ -799,7 +831,7 @@ void mechanism_energy(const Mechanism *m, Energy *out) {
         .heat_damper = l->heat_damper.hi,
         .heat_shaft = l->heat_shaft.hi,
         .heat_stop = l->heat_stop.hi,
-        .residual = m->params.ledger ? ledger_residual(l, stored_energy(m)) : 0.0,
+        .residual = m->params.ledger && !m->continuous ? ledger_residual(l, stored_energy(m)) : 0.0,
     };
 }
 

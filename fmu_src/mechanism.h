@@ -113,6 +113,7 @@ typedef struct {
     Place place; /* belongs to state.theta */
     Cache cache;
     const char *resources; /* directory that a table's relative path starts from, or NULL; not owned */
+    bool continuous;       /* somebody else integrates (exchange.h): modes change in mechanism_settle() only */
 } Mechanism;
 
 /* Starts from m->params and m->inputs: builds the model and sets the state to its start values, in the mode that
@@ -138,6 +139,13 @@ void mechanism_free(Mechanism *m);
  * step. Returns false, with the mechanism as before, if mode changes do not end (see
  * MAX_EVENTS_PER_STEP) or a value is no longer finite; `fault` says which. */
 bool mechanism_advance(Mechanism *m, double h, Fault *fault);
+
+/* Puts it to theta (rad) and omega (rad/s) in its present mode. */
+void mechanism_place(Mechanism *m, double theta, double omega);
+
+/* Carries out the mode changes that are due now, with a mechanism placed on or beyond an end stop or velocity zero
+ * included. The accounts stay as they are. Returns false, with the mechanism as before, if they do not end. */
+bool mechanism_settle(Mechanism *m, Fault *fault);
 
 /* The three groups of outputs, from state, params and present inputs. The mode is decided with the
  * present inputs, on a copy: reading never changes the mechanism. */

@@ -21,12 +21,14 @@
 #endif
 
 #if MODEL_BUILT == MODEL_FORWARD
+#include "exchange.h"
 #include "mechanism.h"
 typedef Mechanism Machine;
 typedef Inputs MachineInputs;
 typedef State MachineState;
 typedef Outputs MachineOutputs;
 enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
+enum { CONTINUOUS_STATES = EXCHANGE_STATES, EVENT_INDICATORS = EXCHANGE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse.h"
 typedef Inverse Machine;
@@ -34,6 +36,7 @@ typedef InverseInputs MachineInputs;
 typedef InverseState MachineState;
 typedef InverseOutputs MachineOutputs;
 enum { MAX_OUTPUT_ORDER = 0 }; /* the rate of the torque depends on a rate of alpha that nobody gives */
+enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 #else
 #error "MODEL_BUILT must be MODEL_FORWARD or MODEL_INVERSE"
 #endif
@@ -74,6 +77,24 @@ bool model_has_partials(unsigned reference);
 
 /* Its partial derivatives, in the present state and with the present inputs. */
 bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault);
+
+/* From now on somebody else integrates: model exchange. The machine has started. */
+bool model_begin_exchange(Machine *m, Fault *fault);
+
+/* x, rate: CONTINUOUS_STATES; indicator: EVENT_INDICATORS of them. */
+void model_set_states(Machine *m, const double x[]);
+void model_get_states(const Machine *m, double x[]);
+bool model_state_rates(const Machine *m, double rate[], Fault *fault);
+void model_indicators(const Machine *m, double indicator[]);
+
+/* Value reference of a continuous state. */
+unsigned model_state_reference(int state);
+
+/* Carries out the events that are due. */
+bool model_settle(Machine *m, Fault *fault);
+
+/* The solver's step to the present states and inputs, which took h seconds, is good. */
+bool model_accept(Machine *m, double h, Fault *fault);
 
 /* Bytes that belong to no member, so that equal states have equal bytes. */
 void model_clear_padding(MachineState *state);

@@ -82,6 +82,43 @@ bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *
     }
 }
 
+/* ---- model exchange ---- */
+
+bool model_begin_exchange(Machine *m, Fault *fault) {
+    if (!exchange_is_possible(m, fault)) return false;
+    m->continuous = true;
+    return true;
+}
+
+void model_set_states(Machine *m, const double x[]) {
+    exchange_set_states(m, x);
+}
+
+void model_get_states(const Machine *m, double x[]) {
+    exchange_get_states(m, x);
+}
+
+bool model_state_rates(const Machine *m, double rate[], Fault *fault) {
+    return exchange_rates(m, rate, fault);
+}
+
+void model_indicators(const Machine *m, double indicator[]) {
+    exchange_indicators(m, indicator);
+}
+
+unsigned model_state_reference(int state) {
+    return state == 0 ? VR_THETA : VR_OMEGA;
+}
+
+bool model_settle(Machine *m, Fault *fault) {
+    return mechanism_settle(m, fault);
+}
+
+bool model_accept(Machine *m, double h, Fault *fault) {
+    (void)m, (void)h, (void)fault; /* the states are all there is */
+    return true;
+}
+
 /* A new member fails here until its padding is looked at. */
 enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
 _Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),

@@ -67,6 +67,46 @@ bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *
     return inverse_axial_partials(m, reference == VR_Z ? 0 : 1, out, fault);
 }
 
+/* ---- model exchange: no continuous states, and one event indicator ---- */
+
+bool model_begin_exchange(Machine *m, Fault *fault) {
+    (void)fault; /* it always can */
+    m->continuous = true;
+    return true;
+}
+
+void model_set_states(Machine *m, const double x[]) {
+    (void)m, (void)x;
+}
+
+void model_get_states(const Machine *m, double x[]) {
+    (void)m, (void)x;
+}
+
+bool model_state_rates(const Machine *m, double rate[], Fault *fault) {
+    (void)m, (void)rate, (void)fault;
+    return true;
+}
+
+void model_indicators(const Machine *m, double indicator[]) {
+    indicator[0] = inverse_indicator(m);
+}
+
+unsigned model_state_reference(int state) {
+    (void)state; /* there is none: nobody calls it */
+    return VARIABLE_COUNT;
+}
+
+bool model_settle(Machine *m, Fault *fault) {
+    (void)fault;
+    inverse_settle(m);
+    return true;
+}
+
+bool model_accept(Machine *m, double h, Fault *fault) {
+    return h <= 0.0 || inverse_advance(m, h, GIVEN_ENDS, fault);
+}
+
 /* A new member fails here until its padding is looked at. */
 _Static_assert(sizeof(InverseState) ==
                    3 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),

@@ -21,7 +21,7 @@ double rigid_slack(const StopParams *stop) {
 /* ---- one instant ---- */
 
 Moment rigid_present(const Inverse *m) {
-    const int direction = sign_of(m->inputs.omega[0]);
+    const int direction = m->continuous ? 0 : sign_of(m->inputs.omega[0]);
     return (Moment){
         .theta = m->inputs.theta[0],
         .omega = m->inputs.omega[0],

@@ -24,7 +24,7 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
                  "inertia.follower must be > 0");
         return false;
     }
-    const Decision now = decide(m);
+    const Decision now = decision_of(m);
     if (!is_slip(now.mode)) return true;
     const Way way = way_from_here(m, now.slip);
     const Balance balance = balance_from_here(m, &way);

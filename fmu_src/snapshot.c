@@ -9,7 +9,7 @@
 
 static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
 static const uint64_t SEAL_MAGIC = UINT64_C(0x6d61636c6175642e);
-enum { FORMAT = 2 }; /* to be raised when the meaning of the bytes changes but the GUID does not */
+enum { FORMAT = 3 }; /* to be raised when the meaning of the bytes changes but the GUID does not */
 
 /* Equal states must have equal bytes, so the few bytes that belong to no member are cleared. A new member
  * fails here (or at model_clear_padding()) until its padding is looked at. */
@@ -21,7 +21,7 @@ _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + size
                                  sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool),
                "padding in Params");
 _Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
-_Static_assert(sizeof(Run) == sizeof(double) + sizeof(Phase) + sizeof(uint32_t), "padding in Run");
+_Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");
 _Static_assert(sizeof(Snapshot) == sizeof(uint64_t) + sizeof(Params) + sizeof(MachineInputs) +
                                        sizeof(MachineState) + sizeof(Run),
                "padding in Snapshot");
@@ -47,11 +47,18 @@ static void put(const Snapshot *snapshot, Instance *instance) {
     machine->inputs = snapshot->inputs;
     machine->state = snapshot->state;
     instance->run = snapshot->run;
+    machine->continuous = instance_has_begun(instance) && instance->run.use == MODEL_EXCHANGE;
 }
 
-/* Before the run has begun there is nothing to build yet: the parameters may not even be possible. */
+/* A state of another use is refused: its phase would be none of this instance's. Before the run has begun there is nothing to build yet: the parameters may not even be possible. */
 bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault) {
     const bool begun = (snapshot->run.phase & PHASES_BEFORE_START) == 0;
+    if (snapshot->run.use != instance->run.use) {
+        snprintf(fault->text, sizeof fault->text,
+                 "FMU state of %s: allowed is one of the way in which this instance is used",
+                 snapshot->run.use == CO_SIMULATION ? "co-simulation" : "model exchange");
+        return false;
+    }
     Snapshot before;
     snapshot_take(&before, instance);
     put(snapshot, instance);
@@ -115,7 +122,7 @@ bool snapshot_open(const char *bytes, size_t size, Snapshot *snapshot, Fault *fa
         wrong = "is damaged: its checksum differs";
     if (wrong != NULL) {
         snprintf(fault->text, sizeof fault->text,
-                 "serialized state %s: allowed are only unchanged bytes from fmi2SerializeFMUstate", wrong);
+                 "serialized state %s: allowed are only unchanged bytes that it has serialized", wrong);
         return false;
     }
     memcpy(snapshot, &sealed.snapshot, sizeof *snapshot);

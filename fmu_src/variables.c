@@ -18,11 +18,13 @@ const Unit UNITS[UNIT_COUNT] = {
 #define VARIABLE(...)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
 };
 
 /* Where each group is in Values. */
@@ -52,11 +54,13 @@ typedef char *TypeOf_TEXT;
                               #id ": field of another type");)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
 
 enum {
     TYPE_OF_REAL = TYPE_REAL,
@@ -86,11 +90,13 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .unit = UNIT_##unit_},)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
 };
 
 const char *type_name(Type type) {

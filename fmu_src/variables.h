@@ -49,11 +49,13 @@ typedef enum {
 #define VARIABLE(...)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
     UNIT_COUNT
 } UnitId;
 
@@ -63,11 +65,13 @@ typedef enum {
 #define VARIABLE(model, kind, id, ...) IN_##model(VR_##id,)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
+#define RATE_OF(...)
 #include "variables.def"
 #undef UNIT
 #undef VARIABLE
 #undef FOLLOWS
 #undef STARTS_FROM
+#undef RATE_OF
     VARIABLE_COUNT
 } VariableId;
 

@@ -23,7 +23,6 @@ from driver import (
     INSTANTIATED,
     LAST_SUCCESSFUL_TIME,
     LOGGER,
-    MODEL_EXCHANGE,
     OK,
     PENDING_STATUS,
     PHASES,
@@ -155,7 +154,7 @@ def test_any_resource_location(make, location):
         ({"guid": FORWARD.guid.strip("{}")}, "fmuGUID"),
         ({"guid": INVERSE.guid.strip("{}")}, "fmuGUID"),
         ({"guid": "{00000000-0000-0000-0000-000000000000}"}, "fmuGUID"),
-        ({"kind": MODEL_EXCHANGE}, "fmi2CoSimulation"),
+        ({"kind": 7}, "fmuType"),
     ],
 )
 def test_refuses_to_instantiate(library, model, wrong, word):

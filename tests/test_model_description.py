@@ -313,19 +313,37 @@ def test_start_values_are_in_range(model):
 
 def test_capabilities(model):
     (co_simulation,) = model.document.findall("CoSimulation")
-    assert model.document.find("ModelExchange") is None
-    assert co_simulation.attrib == {
+    (exchange,) = model.document.findall("ModelExchange")
+    common = {
         "modelIdentifier": model.identifier,
-        "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": {FORWARD: "2", INVERSE: "0"}[model],
-        "canRunAsynchronuously": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
     }
+    assert exchange.attrib == common | {"completedIntegratorStepNotNeeded": "false"}
+    assert co_simulation.attrib == common | {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": {FORWARD: "2", INVERSE: "0"}[model],
+        "canRunAsynchronuously": "false",
+    }
+
+
+def test_states_and_their_rates(model):
+    """theta and omega are the forward FMU's states; the rate of one is the other."""
+    by_index = {v.index: name for name, v in model.variables.items()}
+    rates = {
+        element.attrib["name"]: by_index[int(element[0].attrib["derivative"])]
+        for element in model.document.iter("ScalarVariable")
+        if "derivative" in element[0].attrib
+    }
+    assert rates == ({"omega": "theta", "alpha": "omega"} if model is FORWARD else {})
+    listed = unknowns(model, "Derivatives") if rates else {}
+    assert set(listed) == set(rates)
+    assert listed.get("alpha", set()) <= {"tau", "F_ext", "theta", "omega"}
+    assert model.document.attrib["numberOfEventIndicators"] == ("7" if model is FORWARD else "1")
 
 
 # ---- what depends on what ----
@@ -340,7 +358,8 @@ def unknowns(model, kind):
 
 
 def test_kinds_of_dependency(make, model):
-    """All depend in no particular way, but for the start angle, which is that of the parameter."""
+    """All depend in no particular way, but for the states, which are themselves, and the start angle, which is
+    that of the parameter."""
     kinds = {}
     for unknown in [*model.document.find("ModelStructure").iter("Unknown")]:
         dependencies = unknown.attrib["dependencies"].split()
@@ -351,7 +370,8 @@ def test_kinds_of_dependency(make, model):
     if model is INVERSE:
         assert not constant
         return
-    assert constant == [tuple(model.variables[n].index for n in ("theta", "initial.theta"))]
+    expected = (("theta", "theta"), ("omega", "omega"), ("theta", "initial.theta"))
+    assert constant == [tuple(model.variables[n].index for n in pair) for pair in expected]
     for start in (0.0, 0.1, 1.3):
         for scene in ({}, MASSLESS, ELLIPSES | {"stop.upper": 1.5, "inertia.shaft": 0.0}):
             fmu = make()
@@ -368,6 +388,7 @@ DAMPED = {f"damper.{c}_{way}": 10.0 for c in "cq" for way in ("load", "release")
 CUBIC = {"spring.stiffness2": 1e4, "spring.stiffness3": 1e6}
 ELASTIC = MOVING | CUBIC | {"shaft.stiffness": 20.0, "omega": -3.0}
 STARTING = {"initial.theta": 0.25, "initial.omega": 3.0}
+RETURNING = {"initial.theta": 0.25, "initial.omega": -3.0}
 
 # Together they show every dependency.
 SCENES = {
@@ -377,6 +398,10 @@ SCENES = {
         STARTING | TABLES,
         STARTING | {"inertia.shaft": 0.0, "inertia.follower_mass": 1.0},
         STARTING | {"inertia.shaft": 0.0, "inertia.follower": 1.0},
+        STARTING | DAMPED | CUBIC,
+        RETURNING | DAMPED | CUBIC,
+        {"tau": -20.0},
+        {"initial.theta": 1.3963, "tau": 30.0},
     ],
     INVERSE: [
         *(
@@ -403,6 +428,8 @@ def another(name, value):
         return OTHER[name]
     if name.startswith("inertia"):
         return 0.0 if value else 1.0
+    if name == "initial.theta":
+        return value * 0.8 + 0.01
     return -0.5 if name == "stop.lower" else value * 1.25 + 0.01
 
 
@@ -440,7 +467,7 @@ def test_outputs_depend_on_what_the_structure_says(make, model):
     known = unknowns(model, "Outputs")
     assert set(known) == set(model.names(causality=["output"]))
     if model is FORWARD:
-        assert not set().union(*known.values())  # no input passes through
+        assert set().union(*known.values()) == {"theta", "omega"}  # the states: no input passes through
         for scene in ({}, MASSLESS, MASSLESS | {"damper.c_load": 100.0, "damper.c_release": 100.0}):
             fmu = make().start(scene)
             fmu.step(0.01, tau=5.0, F_ext=1.0)

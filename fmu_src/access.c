@@ -1,0 +1,351 @@
+#include "access.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool has_arrays(const Instance *instance, const char *function, size_t n, const ValueReference references[],
+                       const void *values) {
+    return instance_has_array(instance, function, n, references, "vr") &&
+           instance_has_array(instance, function, n, values, "value");
+}
+
+/* The variable with that reference and type, or NULL. */
+static const Variable *find(const Instance *instance, const char *function, ValueReference reference, Type type) {
+    const Variable *variable = variable_find(reference);
+    if (variable != NULL && variable->type == type) return variable;
+    if (variable == NULL)
+        instance_refuse(instance,
+                        "%s: no variable has value reference %u: allowed are those of %s variables in "
+                        "modelDescription.xml",
+                        function, reference, type_name(type));
+    else
+        instance_refuse(instance, "%s: %s (value reference %u) is %s: allowed are those of %s variables",
+                        function, variable->name, reference, type_name(variable->type), type_name(type));
+    return NULL;
+}
+
+/* ---- reading ---- */
+
+/* All variables exist, have that type, and their values are up to date. */
+static bool can_read(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                     const void *value, Type type) {
+    if (instance == NULL || !has_arrays(instance, function, n, vr, value)) return false;
+    unsigned groups = 0;
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find(instance, function, vr[i], type);
+        if (variable == NULL) return false;
+        groups |= variable->group;
+    }
+    return instance_provide(instance, function, groups);
+}
+
+static const void *address(const Instance *instance, ValueReference reference) {
+    return (const char *)&instance->values + VARIABLES[reference].offset;
+}
+
+bool access_get_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n, double value[]) {
+    if (!can_read(instance, function, vr, n, value, TYPE_REAL)) return false;
+    for (size_t i = 0; i < n; i++) value[i] = *(const double *)address(instance, vr[i]);
+    return true;
+}
+
+static int32_t integer_value(const Instance *instance, ValueReference reference) {
+    const void *place = address(instance, reference);
+    if (VARIABLES[reference].kind != KIND_COUNT) return *(const int *)place;
+    const int64_t count = *(const int64_t *)place;
+    return count < INT32_MAX ? (int32_t)count : INT32_MAX;
+}
+
+bool access_get_integers(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                         int32_t value[]) {
+    if (!can_read(instance, function, vr, n, value, TYPE_INTEGER)) return false;
+    for (size_t i = 0; i < n; i++) value[i] = integer_value(instance, vr[i]);
+    return true;
+}
+
+bool access_get_booleans(Instance *instance, const char *function, const ValueReference vr[], size_t n, void *value,
+                         WriteBoolean *write) {
+    if (!can_read(instance, function, vr, n, value, TYPE_BOOLEAN)) return false;
+    for (size_t i = 0; i < n; i++) write(value, i, *(const bool *)address(instance, vr[i]));
+    return true;
+}
+
+bool access_get_texts(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                      const char *value[]) {
+    if (!can_read(instance, function, vr, n, value, TYPE_STRING)) return false;
+    for (size_t i = 0; i < n; i++) value[i] = address(instance, vr[i]);
+    return true;
+}
+
+/* ---- setting ---- */
+
+typedef struct {
+    Params params;
+    MachineInputs inputs;
+} Draft; /* the beginning of Values */
+
+_Static_assert(offsetof(Values, machine.params) == offsetof(Draft, params), "one offset for both");
+_Static_assert(offsetof(Values, machine.inputs) == offsetof(Draft, inputs), "one offset for both");
+_Static_assert(VR_F_EXT < 16, "inputs come first, F_ext last: each has a bit in Run.with_rates");
+
+static Draft draft_of(const Instance *instance) {
+    return (Draft){.params = instance->values.machine.params, .inputs = instance->values.machine.inputs};
+}
+
+static void *draft_address(Draft *draft, const Variable *variable) {
+    return (char *)draft + variable->offset;
+}
+
+/* During the run only tunable parameters can be in the draft, see find_settable(). */
+static bool commit(Instance *instance, const char *function, const Draft *draft) {
+    Machine *machine = &instance->values.machine;
+    if (instance_has_begun(instance)) {
+        Fault fault;
+        if (!model_retune(machine, &draft->params, &fault))
+            return instance_refuse(instance, "%s: %s", function, fault.text);
+    } else {
+        machine->params = draft->params;
+    }
+    machine->inputs = draft->inputs;
+    instance_changed(instance);
+    return true;
+}
+
+static bool can_set(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                    const void *value) {
+    return instance_is_in(instance, function, PHASES_BEFORE_START | PHASES_RUNNING) &&
+           has_arrays(instance, function, n, vr, value);
+}
+
+static const Variable *find_settable(const Instance *instance, const char *function, ValueReference reference,
+                                     Type type) {
+    const Variable *variable = find(instance, function, reference, type);
+    if (variable == NULL || variable->causality == CAUSALITY_INPUT) return variable;
+    const char *allowed = NULL;
+    if (variable->causality != CAUSALITY_PARAMETER)
+        allowed = "calculated: allowed are parameters and inputs";
+    else if (variable->variability == VARIABILITY_FIXED && instance_has_begun(instance))
+        allowed = "fixed: allowed is to set it before the end of initialization mode";
+    else if (instance->run.phase == PHASE_CONTINUOUS)
+        allowed = "tunable: allowed is to set it in event mode";
+    if (allowed == NULL) return variable;
+    instance_refuse(instance, "%s: %s is %s", function, variable->name, allowed);
+    return NULL;
+}
+
+static bool accepts(const Instance *instance, const char *function, const Variable *variable, double value) {
+    return variable_allows(variable, value) ||
+           instance_refuse(instance, "%s: %s = %s is refused: allowed is %s", function, variable->name,
+                           digits_of(value).text, variable_allowed(variable).text);
+}
+
+static bool accepts_text(const Instance *instance, const char *function, const Variable *variable,
+                         const char *value) {
+    return (value != NULL && variable_allows(variable, (double)strlen(value))) ||
+           instance_refuse(instance, "%s: %s = \"%.100s\" is refused: allowed is %s", function, variable->name,
+                           value != NULL ? value : "NULL", variable_allowed(variable).text);
+}
+
+static bool are_good_inputs(const ValueReference vr[], size_t n, const double value[]) {
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = variable_find(vr[i]);
+        if (variable == NULL || variable->group != GROUP_INPUTS || !isfinite(value[i])) return false;
+    }
+    return true;
+}
+
+static double *input_address(Instance *instance, ValueReference reference) {
+    return (double *)((char *)&instance->values + VARIABLES[reference].offset);
+}
+
+static bool set_reals_on_draft(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                               const double value[]) {
+    Draft draft = draft_of(instance);
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find_settable(instance, function, vr[i], TYPE_REAL);
+        if (variable == NULL || !accepts(instance, function, variable, value[i])) return false;
+        *(double *)draft_address(&draft, variable) = value[i];
+    }
+    return commit(instance, function, &draft);
+}
+
+bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                      const double value[]) {
+    if (!can_set(instance, function, vr, n, value)) return false;
+    if (!are_good_inputs(vr, n, value)) return set_reals_on_draft(instance, function, vr, n, value);
+    for (size_t i = 0; i < n; i++) *input_address(instance, vr[i]) = value[i];
+    instance_changed(instance);
+    return true;
+}
+
+bool access_set_integers(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                         const int32_t value[]) {
+    if (!can_set(instance, function, vr, n, value)) return false;
+    Draft draft = draft_of(instance);
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find_settable(instance, function, vr[i], TYPE_INTEGER);
+        if (variable == NULL || !accepts(instance, function, variable, value[i])) return false;
+        *(int *)draft_address(&draft, variable) = value[i];
+    }
+    return commit(instance, function, &draft);
+}
+
+bool access_set_booleans(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                         const void *value, ReadBoolean *read) {
+    if (!can_set(instance, function, vr, n, value)) return false;
+    Draft draft = draft_of(instance);
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find_settable(instance, function, vr[i], TYPE_BOOLEAN);
+        if (variable == NULL) return false;
+        *(bool *)draft_address(&draft, variable) = read(value, i);
+    }
+    return commit(instance, function, &draft);
+}
+
+bool access_set_texts(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                      const char *const value[]) {
+    if (!can_set(instance, function, vr, n, value)) return false;
+    Draft draft = draft_of(instance);
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find_settable(instance, function, vr[i], TYPE_STRING);
+        if (variable == NULL || !accepts_text(instance, function, variable, value[i])) return false;
+        strncpy(draft_address(&draft, variable), value[i], (size_t)variable->max + 1); /* zeros to the end */
+    }
+    return commit(instance, function, &draft);
+}
+
+/* ---- derivatives by time ---- */
+
+static bool is_input_derivative(const Instance *instance, const char *function, ValueReference reference,
+                                int32_t order, double value) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    if (variable->causality != CAUSALITY_INPUT)
+        return instance_refuse(instance, "%s: %s is no input: allowed are inputs", function, variable->name);
+    if (order < 1 || order > INPUT_ORDER)
+        return instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to %d", function,
+                               variable->name, order, (int)INPUT_ORDER);
+    return isfinite(value) || instance_refuse(instance, "%s: derivative of %s = %.17g: allowed is any finite number",
+                                              function, variable->name, value);
+}
+
+bool access_set_input_derivatives(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                                  const int32_t order[], const double value[]) {
+    if (!instance_is_in(instance, function, PHASES_BEFORE_START | PHASE_STEP) ||
+        !has_arrays(instance, function, n, vr, value) || !instance_has_array(instance, function, n, order, "order"))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!is_input_derivative(instance, function, vr[i], order[i], value[i])) return false;
+    if (n == 0) return true;
+    if (instance->run.with_rates == 0) model_forget_rates(&instance->values.machine.inputs);
+    for (size_t i = 0; i < n; i++) {
+        input_address(instance, vr[i])[order[i]] = value[i];
+        instance->run.with_rates |= (uint16_t)(1u << vr[i]);
+    }
+    instance_changed(instance);
+    return true;
+}
+
+static bool is_output_derivative(const Instance *instance, const char *function, ValueReference reference,
+                                 int32_t order) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    if (variable->causality != CAUSALITY_OUTPUT)
+        return instance_refuse(instance, "%s: %s is no output: allowed are outputs", function, variable->name);
+    return (order >= 1 && order <= MAX_OUTPUT_ORDER) ||
+           instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to maxOutputDerivativeOrder = %d",
+                           function, variable->name, order, (int)MAX_OUTPUT_ORDER);
+}
+
+bool access_get_output_derivatives(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                                   const int32_t order[], double value[]) {
+    if (instance == NULL || !has_arrays(instance, function, n, vr, value) ||
+        !instance_has_array(instance, function, n, order, "order"))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        if (!is_output_derivative(instance, function, vr[i], order[i])) return false;
+    if (!instance_provide(instance, function, GROUP_STATE | GROUP_LOADS)) return false;
+    const Values *values = &instance->values;
+    for (size_t i = 0; i < n; i++)
+        value[i] = model_output_derivative(&values->machine, &values->outputs, vr[i], order[i]);
+    return true;
+}
+
+/* ---- partial derivatives ---- */
+
+static bool is_unknown(const Instance *instance, const char *function, ValueReference reference) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    return model_has_partials(reference) ||
+           instance_refuse(instance, "%s: unknown %s: allowed are outputs and derivatives of states", function,
+                           variable->name);
+}
+
+static bool is_known(const Instance *instance, const char *function, ValueReference reference) {
+    const Variable *variable = find(instance, function, reference, TYPE_REAL);
+    if (variable == NULL) return false;
+    return model_knob(reference) >= 0 ||
+           instance_refuse(instance, "%s: known %s: allowed are Real inputs, states and tunable parameters", function,
+                           variable->name);
+}
+
+static bool are_seeds(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                      const double seed[]) {
+    if (!instance_has_array(instance, function, n, seed, "seed")) return false;
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(seed[i]))
+            return instance_refuse(instance, "%s: seed of %s = %g: allowed is any finite number", function,
+                                   VARIABLES[vr[i]].name, seed[i]);
+    return true;
+}
+
+static bool row_of(const Instance *instance, const char *function, ValueReference unknown, Partials *row) {
+    Fault fault;
+    return model_partials(&instance->values.machine, unknown, row, &fault) ||
+           instance_refuse(instance, "%s: %s", function, fault.text);
+}
+
+/* All of the matrix exists; its last row is tried as the others. Nothing is written unless this is so. */
+static bool is_jacobian(Instance *instance, const char *function, const Jacobian *j) {
+    if (!instance_is_in(instance, function, PHASE_INITIALIZATION | PHASES_RUNNING) ||
+        !instance_has_array(instance, function, j->unknowns, j->unknown, "unknowns") ||
+        !instance_has_array(instance, function, j->knowns, j->known, "knowns"))
+        return false;
+    for (size_t i = 0; i < j->unknowns; i++)
+        if (!is_unknown(instance, function, j->unknown[i])) return false;
+    for (size_t i = 0; i < j->knowns; i++)
+        if (!is_known(instance, function, j->known[i])) return false;
+    if (!instance_provide(instance, function, GROUP_STATE)) return false;
+    Partials row;
+    for (size_t i = 0; i < j->unknowns; i++)
+        if (!row_of(instance, function, j->unknown[i], &row)) return false;
+    return true;
+}
+
+bool access_directional(Instance *instance, const char *function, const Jacobian *j, const double seed[],
+                        double product[]) {
+    if (!is_jacobian(instance, function, j) || !are_seeds(instance, function, j->known, j->knowns, seed) ||
+        !instance_has_array(instance, function, j->unknowns, product, "sensitivity"))
+        return false;
+    for (size_t i = 0; i < j->unknowns; i++) {
+        Partials row;
+        (void)row_of(instance, function, j->unknown[i], &row);
+        product[i] = 0.0;
+        for (size_t k = 0; k < j->knowns; k++) product[i] += row.by[model_knob(j->known[k])] * seed[k];
+    }
+    return true;
+}
+
+bool access_adjoint(Instance *instance, const char *function, const Jacobian *j, const double seed[],
+                    double product[]) {
+    if (!is_jacobian(instance, function, j) || !are_seeds(instance, function, j->unknown, j->unknowns, seed) ||
+        !instance_has_array(instance, function, j->knowns, product, "sensitivity"))
+        return false;
+    for (size_t k = 0; k < j->knowns; k++) product[k] = 0.0;
+    for (size_t i = 0; i < j->unknowns; i++) {
+        Partials row;
+        (void)row_of(instance, function, j->unknown[i], &row);
+        for (size_t k = 0; k < j->knowns; k++) product[k] += seed[i] * row.by[model_knob(j->known[k])];
+    }
+    return true;
+}

@@ -1,0 +1,99 @@
+#include "exchange.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "decide.h"
+#include "event.h"
+#include "stick.h"
+
+/* An event is late by this much, so that it is one: beyond what the inclusion takes for a tie. Else the mode
+ * would stay as it is, with the indicator already past its zero. */
+static const double LATE_SPEED = 1e-10; /* rad/s */
+static const double LATE_ANGLE = 1e-13; /* of the largest */
+static const double LATE_TIES = 4.0;    /* ties of torque */
+static const double LATE_LOADS = 1e-11; /* of the terms of x_i; NO_REACTION and what decide.c makes of it are less */
+
+/* How far a solver may look beyond the stops: there the polynomials of the course still hold. */
+static const double OVERSHOOT = 0.05; /* of the last piece's width */
+
+bool exchange_is_possible(const Mechanism *m, Fault *fault) {
+    if (has_inertia(&m->params)) return true;
+    snprintf(fault->text, sizeof fault->text,
+             "model exchange needs inertia, without it the speed is no state: allowed is inertia.shaft, "
+             "inertia.follower_mass or inertia.follower > 0 (co-simulation needs none)");
+    return false;
+}
+
+void exchange_set_states(Mechanism *m, const double x[EXCHANGE_STATES]) {
+    const Course *course = &m->model.course;
+    const Piece *first = &course->piece[0], *last = &course->piece[course->count - 1];
+    const double lower = m->params.stop.lower - OVERSHOOT * (first->upper - first->lower);
+    const double upper = m->params.stop.upper + OVERSHOOT * (last->upper - last->lower);
+    mechanism_place(m, fmin(fmax(x[0], lower), upper), x[1]);
+}
+
+void exchange_get_states(const Mechanism *m, double x[EXCHANGE_STATES]) {
+    x[0] = m->state.theta.hi;
+    x[1] = m->state.omega.hi;
+}
+
+bool exchange_rates(const Mechanism *m, double rate[EXCHANGE_STATES], Fault *fault) {
+    rate[0] = m->state.omega.hi;
+    rate[1] = 0.0;
+    const Decision now = decision_of(m);
+    if (!is_slip(now.mode)) return true;
+    const Way way = way_from_here(m, now.slip);
+    const Balance balance = balance_from_here(m, &way);
+    if (balance.pace.possible && isfinite(balance.alpha)) {
+        rate[1] = balance.alpha;
+        return true;
+    }
+    snprintf(fault->text, sizeof fault->text,
+             "theta = %.17g, omega = %.17g, tau = %.17g: friction jams the motion; allowed is a geometry in which the "
+             "inertia felt is positive",
+             m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0]);
+    return false;
+}
+
+/* At rest: the torque's way to an edge of the band, in the direction `sign`; pressed: it is beyond already. */
+static double way_to_edge(const Mechanism *m, double factor, double sign, bool pressed) {
+    if (isinf(factor)) return 1.0;
+    const double late = LATE_TIES * stick_tie(m) * stick_torque_size(m, factor);
+    const double way = sign * (stick_edge(factor, stick_axial_load(m)) - m->inputs.tau[0]);
+    return pressed ? way - late : way + late;
+}
+
+static void indicate_rest(const Mechanism *m, double indicator[EXCHANGE_INDICATORS]) {
+    const EdgeFactors f = stick_edges(m, stick_axial_load(m));
+    indicator[INDICATOR_LOAD] = way_to_edge(m, f.load, 1.0, m->state.mode == MODE_UPPER_STOP);
+    indicator[INDICATOR_RELEASE] = way_to_edge(m, f.release, -1.0, m->state.mode == MODE_LOWER_STOP);
+}
+
+static void indicate_slip(const Mechanism *m, int index, double indicator[EXCHANGE_INDICATORS]) {
+    const double theta = m->state.theta.hi, late_angle = LATE_ANGLE * largest_angle(&m->params);
+    const int direction = slip_direction(index);
+    indicator[INDICATOR_VELOCITY] = direction * m->state.omega.hi + LATE_SPEED;
+    if (direction > 0) indicator[INDICATOR_UPPER] = m->params.stop.upper - theta + late_angle;
+    if (direction < 0) indicator[INDICATOR_LOWER] = theta - m->params.stop.lower + late_angle;
+    if (!has_friction(&m->params)) return;
+    const Way way = way_from_here(m, index);
+    const Balance balance = balance_from_here(m, &way);
+    Trend trend;
+    balance_trend(&way, &balance, 0.0, &trend);
+    for (int i = 0; i < 2; i++) {
+        const double late = LATE_LOADS * trend.size[i] + DBL_MIN; /* without any load the flank does not matter */
+        indicator[INDICATOR_FLANK_1 + i] = way.flank[i] * balance.x[i] + late;
+    }
+}
+
+void exchange_indicators(const Mechanism *m, double indicator[EXCHANGE_INDICATORS]) {
+    for (int i = 0; i < EXCHANGE_INDICATORS; i++) indicator[i] = 1.0;
+    const Decision now = decision_of(m);
+    if (is_slip(now.mode)) {
+        indicate_slip(m, now.slip, indicator);
+    } else {
+        indicate_rest(m, indicator);
+    }
+}
