@@ -483,6 +483,34 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     return true;
 }
 
+/* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
+ *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_torque_i torque
+ * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
+bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+    const System s = {.way = way, .method = leap->method, .h = leap->h};
+    const Radau *r = s.method;
+    const int n = r->stages;
+    const bool inertial = way->kind == FLOW_INERTIAL;
+    const double omega = inertial ? v->omega : 0.0;
+    Factors f = {.n = n};
+    double y[RADAU_MAX], twice = 0.0;
+    for (int i = 0; i < n; i++) {
+        const Balance *node = &leap->node[i];
+        Partials p;
+        balance_partials(way, node, &p);
+        fill_row(&s, &node->pace, i, f.a[i]);
+        y[i] = node->pace.by_theta * (v->theta + r->node[i] * s.h * omega) + node->pace.by_omega * omega -
+               torque * p.by[KNOB_TAU] / p.by[inertial ? KNOB_ALPHA : KNOB_OMEGA];
+    }
+    if (!factorize(&f)) return false;
+    solve(&f, y);
+    const double once = s.h * dot(r->weight, y, n);
+    for (int j = 0; j < n; j++) twice += s.h * s.h * r->twice[j][n - 1] * y[j];
+    v->theta += inertial ? s.h * omega + twice : once;
+    v->omega = inertial ? omega + once : 0.0;
+    return true;
+}
+
 double leap_time_scale(const Way *way, const Balance *b) {
     const Pace *p = &b->pace;
     double rate = fabs(p->by_omega);

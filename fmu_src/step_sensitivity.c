@@ -1,0 +1,194 @@
+#include "step_sensitivity.h"
+
+#include <math.h>
+
+#include "decide.h"
+#include "leg.h"
+#include "stick.h"
+
+/* Per N.m of the torque's shift. */
+typedef struct {
+    Variation x;
+    double delay; /* s: the event just passed comes later by that, and x is taken at the event's own time; else 0 */
+} Carried;
+
+static double finite(double x) {
+    return isfinite(x) ? x : 0.0;
+}
+
+static int present_direction(const Mechanism *m) {
+    return m->state.mode == MODE_LOADING ? 1 : -1;
+}
+
+static Way present_way(const Mechanism *m) {
+    return way_from_here(m, slip_index(present_direction(m), m->state.flank));
+}
+
+/* ---- the edge of the stick band ---- */
+
+/* Is there a torque that moves it in `direction`? Then *way is along the band's edge. */
+static bool way_along_edge(const Mechanism *m, int direction, Way *way) {
+    const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
+    int flank[2];
+    Transfer transfer;
+    if (!contact_edge(&m->place.geometry, side * direction, flank, &transfer)) return false;
+    for (int i = 0; i < 2; i++) flank[i] *= side;
+    *way = way_from_here(m, slip_index(direction, flank));
+    way->kind = FLOW_QUASISTATIC;
+    return true;
+}
+
+/* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
+static double give_of_edge(const Mechanism *m, const Way *way) {
+    static const double HELD = 1e-9; /* of the torques involved: what is left of them on the edge */
+    const Pace pace = balance_pace(way, m->state.theta.hi, 0.0, 0.0);
+    const bool held = fabs(pace.net) <= HELD * stick_torque_size(m, m->place.geometry.lift);
+    return held && pace.by_theta > 0.0 ? 1.0 / pace.by_theta : 0.0;
+}
+
+/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'. Both are
+ * smooth inside a piece, so that a central difference of order 4 has ten digits. */
+static double speed_on_edge(const Way *way, double theta) {
+    static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
+    const double step = 1e-3 * (way->piece->upper - way->piece->lower);
+    const Pace now = balance_pace(way, theta, 0.0, 0.0);
+    double change = 0.0;
+    for (int k = 0; k < 4; k++) {
+        const Pace p = balance_pace(way, theta + offset[k] * step, 0.0, 0.0);
+        change += weight[k] * (p.value - now.value) * p.by_theta;
+    }
+    return change / (12.0 * step * now.by_theta);
+}
+
+/* ---- inside a leg ---- */
+
+static void carry_along_arc(const Slip *slip, double t, Variation *x) {
+    Kernel k;
+    oscillator_kernel(&slip->oscillator, t, &k);
+    if (slip->kind == FLOW_VISCOUS) {
+        x->theta = k.ds * x->theta + k.s / slip->damping;
+        return;
+    }
+    const double w2 = slip->oscillator.stiffness, theta = x->theta, omega = x->omega;
+    x->theta = (1.0 - w2 * k.p1) * theta + k.s * omega + k.p1 / slip->mass;
+    x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
+}
+
+/* Without inertia and damping theta follows the torque, whatever it did before. */
+static void carry_along_edge(const Mechanism *m, const Leg *leg, Variation *x) {
+    Way way = present_way(m);
+    const bool there = leg->kind != LEG_JUMP || way_along_edge(m, present_direction(m), &way);
+    x->theta = there ? give_of_edge(m, &way) : 0.0;
+}
+
+static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
+    if (leg->kind == LEG_NONE) return true;
+    if (leg->kind == LEG_REST) {
+        *v = (Carried){.x = {.theta = v->x.theta}};
+        return true;
+    }
+    const int index = slip_index(present_direction(m), m->state.flank);
+    Way way = way_from_here(m, index);
+    if (way.kind == FLOW_QUASISTATIC) {
+        carry_along_edge(m, leg, &v->x);
+    } else if (leg->kind == LEG_ARC) {
+        carry_along_arc(&m->model.slip[index], t, &v->x);
+    } else {
+        const Leap *leap = &leg->passage.leap;
+        way = way_of(&m->params, &m->model.course, &m->inputs, leap->start.theta, way.direction, way.flank);
+        return leap_vary(&way, leap, 1.0, &v->x);
+    }
+    return true;
+}
+
+/* ---- at an event ---- */
+
+/* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
+ * moment, so that alpha does not jump. */
+static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
+    if (leg->end == EVENT_FLANK) return;
+    const Way way = present_way(m);
+    Balance before;
+    balance_at(&way, m->state.theta.hi, leg->omega, 0.0, &before);
+    if (leg->end == EVENT_REST) {
+        v->delay = finite(-v->x.omega / before.alpha);
+        v->x.omega = 0.0;
+        return;
+    }
+    v->delay = finite(-v->x.theta / leg->omega);
+    v->x.omega = finite(m->state.omega.hi / leg->omega) * (v->x.omega + before.alpha * v->delay);
+    v->x.theta = 0.0;
+}
+
+/* It stops where its speed has vanished, or with a jump of its speed: where the torque is back in the band while the
+ * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
+static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v) {
+    const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->place.geometry.lift;
+    Way edge;
+    v->delay = 0.0;
+    if (leg->end == EVENT_STOP) {
+        v->x.theta = 0.0;
+    } else if (leg->end == EVENT_FLANK) {
+        v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
+    } else if (way_along_edge(m, present_direction(m), &edge)) {
+        const Pace pace = balance_pace(&edge, m->state.theta.hi, 0.0, 0.0);
+        v->delay = finite((pace.by_theta * v->x.theta - 1.0) / (pace.by_theta * (pace.value - leg->omega)));
+    }
+    v->x.theta += leg->omega * v->delay;
+}
+
+static void pass_event(const Mechanism *m, const Leg *leg, Carried *v) {
+    if (leg->end != EVENT_NONE && has_inertia(&m->params)) pass_inertial(m, leg, v);
+    if (leg->end != EVENT_NONE && !has_inertia(&m->params)) pass_without_inertia(m, leg, v);
+    if (m->state.omega.hi == 0.0) v->x.omega = 0.0;
+}
+
+/* Back to a variation at a fixed time, by the motion that follows the event. */
+static void enter_next(Mechanism *m, Carried *v) {
+    leg_enter(m);
+    if (v->delay == 0.0 || !is_slip(m->state.mode)) return;
+    const Way way = present_way(m);
+    const Balance after = balance_from_here(m, &way);
+    v->x.theta -= after.omega * v->delay;
+    v->x.omega -= after.alpha * v->delay;
+    v->delay = 0.0;
+}
+
+/* ---- the step ---- */
+
+/* False where there is no variation. */
+static bool carry_through(Mechanism *m, double left, Carried *v) {
+    Leg leg;
+    while (left > 0.0) {
+        enter_next(m, v);
+        const double t = leg_run(m, left, &leg);
+        if (!(t <= left) || !carry(m, &leg, t, v)) return false;
+        pass_event(m, &leg, v);
+        left -= t;
+    }
+    enter_next(m, v);
+    return true;
+}
+
+/* Without inertia the speed is what angle and torque make it. */
+static double speed_without_inertia(const Mechanism *m, double theta) {
+    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0) return 0.0;
+    const Way way = present_way(m);
+    if (way.kind == FLOW_QUASISTATIC) return speed_on_edge(&way, m->state.theta.hi) * theta;
+    const Balance now = balance_from_here(m, &way);
+    Partials p;
+    balance_partials(&way, &now, &p);
+    return now.pace.by_theta * theta - p.by[KNOB_TAU] / p.by[KNOB_OMEGA];
+}
+
+void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+    Mechanism again = *m; /* the course is m's own: not to be freed */
+    Carried v = {.delay = 0.0};
+    *out = (StepSensitivity){0.0, 0.0};
+    if (!(m->state.step.h > 0.0)) return;
+    mechanism_rewind(&again);
+    again.params.ledger = false;
+    if (!carry_through(&again, m->state.step.h, &v)) return;
+    if (!has_inertia(&m->params)) v.x.omega = speed_without_inertia(&again, v.x.theta);
+    *out = (StepSensitivity){finite(v.x.theta), finite(v.x.omega)};
+}
