@@ -29,7 +29,8 @@ static const Variable *find(const Instance *instance, const char *function, Valu
 /* All variables exist, have that type, and their values are up to date. */
 static bool can_read(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                      const void *value, Type type) {
-    if (instance == NULL || !has_arrays(instance, function, n, vr, value)) return false;
+    if (!instance_is_in(instance, function, ~(unsigned)PHASE_SAMPLING) || !has_arrays(instance, function, n, vr, value))
+        return false;
     unsigned groups = 0;
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = find(instance, function, vr[i], type);
@@ -113,16 +114,25 @@ static bool commit(Instance *instance, const char *function, const Draft *draft)
 
 static bool can_set(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
                     const void *value) {
-    return instance_is_in(instance, function, PHASES_BEFORE_START | PHASES_RUNNING) &&
+    return instance_is_in(instance, function, PHASES_BEFORE_START | PHASES_RUNNING | PHASE_SAMPLING) &&
            has_arrays(instance, function, n, vr, value);
+}
+
+/* Inside a step a master sets only the inputs of which it has said that it will. */
+static bool is_sampled(const Instance *instance, ValueReference reference) {
+    return instance->run.phase != PHASE_SAMPLING || (reference < 16 && instance->following.sampled >> reference & 1u);
 }
 
 static const Variable *find_settable(const Instance *instance, const char *function, ValueReference reference,
                                      Type type) {
     const Variable *variable = find(instance, function, reference, type);
-    if (variable == NULL || variable->causality == CAUSALITY_INPUT) return variable;
+    if (variable == NULL) return NULL;
     const char *allowed = NULL;
-    if (variable->causality != CAUSALITY_PARAMETER)
+    if (!is_sampled(instance, reference))
+        allowed = "not asked for: allowed inside a step are the inputs among requiredIntermediateVariables";
+    else if (variable->causality == CAUSALITY_INPUT)
+        return variable;
+    else if (variable->causality != CAUSALITY_PARAMETER)
         allowed = "calculated: allowed are parameters and inputs";
     else if (variable->variability == VARIABILITY_FIXED && instance_has_begun(instance))
         allowed = "fixed: allowed is to set it before the end of initialization mode";
@@ -146,15 +156,16 @@ static bool accepts_text(const Instance *instance, const char *function, const V
                            value != NULL ? value : "NULL", variable_allowed(variable).text);
 }
 
-static bool are_good_inputs(const ValueReference vr[], size_t n, const double value[]) {
+static bool are_good_inputs(const Instance *instance, const ValueReference vr[], size_t n, const double value[]) {
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = variable_find(vr[i]);
         if (variable == NULL || variable->group != GROUP_INPUTS || !isfinite(value[i])) return false;
+        if (!is_sampled(instance, vr[i])) return false;
     }
     return true;
 }
 
-static double *input_address(Instance *instance, ValueReference reference) {
+double *access_input(Instance *instance, ValueReference reference) {
     return (double *)((char *)&instance->values + VARIABLES[reference].offset);
 }
 
@@ -172,8 +183,8 @@ static bool set_reals_on_draft(Instance *instance, const char *function, const V
 bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const double value[]) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    if (!are_good_inputs(vr, n, value)) return set_reals_on_draft(instance, function, vr, n, value);
-    for (size_t i = 0; i < n; i++) *input_address(instance, vr[i]) = value[i];
+    if (!are_good_inputs(instance, vr, n, value)) return set_reals_on_draft(instance, function, vr, n, value);
+    for (size_t i = 0; i < n; i++) *access_input(instance, vr[i]) = value[i];
     instance_changed(instance);
     return true;
 }
@@ -239,7 +250,7 @@ bool access_set_input_derivatives(Instance *instance, const char *function, cons
     if (n == 0) return true;
     if (instance->run.with_rates == 0) model_forget_rates(&instance->values.machine.inputs);
     for (size_t i = 0; i < n; i++) {
-        input_address(instance, vr[i])[order[i]] = value[i];
+        access_input(instance, vr[i])[order[i]] = value[i];
         instance->run.with_rates |= (uint16_t)(1u << vr[i]);
     }
     instance_changed(instance);
@@ -259,8 +270,8 @@ static bool is_output_derivative(const Instance *instance, const char *function,
 
 bool access_get_output_derivatives(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                    const int32_t order[], double value[]) {
-    if (instance == NULL || !has_arrays(instance, function, n, vr, value) ||
-        !instance_has_array(instance, function, n, order, "order"))
+    if (!instance_is_in(instance, function, ~(unsigned)PHASE_SAMPLING) ||
+        !has_arrays(instance, function, n, vr, value) || !instance_has_array(instance, function, n, order, "order"))
         return false;
     for (size_t i = 0; i < n; i++)
         if (!is_output_derivative(instance, function, vr[i], order[i])) return false;

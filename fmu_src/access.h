@@ -30,6 +30,9 @@ bool access_set_booleans(Instance *instance, const char *function, const ValueRe
 bool access_set_texts(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const char *const value[]);
 
+/* The value of an input; its derivatives of orders 1 to INPUT_ORDER follow. */
+double *access_input(Instance *instance, ValueReference reference);
+
 /* Time derivatives of inputs, orders 1 to INPUT_ORDER. They hold for one step: without new ones the inputs are
  * constant over the next. The old ones stay until then, since the derivatives of outputs at the end of a step
  * depend on them. */

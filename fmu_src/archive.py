@@ -12,23 +12,88 @@ def sources(files: Iterable[Path]) -> dict[str, Path]:
     return {f"sources/{path.name}": path for path in files}
 
 
-def identity_header(identifier: str, model: str, guid: str) -> str:
+def identity_header(identifier: str, model: str, guid: str, version: int) -> str:
     """What the project's own build says by -D options. model.h includes it where nobody does."""
     return f"""\
-/* Which FMU the files in this directory are. They need a C17 compiler and the three headers of FMI 2.0:
+/* Which FMU the files in this directory are. They need a C17 compiler and the three headers of FMI {version}.0:
  *
  *     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> *.c -lm -o {identifier}.so
  *
  * -ffp-contract=off keeps the last digits those of the binaries in this FMU. The functions have no prefix; to
- * link several FMUs statically, add -DFMI2_FUNCTION_PREFIX={identifier}_ */
+ * link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_ */
 #ifndef DUALCAM_IDENTITY_H
 #define DUALCAM_IDENTITY_H
 
+#define FMI_VERSION {version}
 #define MODEL_BUILT MODEL_{model.upper()}
 #define MODEL_IDENTIFIER {identifier}
 #define MODEL_GUID "{guid}"
 
 #endif
+"""
+
+
+def build_description(identifier: str, names: Iterable[str]) -> str:
+    """FMI 3.0's sources/buildDescription.xml."""
+    files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
+    return f"""\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+  <BuildConfiguration modelIdentifier="{identifier}">
+    <SourceFileSet language="C17" compilerOptions="-ffp-contract=off">
+{files}
+    </SourceFileSet>
+    <Library name="m" external="true" description="The C library's mathematics, where it is a library of its own"/>
+  </BuildConfiguration>
+</fmiBuildDescription>
+"""
+
+
+# Member of the Modelica flange -> variable, and how it is connected. A torque on cam 2 flows into the mechanism; F_ext is
+# positive against z, and so flows out of it.
+SHAFT = {
+    "forward": {"phi": ("theta", "signal"), "w": ("omega", "signal"), "tau": ("tau", "inflow")},
+    "inverse": {
+        "phi": ("theta", "signal"),
+        "w": ("omega", "signal"),
+        "a": ("alpha", "signal"),
+        "tau": ("tau", "inflow"),
+    },
+}
+FOLLOWER = {"s": ("z", "signal"), "v": ("v", "signal"), "f": ("F_ext", "outflow")}
+
+
+def terminal(name: str, kind: str, members: dict[str, tuple[str, str]], text: str) -> str:
+    lines = [
+        f'      <TerminalMemberVariable variableName="{variable}" memberName="{member}" variableKind="{how}"/>'
+        for member, (variable, how) in members.items()
+    ]
+    head = f'    <Terminal name="{name}" matchingRule="bus" terminalKind="{kind}" description="{text}">'
+    return "\n".join([head, *lines, "    </Terminal>"])
+
+
+def terminals(model: str) -> str:
+    """FMI 3.0's terminalsAndIcons.xml: the flanges of shaft and follower. Speeds and acceleration go beyond what the
+    Modelica flanges have: by the rule `bus` a counterpart need not have them."""
+    mechanics = "Modelica.Mechanics"
+    shaft = terminal(
+        "shaft", f"{mechanics}.Rotational.Interfaces.Flange_a", SHAFT[model], "Shaft of cam 2: angle and torque"
+    )
+    follower = terminal(
+        "follower", f"{mechanics}.Translational.Interfaces.Flange_b", FOLLOWER, "Follower: position and external force"
+    )
+    return f"""\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiTerminalsAndIcons fmiVersion="3.0">
+  <GraphicalRepresentation>
+    <CoordinateSystem x1="-100" y1="-100" x2="100" y2="100" suggestedScalingFactorTo_mm="0.1"/>
+    <Icon x1="-100" y1="-100" x2="100" y2="100"/>
+  </GraphicalRepresentation>
+  <Terminals>
+{shaft}
+{follower}
+  </Terminals>
+</fmiTerminalsAndIcons>
 """
 
 

@@ -1,7 +1,8 @@
 """Builds the FMUs: variables.def -> modelDescription.xml -> shared library -> .fmu.
 
-    python fmu_src/build_fmu.py             build/DualCamForward.fmu, DualCamInverse.fmu and NullFmu.fmu
-    python fmu_src/build_fmu.py --all       the same, but the first two for every platform
+    python fmu_src/build_fmu.py             build/DualCamForward.fmu and DualCamInverse.fmu (FMI 2.0), the same in
+                                            build/fmi3 (FMI 3.0), and NullFmu.fmu
+    python fmu_src/build_fmu.py --all       the same, but all except the last for every platform
     python fmu_src/build_fmu.py --check     as without, but fail if the committed XML is not fresh
     python fmu_src/build_fmu.py --sanitize  the native test drivers, with sanitizers and without
 
@@ -26,6 +27,7 @@ import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -45,13 +47,20 @@ WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werr
 # -fno-math-errno: nobody reads errno, and sqrt becomes one instruction. Every other IEEE rule stays
 # (-ffast-math would let the compiler undo compensated sums and NaN checks).
 ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
-# -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does).
-LIBRARY = ["-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-s"]
+# Neither C nor any master unwinds through a frame of an FMU; Windows has such tables for every function.
+NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
+LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
-SMALL = "-fno-unroll-loops"  # a tenth smaller, for the promised size
-SMALLER = ("-fno-vectorize", "-fno-slp-vectorize")  # and some more, where that is not enough
-LINUX = (LTO, "-Wl,-z,defs")
-SHARED = [*LIBRARY, *LINUX]
+# Size is promised, and so is the time of a step. What is not on its way is compiled for size; what is, for speed, with
+# loops unrolled where that was measured to matter. Any other file is on the way, but has no such loops.
+FOR_SIZE, FOR_SPEED = "-Os", "-O3"
+SMALL = "-fno-unroll-loops"
+OFF_THE_WAY = {
+    *("check", "course", "dependencies", "drag", "exchange", "groove", "groove_csv", "groove_table", "imposed"),
+    *("inverse", "inverse_sensitivity", "model_forward", "model_inverse", "platform", "play", "resources", "rigid"),
+    *("sensitivity", "snapshot", "state_access", "station", "step_sensitivity", "survey", "variables"),
+}
+WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
 
 
 @dataclass(frozen=True)
@@ -62,24 +71,46 @@ class Platform:
     targets: tuple[str, ...]  # several: one binary that holds them all
     suffix: str
     flags: tuple[str, ...]
+    link: tuple[str, ...] = ()
+    version: int = 2  # of FMI: the names of directories differ
 
     def library(self, identifier: str) -> Path:
-        return BUILD / self.folder / f"{identifier}{self.suffix}"
+        return place(self.version) / self.folder / f"{identifier}{self.suffix}"
 
+
+def place(version: int) -> Path:
+    """Where the products for that version of FMI are."""
+    return BUILD if version == 2 else BUILD / f"fmi{version}"
+
+
+# -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does).
+# Windows: 10 and newer, where the C library (ucrt) belongs to the system. macOS: its linker knows no -flto.
+LINUX, LINUX_LINK = (LTO, *NO_TABLES), (LTO, "-Wl,-z,defs")
+WINDOWS, WINDOWS_LINK = (LTO, "-fno-vectorize", "-fno-slp-vectorize"), (LTO,)
+X86_LINUX, ARM_LINUX = f"x86_64-linux-{GLIBC}", f"aarch64-linux-{GLIBC}"
+X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 
 # FMI 2.0 names linux64, win64, win32 and darwin64. It has no name for Linux on ARM: this one is FMI 3's.
-# Windows: 10 and newer, where the C library (ucrt) belongs to the system. macOS: its linker knows no -flto.
 PLATFORMS = (
-    Platform("linux64", (f"x86_64-linux-{GLIBC}",), ".so", LINUX),
-    Platform("aarch64-linux", (f"aarch64-linux-{GLIBC}",), ".so", LINUX),
-    Platform("win64", ("x86_64-windows-gnu",), ".dll", (LTO, SMALL, *SMALLER)),
-    Platform("win32", ("x86-windows-gnu",), ".dll", (LTO, SMALL)),
-    Platform("darwin64", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ".dylib", (SMALL,)),
+    Platform("linux64", (X86_LINUX,), ".so", LINUX, LINUX_LINK),
+    Platform("aarch64-linux", (ARM_LINUX,), ".so", LINUX, LINUX_LINK),
+    Platform("win64", ("x86_64-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK),
+    Platform("win32", ("x86-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK),
+    Platform("darwin64", (X86_MAC, ARM_MAC), ".dylib", NO_TABLES),
 )
-HERE = PLATFORMS[:1]
+PLATFORMS_3 = (
+    Platform("x86_64-linux", (X86_LINUX,), ".so", LINUX, LINUX_LINK, 3),
+    Platform("aarch64-linux", (ARM_LINUX,), ".so", LINUX, LINUX_LINK, 3),
+    Platform("x86_64-windows", ("x86_64-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK, 3),
+    Platform("x86_64-darwin", (X86_MAC,), ".dylib", NO_TABLES, (), 3),
+    Platform("aarch64-darwin", (ARM_MAC,), ".dylib", NO_TABLES, (), 3),
+)
+ALL = {2: PLATFORMS, 3: PLATFORMS_3}
+SHARED = [FOR_SPEED, *LIBRARY, "-shared", "-s", *LINUX, *LINUX_LINK]  # for a variant of an FMU, in one command
 PAGE_BITS = 14  # a memory page of the newest Macs
 
-HOST_SOURCES = {"emit_xml.c"}  # run while building, not part of an FMU
+HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while building, not part of an FMU
+ONLY_IN = {2: {"fmi2.c"}, 3: {"fmi3.c", "dependencies.c", "dependencies.h"}}  # by version of FMI
 
 # Both FMUs are compiled from the same files, but for the one that hands the FMI calls on (see model.h).
 MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
@@ -100,10 +131,11 @@ class Fmu:
     extra: dict[str, Path] = field(default_factory=dict)  # name in the archive -> file
     texts: dict[str, str] = field(default_factory=dict)  # name in the archive -> content made by the build
     defines: list[str] = field(default_factory=list)
+    version: int = 2  # of FMI
 
     @property
     def path(self) -> Path:
-        return BUILD / f"{self.identifier}.fmu"
+        return place(self.version) / f"{self.identifier}.fmu"
 
 
 def say(text: str) -> None:
@@ -115,20 +147,27 @@ def relative(path: Path) -> str:
 
 
 def fmi_headers() -> Path:
-    """The FMI 2.0 headers, which FMPy's wheel holds. Found without importing FMPy, which takes a second."""
+    """The FMI headers, which FMPy's wheel holds. Found without importing FMPy, which takes a second."""
     spec = importlib.util.find_spec("fmpy")
     if spec is None or spec.origin is None:
         raise BuildError("fmpy is not installed: run ./build.sh, or pip install -e .")
     return Path(spec.origin).parent / "c-code"
 
 
-def model_define(identifier: str) -> str:
-    return f"-DMODEL_BUILT=MODEL_{MODELS[identifier].upper()}"
+def model_defines(identifier: str, version: int) -> list[str]:
+    return [f"-DMODEL_BUILT=MODEL_{MODELS[identifier].upper()}", f"-DFMI_VERSION={version}"]
 
 
-def core_sources(identifier: str) -> list[Path]:
-    others = {f"model_{model}.c" for name, model in MODELS.items() if name != identifier}
-    return sorted(p for p in (ROOT / "fmu_src").glob("*.c") if p.name not in HOST_SOURCES | others)
+def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
+    """The files of that FMU in fmu_src."""
+    others = {f"model_{model}.c" for name, model in MODELS.items() if name != identifier} | HOST_SOURCES
+    others |= set().union(*(names for v, names in ONLY_IN.items() if v != version))
+    files = [p for p in (ROOT / "fmu_src").iterdir() if p.suffix in suffixes]
+    return sorted(p for p in files if p.name not in others)
+
+
+def core_sources(identifier: str, version: int = 2) -> list[Path]:
+    return core_files(identifier, version, [".c"])
 
 
 def headers() -> list[Path]:
@@ -168,34 +207,66 @@ def run(command: Sequence[str | Path], purpose: str) -> str:
     return result.stdout
 
 
-def compile_c(compiler: Sequence[str], flags: Sequence[str], sources: Iterable[Path], product: Path) -> None:
+def compiler_options() -> list[str]:
+    return [*WARNINGS, *ARITHMETIC, "-isystem", str(fmi_headers()), "-Ifmu_src"]
+
+
+def into_place(command: Sequence[str | Path], product: Path, end: Sequence[str] = ()) -> None:
+    """Runs a command that writes `product`, under its own name, which gets into some formats; a linker may leave other
+    files beside it."""
     product.parent.mkdir(parents=True, exist_ok=True)
-    inputs = [relative(s) for s in sources]
-    common = [*WARNINGS, *ARITHMETIC, "-isystem", str(fmi_headers()), "-Ifmu_src"]
-    # Under its own name, which gets into some formats; and the linker may leave other files beside it.
     with tempfile.TemporaryDirectory(dir=product.parent, prefix=f"{product.name}.") as scratch:
         unfinished = Path(scratch) / product.name
-        run([*compiler, *common, *flags, *inputs, "-o", str(unfinished), "-lm"], f"compile {product.name}")
+        run([*command, "-o", str(unfinished), *end], f"compile {product.name}")
         unfinished.replace(product)
+
+
+def compile_c(compiler: Sequence[str], flags: Sequence[str], sources: Iterable[Path], product: Path) -> None:
+    inputs = [relative(s) for s in sources]
+    into_place([*compiler, *compiler_options(), *flags, *inputs], product, ["-lm"])
+
+
+def optimization(source: Path) -> list[str]:
+    if source.stem in OFF_THE_WAY:
+        return [FOR_SIZE]
+    return [FOR_SPEED] if source.stem in WITH_LOOPS else [FOR_SPEED, SMALL]
+
+
+def compile_library(flags: Sequence[str], link: Sequence[str], sources: Sequence[Path], product: Path) -> None:
+    """A shared library, each file optimized for what it is for."""
+    folder = product.with_suffix(".parts")
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def compile_one(source: Path) -> Path:
+        part = folder / f"{source.stem}.o"
+        options = [*LIBRARY, *optimization(source), *compiler_options(), *flags]
+        run([*ZIG, *options, "-c", relative(source), "-o", part], f"compile {source.name}")
+        return part
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        parts = list(pool.map(compile_one, sources))
+    into_place([*ZIG, FOR_SPEED, "-shared", "-s", *link, *parts], product, ["-lm"])
 
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
 
 
-def emit_description(identifier: str, check: bool) -> str:
-    """The modelDescription.xml of `identifier`: emitted by emit_xml.c from variables.def and compared
-    with the committed file, which is rewritten (or, with `check`, refused) if it differs."""
-    committed = DESCRIPTIONS / f"{identifier}.xml"
-    emitter, included = ROOT / "fmu_src/emit_xml.c", ROOT / "fmu_src/variables.c"
-    fresh = BUILD / "description" / committed.name
-    names = [source.name for source in core_sources(identifier)]
-    stamp = fingerprint([emitter, included, *headers()], *names)
+def emit_description(identifier: str, version: int, check: bool) -> str:
+    """The modelDescription.xml of `identifier`: emitted from variables.def and compared with the committed file,
+    which is rewritten (or, with `check`, refused) if it differs."""
+    committed = DESCRIPTIONS / ("" if version == 2 else f"fmi{version}") / f"{identifier}.xml"
+    files = ("emit.c", f"emit_fmi{version}.c", "variables.c", "dependencies.c")
+    emitter = [ROOT / "fmu_src" / name for name in files]
+    fresh = BUILD / "description" / f"fmi{version}" / committed.name
+    names = [source.name for source in core_sources(identifier, version)]
+    defines = model_defines(identifier, version)
+    stamp = fingerprint([*emitter, *headers()], *defines, *names)
     if not is_fresh(fresh, stamp):
         say(f"emit {relative(committed)}")
-        program = BUILD / "host" / f"emit_{identifier}"
-        compile_c(ZIG, ["-O1", model_define(identifier)], [emitter], program)
+        program = BUILD / "host" / f"emit_{identifier}_{version}"
+        compile_c(ZIG, ["-O1", *defines], emitter, program)
         fresh.parent.mkdir(parents=True, exist_ok=True)
-        fresh.write_bytes(run([program, *names], "emit_xml").encode())
+        fresh.write_bytes(run([program, *names], "emit").encode())
         set_stamp(fresh, stamp)
     if not committed.exists() or committed.read_bytes() != fresh.read_bytes():
         if check:
@@ -206,17 +277,23 @@ def emit_description(identifier: str, check: bool) -> str:
     return committed.read_text(encoding="utf-8")
 
 
-def dual_cam(identifier: str, check: bool) -> Fmu:
-    description = emit_description(identifier, check)
-    guid = ET.fromstring(description).attrib["guid"]
-    sources, defines = core_sources(identifier), [model_define(identifier)]
-    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "model.png": DESCRIPTIONS / "model.png"}
-    extra |= archive.sources([*sources, *headers()]) | archive.reference(DESCRIPTIONS, identifier)
+def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
+    description = emit_description(identifier, version, check)
+    guid = ET.fromstring(description).attrib["guid" if version == 2 else "instantiationToken"]
+    sources, defines = core_sources(identifier, version), model_defines(identifier, version)
+    icon = "model.png" if version == 2 else "terminalsAndIcons/icon.png"
+    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", icon: DESCRIPTIONS / "model.png"}
+    extra |= archive.sources(core_files(identifier, version, [".c", ".h", ".def"]))
+    extra |= archive.reference(DESCRIPTIONS, identifier)
     texts = {
         "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
-        "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid),
+        "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid, version),
     }
-    return Fmu(identifier, sources, description, guid, extra, texts, defines)
+    if version == 3:
+        names = [source.name for source in sources]
+        texts["sources/buildDescription.xml"] = archive.build_description(identifier, names)
+        texts["terminalsAndIcons/terminalsAndIcons.xml"] = archive.terminals(MODELS[identifier])
+    return Fmu(identifier, sources, description, guid, extra, texts, defines, version)
 
 
 def null_fmu(like: Fmu) -> Fmu:
@@ -284,16 +361,18 @@ def universal(slices: Sequence[bytes]) -> bytes:
 def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The binary of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
-    flags = [*LIBRARY, *platform.flags, *fmu.defines, *identity(fmu)]
+    flags, link = [*platform.flags, *fmu.defines, *identity(fmu)], list(platform.link)
     if platform.suffix == ".dylib":
-        flags.append(f"-Wl,-install_name,@rpath/{library.name}")  # else it is the path of the output
-    stamp = fingerprint([*fmu.sources, *headers(), Path(__file__).resolve()], *platform.targets, *flags)
+        link.append(f"-Wl,-install_name,@rpath/{library.name}")  # else it is the path of the output
+    stamp = fingerprint(
+        [*fmu.sources, *headers(), Path(__file__).resolve()], *platform.targets, *flags, "link", *link
+    )
     if is_fresh(library, stamp):
         return library
-    say(f"compile {platform.folder}/{library.name} ({len(fmu.sources)} files)")
-    parts = [BUILD / "parts" / target / library.name for target in platform.targets]
+    say(f"compile {relative(library)} ({len(fmu.sources)} files)")
+    parts = [BUILD / "parts" / f"fmi{fmu.version}" / target / library.name for target in platform.targets]
     for target, part in zip(platform.targets, parts, strict=True):
-        compile_c(ZIG, ["-target", target, *flags], fmu.sources, part)
+        compile_library(["-target", target, *flags], ["-target", target, *link], fmu.sources, part)
         check_glibc(part)
     contents = [part.read_bytes() for part in parts]
     library.parent.mkdir(parents=True, exist_ok=True)
@@ -302,16 +381,18 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     return library
 
 
-def build(fmu: Fmu, platforms: Sequence[Platform] = HERE) -> None:
-    """Makes the FMU for `platforms`, unless it is there already, for these or for all."""
+def build(fmu: Fmu, for_all: bool = False) -> None:
+    """Makes the FMU for this machine or all platforms, unless it is there already, for these or for all."""
     inputs = [*fmu.sources, *fmu.extra.values(), *headers(), Path(__file__).resolve()]
+    every = ALL[fmu.version]
+    platforms = every if for_all else every[:1]
 
     def stamp(held: Sequence[Platform]) -> str:
         folders = [platform.folder for platform in held]
         texts = [*fmu.texts, *fmu.texts.values()]
         return fingerprint(inputs, fmu.description, *fmu.defines, *fmu.extra, *texts, *folders)
 
-    if any(is_fresh(fmu.path, stamp(held)) for held in (platforms, PLATFORMS)):
+    if any(is_fresh(fmu.path, stamp(held)) for held in (platforms, every)):
         return
     members = {name: path.read_bytes() for name, path in fmu.extra.items()}
     members |= {name: text.encode() for name, text in fmu.texts.items()}
@@ -319,7 +400,7 @@ def build(fmu: Fmu, platforms: Sequence[Platform] = HERE) -> None:
     for platform in platforms:
         library = build_library(fmu, platform)
         members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
-    unfinished = BUILD / f"{fmu.identifier}.{os.getpid()}.fmu"
+    unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
     try:
         write_archive(unfinished, members)
         validate(unfinished)
@@ -379,14 +460,15 @@ def main() -> int:
     try:
         with (BUILD / "lock").open("w") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # parallel test workers may ask at the same time
-            forward, inverse = (dual_cam(identifier, arguments.check) for identifier in MODELS)
+            fmus = [dual_cam(name, arguments.check, version) for version in ALL for name in MODELS]
             if arguments.sanitize:
-                build_native_drivers(forward)
-                build_native_drivers(inverse)
+                for fmu in fmus:
+                    if fmu.version == 2:
+                        build_native_drivers(fmu)
             else:
-                build(forward, PLATFORMS if arguments.all else HERE)
-                build(inverse, PLATFORMS if arguments.all else HERE)
-                build(null_fmu(forward))
+                for fmu in fmus:
+                    build(fmu, arguments.all)
+                build(null_fmu(fmus[0]))
     except BuildError as error:
         print(f"build_fmu: {error}", file=sys.stderr)
         return 1

@@ -11,6 +11,7 @@ import math
 import xml.etree.ElementTree as ET
 from bisect import bisect_right
 from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from string import Template
@@ -48,13 +49,35 @@ USE = {
 <p>Connect a torque to <code>tau</code>, read <code>theta</code> and <code>omega</code>. The outputs
 depend on the state alone: a loop closed over the FMU is no algebraic loop. A step lands on exactly its
 end, whatever happens inside; how an interval is cut into steps does not change the answer beyond the
-tolerance. Inputs may be polynomials (derivatives of order 1 to 3).</p>""",
+tolerance. $polynomials</p>""",
     "DualCamInverse": """\
 <p>Set <code>theta</code>, <code>omega</code>, <code>alpha</code> and <code>F_ext</code> as they are at
 the end of the next step, make the step, read <code>tau</code>. Between communication points the motion
-is the cubic through angles and speeds.</p>""",
+is the cubic through angles and speeds. $polynomials</p>""",
 }
+POLYNOMIALS = {
+    "DualCamForward": {
+        2: """\
+Inputs may be polynomials (fmi2SetRealInputDerivatives, orders 1 to 3).""",
+        3: """\
+FMI 3.0 has no derivatives of inputs. Instead, for inputs among requiredIntermediateVariables, the callback
+intermediateUpdate is asked for values at the thirds and the end of the step, before it begins: the inputs are the
+cubics through them. During the step it is called at each mode change and at the end, to read variables; a master that
+takes early returns may then end the step, at the latest at its earlyReturnTime (not later than asked, at once if that
+time is past). With event mode and early return the step ends at the first change of <code>mode</code> after its start,
+with eventHandlingNeeded; a change that an input brings about at its very start is none.""",
+    },
+    "DualCamInverse": {
+        2: """\
+Or give derivatives of <code>theta</code> (fmi2SetRealInputDerivatives, orders 1 to 3): then it is that polynomial.""",
+        3: """\
+A step is never cut short, since its motion is imposed to its end: eventHandlingNeeded tells in event mode that
+<code>mode</code> is another one there, and intermediateUpdate is called there.""",
+    },
+}
+NUMBERS = ("Real", "Integer", "Float64", "Int32")
 GROUPS = {
+    "independent": "Independent variable",
     "input": "Inputs",
     "output": "Outputs",
     "parameter": "Parameters",
@@ -131,12 +154,27 @@ class Chart:
         return "\n".join([*self.parts, "</svg>"])
 
 
+@dataclass(frozen=True)
+class Row:
+    """A variable of modelDescription.xml, of either version of FMI."""
+
+    type: str
+    attributes: dict[str, str]
+
+
+def variables(root: ET.Element) -> list[Row]:
+    listed = list(root.iterfind("ModelVariables/*"))
+    if root.attrib["fmiVersion"] == "2.0":
+        return [Row(v[0].tag, v.attrib | v[0].attrib) for v in listed]
+    return [Row(v.tag, v.attrib | {"start": s.attrib["value"] for s in v.iter("Start")}) for v in listed]
+
+
 def start_values(root: ET.Element) -> dict[str, float]:
     """Of the parameters that are numbers."""
     return {
-        v.attrib["name"]: float(v[0].attrib["start"])
-        for v in root.iter("ScalarVariable")
-        if v.attrib["causality"] == "parameter" and v[0].tag in ("Real", "Integer")
+        v.attributes["name"]: float(v.attributes["start"])
+        for v in variables(root)
+        if v.attributes["causality"] == "parameter" and v.type in NUMBERS
     }
 
 
@@ -237,22 +275,22 @@ def value_and_display(text: str, unit: ET.Element | None) -> str:
     return f"{number} [{float(text) * float(shown.attrib['factor']):.6g} {shown.attrib['name']}]"
 
 
-def row(variable: ET.Element, units: dict[str, ET.Element]) -> str:
-    kind = variable[0]
-    unit = kind.attrib.get("unit")
-    start = kind.attrib.get("start", "")
-    if start and kind.tag in ("Real", "Integer"):
+def row(variable: Row, units: dict[str, ET.Element]) -> str:
+    given = variable.attributes
+    unit = given.get("unit")
+    start = given.get("start", "")
+    if start and variable.type in NUMBERS:
         start = value_and_display(start, units.get(unit or ""))
-    low, high = kind.attrib.get("min"), kind.attrib.get("max")
+    low, high = given.get("min"), given.get("max")
     span = " to ".join(f"{float(end):.6g}" for end in (low, high) if end is not None)
     if low is None or high is None:
         span = ("from " if low else "up to ") + span if span else ""
-    text = escape(variable.attrib["description"])
-    if variable.attrib["variability"] == "tunable":
+    text = escape(given["description"])
+    if given["variability"] == "tunable":
         text += "; tunable"
-    unit_text = escape(unit) if unit else kind.tag
+    unit_text = escape(unit) if unit else variable.type
     return (
-        f"<tr><td><code>{escape(variable.attrib['name'])}</code></td><td>{unit_text}</td>"
+        f"<tr><td><code>{escape(given['name'])}</code></td><td>{unit_text}</td>"
         f'<td class="number">{escape(start)}</td><td class="number">{span}</td><td>{text}</td></tr>'
     )
 
@@ -261,15 +299,16 @@ def table(root: ET.Element) -> str:
     units = {unit.attrib["name"]: unit for unit in root.iter("Unit")}
     lines = []
     for causality, title in GROUPS.items():
-        lines.append(f'<tr class="group"><td colspan="5">{title}</td></tr>')
-        lines += [row(v, units) for v in root.iter("ScalarVariable") if v.attrib["causality"] == causality]
+        rows = [row(v, units) for v in variables(root) if v.attributes["causality"] == causality]
+        if rows:
+            lines += [f'<tr class="group"><td colspan="5">{title}</td></tr>', *rows]
     return "\n".join(lines)
 
 
 def page(description: str, reference: Path) -> str:
     """The page of the FMU with that modelDescription.xml; its reference result is in that folder."""
     root = ET.fromstring(description)
-    name = root.attrib["modelName"]
+    name, fmi = root.attrib["modelName"], int(root.attrib["fmiVersion"][0])
     p = start_values(root)
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
         name=name,
@@ -279,6 +318,7 @@ def page(description: str, reference: Path) -> str:
         loop=loop(p, read(reference / f"{name}_in.csv"), read(reference / f"{name}_ref.csv")),
         loop_caption=LOOP_CAPTION[name],
         regime=REGIME[name],
-        use=USE[name],
+        use=Template(USE[name]).substitute(polynomials=POLYNOMIALS[name][fmi]),
+        fmi=fmi,
         variables=table(root),
     )

@@ -116,6 +116,7 @@ Instance *instance_new(const Wish *wish, const Log *log) {
     }
     instance->logs_errors = true;
     instance->log = *log;
+    instance->following = wish->following;
     instance->run.use = (uint16_t)wish->use;
     instance_reset(instance);
     return instance;
@@ -180,6 +181,8 @@ bool instance_provide(Instance *instance, const char *function, unsigned groups)
     const unsigned missing = groups & ~instance->valid;
     if (!model_outputs(&values->machine, missing, &values->outputs, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
+    if (missing & GROUP_TIME) values->listed.time = instance->run.time;
+    if (missing & GROUP_INDICATORS) model_indicators(&values->machine, values->listed.indicator);
     instance->valid |= missing;
     return true;
 }
@@ -193,14 +196,16 @@ static const char *phase_name(Phase phase) {
         case PHASE_STEP: return "step mode";
         case PHASE_EVENT: return "event mode";
         case PHASE_CONTINUOUS: return "continuous-time mode";
+        case PHASE_SAMPLING: return "inside a step, for inputs";
+        case PHASE_WATCHING: return "inside a step, for outputs";
         default: return "terminated";
     }
 }
 
 static bool refuse_phase(const Instance *instance, const char *function, unsigned phases) {
-    char allowed[128] = "";
+    char allowed[192] = "";
     size_t length = 0;
-    for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_TERMINATED; phase <<= 1) {
+    for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_WATCHING; phase <<= 1) {
         if ((phases & phase) == 0) continue;
         const char *separator = length > 0 ? " or " : "";
         length += (size_t)snprintf(allowed + length, sizeof allowed - length, "%s%s", separator,
@@ -213,6 +218,20 @@ static bool refuse_phase(const Instance *instance, const char *function, unsigne
 bool instance_is_in(const Instance *instance, const char *function, unsigned phases) {
     if (instance == NULL) return false;
     return (instance->run.phase & phases) != 0 || refuse_phase(instance, function, phases);
+}
+
+const char *use_name(Use use) {
+    static const char *const names[] = {[MODEL_EXCHANGE] = "model exchange",
+                                        [CO_SIMULATION] = "co-simulation",
+                                        [HYBRID_CO_SIMULATION] = "co-simulation with event mode"};
+    return names[use];
+}
+
+bool instance_is_for(const Instance *instance, const char *function, Use use) {
+    if (instance == NULL) return false;
+    return instance->run.use == use ||
+           instance_refuse(instance, "%s is not allowed in %s: allowed is only %s", function,
+                           use_name((Use)instance->run.use), use_name(use));
 }
 
 bool instance_go(Instance *instance, const char *function, unsigned from, Phase to) {

@@ -13,11 +13,15 @@ typedef enum {
     PHASE_EVENT = 8,
     PHASE_CONTINUOUS = 16, /* model exchange, continuous time */
     PHASE_TERMINATED = 32,
+    PHASE_SAMPLING = 64, /* inside a step: the master gives inputs of later instants */
+    PHASE_WATCHING = 128, /* inside a step: the master reads what it has come to */
+    PHASES_INSIDE_STEP = PHASE_SAMPLING | PHASE_WATCHING,
     PHASES_BEFORE_START = PHASE_INSTANTIATED | PHASE_INITIALIZATION,
     PHASES_RUNNING = PHASE_STEP | PHASE_EVENT | PHASE_CONTINUOUS
 } Phase;
 
-typedef enum { MODEL_EXCHANGE, CO_SIMULATION } Use;
+/* Hybrid: the master handles events in event mode. */
+typedef enum { MODEL_EXCHANGE, CO_SIMULATION, HYBRID_CO_SIMULATION } Use;
 
 /* What a restored run needs besides params, inputs and state. */
 typedef struct {
@@ -37,12 +41,20 @@ struct Log {
     void (*logger)(void); /* the master's own function, of the type that its version of FMI has */
 };
 
+/* How a master takes part in what happens inside a co-simulation step. All zero: not at all. */
+typedef struct {
+    bool takes_early_return;
+    uint16_t sampled;     /* bit r: it gives values of the input with value reference r for later instants */
+    void (*update)(void); /* its own function, of the type that its version of FMI has, or NULL */
+} Following;
+
 typedef struct {
     Values values;
     Run run;
     unsigned valid; /* groups of variables that are what params, inputs and state imply */
     bool logs_errors;
     Log log;
+    Following following;
     char *name;
     char *resources; /* the directory of the FMU's resources, or NULL */
 } Instance;
@@ -54,6 +66,7 @@ typedef struct {
     const char *guid, *guid_name; /* and what its version of FMI calls it */
     const char *location;         /* URI or path of the FMU's resources */
     Use use;
+    Following following;
 } Wish;
 
 /* NULL, with the reason in the log, if there is no memory, or name or GUID are wrong. */
@@ -88,6 +101,10 @@ bool instance_provide(Instance *instance, const char *function, unsigned groups)
 /* Is the instance in one of these phases? If not, or if there is no instance, logs that `function` is
  * not allowed. */
 bool instance_is_in(const Instance *instance, const char *function, unsigned phases);
+
+/* Is the instance used in this way? If not, logs that `function` is not allowed. */
+bool instance_is_for(const Instance *instance, const char *function, Use use);
+const char *use_name(Use use);
 
 /* Takes the instance from one of the phases `from` to `to`. */
 bool instance_go(Instance *instance, const char *function, unsigned from, Phase to);

@@ -648,6 +648,7 @@ double leg_run(Mechanism *m, double left, Leg *leg) {
 static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
     m->state = *state;
     m->inputs = *inputs;
+    arrive(m);
     forget(&m->cache);
 }
 
@@ -669,8 +670,18 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
              (int)WATCHED_EVENTS, LEAST_PROGRESS, (int)MAX_JAMS_PER_STEP);
 }
 
+/* Tells the watcher, if there is one, of another mode. Returns for how long to go on. */
+static double report(const Mechanism *m, Watcher *watcher, double left) {
+    const int mode = (int)m->state.mode;
+    if (watcher == NULL || watcher->mode == 0 || watcher->mode == mode || is_jammed(m)) return left;
+    watcher->mode = mode;
+    const double on = watcher->changed(watcher, left);
+    watcher->cut += left - on;
+    return on;
+}
+
 /* Returns how much of `left` seconds is left: 0, or more if there is no end of events, or NAN. */
-static double advance_through_events(Mechanism *m, double left, int *jams) {
+static double advance_through_events(Mechanism *m, double left, Watcher *watcher, int *jams) {
     const double least = LEAST_PROGRESS * left;
     double before = INFINITY;
     Leg leg;
@@ -680,21 +691,28 @@ static double advance_through_events(Mechanism *m, double left, int *jams) {
             before = left;
         }
         leg_enter(m);
+        left = report(m, watcher, left);
+        if (left == 0.0) return 0.0;
         *jams += is_jammed(m);
-        left -= leg_run(m, left, &leg);
+        const int mode = (int)m->state.mode;
+        const double took = leg_run(m, left, &leg);
+        left -= took;
+        if (watcher != NULL && took > 0.0) watcher->mode = mode;
     }
-    if (left == 0.0) leg_enter(m); /* the mode at the communication point itself */
-    return left;
+    if (left != 0.0) return left;
+    leg_enter(m); /* the mode at the communication point itself */
+    return report(m, watcher, 0.0);
 }
 
-static bool advance(Mechanism *m, double h, Fault *fault) {
+static bool advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
     if (hold_again(m) || (is_closed_form(m) && slip_on(m, h))) return true;
     const State state = m->state;
     const Inputs inputs = m->inputs;
     double left = is_closed_form(m) ? h : leap_on(m, h);
     int jams = 0;
-    if (left > 0.0) left = advance_through_events(m, left, &jams);
+    if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
+    if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);
     if (left == 0.0) return true;
     const char *const what = failure_of(m, left, jams);
     undo(m, &state, &inputs);
@@ -726,10 +744,9 @@ bool mechanism_settle(Mechanism *m, Fault *fault) {
         if (!is_jammed(m)) break;
         jam(m);
     }
-    m->state.ledger = before.ledger;
+    if (m->continuous) m->state.ledger = before.ledger;
     if (jams < MAX_JAMS_PER_STEP) return true;
     undo(m, &before, &m->inputs);
-    arrive(m);
     describe_failure(fault, m, 0.0, failure_of(m, 1.0, jams));
     return false;
 }
@@ -741,11 +758,23 @@ static Step step_from_here(const Mechanism *m, double h) {
     return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
 }
 
+static void remember_step(Mechanism *m, const Step *step) {
+    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
+    m->state.step = *step;
+}
+
 bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
     const Step step = step_from_here(m, h);
-    if (!advance(m, h, fault)) return false;
-    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
-    m->state.step = step;
+    if (!advance(m, h, NULL, fault)) return false;
+    remember_step(m, &step);
+    return true;
+}
+
+bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+    Step step = step_from_here(m, h);
+    if (!advance(m, h, watcher, fault)) return false;
+    step.h -= watcher->cut;
+    remember_step(m, &step);
     return true;
 }
 

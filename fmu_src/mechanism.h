@@ -31,6 +31,7 @@
 #include "mode.h"
 #include "params.h"
 #include "sum.h"
+#include "watcher.h"
 
 /* What the latest step started from: enough to go through it again. */
 typedef struct {
@@ -159,11 +160,16 @@ void mechanism_free(Mechanism *m);
  * MAX_EVENTS_PER_STEP) or a value is no longer finite; `fault` says which. */
 bool mechanism_advance(Mechanism *m, double h, Fault *fault);
 
+/* The same, but `watcher`, with mode and cut zero, is told of each instant after the start at which the mode is another
+ * one. It sees the mechanism as it is then, and the step ends when it says: `cut` seconds early. The motion is that of
+ * one step, however often it is told. */
+bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault);
+
 /* Puts it to theta (rad) and omega (rad/s) in its present mode. */
 void mechanism_place(Mechanism *m, double theta, double omega);
 
 /* Carries out the mode changes that are due now, with a mechanism placed on or beyond an end stop or velocity zero
- * included. The accounts stay as they are. Returns false, with the mechanism as before, if they do not end. */
+ * included. Where somebody else integrates the accounts stay as they are. Returns false, with the mechanism as before, if they do not end. */
 bool mechanism_settle(Mechanism *m, Fault *fault);
 
 /* Brings state, inputs and tunable parameters back to where the latest step began; the ledger stays. */

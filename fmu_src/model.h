@@ -12,6 +12,7 @@
 
 #include "fault.h"
 #include "knobs.h"
+#include "watcher.h"
 
 #define MODEL_FORWARD 1
 #define MODEL_INVERSE 2
@@ -27,6 +28,8 @@ typedef Mechanism Machine;
 typedef Inputs MachineInputs;
 typedef State MachineState;
 typedef Outputs MachineOutputs;
+enum { RETURNS_EARLY = 1 };    /* can a step end at a mode change? */
+enum { SAMPLES_INPUTS = 1 };   /* can inputs be given inside a step? */
 enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 enum { CONTINUOUS_STATES = EXCHANGE_STATES, EVENT_INDICATORS = EXCHANGE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
@@ -35,6 +38,7 @@ typedef Inverse Machine;
 typedef InverseInputs MachineInputs;
 typedef InverseState MachineState;
 typedef InverseOutputs MachineOutputs;
+enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion to the end of the step is imposed */
 enum { MAX_OUTPUT_ORDER = 0 }; /* the rate of the torque depends on a rate of alpha that nobody gives */
 enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 #else
@@ -58,6 +62,9 @@ void model_free(Machine *m);
 /* Moves on by h > 0 seconds and leaves in m->inputs their values at the end. Bit r of `with_rates` tells that
  * derivatives of the input with value reference r are given for this step. */
 bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault);
+
+/* The same with a watcher, see mechanism_advance_watched(). One that does not return early is told at its end. */
+bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault);
 
 /* Makes all derivatives of the inputs zero. */
 void model_forget_rates(MachineInputs *inputs);

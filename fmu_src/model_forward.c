@@ -25,6 +25,11 @@ bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
     return mechanism_advance(m, h, fault);
 }
 
+bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault) {
+    (void)with_rates;
+    return mechanism_advance_watched(m, h, watcher, fault);
+}
+
 void model_forget_rates(Inputs *inputs) {
     for (int order = 1; order <= INPUT_ORDER; order++) {
         inputs->tau[order] = 0.0;

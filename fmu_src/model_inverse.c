@@ -26,6 +26,13 @@ bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
     return inverse_advance(m, h, given_by(with_rates), fault);
 }
 
+bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault) {
+    const Mode before = m->state.mode;
+    if (!model_advance(m, h, with_rates, fault)) return false;
+    if (m->state.mode != before) (void)watcher->changed(watcher, 0.0);
+    return true;
+}
+
 void model_forget_rates(InverseInputs *inputs) {
     *inputs = (InverseInputs){
         .theta = {inputs->theta[0]},
@@ -99,7 +106,7 @@ unsigned model_state_reference(int state) {
 
 bool model_settle(Machine *m, Fault *fault) {
     (void)fault;
-    inverse_settle(m);
+    if (m->continuous) inverse_settle(m); /* a step does it itself */
     return true;
 }
 

@@ -50,13 +50,14 @@ static void put(const Snapshot *snapshot, Instance *instance) {
     machine->continuous = instance_has_begun(instance) && instance->run.use == MODEL_EXCHANGE;
 }
 
-/* A state of another use is refused: its phase would be none of this instance's. Before the run has begun there is nothing to build yet: the parameters may not even be possible. */
+/* A state of another use is refused: its phase would be none of this instance's. Before the run has begun there is
+ * nothing to build yet: the parameters may not even be possible. */
 bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault) {
     const bool begun = (snapshot->run.phase & PHASES_BEFORE_START) == 0;
     if (snapshot->run.use != instance->run.use) {
         snprintf(fault->text, sizeof fault->text,
                  "FMU state of %s: allowed is one of the way in which this instance is used",
-                 snapshot->run.use == CO_SIMULATION ? "co-simulation" : "model exchange");
+                 use_name((Use)snapshot->run.use));
         return false;
     }
     Snapshot before;

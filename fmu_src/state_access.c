@@ -21,7 +21,8 @@ static Snapshot *room_for_state(const Instance *instance, const char *function, 
 }
 
 bool state_get(const Instance *instance, const char *function, void **state) {
-    Snapshot *snapshot = instance != NULL ? room_for_state(instance, function, state) : NULL;
+    if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP)) return false;
+    Snapshot *snapshot = room_for_state(instance, function, state);
     if (snapshot == NULL) return false;
     snapshot_take(snapshot, instance);
     *state = snapshot;
@@ -29,7 +30,8 @@ bool state_get(const Instance *instance, const char *function, void **state) {
 }
 
 bool state_set(Instance *instance, const char *function, const void *state) {
-    if (instance == NULL || !is_snapshot(instance, function, state)) return false;
+    if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP) || !is_snapshot(instance, function, state))
+        return false;
     Fault fault;
     return snapshot_restore(state, instance, &fault) || instance_refuse(instance, "%s: %s", function, fault.text);
 }

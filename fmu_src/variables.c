@@ -40,6 +40,8 @@ const Unit UNITS[UNIT_COUNT] = {
 #endif
 #define PATH_ENERGY outputs.energy
 #define PATH_STEP outputs.step
+#define PATH_TIME listed
+#define PATH_INDICATORS listed
 
 /* The C type of each kind: a field of another type does not compile. */
 typedef double TypeOf_REAL;
@@ -87,7 +89,6 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .max = max_,                                                                \
                              .nominal = nominal_,                                                        \
                              .name = name_,                                                              \
-                             .description = text,                                                        \
                              .unit = UNIT_##unit_},)
 #define FOLLOWS(...)
 #define STARTS_FROM(...)
@@ -101,8 +102,8 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 };
 
 const char *type_name(Type type) {
-    static const char *const names[] = {[TYPE_REAL] = "Real",
-                                        [TYPE_INTEGER] = "Integer",
+    static const char *const names[] = {[TYPE_REAL] = FMI_VERSION == 2 ? "Real" : "Float64",
+                                        [TYPE_INTEGER] = FMI_VERSION == 2 ? "Integer" : "Int32",
                                         [TYPE_BOOLEAN] = "Boolean",
                                         [TYPE_STRING] = "String"};
     return names[type];

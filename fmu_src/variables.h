@@ -18,12 +18,31 @@
 #endif
 #define IN_BOTH(...) __VA_ARGS__
 
+/* The same for a row that only FMI 3.0 has. */
+#if FMI_VERSION == 3
+#define IN_FORWARD_3(...) IN_FORWARD(__VA_ARGS__)
+#define IN_INVERSE_3(...) IN_INVERSE(__VA_ARGS__)
+#define IN_BOTH_3(...) __VA_ARGS__
+#elif FMI_VERSION == 2
+#define IN_FORWARD_3(...)
+#define IN_INVERSE_3(...)
+#define IN_BOTH_3(...)
+#else
+#error "FMI_VERSION must be 2 or 3"
+#endif
+
 typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
 
 /* How a value is stored and what is allowed beyond its range. */
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
 
-typedef enum { CAUSALITY_PARAMETER, CAUSALITY_INPUT, CAUSALITY_OUTPUT, CAUSALITY_LOCAL } Causality;
+typedef enum {
+    CAUSALITY_PARAMETER,
+    CAUSALITY_INPUT,
+    CAUSALITY_OUTPUT,
+    CAUSALITY_LOCAL,
+    CAUSALITY_INDEPENDENT
+} Causality;
 
 typedef enum {
     VARIABILITY_FIXED,
@@ -41,7 +60,9 @@ typedef enum {
     GROUP_LOADS = 16,
     GROUP_CONTACT = 32,
     GROUP_ENERGY = 64,
-    GROUP_STEP = 128
+    GROUP_STEP = 128,
+    GROUP_TIME = 256,
+    GROUP_INDICATORS = 512
 } Group;
 
 typedef enum {
@@ -92,14 +113,17 @@ typedef struct {
     Variability variability;
     double start, min, max, nominal; /* as in variables.def */
     const char *name;
-    const char *description;
     UnitId unit;
-} Variable;
+} Variable; /* less its description, which only the XML has */
 
 /* Everything that a variable can be read from. */
 typedef struct {
     Machine machine;
     MachineOutputs outputs;
+    struct { /* what only FMI 3.0 lists among the variables */
+        double time;                        /* s */
+        double indicator[EVENT_INDICATORS]; /* as in model exchange */
+    } listed;
 } Values;
 
 extern const Unit UNITS[UNIT_COUNT];
@@ -111,7 +135,7 @@ static inline const Variable *variable_find(unsigned reference) {
 }
 
 int tunable_knob(unsigned reference); /* the Knob that a tunable parameter is, or -1 */
-const char *type_name(Type type); /* as FMI writes it: "Real", ... */
+const char *type_name(Type type); /* as this version of FMI writes it: "Real", "Float64", ... */
 
 /* Writes the start values of all parameters and inputs. */
 void variables_start(Values *values);
