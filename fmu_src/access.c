@@ -156,12 +156,17 @@ static bool accepts_text(const Instance *instance, const char *function, const V
                            value != NULL ? value : "NULL", variable_allowed(variable).text);
 }
 
-static bool are_good_inputs(const Instance *instance, const ValueReference vr[], size_t n, const double value[]) {
+static bool are_good_inputs(const ValueReference vr[], size_t n, const double value[]) {
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = variable_find(vr[i]);
         if (variable == NULL || variable->group != GROUP_INPUTS || !isfinite(value[i])) return false;
-        if (!is_sampled(instance, vr[i])) return false;
     }
+    return true;
+}
+
+static bool are_sampled(const Instance *instance, const ValueReference vr[], size_t n) {
+    for (size_t i = 0; i < n; i++)
+        if (!is_sampled(instance, vr[i])) return false;
     return true;
 }
 
@@ -183,7 +188,9 @@ static bool set_reals_on_draft(Instance *instance, const char *function, const V
 bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const double value[]) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    if (!are_good_inputs(instance, vr, n, value)) return set_reals_on_draft(instance, function, vr, n, value);
+    const bool inside_step = instance->run.phase == PHASE_SAMPLING;
+    if (!are_good_inputs(vr, n, value) || (inside_step && !are_sampled(instance, vr, n)))
+        return set_reals_on_draft(instance, function, vr, n, value);
     for (size_t i = 0; i < n; i++) *access_input(instance, vr[i]) = value[i];
     instance_changed(instance);
     return true;

@@ -15,7 +15,7 @@ def sources(files: Iterable[Path]) -> dict[str, Path]:
 def identity_header(identifier: str, model: str, guid: str, version: int) -> str:
     """What the project's own build says by -D options. model.h includes it where nobody does."""
     return f"""\
-/* Which FMU the files in this directory are. They need a C17 compiler and the three headers of FMI {version}.0:
+/* Which FMU the files in this directory are. They need a C17 compiler and the headers of FMI {version}.0:
  *
  *     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> *.c -lm -o {identifier}.so
  *
@@ -43,14 +43,14 @@ def build_description(identifier: str, names: Iterable[str]) -> str:
     <SourceFileSet language="C17" compilerOptions="-ffp-contract=off">
 {files}
     </SourceFileSet>
-    <Library name="m" external="true" description="The C library's mathematics, where it is a library of its own"/>
+    <Library name="m" external="true" description="Mathematics, where not part of the C library"/>
   </BuildConfiguration>
 </fmiBuildDescription>
 """
 
 
-# Member of the Modelica flange -> variable, and how it is connected. A torque on cam 2 flows into the mechanism; F_ext is
-# positive against z, and so flows out of it.
+# Member of the Modelica flange -> variable, and how it is connected. A torque on cam 2 flows into the
+# mechanism; F_ext is positive against z, and so flows out of it.
 SHAFT = {
     "forward": {"phi": ("theta", "signal"), "w": ("omega", "signal"), "tau": ("tau", "inflow")},
     "inverse": {
@@ -63,25 +63,21 @@ SHAFT = {
 FOLLOWER = {"s": ("z", "signal"), "v": ("v", "signal"), "f": ("F_ext", "outflow")}
 
 
-def terminal(name: str, kind: str, members: dict[str, tuple[str, str]], text: str) -> str:
+def terminal(title: str, kind: str, members: dict[str, tuple[str, str]], text: str) -> str:
     lines = [
-        f'      <TerminalMemberVariable variableName="{variable}" memberName="{member}" variableKind="{how}"/>'
-        for member, (variable, how) in members.items()
+        f'      <TerminalMemberVariable variableName="{name}" memberName="{member}" variableKind="{how}"/>'
+        for member, (name, how) in members.items()
     ]
-    head = f'    <Terminal name="{name}" matchingRule="bus" terminalKind="{kind}" description="{text}">'
+    head = f'    <Terminal name="{title}" matchingRule="bus" terminalKind="{kind}" description="{text}">'
     return "\n".join([head, *lines, "    </Terminal>"])
 
 
 def terminals(model: str) -> str:
-    """FMI 3.0's terminalsAndIcons.xml: the flanges of shaft and follower. Speeds and acceleration go beyond what the
-    Modelica flanges have: by the rule `bus` a counterpart need not have them."""
-    mechanics = "Modelica.Mechanics"
-    shaft = terminal(
-        "shaft", f"{mechanics}.Rotational.Interfaces.Flange_a", SHAFT[model], "Shaft of cam 2: angle and torque"
-    )
-    follower = terminal(
-        "follower", f"{mechanics}.Translational.Interfaces.Flange_b", FOLLOWER, "Follower: position and external force"
-    )
+    """FMI 3.0's terminalsAndIcons.xml: the flanges of shaft and follower. Speeds and acceleration go beyond
+    what the Modelica flanges have: by the rule `bus` a counterpart need not have them."""
+    flange = "Modelica.Mechanics.{}.Interfaces.Flange_{}".format
+    shaft = terminal("shaft", flange("Rotational", "a"), SHAFT[model], "Cam 2: angle and torque")
+    follower = terminal("follower", flange("Translational", "b"), FOLLOWER, "Position and external force")
     return f"""\
 <?xml version="1.0" encoding="UTF-8"?>
 <fmiTerminalsAndIcons fmiVersion="3.0">

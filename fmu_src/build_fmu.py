@@ -1,7 +1,7 @@
 """Builds the FMUs: variables.def -> modelDescription.xml -> shared library -> .fmu.
 
-    python fmu_src/build_fmu.py             build/DualCamForward.fmu and DualCamInverse.fmu (FMI 2.0), the same in
-                                            build/fmi3 (FMI 3.0), and NullFmu.fmu
+    python fmu_src/build_fmu.py             build/DualCamForward.fmu and DualCamInverse.fmu (FMI 2.0), the
+                                            same in build/fmi3 (FMI 3.0), and NullFmu.fmu
     python fmu_src/build_fmu.py --all       the same, but all except the last for every platform
     python fmu_src/build_fmu.py --check     as without, but fail if the committed XML is not fresh
     python fmu_src/build_fmu.py --sanitize  the native test drivers, with sanitizers and without
@@ -51,16 +51,19 @@ ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
 NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
-# Size is promised, and so is the time of a step. What is not on its way is compiled for size; what is, for speed, with
-# loops unrolled where that was measured to matter. Any other file is on the way, but has no such loops.
+# Size is promised, and so is the time of a step. What is not on its way is compiled for size, and apart, so
+# that it is not drawn into what is; what is on it, for speed, with loops unrolled where that was measured to
+# matter; what only hands on, for size, but together with its callers.
 FOR_SIZE, FOR_SPEED = "-Os", "-O3"
 SMALL = "-fno-unroll-loops"
+SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what nobody calls
 OFF_THE_WAY = {
-    *("check", "course", "dependencies", "drag", "exchange", "groove", "groove_csv", "groove_table", "imposed"),
-    *("inverse", "inverse_sensitivity", "model_forward", "model_inverse", "platform", "play", "resources", "rigid"),
-    *("sensitivity", "snapshot", "state_access", "station", "step_sensitivity", "survey", "variables"),
+    *("check", "dependencies", "drag", "exchange", "groove", "groove_csv", "groove_table", "imposed"),
+    *("inverse", "inverse_sensitivity", "platform", "play", "resources", "rigid", "sensitivity", "snapshot"),
+    *("state_access", "station", "step_sensitivity", "survey", "variables"),
 }
 WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
+HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 
 
 @dataclass(frozen=True)
@@ -71,11 +74,25 @@ class Platform:
     targets: tuple[str, ...]  # several: one binary that holds them all
     suffix: str
     flags: tuple[str, ...]
-    link: tuple[str, ...] = ()
     version: int = 2  # of FMI: the names of directories differ
 
     def library(self, identifier: str) -> Path:
         return place(self.version) / self.folder / f"{identifier}{self.suffix}"
+
+    def compilation(self, source: Path) -> list[str]:
+        if source.stem in OFF_THE_WAY:
+            return [FOR_SIZE, *SECTIONS]
+        together = [LTO] if self.suffix != ".dylib" else []  # the linker for macOS knows no -flto
+        if source.stem in HANDING_ON:
+            return [FOR_SIZE, *together]
+        return [FOR_SPEED, *together] if source.stem in WITH_LOOPS else [FOR_SPEED, SMALL, *together]
+
+    def linking(self, identifier: str) -> list[str]:
+        if self.suffix == ".dylib":
+            name = f"@rpath/{identifier}{self.suffix}"  # else it is the path of the output
+            return ["-Wl,-dead_strip", f"-Wl,-install_name,{name}"]
+        # -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does)
+        return [LTO, "-Wl,--gc-sections", *(["-Wl,-z,defs"] if self.suffix == ".so" else [])]
 
 
 def place(version: int) -> Path:
@@ -83,30 +100,28 @@ def place(version: int) -> Path:
     return BUILD if version == 2 else BUILD / f"fmi{version}"
 
 
-# -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does).
-# Windows: 10 and newer, where the C library (ucrt) belongs to the system. macOS: its linker knows no -flto.
-LINUX, LINUX_LINK = (LTO, *NO_TABLES), (LTO, "-Wl,-z,defs")
-WINDOWS, WINDOWS_LINK = (LTO, "-fno-vectorize", "-fno-slp-vectorize"), (LTO,)
+# Windows: 10 and newer, where the C library (ucrt) belongs to the system.
+WINDOWS = ("-fno-vectorize", "-fno-slp-vectorize")
 X86_LINUX, ARM_LINUX = f"x86_64-linux-{GLIBC}", f"aarch64-linux-{GLIBC}"
 X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 
 # FMI 2.0 names linux64, win64, win32 and darwin64. It has no name for Linux on ARM: this one is FMI 3's.
 PLATFORMS = (
-    Platform("linux64", (X86_LINUX,), ".so", LINUX, LINUX_LINK),
-    Platform("aarch64-linux", (ARM_LINUX,), ".so", LINUX, LINUX_LINK),
-    Platform("win64", ("x86_64-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK),
-    Platform("win32", ("x86-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK),
+    Platform("linux64", (X86_LINUX,), ".so", NO_TABLES),
+    Platform("aarch64-linux", (ARM_LINUX,), ".so", NO_TABLES),
+    Platform("win64", ("x86_64-windows-gnu",), ".dll", WINDOWS),
+    Platform("win32", ("x86-windows-gnu",), ".dll", WINDOWS),
     Platform("darwin64", (X86_MAC, ARM_MAC), ".dylib", NO_TABLES),
 )
 PLATFORMS_3 = (
-    Platform("x86_64-linux", (X86_LINUX,), ".so", LINUX, LINUX_LINK, 3),
-    Platform("aarch64-linux", (ARM_LINUX,), ".so", LINUX, LINUX_LINK, 3),
-    Platform("x86_64-windows", ("x86_64-windows-gnu",), ".dll", WINDOWS, WINDOWS_LINK, 3),
-    Platform("x86_64-darwin", (X86_MAC,), ".dylib", NO_TABLES, (), 3),
-    Platform("aarch64-darwin", (ARM_MAC,), ".dylib", NO_TABLES, (), 3),
+    Platform("x86_64-linux", (X86_LINUX,), ".so", NO_TABLES, 3),
+    Platform("aarch64-linux", (ARM_LINUX,), ".so", NO_TABLES, 3),
+    Platform("x86_64-windows", ("x86_64-windows-gnu",), ".dll", WINDOWS, 3),
+    Platform("x86_64-darwin", (X86_MAC,), ".dylib", NO_TABLES, 3),
+    Platform("aarch64-darwin", (ARM_MAC,), ".dylib", NO_TABLES, 3),
 )
 ALL = {2: PLATFORMS, 3: PLATFORMS_3}
-SHARED = [FOR_SPEED, *LIBRARY, "-shared", "-s", *LINUX, *LINUX_LINK]  # for a variant of an FMU, in one command
+SHARED = [FOR_SPEED, *LIBRARY, "-shared", "-s", LTO, "-Wl,-z,defs"]  # for a variant of an FMU, in one command
 PAGE_BITS = 14  # a memory page of the newest Macs
 
 HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while building, not part of an FMU
@@ -207,13 +222,16 @@ def run(command: Sequence[str | Path], purpose: str) -> str:
     return result.stdout
 
 
+ZIG = [sys.executable, "-m", "ziglang", "cc"]
+
+
 def compiler_options() -> list[str]:
     return [*WARNINGS, *ARITHMETIC, "-isystem", str(fmi_headers()), "-Ifmu_src"]
 
 
 def into_place(command: Sequence[str | Path], product: Path, end: Sequence[str] = ()) -> None:
-    """Runs a command that writes `product`, under its own name, which gets into some formats; a linker may leave other
-    files beside it."""
+    """Runs a command that writes `product`, under its own name, which gets into some formats; a linker may
+    leave other files beside it."""
     product.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=product.parent, prefix=f"{product.name}.") as scratch:
         unfinished = Path(scratch) / product.name
@@ -226,34 +244,28 @@ def compile_c(compiler: Sequence[str], flags: Sequence[str], sources: Iterable[P
     into_place([*compiler, *compiler_options(), *flags, *inputs], product, ["-lm"])
 
 
-def optimization(source: Path) -> list[str]:
-    if source.stem in OFF_THE_WAY:
-        return [FOR_SIZE]
-    return [FOR_SPEED] if source.stem in WITH_LOOPS else [FOR_SPEED, SMALL]
-
-
-def compile_library(flags: Sequence[str], link: Sequence[str], sources: Sequence[Path], product: Path) -> None:
+def compile_library(
+    platform: Platform, target: str, defines: Sequence[str], sources: Sequence[Path], product: Path
+) -> None:
     """A shared library, each file optimized for what it is for."""
     folder = product.with_suffix(".parts")
     folder.mkdir(parents=True, exist_ok=True)
 
     def compile_one(source: Path) -> Path:
         part = folder / f"{source.stem}.o"
-        options = [*LIBRARY, *optimization(source), *compiler_options(), *flags]
-        run([*ZIG, *options, "-c", relative(source), "-o", part], f"compile {source.name}")
+        flags = [*LIBRARY, *platform.flags, *platform.compilation(source), *compiler_options(), *defines]
+        run([*ZIG, "-target", target, *flags, "-c", relative(source), "-o", part], f"compile {source.name}")
         return part
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         parts = list(pool.map(compile_one, sources))
-    into_place([*ZIG, FOR_SPEED, "-shared", "-s", *link, *parts], product, ["-lm"])
-
-
-ZIG = [sys.executable, "-m", "ziglang", "cc"]
+    options = ["-target", target, FOR_SPEED, "-shared", "-s", *platform.linking(product.stem)]
+    into_place([*ZIG, *options, *map(str, parts)], product, ["-lm"])
 
 
 def emit_description(identifier: str, version: int, check: bool) -> str:
-    """The modelDescription.xml of `identifier`: emitted from variables.def and compared with the committed file,
-    which is rewritten (or, with `check`, refused) if it differs."""
+    """The modelDescription.xml of `identifier`: emitted from variables.def and compared with the committed
+    file, which is rewritten (or, with `check`, refused) if it differs."""
     committed = DESCRIPTIONS / ("" if version == 2 else f"fmi{version}") / f"{identifier}.xml"
     files = ("emit.c", f"emit_fmi{version}.c", "variables.c", "dependencies.c")
     emitter = [ROOT / "fmu_src" / name for name in files]
@@ -361,18 +373,16 @@ def universal(slices: Sequence[bytes]) -> bytes:
 def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The binary of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
-    flags, link = [*platform.flags, *fmu.defines, *identity(fmu)], list(platform.link)
-    if platform.suffix == ".dylib":
-        link.append(f"-Wl,-install_name,@rpath/{library.name}")  # else it is the path of the output
+    defines = [*fmu.defines, *identity(fmu)]
     stamp = fingerprint(
-        [*fmu.sources, *headers(), Path(__file__).resolve()], *platform.targets, *flags, "link", *link
+        [*fmu.sources, *headers(), Path(__file__).resolve()], platform.folder, *platform.targets, *defines
     )
     if is_fresh(library, stamp):
         return library
     say(f"compile {relative(library)} ({len(fmu.sources)} files)")
     parts = [BUILD / "parts" / f"fmi{fmu.version}" / target / library.name for target in platform.targets]
     for target, part in zip(platform.targets, parts, strict=True):
-        compile_library(["-target", target, *flags], ["-target", target, *link], fmu.sources, part)
+        compile_library(platform, target, defines, fmu.sources, part)
         check_glibc(part)
     contents = [part.read_bytes() for part in parts]
     library.parent.mkdir(parents=True, exist_ok=True)

@@ -61,18 +61,19 @@ POLYNOMIALS = {
 Inputs may be polynomials (fmi2SetRealInputDerivatives, orders 1 to 3).""",
         3: """\
 FMI 3.0 has no derivatives of inputs. Instead, for inputs among requiredIntermediateVariables, the callback
-intermediateUpdate is asked for values at the thirds and the end of the step, before it begins: the inputs are the
-cubics through them. During the step it is called at each mode change and at the end, to read variables; a master that
-takes early returns may then end the step, at the latest at its earlyReturnTime (not later than asked, at once if that
-time is past). With event mode and early return the step ends at the first change of <code>mode</code> after its start,
-with eventHandlingNeeded; a change that an input brings about at its very start is none.""",
+intermediateUpdate is asked for values at the thirds and the end of the step before that begins: the inputs
+are the cubics through them. Then it is called at each mode change and at the end, when variables can be
+read; a master that takes early returns may end the step there, or later at its earlyReturnTime. With event
+mode and early return the step ends at the first change of <code>mode</code> after its start, with
+eventHandlingNeeded; a change that an input brings about at its very start is none.""",
     },
     "DualCamInverse": {
         2: """\
-Or give derivatives of <code>theta</code> (fmi2SetRealInputDerivatives, orders 1 to 3): then it is that polynomial.""",
+Or give derivatives of <code>theta</code> (fmi2SetRealInputDerivatives, orders 1 to 3): then it is that
+polynomial.""",
         3: """\
-A step is never cut short, since its motion is imposed to its end: eventHandlingNeeded tells in event mode that
-<code>mode</code> is another one there, and intermediateUpdate is called there.""",
+A step is never cut short, since its motion is imposed to its end: eventHandlingNeeded tells a master with
+event mode that <code>mode</code> is another one there, and intermediateUpdate is called there.""",
     },
 }
 NUMBERS = ("Real", "Integer", "Float64", "Int32")
@@ -166,7 +167,7 @@ def variables(root: ET.Element) -> list[Row]:
     listed = list(root.iterfind("ModelVariables/*"))
     if root.attrib["fmiVersion"] == "2.0":
         return [Row(v[0].tag, v.attrib | v[0].attrib) for v in listed]
-    return [Row(v.tag, v.attrib | {"start": s.attrib["value"] for s in v.iter("Start")}) for v in listed]
+    return [Row(v.tag, v.attrib) for v in listed]
 
 
 def start_values(root: ET.Element) -> dict[str, float]:

@@ -170,8 +170,7 @@ bool instance_begin(Instance *instance, const char *function, Phase to) {
 
 /* ---- what is valid ---- */
 
-bool instance_provide(Instance *instance, const char *function, unsigned groups) {
-    if ((groups & ~instance->valid) == 0) return true;
+bool instance_compute(Instance *instance, const char *function, unsigned groups) {
     Fault fault;
     Values *values = &instance->values;
     if ((instance->valid & GROUP_STATE) == 0) {
@@ -202,7 +201,7 @@ static const char *phase_name(Phase phase) {
     }
 }
 
-static bool refuse_phase(const Instance *instance, const char *function, unsigned phases) {
+bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[192] = "";
     size_t length = 0;
     for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_WATCHING; phase <<= 1) {
@@ -213,11 +212,6 @@ static bool refuse_phase(const Instance *instance, const char *function, unsigne
     }
     return instance_refuse(instance, "%s is not allowed in phase \"%s\": allowed is \"%s\"", function,
                            phase_name(instance->run.phase), allowed);
-}
-
-bool instance_is_in(const Instance *instance, const char *function, unsigned phases) {
-    if (instance == NULL) return false;
-    return (instance->run.phase & phases) != 0 || refuse_phase(instance, function, phases);
 }
 
 const char *use_name(Use use) {

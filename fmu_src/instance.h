@@ -94,13 +94,22 @@ static inline void instance_changed(Instance *instance) {
                                                    : GROUP_PARAMS | GROUP_INPUTS;
 }
 
+/* What instance_provide() and instance_is_in() do in the rare case. */
+bool instance_compute(Instance *instance, const char *function, unsigned groups);
+bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases);
+
 /* Makes these groups valid. Before the run has begun that is a start with the present parameters. Logs why, if
  * it cannot be done. */
-bool instance_provide(Instance *instance, const char *function, unsigned groups);
+static inline bool instance_provide(Instance *instance, const char *function, unsigned groups) {
+    return (groups & ~instance->valid) == 0 || instance_compute(instance, function, groups);
+}
 
 /* Is the instance in one of these phases? If not, or if there is no instance, logs that `function` is
  * not allowed. */
-bool instance_is_in(const Instance *instance, const char *function, unsigned phases);
+static inline bool instance_is_in(const Instance *instance, const char *function, unsigned phases) {
+    if (instance == NULL) return false;
+    return (instance->run.phase & phases) != 0 || instance_refuse_phase(instance, function, phases);
+}
 
 /* Is the instance used in this way? If not, logs that `function` is not allowed. */
 bool instance_is_for(const Instance *instance, const char *function, Use use);
