@@ -216,6 +216,12 @@ bool is_rate(unsigned reference) {
     return state_of(reference) != VARIABLE_COUNT;
 }
 
+bool is_state(unsigned reference) {
+    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
+        if (row->state == reference) return true;
+    return false;
+}
+
 bool is_output_or_rate(unsigned reference) {
     return is_output(reference) || is_rate(reference);
 }

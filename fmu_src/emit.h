@@ -42,6 +42,7 @@ void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsi
 unsigned state_of(unsigned reference); /* the continuous state that it is the derivative of, or VARIABLE_COUNT */
 bool is_output(unsigned reference);
 bool is_rate(unsigned reference);
+bool is_state(unsigned reference);
 bool is_output_or_rate(unsigned reference);
 
 extern const char *const IDENTIFIER;

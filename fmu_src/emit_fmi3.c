@@ -29,6 +29,7 @@ static void put_variable(Sink *sink, unsigned reference) {
     }
     put_range(sink, variable);
     if (is_rate(reference)) put_number(sink, "derivative", state_of(reference));
+    if (is_state(reference)) put_attribute(sink, "reinit", "true"); /* end stops, and what friction stops */
     Digits room;
     if (!has_start(variable)) {
         put(sink, "/>\n");

@@ -56,7 +56,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
         .name = instanceName,
         .guid = instantiationToken,
         .guid_name = "instantiationToken",
-        .location = resourcePath,
+        .path = resourcePath,
         .use = MODEL_EXCHANGE,
     };
     return instance_new(&wish, &log);
@@ -91,7 +91,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         .name = instanceName,
         .guid = instantiationToken,
         .guid_name = "instantiationToken",
-        .location = resourcePath,
+        .path = resourcePath,
         .use = eventModeUsed ? HYBRID_CO_SIMULATION : CO_SIMULATION,
         .following = {.takes_early_return = earlyReturnAllowed && RETURNS_EARLY,
                       .update = (void (*)(void))intermediateUpdate},

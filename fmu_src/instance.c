@@ -110,7 +110,8 @@ Instance *instance_new(const Wish *wish, const Log *log) {
     Instance *instance = calloc(1, sizeof *instance);
     if (instance != NULL) instance->name = copy_of(wish->name);
     if (instance == NULL || instance->name == NULL ||
-        !resources_directory(wish->location, &instance->resources)) {
+        !(wish->location != NULL ? resources_directory(wish->location, &instance->resources)
+                                 : resources_from_path(wish->path, &instance->resources))) {
         instance_free(instance);
         return refuse_instance(log, wish->name, "%s: no memory left", wish->function);
     }

@@ -64,7 +64,8 @@ typedef struct {
     const char *function; /* that it calls */
     const char *name;
     const char *guid, *guid_name; /* and what its version of FMI calls it */
-    const char *location;         /* URI or path of the FMU's resources */
+    const char *location;         /* URI of the FMU's resources, or NULL: */
+    const char *path;             /* where they are */
     Use use;
     Following following;
 } Wish;

@@ -68,3 +68,15 @@ bool resources_directory(const char *location, char **directory) {
     *directory = path;
     return true;
 }
+
+bool resources_from_path(const char *path, char **directory) {
+    *directory = NULL;
+    if (path == NULL || *path == '\0') return true;
+    if (after(path, "file:") != NULL) return resources_directory(path, directory);
+    const size_t size = strlen(path) + 1;
+    *directory = malloc(size);
+    if (*directory == NULL) return false;
+    memcpy(*directory, path, size);
+    drop_last_slashes(*directory);
+    return true;
+}

@@ -1,0 +1,388 @@
+"""Drives the C functions of the FMI 3.0 FMUs by name, as driver.py does those of FMI 2.0."""
+
+import ctypes
+import math
+import xml.etree.ElementTree as ET
+from ctypes import (
+    CFUNCTYPE,
+    POINTER,
+    byref,
+    c_bool,
+    c_char_p,
+    c_double,
+    c_int,
+    c_int32,
+    c_size_t,
+    c_uint,
+    c_void_p,
+)
+from functools import cached_property
+from pathlib import Path
+
+from driver import ERROR, OK, ROOT, Message, Variable
+
+VALUE = {"Float64": c_double, "Int32": c_int32, "Boolean": c_bool, "String": c_char_p}
+# the types of which there is no variable
+OTHER = {
+    "Float32": ctypes.c_float, "Int8": ctypes.c_int8, "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16,
+    "UInt16": ctypes.c_uint16, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64, "UInt64": ctypes.c_uint64,
+}  # fmt: skip
+READ = {"Float64": float, "Int32": int, "Boolean": lambda text: text == "true", "String": str}
+CONSTANT, DEPENDENT = 1, 5
+
+LOG = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+UPDATE = CFUNCTYPE(
+    None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, POINTER(c_bool), POINTER(c_double)
+)  # fmt: skip
+
+_REFERENCES, _REALS, _SIZES = POINTER(c_uint), POINTER(c_double), POINTER(c_size_t)
+_ARRAY = (_REFERENCES, c_size_t)
+_COUNTERS = (POINTER(ctypes.c_uint64), POINTER(ctypes.c_uint64))
+_JACOBIAN = (*_ARRAY, *_ARRAY, _REALS, c_size_t, _REALS, c_size_t)
+_FLAG = POINTER(c_bool)
+# arguments after the instance
+ARGUMENTS = {
+    **{f"{way}{t}": (*_ARRAY, POINTER(v), c_size_t) for t, v in (VALUE | OTHER).items() for way in ("Get", "Set")},
+    **{f"{way}Binary": (*_ARRAY, _SIZES, POINTER(c_void_p), c_size_t) for way in ("Get", "Set")},
+    **{f"{way}Clock": (*_ARRAY, _FLAG) for way in ("Get", "Set")},
+    "SetDebugLogging": (c_bool, c_size_t, POINTER(c_char_p)),
+    "EnterInitializationMode": (c_bool, c_double, c_double, c_bool, c_double),
+    "ExitInitializationMode": (),
+    "EnterEventMode": (),
+    "Terminate": (),
+    "Reset": (),
+    "GetNumberOfVariableDependencies": (c_uint, _SIZES),
+    "GetVariableDependencies": (c_uint, _SIZES, _REFERENCES, _SIZES, POINTER(c_int), c_size_t),
+    "GetFMUState": (POINTER(c_void_p),),
+    "SetFMUState": (c_void_p,),
+    "FreeFMUState": (POINTER(c_void_p),),
+    "SerializedFMUStateSize": (c_void_p, _SIZES),
+    "SerializeFMUState": (c_void_p, c_char_p, c_size_t),
+    "DeserializeFMUState": (c_char_p, c_size_t, POINTER(c_void_p)),
+    "GetDirectionalDerivative": _JACOBIAN,
+    "GetAdjointDerivative": _JACOBIAN,
+    "EnterConfigurationMode": (),
+    "ExitConfigurationMode": (),
+    "GetIntervalDecimal": (*_ARRAY, _REALS, POINTER(c_int)),
+    "GetIntervalFraction": (*_ARRAY, *_COUNTERS, POINTER(c_int)),
+    "GetShiftDecimal": (*_ARRAY, _REALS),
+    "GetShiftFraction": (*_ARRAY, *_COUNTERS),
+    "SetIntervalDecimal": (*_ARRAY, _REALS),
+    "SetIntervalFraction": (*_ARRAY, *_COUNTERS),
+    "SetShiftDecimal": (*_ARRAY, _REALS),
+    "SetShiftFraction": (*_ARRAY, *_COUNTERS),
+    "EvaluateDiscreteStates": (),
+    "UpdateDiscreteStates": (_FLAG, _FLAG, _FLAG, _FLAG, _FLAG, _REALS),
+    "EnterContinuousTimeMode": (),
+    "CompletedIntegratorStep": (c_bool, _FLAG, _FLAG),
+    "SetTime": (c_double,),
+    "SetContinuousStates": (_REALS, c_size_t),
+    "GetContinuousStateDerivatives": (_REALS, c_size_t),
+    "GetEventIndicators": (_REALS, c_size_t),
+    "GetContinuousStates": (_REALS, c_size_t),
+    "GetNominalsOfContinuousStates": (_REALS, c_size_t),
+    "GetNumberOfEventIndicators": (_SIZES,),
+    "GetNumberOfContinuousStates": (_SIZES,),
+    "EnterStepMode": (),
+    "GetOutputDerivatives": (*_ARRAY, POINTER(c_int32), _REALS, c_size_t),
+    "DoStep": (c_double, c_double, c_bool, _FLAG, _FLAG, _FLAG, _REALS),
+    "ActivateModelPartition": (c_uint, c_double),
+}  # fmt: skip
+_TEXTS = (c_char_p, c_char_p, c_char_p, c_bool, c_bool)
+MAKERS = {
+    "InstantiateModelExchange": (*_TEXTS, c_void_p, LOG),
+    "InstantiateCoSimulation": (*_TEXTS, c_bool, c_bool, _REFERENCES, c_size_t, c_void_p, LOG, UPDATE),
+    "InstantiateScheduledExecution": (*_TEXTS, c_void_p, LOG, c_void_p, c_void_p, c_void_p),
+}
+FUNCTIONS = {f"fmi3{name}" for name in (*ARGUMENTS, *MAKERS, "FreeInstance", "GetVersion")}
+
+
+def load(binary: Path) -> ctypes.CDLL:
+    library = ctypes.CDLL(str(binary))
+    for name, arguments in ARGUMENTS.items():
+        function = getattr(library, f"fmi3{name}")
+        function.restype, function.argtypes = c_int, (c_void_p, *arguments)
+    for name, arguments in MAKERS.items():
+        function = getattr(library, f"fmi3{name}")
+        function.restype, function.argtypes = c_void_p, arguments
+    library.fmi3FreeInstance.restype, library.fmi3FreeInstance.argtypes = None, (c_void_p,)
+    library.fmi3GetVersion.restype = c_char_p
+    return library
+
+
+def _variable(element: ET.Element, index: int) -> Variable:
+    given = element.attrib
+    start = [s.attrib["value"] for s in element.iter("Start")] or [given[k] for k in ("start",) if k in given]
+    return Variable(
+        given["name"],
+        int(given["valueReference"]),
+        element.tag,
+        given["causality"],
+        given["variability"],
+        READ[element.tag](start[0]) if start else None,
+        float(given.get("min", -math.inf)),
+        float(given.get("max", math.inf)),
+        given.get("unit"),
+        index,
+    )
+
+
+class Model:
+    """One of the FMI 3.0 FMUs, as its modelDescription.xml describes it."""
+
+    def __init__(self, identifier: str) -> None:
+        self.identifier = identifier
+        self.fmu = ROOT / "build/fmi3" / f"{identifier}.fmu"
+        self.xml = ROOT / "modelDescription/fmi3" / f"{identifier}.xml"
+
+    def __repr__(self) -> str:
+        return f"{self.identifier}-3"
+
+    @cached_property
+    def document(self) -> ET.Element:
+        return ET.parse(self.xml).getroot()
+
+    @cached_property
+    def guid(self) -> str:
+        return self.document.attrib["instantiationToken"]
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        listed = enumerate(self.document.find("ModelVariables"), start=1)
+        return {v.name: v for v in (_variable(element, index) for index, element in listed)}
+
+    def names(self, **wanted: list[str]) -> list[str]:
+        """Variables with these attributes."""
+        return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
+
+    def references(self, names):
+        """As a C array; a number is a reference already."""
+        return (c_uint * len(names))(
+            *(self.variables[n].reference if isinstance(n, str) else n for n in names)
+        )
+
+
+models = {name: Model(name) for name in ("DualCamForward", "DualCamInverse")}
+FORWARD, INVERSE = models.values()
+
+
+def reals(values) -> ctypes.Array:
+    return (c_double * len(values))(*values)
+
+
+class Driver:
+    """One instance. `set`, `get`, `start`, `step` and the like insist on fmi3OK; `call` and the `try_` forms
+    return the status; `refused` insists on an fmi3Error that is what it should be."""
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        model: Model = FORWARD,
+        exchange: bool = False,
+        events: bool = False,
+        early: bool = False,
+        update=None,
+        required: tuple[str, ...] = (),
+        resources: str | None = "/resources/",
+        name: str | None = "dualcam",
+        token: str | None = "",
+        log: bool = True,
+    ) -> None:
+        """`update`: called with this driver, time, and the flags of fmi3IntermediateUpdateCallback; returns when
+        the step is to end, or None."""
+        self.library, self.model, self.variables, self.events = library, model, model.variables, events
+        self.messages: list[Message] = []
+        self.time = 0.0
+        self.failures: list[BaseException] = []
+
+        def on_message(_environment, status, category, text):
+            self.messages.append(Message("", status, category.decode(), text.decode()))
+
+        def on_update(_environment, time, asks, may_read, finished, may_end, requested, end):
+            try:
+                wanted = update(self, time, asks, may_read, finished, may_end)
+            except BaseException as failure:  # would be lost in C
+                self.failures.append(failure)
+                return
+            if wanted is not None:
+                requested[0], end[0] = True, wanted
+
+        self._log = LOG(on_message) if log else LOG()
+        self._update = UPDATE(on_update) if update else UPDATE()
+        token = model.guid if token == "" else token
+        texts = [None if text is None else text.encode() for text in (name, token, resources)]
+        if exchange:
+            self.instance = library.fmi3InstantiateModelExchange(*texts, False, False, None, self._log)
+        else:
+            references = model.references(list(required))
+            self.instance = library.fmi3InstantiateCoSimulation(
+                *texts, False, False, events, early, references, len(required), None, self._log, self._update
+            )
+
+    def free(self) -> None:
+        self.library.fmi3FreeInstance(self.instance)
+        self.instance = None
+
+    def call(self, function: str, *arguments) -> int:
+        return getattr(self.library, f"fmi3{function}")(self.instance, *arguments)
+
+    def ok(self, function: str, *arguments) -> None:
+        status = self.call(function, *arguments)
+        assert status == OK, f"{function}: {status}, {self.messages[-1:]}"
+        if self.failures:
+            raise self.failures[0]
+
+    def refused(self, function: str, *arguments, mentions: tuple[str, ...] = ()) -> str:
+        """The call is an fmi3Error with exactly one message and has changed nothing."""
+        before, count = self.everything(), len(self.messages)
+        assert self.call(function, *arguments) == ERROR
+        assert len(self.messages) == count + 1
+        message = self.messages[-1]
+        assert (message.status, message.category) == (ERROR, "logStatusError")
+        assert f"fmi3{function}" in message.text and "allowed" in message.text
+        for word in mentions:
+            assert word in message.text
+        assert self.everything() == before
+        return message.text
+
+    # variables
+
+    def arguments(self, values: dict):
+        """What a call that sets `values` gets; they must be of one type."""
+        (type_,) = {self.variables[n].type for n in values}
+        encoded = [v.encode() if isinstance(v, str) else v for v in values.values()]
+        n = len(values)
+        return self.model.references(list(values)), n, (VALUE[type_] * n)(*encoded), n
+
+    def try_set(self, values: dict) -> int:
+        type_ = self.variables[next(iter(values))].type
+        return self.call(f"Set{type_}", *self.arguments(values))
+
+    def set(self, values: dict) -> None:
+        for name, value in values.items():
+            assert self.try_set({name: value}) == OK, self.messages[-1:]
+
+    def try_get(self, names: list[str]):
+        (type_,) = {self.variables[n].type for n in names}
+        values, n = (VALUE[type_] * len(names))(), len(names)
+        return self.call(f"Get{type_}", self.model.references(names), n, values, n), list(values)
+
+    def get(self, name: str):
+        status, (value,) = self.try_get([name])
+        assert status == OK, f"{name}: {self.messages[-1:]}"
+        return value.decode() if self.variables[name].type == "String" else value
+
+    def everything(self) -> dict:
+        """All that can be read, exactly; where reading is refused, that."""
+        quiet = len(self.messages)
+        values: dict = {}
+        for name in self.variables:
+            status, (value,) = self.try_get([name])
+            values[name] = "refused" if status != OK else value.hex() if isinstance(value, float) else value
+        del self.messages[quiet:]
+        return values
+
+    # life
+
+    def initialize(
+        self, values: dict | None = None, time: float = 0.0, tolerance: float | None = None
+    ) -> "Driver":
+        """To the phase after initialization mode."""
+        self.set(values or {})
+        self.ok("EnterInitializationMode", tolerance is not None, tolerance or 0.0, time, False, 0.0)
+        self.ok("ExitInitializationMode")
+        self.time = time
+        return self
+
+    def start(self, values: dict | None = None, **options) -> "Driver":
+        """The same, and out of event mode if it has one."""
+        self.initialize(values, **options)
+        if self.events:
+            self.settle()
+            self.ok("EnterStepMode")
+        return self
+
+    @staticmethod
+    def _update_arguments():
+        flags, time = [c_bool(True) for _ in range(5)], c_double()
+        return (*(byref(flag) for flag in flags), byref(time)), flags
+
+    def settle(self) -> dict[str, bool]:
+        arguments, flags = self._update_arguments()
+        self.ok("UpdateDiscreteStates", *arguments)
+        names = ("again", "terminate", "nominals", "moved", "timed")
+        return dict(zip(names, (flag.value for flag in flags), strict=True))
+
+    def step(self, h: float, **inputs: float) -> tuple[bool, bool]:
+        """One step of up to h seconds with these inputs; eventHandlingNeeded and earlyReturn."""
+        self.set(inputs)
+        event, end, early, time = c_bool(), c_bool(True), c_bool(), c_double()
+        self.ok("DoStep", self.time, h, True, byref(event), byref(end), byref(early), byref(time))
+        assert not end.value
+        self.time = time.value
+        return event.value, early.value
+
+    def handle_event(self) -> dict[str, bool]:
+        """Through event mode and back."""
+        self.ok("EnterEventMode")
+        flags = self.settle()
+        self.ok("EnterStepMode")
+        return flags
+
+    # states
+
+    def take(self) -> c_void_p:
+        state = c_void_p()
+        self.ok("GetFMUState", byref(state))
+        return state
+
+    def restore(self, state: c_void_p) -> None:
+        self.ok("SetFMUState", state)
+
+    def free_state(self, state: c_void_p) -> None:
+        self.ok("FreeFMUState", byref(state))
+
+    def to_bytes(self, state: c_void_p) -> bytes:
+        size = c_size_t()
+        self.ok("SerializedFMUStateSize", state, byref(size))
+        room = ctypes.create_string_buffer(size.value)
+        self.ok("SerializeFMUState", state, room, size)
+        return room.raw
+
+    # derivatives
+
+    def product(self, kind: str, unknowns: list[str], knowns: list[str], seed: list[float]) -> list[float]:
+        """kind: Directional or Adjoint."""
+        n = len(unknowns if kind == "Directional" else knowns)
+        found = (c_double * n)()
+        rows, columns = self.model.references(unknowns), self.model.references(knowns)
+        self.ok(
+            f"Get{kind}Derivative",
+            rows,
+            len(unknowns),
+            columns,
+            len(knowns),
+            reals(seed),
+            len(seed),
+            found,
+            n,
+        )
+        return list(found)
+
+    def output_derivative(self, name: str, order: int) -> float:
+        value = c_double()
+        self.ok(
+            "GetOutputDerivatives", self.model.references([name]), 1, (c_int32 * 1)(order), byref(value), 1
+        )
+        return value.value
+
+    def dependencies(self, name: str) -> dict[str, int]:
+        """Known -> kind, in order."""
+        n, reference = c_size_t(), self.variables[name].reference
+        self.ok("GetNumberOfVariableDependencies", reference, byref(n))
+        whole, parts = (c_size_t * n.value)(*[9] * n.value), (c_size_t * n.value)(*[9] * n.value)
+        knowns, kinds = (c_uint * n.value)(), (c_int * n.value)()
+        self.ok("GetVariableDependencies", reference, whole, knowns, parts, kinds, n)
+        assert set(whole) | set(parts) <= {0}
+        by_reference = {v.reference: n for n, v in self.variables.items()}
+        return {by_reference[known]: kind for known, kind in zip(knowns, kinds, strict=True)}
