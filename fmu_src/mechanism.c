@@ -697,11 +697,13 @@ void mechanism_place(Mechanism *m, double theta, double omega) {
     arrive(m);
 }
 
+/* A solver finds the instant at which it is at a stop to its own rounding, on either side. */
 static void land_where_it_is(Mechanism *m) {
+    static const double AT_STOP = 1e-13; /* of the largest angle */
     if (!is_slip(m->state.mode)) return;
     const int direction = direction_of(m->state.mode);
     if (direction * m->state.omega.hi <= 0.0) stand_still(m);
-    if (room_ahead(m, direction) <= 0.0) hit_stop(m, direction);
+    if (room_ahead(m, direction) <= AT_STOP * largest_angle(&m->params)) hit_stop(m, direction);
 }
 
 bool mechanism_settle(Mechanism *m, Fault *fault) {

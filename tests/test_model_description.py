@@ -358,8 +358,8 @@ def unknowns(model, kind):
 
 
 def test_kinds_of_dependency(make, model):
-    """All depend in no particular way, but for the states, which are themselves, and the start angle, which is
-    that of the parameter."""
+    """All depend in no particular way, but for the states, which are themselves, and the start angle, which
+    is that of the parameter."""
     kinds = {}
     for unknown in [*model.document.find("ModelStructure").iter("Unknown")]:
         dependencies = unknown.attrib["dependencies"].split()
