@@ -12,6 +12,7 @@ usage: ./build.sh [command] [arguments]
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
+  coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
@@ -105,6 +106,11 @@ case $command in
         install_dependencies '.[test]'
         build
         exec .venv/bin/python benchmarks/stress.py "$@"
+        ;;
+    coupling)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/coupling.py "$@"
         ;;
     check)
         install_dependencies '.[test]'
