@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import http.client
 import os
 import re
 import shlex
@@ -78,9 +79,11 @@ def attempt(
     return subprocess.run(words, capture_output=True, text=True, timeout=limit, env=environment, cwd=folder)
 
 
-def last_line(text: str) -> str:
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return (lines or ["no message"])[-1][:200]
+def complaint(done: subprocess.CompletedProcess[str]) -> str:
+    """The first line that speaks of an error, or else the last line."""
+    lines = [line.strip() for line in (done.stderr + done.stdout).splitlines() if line.strip()]
+    telling = [line for line in lines if re.search("error|exception|invalid|panicked|refused", line, re.IGNORECASE)]
+    return (telling or lines[-1:] or ["no message"])[0][:200]
 
 
 def run(command: Words, what: str, limit: float, **variables: str) -> None:
@@ -90,7 +93,7 @@ def run(command: Words, what: str, limit: float, **variables: str) -> None:
     except subprocess.TimeoutExpired:
         raise Missing(f"{what}: not done after {limit:.0f} s") from None
     if done.returncode != 0:
-        raise Missing(f"{what}: {last_line(done.stdout + done.stderr)}")
+        raise Missing(f"{what}: {complaint(done)}")
 
 
 @cache
@@ -127,7 +130,7 @@ def artifact(coordinates: str, suffix: str = "jar") -> Path:
         try:
             with urllib.request.urlopen(address, timeout=60) as response:
                 content = response.read()
-        except OSError as error:
+        except (OSError, http.client.HTTPException) as error:
             raise Missing(f"{address}: {error}") from None
         path.parent.mkdir(parents=True, exist_ok=True)
         part = path.with_suffix(".part")
@@ -139,10 +142,10 @@ def artifact(coordinates: str, suffix: str = "jar") -> Path:
 @cache
 def java(least: int, compiler: bool = False) -> str:
     found = program("java", f"Java {least} or newer")
-    text = subprocess.run([found, "-version"], capture_output=True, text=True).stderr
+    text = attempt([found, "-version"], 60).stderr
     number = re.search(r'version "(?:1\.)?(\d+)', text)
     if number is None or int(number[1]) < least:
-        raise Missing(f"Java is older than {least}")
+        raise Missing(f"no Java {least} or newer")
     if compiler:
         program("javac", f"a JDK {least} or newer")
     return found
@@ -150,7 +153,7 @@ def java(least: int, compiler: bool = False) -> str:
 
 @cache
 def vdmcheck() -> Path:
-    """The folder with its script."""
+    """Its script."""
     java(11)
     for name in ("bash", "awk", "realpath"):
         program(name, "VDMCheck2.sh calls it")

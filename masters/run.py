@@ -27,7 +27,7 @@ import numpy as np
 import players
 import scenes
 from install import FMI4J, FMI_SIM, MAESTRO, VDMCHECK, Failed, Missing, pins, say, version_of
-from scenes import FORWARD, INVERSE, PROFILE, RELEASED, ROOT, SCENES, Result, Scene
+from scenes import FLUNG, FLUNG_GENERAL, FORWARD, INVERSE, PROFILE, ROOT, SCENES, Result, Scene
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 import step_cost
@@ -66,6 +66,7 @@ class Play:
     def one(self, scene: Scene) -> tuple[float, str]:
         path = built(scene.model, self.fmi, self.kind)
         say(f"{self.master} {self.version}, {self.what.split(':')[0]}: {scene.name}")
+        scene.prepare()
         with tempfile.TemporaryDirectory() as folder:
             result = self.player(scene, path, Path(folder))
         reference = self.reference(scene, path) if self.kind == CS else self.reference(scene, path, self.kind)
@@ -93,7 +94,7 @@ class Check:
             self.checker(path)
 
 
-DYNAMIC = (PROFILE, RELEASED)
+DYNAMIC = (PROFILE, FLUNG)
 ROWS: tuple[Play | Check, ...] = (
     Play("ecos", pins()["ecospy"], players.ecos),
     Play("ecos", pins()["ecospy"], players.ecos, fmi="3.0"),
@@ -104,7 +105,7 @@ ROWS: tuple[Play | Check, ...] = (
         "Maestro",
         version_of(MAESTRO),
         players.maestro,
-        (RELEASED,),
+        (FLUNG, FLUNG_GENERAL),
         reference=players.maestro_reference,
     ),
     Play("fmi-sim", FMI_SIM, players.fmi_sim),

@@ -18,7 +18,13 @@ public final class Fmi4jHost {
     }
 
     private static void write(SlaveInstance cam, String name, String value) {
-        insist(Fmi4jVariableUtils.writeReal(cam, name, Double.parseDouble(value)) == FmiStatus.OK, name);
+        FmiStatus status = switch (cam.getModelVariables().getByName(name).getType()) {
+            case REAL -> Fmi4jVariableUtils.writeReal(cam, name, Double.parseDouble(value));
+            case INTEGER -> Fmi4jVariableUtils.writeInteger(cam, name, Integer.parseInt(value));
+            case STRING -> Fmi4jVariableUtils.writeString(cam, name, value);
+            default -> throw new IllegalArgumentException(name);
+        };
+        insist(status == FmiStatus.OK, name);
     }
 
     /** A row of the inputs, without its time. */
@@ -49,7 +55,7 @@ public final class Fmi4jHost {
                 PrintWriter file = new PrintWriter(arguments[3])) {
             insist(cam.setupExperiment(0.0, 0.0, 0.0), "setupExperiment");
             for (int i = 5; i < arguments.length; i++) {
-                String[] start = arguments[i].split("=");
+                String[] start = arguments[i].split("=", 2);
                 write(cam, start[0], start[1]);
             }
             write(cam, names, inputs.get(1));

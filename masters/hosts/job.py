@@ -14,6 +14,7 @@ from pathlib import Path
 
 INTEGERS = ("mode",)  # outputs that are no Real
 Row = dict[str, float]
+Value = float | int | str
 
 
 @dataclass
@@ -22,7 +23,7 @@ class Job:
     step: float
     inputs: list[Row]
     outputs: list[str]
-    start: Row
+    start: dict[str, Value]
     file: Path
 
     def save(self, rows: Iterable[Iterable[float]]) -> None:
@@ -33,9 +34,19 @@ class Job:
             writer.writerows(rows)
 
 
+def typed(text: str) -> Value:
+    """An Integer, a Real, or else a String."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
+
+
 def from_arguments() -> Job:
     fmu, step, inputs, file, outputs, *start = sys.argv[1:]
     with open(inputs, newline="") as lines:
         rows = [{n: float(v) for n, v in row.items() if n != "time"} for row in csv.DictReader(lines)]
-    first = {n: float(v) for n, v in (word.split("=") for word in start)} | rows[0]
+    first = {name: typed(text) for name, text in (word.split("=", 1) for word in start)} | rows[0]
     return Job(fmu, float(step), rows, outputs.split(","), first, Path(file))

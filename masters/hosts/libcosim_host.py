@@ -24,8 +24,13 @@ insist(execution.add_observer(observer) and execution.add_manipulator(manipulato
 for name in work.outputs:
     kind = CosimVariableType.INTEGER if name in job.INTEGERS else CosimVariableType.REAL
     insist(observer.start_time_series(cam, references[name], kind))
+set_initial = {
+    float: execution.real_initial_value,
+    int: execution.integer_initial_value,
+    str: execution.string_initial_value,
+}
 for name, value in work.start.items():
-    insist(execution.real_initial_value(cam, references[name], value))
+    insist(set_initial[type(value)](cam, references[name], value))
 
 # Nothing can be read before the first step; a series keeps back its newest sample and gives one less than is
 # asked for. So it is read at the end, after one step more.
