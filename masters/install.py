@@ -82,14 +82,16 @@ def attempt(
 def complaint(done: subprocess.CompletedProcess[str]) -> str:
     """The first line that speaks of an error, or else the last line."""
     lines = [line.strip() for line in (done.stderr + done.stdout).splitlines() if line.strip()]
-    telling = [line for line in lines if re.search("error|exception|invalid|panicked|refused", line, re.IGNORECASE)]
+    telling = [
+        line for line in lines if re.search("error|exception|invalid|panicked|refused", line, re.IGNORECASE)
+    ]
     return (telling or lines[-1:] or ["no message"])[0][:200]
 
 
-def run(command: Words, what: str, limit: float, **variables: str) -> None:
+def run(command: Words, what: str, limit: float) -> None:
     """A part of an installation."""
     try:
-        done = attempt(command, limit, None, **variables)
+        done = attempt(command, limit)
     except subprocess.TimeoutExpired:
         raise Missing(f"{what}: not done after {limit:.0f} s") from None
     if done.returncode != 0:
@@ -177,14 +179,14 @@ def fmi_sim() -> Path:
     # Its build reads FMI's headers with libclang, and these need the compiler's own: zig has them
     libclang = site(package("libclang")) / "clang/native"
     headers = Path(ziglang.__file__).parent / "lib/include"
+    settings = {
+        "LIBCLANG_PATH": str(libclang),
+        "BINDGEN_EXTRA_CLANG_ARGS": shlex.quote(f"-I{headers}"),
+        "CARGO_TARGET_DIR": str(folder / "target"),
+    }
     say("compile fmi-sim (some minutes)")
-    run(
-        [cargo, "install", "fmi-sim", "--version", FMI_SIM, "--locked", "--root", folder],
-        "cargo install fmi-sim",
-        3600,
-        LIBCLANG_PATH=str(libclang),
-        BINDGEN_EXTRA_CLANG_ARGS=shlex.quote(f"-I{headers}"),
-        CARGO_TARGET_DIR=str(folder / "target"),
-    )
+    words = [cargo, "install", "fmi-sim", "--version", FMI_SIM, "--locked", "--root", str(folder)]
+    if subprocess.run(words, env=os.environ | settings).returncode != 0:  # shows what it is at
+        raise Missing("cargo install fmi-sim fails: see what it says above")
     shutil.rmtree(folder / "target", ignore_errors=True)
     return found
