@@ -7,11 +7,12 @@
 #include "course.h"
 #include "fault.h"
 #include "params.h"
+#include "rare.h"
 
 /* Each returns false and fills `fault` if not. */
 
 /* Stops in order, something that fixes the pin. */
-bool check_params(const Params *params, Fault *fault);
+RARE bool check_params(const Params *params, Fault *fault);
 
 /* initial.theta between the stops: only where the mechanism starts from there. */
 bool check_initial(const Params *params, Fault *fault);

@@ -307,6 +307,15 @@ static int side_of_edge(const Edge *e, double x, const Brink *b) {
     return fabs(beyond) <= 4.0 * TIE * size ? 0 : sign_of(beyond);
 }
 
+bool drag_is_on_edge(const Inverse *m, double cam, int direction, Bearing *bearing) {
+    const Drag d = {.m = m, .cam = cam, .F_ext = m->inputs.F_ext[0]};
+    const Edge e = edge_of(&d, m->inputs.theta[0], direction);
+    Brink b;
+    brink_at(&e, cam, &b);
+    *bearing = b.bearing;
+    return b.finite && direction * (stop_of(m, direction) - cam) > 0.0 && side_of_edge(&e, cam, &b) == 0;
+}
+
 /* At a stop and pressed into it, beyond the band. */
 static bool is_stopped(const Drag *d, double theta, int direction) {
     if (direction * (stop_of(d->m, direction) - d->cam) > 0.0) return false;

@@ -411,34 +411,38 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return fmi2OK;
 }
 
-static bool is_output_derivative(const Instance *instance, const char *function, fmi2ValueReference reference,
-                                 fmi2Integer order) {
+static const Variable *find_output(const Instance *instance, const char *function, fmi2ValueReference reference,
+                                   fmi2Integer order) {
     const Variable *variable = find(instance, function, reference, TYPE_REAL);
-    if (variable == NULL) return false;
+    if (variable == NULL) return NULL;
     if (variable->causality != CAUSALITY_OUTPUT) {
         instance_refuse(instance, "%s: %s is no output: allowed are outputs", function, variable->name);
-        return false;
+        return NULL;
     }
     if (order < 1 || order > MAX_OUTPUT_ORDER) {
         instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to maxOutputDerivativeOrder = %d",
                         function, variable->name, order, (int)MAX_OUTPUT_ORDER);
-        return false;
+        return NULL;
     }
-    return true;
+    return variable;
 }
 
+/* Where an output is refused, so are its derivatives. */
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
     Instance *instance = c;
     if (instance == NULL || !has_arrays(instance, __func__, nvr, vr, value) ||
         !has_array(instance, __func__, nvr, order, "order"))
         return fmi2Error;
+    unsigned groups = GROUP_STATE;
+    for (size_t i = 0; i < nvr; i++) {
+        const Variable *variable = find_output(instance, __func__, vr[i], order[i]);
+        if (variable == NULL) return fmi2Error;
+        groups |= variable->group;
+    }
+    if (!instance_provide(instance, __func__, groups)) return fmi2Error;
     for (size_t i = 0; i < nvr; i++)
-        if (!is_output_derivative(instance, __func__, vr[i], order[i])) return fmi2Error;
-    if (!instance_provide(instance, __func__, GROUP_STATE | GROUP_LOADS)) return fmi2Error;
-    const Values *values = &instance->values;
-    for (size_t i = 0; i < nvr; i++)
-        value[i] = model_output_derivative(&values->machine, &values->outputs, vr[i], order[i]);
+        value[i] = model_output_derivative(&instance->values.machine, vr[i], order[i]);
     return fmi2OK;
 }
 

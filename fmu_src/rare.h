@@ -1,0 +1,7 @@
+/* What runs at the start, or when somebody asks, but never in a step: its code is to be small rather than fast. */
+#ifndef DUALCAM_RARE_H
+#define DUALCAM_RARE_H
+
+#define RARE __attribute__((cold, noinline))
+
+#endif
