@@ -223,6 +223,7 @@ typedef struct {
     const Inverse *m;
     double cam;
     double F_ext;
+    double F_rate;  /* N/s, of F_ext; in a step it comes in stairs */
     Survey *survey; /* or NULL */
     bool moved;     /* since somebody cleared this */
 } Drag;
@@ -331,27 +332,39 @@ static double following(const Edge *e, const Brink *b) {
     return rise > 0.0 ? 1.0 / rise : 0.0;
 }
 
+/* Does cam 2 slip in that direction while the far end turns at omega? The edge E = rho F_0 moves with F_ext. */
+static bool slips(const Drag *d, double theta, double omega, int direction, Brink *b, double *speed) {
+    const Edge e = edge_of(d, theta, direction);
+    brink_at(&e, d->cam, b);
+    const double ahead = b->finite ? omega - b->bearing.transfer.rho * d->F_rate / d->m->params.shaft.stiffness : omega;
+    *speed = ahead * following(&e, b);
+    const bool free = direction * (stop_of(d->m, direction) - d->cam) > 0.0;
+    return direction * ahead > 0.0 && free && side_of_edge(&e, d->cam, b) == 0;
+}
+
 /* The reactions as friction would share the load at rest, or as it does on the edge. */
 static void describe(const Drag *d, double theta, double omega, Dragged *out) {
     const Params *p = &d->m->params;
-    const int direction = omega < 0.0 ? -1 : 1;
-    const Edge e = edge_of(d, theta, direction);
     Brink b;
-    brink_at(&e, d->cam, &b);
-    const bool free = direction * (stop_of(d->m, direction) - d->cam) > 0.0;
-    const bool slips = omega != 0.0 && free && side_of_edge(&e, d->cam, &b) == 0;
+    double speed;
+    int direction = omega < 0.0 ? -1 : 1;
+    bool moves = slips(d, theta, omega, direction, &b, &speed);
+    if (!moves && d->F_rate != 0.0) {
+        direction = -direction;
+        moves = slips(d, theta, omega, direction, &b, &speed);
+    }
     const Mode rest = is_stopped(d, theta, 1) ? MODE_UPPER_STOP : is_stopped(d, theta, -1) ? MODE_LOWER_STOP : MODE_STICK;
     *out = (Dragged){
         .cam = d->cam,
         .tau = p->shaft.stiffness * (theta - d->cam),
-        .speed = slips ? omega * following(&e, &b) : 0.0,
+        .speed = moves ? speed : 0.0,
         .station = b.station,
-        .mode = !slips ? rest : direction > 0 ? MODE_LOADING : MODE_RELEASING,
+        .mode = !moves ? rest : direction > 0 ? MODE_LOADING : MODE_RELEASING,
     };
     const Geometry *g = &b.station.geometry;
     for (int i = 0; i < 2; i++) {
         const double frictionless = b.F_0 * g->turn[i] / g->radius[i];
-        out->reaction[i] = (slips && b.finite ? b.bearing.x[i] : frictionless) * g->length[i] / p->contacts;
+        out->reaction[i] = (moves && b.finite ? b.bearing.x[i] : frictionless) * g->length[i] / p->contacts;
     }
 }
 
@@ -365,7 +378,7 @@ double drag_start(const Inverse *m) {
 
 void drag_present(const Inverse *m, Dragged *out) {
     const double theta = m->inputs.theta[0];
-    Drag d = {.m = m, .cam = m->state.cam, .F_ext = m->inputs.F_ext[0]};
+    Drag d = {.m = m, .cam = m->state.cam, .F_ext = m->inputs.F_ext[0], .F_rate = m->inputs.F_ext[1]};
     follow(&d, m->state.theta, theta);
     describe(&d, theta, m->inputs.omega[0], out);
 }

@@ -1,3 +1,5 @@
+#include <math.h>
+
 #include "drag.h"
 #include "inverse.h"
 #include "rigid.h"
@@ -63,6 +65,8 @@ static void balance_on(const Inverse *m, const Moment *at, const int flank[2], T
 static void rigid_ahead(const Inverse *m, Taylor *t, Effort *effort) {
     Moment at = rigid_present(m);
     effort_ahead(m, t, &at, effort);
+    /* the load may be no more than what rounding of z makes of the spring's force */
+    effort->burden.axial_size += fabs(spring_rate(&m->params.spring, effort->station.z)) * m->course.z_size;
     const int *now = effort->bearing.flank;
     const bool idle[2] = {station_is_idle(&effort->bearing, &effort->burden, 0),
                           station_is_idle(&effort->bearing, &effort->burden, 1)};

@@ -318,7 +318,7 @@ def test_capabilities(model):
         "modelIdentifier": model.identifier,
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
-        "maxOutputDerivativeOrder": {FORWARD: "2", INVERSE: "0"}[model],
+        "maxOutputDerivativeOrder": "2",
         "canRunAsynchronuously": "false",
         "canBeInstantiatedOnlyOncePerProcess": "false",
         "canNotUseMemoryManagementFunctions": "true",

@@ -2,6 +2,7 @@
 themselves, and against closed forms."""
 
 import math
+from ctypes import c_double, c_int
 
 import numpy as np
 import pytest
@@ -299,3 +300,161 @@ def test_torque_along_a_motion(make_model, grooves, groove, regime, direction, F
     assert_close(found, AROUND, samples, h)
     assert found["z", 1] == fmu.get("v")
     assert found["z", 2] == found["v", 1]
+
+
+def inverse_at(make_model, values: dict, motion: dict) -> Driver:
+    fmu = make_model(INVERSE)
+    fmu.set(imposed(motion, 0.0))
+    fmu.start(values)
+    return fmu
+
+
+RICH = LINEAR | CURVED | GROOVES["ellipses"] | REGIMES["viscous, quadratic"] | MASSES
+
+
+@pytest.mark.parametrize("name", ["theta", "omega", "alpha"])
+def test_whichever_derivatives_are_given(make_model, name):
+    """theta = 0.5 + 3 t + 10 t^2 - 50 t^3: its derivatives, or those of omega or alpha; before and after a step."""
+    motion = {"theta": [0.5, 3.0, 10.0, -50.0], "F_ext": [10.0, 200.0, -3000.0]}
+    theta = np.polynomial.Polynomial(motion["theta"])
+    rates = {
+        "theta": [float(theta.deriv(k)(0.0)) for k in (1, 2, 3)],
+        "omega": [float(theta.deriv(k)(0.0)) for k in (2, 3)],
+        "alpha": [float(theta.deriv(3)(0.0))],
+    }
+    fmu, h = inverse_at(make_model, RICH, motion), 1e-3
+    fmu.set_derivatives({name: rates[name], "F_ext": given(motion)["F_ext"]})
+    assert_close(derivatives(fmu, TORQUE), AROUND, read_along(fmu, motion, AROUND * h), h)
+    fmu.step(0.02)
+    assert fmu.get("theta") == pytest.approx(float(theta(0.02)), rel=1e-14)
+    found = derivatives(fmu, TORQUE)
+    assert_close(found, AROUND, read_along(fmu, motion, 0.02 + AROUND * h), h)
+    fmu.set(imposed(motion, 0.02))
+    fmu.step(0.01, **imposed({"theta": [0.7, 2.0], "F_ext": [9.0]}, 0.0))
+    straight = {"theta": [0.7, 2.0], "F_ext": [9.0]}
+    found = derivatives(fmu, TORQUE)
+    assert_close(found, AROUND, read_along(fmu, straight, AROUND * h), h)
+
+
+def test_a_quartic_of_omega_goes_on_after_the_step(make_model):
+    motion = {"theta": [0.5, 3.0, 10.0, -50.0, 900.0], "F_ext": [10.0]}
+    omega = np.polynomial.Polynomial(motion["theta"]).deriv()
+    fmu, h = inverse_at(make_model, RICH, motion), 1e-3
+    fmu.set_derivatives({"omega": [float(omega.deriv(k)(0.0)) for k in (1, 2, 3)]})
+    for t in (0.0, 0.02):
+        assert_close(derivatives(fmu, TORQUE), AROUND, read_along(fmu, motion, t + AROUND * h), h)
+        fmu.step(0.02 - t if t == 0.0 else 0.01)
+
+
+@pytest.mark.parametrize("before", [1, -1])
+@pytest.mark.parametrize("start", [[0.0, 0.0, 12.0, 300.0], [0.0, 0.0, 0.0, 40.0, 900.0], [0.0, 0.0, -12.0]])
+def test_ahead_of_a_rest(make_model, before, start):
+    """Where the speed is zero, what counts is the direction in which it starts, not the one that was."""
+    fmu = inverse_at(make_model, RICH, {"theta": [0.5 - 0.1 * before], "F_ext": [10.0]})
+    fmu.step(0.1, theta=0.5, omega=0.0)
+    motion, h = {"theta": [0.5, *start[1:]], "F_ext": [10.0, -30.0, 500.0]}, 1e-3
+    fmu.set(imposed(motion, 0.0))
+    fmu.set_derivatives(given(motion))
+    found = derivatives(fmu, TORQUE)
+    assert_close(found, AHEAD, read_along(fmu, motion, AHEAD * h), h)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("rate", [400.0, -400.0])
+def test_ahead_of_a_change_of_flanks(make_model, way, rate):
+    """No load at all now; which flanks bear is told by how it goes on."""
+    values = LINEAR | GROOVES["ellipses"] | {"spring.preload": 0.0, "spring.stiffness": 1e3}
+    motion = {"theta": [0.0, 2.0 * way], "F_ext": [0.0, rate, 1000.0]}
+    fmu, h = inverse_at(make_model, values, motion), 1e-3
+    fmu.set_derivatives(given(motion))
+    found = derivatives(fmu, TORQUE)
+    assert found["tau", 1] != 0.0
+    assert_close(found, AHEAD, read_along(fmu, motion, AHEAD * h), h)
+
+
+@pytest.mark.parametrize("groove", GROOVES)
+@pytest.mark.parametrize("direction", [1, -1])
+def test_elastic_shaft_dragging(make_model, grooves, groove, direction):
+    """Cam 2 slips along the edge of the band, tau = K (theta - theta_cam)."""
+    values = LINEAR | CURVED | grooves[groove] | {"shaft.stiffness": 60.0}
+    fmu = inverse_at(make_model, values, {"theta": [0.5 - 0.4 * direction], "F_ext": [10.0]})
+    fmu.step(0.1, theta=0.5, omega=direction)
+    motion = {"theta": [0.5 + 0.03 * direction, 2.0 * direction, 20.0, -90.0, 3000.0], "F_ext": [10.0, 50.0, -900.0]}
+    h = 1e-3
+    fmu.set(imposed(motion, 0.0))
+    fmu.set_derivatives(given(motion))
+    assert fmu.get("mode") == (LOADING if direction > 0 else RELEASING)
+    found = derivatives(fmu, TORQUE)
+    samples = read_along(fmu, motion, AROUND * h)
+    assert fmu.get("v") == pytest.approx(found["z", 1], rel=1e-12)
+    assert found["v", 1] == found["z", 2]
+    position = {"tau": samples["tau"], "z": samples["z"]}
+    assert_close({key: value for key, value in found.items() if key[0] != "v"}, AROUND, position, h)
+    assert found["v", 2] == pytest.approx(difference(AROUND, samples["z"], h, 3), rel=1e-5)
+
+
+def test_elastic_shaft_stuck(make_model):
+    values = LINEAR | GROOVES["ellipses"] | MASSES | {"shaft.stiffness": 60.0}
+    fmu = inverse_at(make_model, values, {"theta": [0.5], "F_ext": [0.0]})
+    fmu.step(0.1, theta=0.502, omega=0.02)
+    fmu.set({"alpha": 7.0})
+    assert fmu.get("mode") == STICK
+    assert list(derivatives(fmu, TORQUE).values()) == [1.2, 420.0, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_elastic_shaft_ahead_of_a_rest(make_model):
+    """On the upper edge at rest: cam 2 follows upward; downward the shaft alone gives way; and F_ext can release it."""
+    values = LINEAR | GROOVES["helices"] | {"cam2.radius": 0.02, "shaft.stiffness": 60.0}
+    fmu = inverse_at(make_model, values, {"theta": [0.2], "F_ext": [0.0]})
+    fmu.step(0.1, theta=0.6, omega=0.0)
+    assert fmu.get("tau") == pytest.approx(fmu.get("torque_load"), rel=1e-12)
+    rho = fmu.get("torque_load") / fmu.get("spring.force")
+    lift = fmu.get("z") / fmu.get("theta_cam")
+    edge = rho * 2e4 * lift  # N.m/rad
+    fmu.set({"alpha": 5.0})
+    assert fmu.output_derivative("tau", 1) == 0.0
+    assert fmu.output_derivative("tau", 2) == pytest.approx(60.0 * 5.0 * edge / (60.0 + edge), rel=1e-10)
+    assert fmu.output_derivative("v", 1) == pytest.approx(lift * 60.0 * 5.0 / (60.0 + edge), rel=1e-10)
+    fmu.set({"alpha": -5.0})
+    assert fmu.output_derivative("tau", 2) == -300.0
+    assert fmu.output_derivative("v", 1) == 0.0
+    fmu.set({"alpha": 0.0})
+    fmu.set_rates(F_ext=-30.0)
+    found = derivatives(fmu, TORQUE)
+    assert found["v", 2] == pytest.approx(0.0, abs=1e-9)
+    assert fmu.get("v") == pytest.approx(found["z", 1], rel=1e-12)
+    assert found["z", 1] == pytest.approx(lift * rho * 30.0 / (60.0 + edge), rel=1e-10)
+    assert found["tau", 1] == pytest.approx(-60.0 * rho * 30.0 / (60.0 + edge), rel=1e-10)
+
+
+def test_at_stops_and_where_it_is_refused(make_model):
+    """Beyond a stop the polynomial goes on; where no torque moves it, tau has no derivative, but z and v have."""
+    fmu = inverse_at(make_model, RICH | {"stop.upper": 1.0}, {"theta": [1.0, 3.0], "F_ext": [0.0]})
+    assert all(math.isfinite(value) for value in derivatives(fmu, TORQUE).values())
+    assert fmu.output_derivative("tau", 1) != 0.0
+    fmu.set({"theta": 1.1})
+    for name in TORQUE:
+        arguments = INVERSE.references([name]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
+        fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("theta", "stop.upper"))
+        assert arguments[-1][0] == 7.0
+
+
+def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
+    """One contact locks and the other one does not: no pair of flanks carries a release."""
+    leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
+    fmu = inverse_at(make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, -1.0], "F_ext": [0.0]})
+    arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
+    fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("wedge",))
+    assert fmu.output_derivative("z", 1) == fmu.get("v") != 0.0
+    assert fmu.output_derivative("v", 2) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_at_rest_before_a_wedge(make_model):
+    """alpha would start it in the direction that wedges: the derivatives are those of the direction tau is for."""
+    leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
+    fmu = inverse_at(make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, 1.0], "F_ext": [0.0]})
+    fmu.set({"omega": 0.0, "alpha": -1.0})
+    assert fmu.get("torque_release") == -math.inf
+    rho, lift = fmu.get("torque_load") / fmu.get("spring.force"), fmu.get("z") / 0.5
+    assert fmu.get("tau") == pytest.approx(fmu.get("torque_load"), rel=1e-12)
+    assert fmu.output_derivative("tau", 2) == pytest.approx(-rho * 2e4 * lift, rel=1e-11)
