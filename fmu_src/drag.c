@@ -439,13 +439,14 @@ static bool is_constant(const Bernstein *p) {
     return true;
 }
 
-/* One monotone part of the motion. */
+/* One monotone part of the motion. The stairs of F_ext at both ends are half as long, with the force that there is at
+ * the very ends: so cam 2, while it slips, ends on the edge of the band. */
 static bool tow_part(Tow *t, const Imposed *motion, double a, double b) {
-    const int stairs = is_constant(&motion->F_ext) ? 1 : DRAG_STAIRS;
-    for (int k = 1; k <= stairs; k++) {
-        const double s = k == stairs ? b : a + (b - a) * k / stairs;
-        const double middle = a + (b - a) * (k - 0.5) / stairs;
-        if (!tow(t, imposed_theta(motion, s), bernstein_value(&motion->F_ext, middle), k == 1)) return false;
+    const int stairs = is_constant(&motion->F_ext) ? 0 : DRAG_STAIRS;
+    for (int k = 0; k <= stairs; k++) {
+        const double s = k == stairs ? b : a + (b - a) * (k + 0.5) / stairs;
+        const double nearest = k == 0 ? a : a + (b - a) * k / stairs;
+        if (!tow(t, imposed_theta(motion, s), bernstein_value(&motion->F_ext, nearest), k == 0)) return false;
     }
     return true;
 }

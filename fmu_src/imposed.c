@@ -68,7 +68,9 @@ static void quickening_after(Given given, double h, InverseInputs *u) {
     double by_theta[INPUT_ORDER + 1] = {u->theta[2], u->theta[3]};
     double by_omega[INPUT_ORDER + 1] = {u->omega[1], u->omega[2], u->omega[3]};
     double none[INPUT_ORDER + 1] = {0.0};
-    double *alpha = given == GIVEN_THETA ? by_theta : given == GIVEN_OMEGA ? by_omega : given == GIVEN_ALPHA ? u->alpha : none;
+    double *const polynomial[] = {
+        [GIVEN_ENDS] = none, [GIVEN_THETA] = by_theta, [GIVEN_OMEGA] = by_omega, [GIVEN_ALPHA] = u->alpha};
+    double *alpha = polynomial[given];
     input_shift(alpha, h);
     for (int k = 1; k <= INPUT_ORDER; k++) u->alpha[k] = alpha[k];
 }

@@ -117,10 +117,11 @@ bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault);
 bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault);
 void inverse_energy(const Inverse *m, InverseEnergy *out);
 
-/* Time derivatives where that output can be computed, along the motion that the inputs describe now: theta' = omega,
- * omega' = alpha; alpha' and alpha'' as given for alpha, or else by the higher derivatives given for omega or theta, or
- * else 0; F_ext' and F_ext'' as given. Of what comes next: where omega = 0, in the direction that alpha or its first
- * derivative that is not 0 starts, of the last motion if none does. */
+/* Time derivatives, where that output can be computed, along the motion that the inputs describe now: theta' = omega,
+ * omega' = alpha; alpha' and alpha'' as given for alpha, else by the higher derivatives given for omega or theta,
+ * else 0; F_ext' and F_ext'' as given; after a step as its polynomials go on. Of what comes next: where omega = 0, in
+ * the direction in which alpha, or the first of its derivatives that is not 0, starts it; if none does or no torque
+ * can, in that of the last motion. */
 typedef struct {
     double tau[2]; /* of orders 1, 2 */
     double z[3];   /* of orders 1 to 3 */

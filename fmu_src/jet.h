@@ -1,5 +1,5 @@
-/* Truncated Taylor polynomials in time, f(t) = sum c_k t^k, and the arithmetic that carries them along, exactly: the k-th
- * time derivative of f is k! c_k. Each coefficient is a dual number (dual.h), so that a derivative by one knob comes along.
+/* Truncated Taylor polynomials in time, f(t) = sum c_k t^k, and the arithmetic that carries them along, exactly: the
+ * k-th time derivative of f is k! c_k. Each coefficient is a dual number: a derivative by one knob comes along.
  * (A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapter 13.) */
 #ifndef DUALCAM_JET_H
 #define DUALCAM_JET_H

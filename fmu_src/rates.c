@@ -6,7 +6,8 @@ static void seed(Jet *jet, bool is_knob) {
 
 void rates_along(const Mechanism *m, const Way *way, Knob knob, int last, Taylor *out) {
     const Balance now = balance_from_here(m, way);
-    *out = (Taylor){.tau = jet_of_derivatives(m->inputs.tau), .F_ext = jet_of_derivatives(m->inputs.F_ext), .knob = knob};
+    *out = (Taylor){
+        .tau = jet_of_derivatives(m->inputs.tau), .F_ext = jet_of_derivatives(m->inputs.F_ext), .knob = knob};
     out->theta.c[0].value = now.theta;
     seed(&out->theta, knob == KNOB_THETA);
     seed(&out->tau, knob == KNOB_TAU);

@@ -1,5 +1,5 @@
-/* How the motion goes on from the present instant, as time derivatives: one-sided at a mode change, those of what comes
- * next with the present inputs. */
+/* How the motion goes on from the present instant, as time derivatives: one-sided at a mode change, those of what
+ * comes next with the present inputs. */
 #ifndef DUALCAM_RATES_H
 #define DUALCAM_RATES_H
 

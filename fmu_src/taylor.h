@@ -2,10 +2,11 @@
  * position go on (derivatives of outputs), and how that depends on a knob.
  *
  * With v = z' omega, so that dv/dt = z' alpha + z'' omega^2, and balance.h's names, all of them functions of time,
- *     R = Delta (tau - b omega - J domega/dt) - P (F_s(z) + F_ext + v (c + q |v|) + m dv/dt) - Q I d(gamma' omega)/dt = 0
- * at every order. Where the motion is unknown, each coefficient of R is linear in one new coefficient of omega, so one
- * is found after the other: from R_{k-1} with inertia, from R_k without (viscous), from R_{k+1} where forces do not depend
- * on speed either, and the band's edge is followed. */
+ *     R = Delta (tau - b omega - J domega/dt) - P A - Q W = 0
+ *     A = F_s(z) + F_ext + v (c + q |v|) + m dv/dt      W = I d(gamma' omega)/dt
+ * at every order. Where the motion is unknown, each coefficient of R is linear in one new coefficient of omega: one
+ * is found after the other, from R_{k-1} with inertia, from R_k without (viscous), from R_{k+1} where no force
+ * depends on speed either and the band's edge is followed. */
 #ifndef DUALCAM_TAYLOR_H
 #define DUALCAM_TAYLOR_H
 
@@ -35,8 +36,8 @@ RARE void taylor_place(const Way *way, Taylor *t);
  * whatever its parameters say. R, A and W are one order short if there are masses. */
 RARE void taylor_balance(const Way *way, Taylor *t);
 
-/* Finds omega's coefficients up to `last` <= 2, with theta's, from theta(0), the inputs and `now`; then balances. Where
- * following the edge of the band is not stable, it finds rest. */
+/* Finds omega's coefficients up to `last` <= 2, with theta's, from theta(0), the inputs and `now`; then balances.
+ * Where following the edge of the band is not stable, it finds rest. */
 RARE void taylor_follow(const Way *way, const Balance *now, int last, Taylor *t);
 
 #endif

@@ -1,5 +1,5 @@
-"""Time derivatives of outputs (fmi2GetRealOutputDerivatives) of both FMUs against differences of order 8 of the outputs
-themselves, and against closed forms."""
+"""Time derivatives of outputs (fmi2GetRealOutputDerivatives) of both FMUs against differences of order 8 of
+the outputs themselves, and against closed forms."""
 
 import math
 from ctypes import c_double, c_int
@@ -78,7 +78,9 @@ def assert_close(found: dict, nodes, samples: dict, h: float, tolerance: float =
 def later(inputs: dict, t: float) -> dict:
     """The same polynomials from t on."""
     return {
-        name: [sum(u[i] * t ** (i - k) / math.factorial(i - k) for i in range(k, len(u))) for k in range(len(u))]
+        name: [
+            sum(u[i] * t ** (i - k) / math.factorial(i - k) for i in range(k, len(u))) for k in range(len(u))
+        ]
         for name, u in inputs.items()
     }
 
@@ -198,7 +200,7 @@ def test_at_rest_nothing_moves(make_model, grooves):
 
 @pytest.mark.parametrize("direction", [1, -1])
 def test_where_a_ramp_reaches_the_edge(make_model, direction):
-    """Torque on the edge of the band, about to leave it: at rest now, and one order later it is not. Helices, worked out by
+    """Torque on the edge of the band, about to leave it: at rest now, and one order later it is not. By
     hand: J alpha' = tau' with inertia, B alpha = tau' without, theta' = tau'/K without damping."""
     lift, mu = 0.01, 0.14
     rho = lift * ((1 + mu) / (1 - mu)) ** direction
@@ -270,6 +272,12 @@ def given(motion: dict) -> dict:
     }
 
 
+def moved_to(coefficients: list, shift: float) -> list:
+    """The same polynomial in t, t = 0 being where t = shift was."""
+    p = np.polynomial.Polynomial(coefficients)(np.polynomial.Polynomial([shift, 1.0]))
+    return [float(c) for c in p.coef]
+
+
 def read_along(fmu: Driver, motion: dict, times) -> dict:
     """Outputs along the motion, without a step; then as at time 0."""
     samples: dict = {name: [] for name in TORQUE}
@@ -314,7 +322,7 @@ RICH = LINEAR | CURVED | GROOVES["ellipses"] | REGIMES["viscous, quadratic"] | M
 
 @pytest.mark.parametrize("name", ["theta", "omega", "alpha"])
 def test_whichever_derivatives_are_given(make_model, name):
-    """theta = 0.5 + 3 t + 10 t^2 - 50 t^3: its derivatives, or those of omega or alpha; before and after a step."""
+    """The derivatives of a cubic theta, or those of its omega or alpha; before and after a step."""
     motion = {"theta": [0.5, 3.0, 10.0, -50.0], "F_ext": [10.0, 200.0, -3000.0]}
     theta = np.polynomial.Polynomial(motion["theta"])
     rates = {
@@ -379,7 +387,10 @@ def test_elastic_shaft_dragging(make_model, grooves, groove, direction):
     values = LINEAR | CURVED | grooves[groove] | {"shaft.stiffness": 60.0}
     fmu = inverse_at(make_model, values, {"theta": [0.5 - 0.4 * direction], "F_ext": [10.0]})
     fmu.step(0.1, theta=0.5, omega=direction)
-    motion = {"theta": [0.5 + 0.03 * direction, 2.0 * direction, 20.0, -90.0, 3000.0], "F_ext": [10.0, 50.0, -900.0]}
+    motion = {
+        "theta": [0.5 + 0.03 * direction, 2.0 * direction, 20.0, -90.0, 3000.0],
+        "F_ext": [10.0, 50.0, -900.0],
+    }
     h = 1e-3
     fmu.set(imposed(motion, 0.0))
     fmu.set_derivatives(given(motion))
@@ -393,6 +404,25 @@ def test_elastic_shaft_dragging(make_model, grooves, groove, direction):
     assert found["v", 2] == pytest.approx(difference(AROUND, samples["z"], h, 3), rel=1e-5)
 
 
+def test_elastic_shaft_after_a_step(make_model):
+    """A step that ends in slip leaves cam 2 on the edge that F_ext has come to: as if moved there at once."""
+    values = LINEAR | CURVED | GROOVES["ellipses"] | {"shaft.stiffness": 60.0}
+    start = {"theta": [0.2], "F_ext": [10.0]}
+    end = {"theta": [0.55, 2.0, 20.0, -90.0, 3000.0], "F_ext": [12.0, 50.0, -900.0]}
+    moved, at_once = (inverse_at(make_model, values, start) for _ in range(2))
+    h = 0.02
+    before = {name: moved_to(end[name], -h) for name in end}
+    moved.set(imposed(before, 0.0))
+    moved.set_derivatives(given(before))
+    moved.step(h)
+    at_once.set(imposed(end, 0.0))
+    at_once.set_derivatives(given(end))
+    assert moved.get("mode") == LOADING
+    found, expected = derivatives(moved, TORQUE), derivatives(at_once, TORQUE)
+    assert found == pytest.approx(expected, rel=1e-9)
+    assert moved.get("v") == pytest.approx(found["z", 1], rel=1e-12)
+
+
 def test_elastic_shaft_stuck(make_model):
     values = LINEAR | GROOVES["ellipses"] | MASSES | {"shaft.stiffness": 60.0}
     fmu = inverse_at(make_model, values, {"theta": [0.5], "F_ext": [0.0]})
@@ -403,7 +433,7 @@ def test_elastic_shaft_stuck(make_model):
 
 
 def test_elastic_shaft_ahead_of_a_rest(make_model):
-    """On the upper edge at rest: cam 2 follows upward; downward the shaft alone gives way; and F_ext can release it."""
+    """At rest on the upper edge: cam 2 follows upward, downward the shaft gives way; F_ext can free it."""
     values = LINEAR | GROOVES["helices"] | {"cam2.radius": 0.02, "shaft.stiffness": 60.0}
     fmu = inverse_at(make_model, values, {"theta": [0.2], "F_ext": [0.0]})
     fmu.step(0.1, theta=0.6, omega=0.0)
@@ -428,7 +458,7 @@ def test_elastic_shaft_ahead_of_a_rest(make_model):
 
 
 def test_at_stops_and_where_it_is_refused(make_model):
-    """Beyond a stop the polynomial goes on; where no torque moves it, tau has no derivative, but z and v have."""
+    """At a stop, pressed into it, the polynomial goes on beyond; beyond it nothing is known."""
     fmu = inverse_at(make_model, RICH | {"stop.upper": 1.0}, {"theta": [1.0, 3.0], "F_ext": [0.0]})
     assert all(math.isfinite(value) for value in derivatives(fmu, TORQUE).values())
     assert fmu.output_derivative("tau", 1) != 0.0
@@ -442,7 +472,9 @@ def test_at_stops_and_where_it_is_refused(make_model):
 def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
     """One contact locks and the other one does not: no pair of flanks carries a release."""
     leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
-    fmu = inverse_at(make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, -1.0], "F_ext": [0.0]})
+    fmu = inverse_at(
+        make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, -1.0], "F_ext": [0.0]}
+    )
     arguments = INVERSE.references(["tau"]), 1, (c_int * 1)(1), (c_double * 1)(7.0)
     fmu.refused("fmi2GetRealOutputDerivatives", *arguments, mentions=("wedge",))
     assert fmu.output_derivative("z", 1) == fmu.get("v") != 0.0
@@ -450,9 +482,11 @@ def test_wedged_motion_has_no_torque_and_no_rate_of_it(make_model):
 
 
 def test_at_rest_before_a_wedge(make_model):
-    """alpha would start it in the direction that wedges: the derivatives are those of the direction tau is for."""
+    """alpha would start it in the direction that wedges: what counts is the direction that tau is for."""
     leads = {"cam1.lead_angle": 0.05, "cam2.lead_angle": 0.31, "cam1.friction": 0.74, "cam2.friction": 0.1}
-    fmu = inverse_at(make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, 1.0], "F_ext": [0.0]})
+    fmu = inverse_at(
+        make_model, LINEAR | leads | {"cam2.radius": 0.02}, {"theta": [0.5, 1.0], "F_ext": [0.0]}
+    )
     fmu.set({"omega": 0.0, "alpha": -1.0})
     assert fmu.get("torque_release") == -math.inf
     rho, lift = fmu.get("torque_load") / fmu.get("spring.force"), fmu.get("z") / 0.5
