@@ -52,7 +52,7 @@ typedef struct {
 /* Precomputes the course between two stops. On failure returns false with the reason in `fault`;
  * `course` then owns nothing. */
 RARE bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
-                  Fault *fault);
+                       Fault *fault);
 
 /* Safe on a zeroed Course, and twice. */
 void course_free(Course *course);

@@ -26,7 +26,7 @@ typedef struct {
  * `variable` is the parameter that names the file, for messages. On failure returns false with the
  * reason in `fault`; `samples` is then empty. */
 RARE bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable,
-                  Fault *fault);
+                       Fault *fault);
 
 /* Safe on zeroed Samples, and twice. */
 void samples_free(Samples *samples);

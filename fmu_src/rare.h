@@ -2,6 +2,10 @@
 #ifndef DUALCAM_RARE_H
 #define DUALCAM_RARE_H
 
-#define RARE __attribute__((cold, noinline))
+#ifdef __clang__
+#define RARE __attribute__((cold, minsize))
+#else
+#define RARE __attribute__((cold))
+#endif
 
 #endif
