@@ -11,6 +11,7 @@
 #include "event.h"
 #include "passage.h"
 #include "play.h"
+#include "rates.h"
 #include "stick.h"
 
 /* A step with more mode changes than this is refused. At about a microsecond each that bounds the time a step
@@ -86,15 +87,11 @@ static void arrive(Mechanism *m) {
         place->z = place->geometry.lift * m->state.theta.hi;
         return;
     }
-    const Spot spot = piece_at(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi);
+    const Spot spot = piece_spot(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi, false);
     place->geometry = cam_geometry(m->params.cam, spot.slope);
     const double *turn = place->geometry.turn;
     place->lift_rate = spot.bend[0] * turn[0] * turn[0] + spot.bend[1] * turn[1] * turn[1];
     place->z = spot.z;
-    /* z''' as in balance.c */
-    const double turn_rate = (spot.bend[1] * turn[1] - spot.bend[0] * turn[0]) / (spot.slope[0] + spot.slope[1]);
-    place->lift_bend = spot.twist[0] * turn[0] * turn[0] + spot.twist[1] * turn[1] * turn[1] +
-                       2.0 * turn_rate * (spot.bend[0] * turn[0] - spot.bend[1] * turn[1]);
 }
 
 static void forget(Cache *cache) {
@@ -163,16 +160,9 @@ static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
 }
 
-/* The polynomial's derivatives t later. */
-static void shift(double u[INPUT_ORDER + 1], double t) {
-    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
-    u[1] += t * (u[2] + t / 2.0 * u[3]);
-    u[2] += t * u[3];
-}
-
 static void advance_inputs(Inputs *inputs, double t) {
-    shift(inputs->tau, t);
-    shift(inputs->F_ext, t);
+    input_shift(inputs->tau, t);
+    input_shift(inputs->F_ext, t);
 }
 
 static void record_rest(Mechanism *m) {
@@ -765,24 +755,15 @@ static double efficiency(const Mechanism *m, const EdgeFactors *f, double F_0) {
     return release / load;
 }
 
-/* d^2 omega/dt^2 without inertia, from how omega itself changes a little later. */
-static double jerk_without_inertia(const Way *way, const Balance *now, const Trend *trend) {
-    const double dt = 1e-4 * fmin(1.0, leap_time_scale(way, now));
-    Balance later;
-    Trend trend_later;
-    balance_at(way, now->theta + dt * (now->omega + 0.5 * dt * trend->pace), 0.0, dt, &later);
-    balance_trend(way, &later, dt, &trend_later);
-    return (trend_later.pace - trend->pace) / dt;
-}
-
 static void leap_loads(const Mechanism *m, int index, Loads *out) {
     const Way way = way_from_here(m, index);
     const Balance now = balance_from_here(m, &way);
-    const bool inertial = way.kind == FLOW_INERTIAL;
-    Trend trend;
-    balance_trend(&way, &now, 0.0, &trend);
-    out->alpha = inertial ? now.alpha : trend.pace;
-    out->jerk = inertial ? trend.pace : jerk_without_inertia(&way, &now, &trend);
+    out->alpha = now.alpha;
+    if (way.kind != FLOW_INERTIAL) {
+        Taylor t;
+        rates_along(m, &way, KNOB_COUNT, 1, &t);
+        out->alpha = t.omega.c[1].value;
+    }
     for (int i = 0; i < 2; i++) out->reaction[i] = now.x[i] * sqrt(now.length2[i]) / m->params.contacts;
 }
 
@@ -790,7 +771,6 @@ static void slip_loads(const Mechanism *m, const Slip *slip, Loads *out) {
     const Launch l = launch_of(m, slip);
     const Arc now = slip_arc_start(slip, &l);
     out->alpha = now.alpha;
-    out->jerk = now.jerk;
     for (int i = 0; i < 2; i++) {
         const Contact c = slip_contact(slip, &m->params, &m->place.geometry, &l, &now, i);
         out->reaction[i] = c.value * slip->reaction[i];
@@ -835,16 +815,4 @@ void mechanism_energy(const Mechanism *m, Energy *out) {
         .heat_stop = l->heat_stop.hi,
         .residual = m->params.ledger && !m->continuous ? ledger_residual(l, stored_energy(m)) : 0.0,
     };
-}
-
-/* v = z' omega, dv/dt = z' alpha + z'' omega^2, and once more. */
-double mechanism_axial_derivative(const Mechanism *m, int order) {
-    const double lift = m->place.geometry.lift, omega = m->state.omega.hi;
-    if (order == 1) return lift * omega;
-    Loads loads;
-    mechanism_loads(m, &loads);
-    const double lift_rate = m->place.lift_rate;
-    if (order == 2) return lift * loads.alpha + lift_rate * omega * omega;
-    const double bent = m->place.lift_bend * omega * omega + 3.0 * lift_rate * loads.alpha;
-    return lift * loads.jerk + omega * bent;
 }
