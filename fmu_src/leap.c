@@ -483,31 +483,84 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     return true;
 }
 
+/* How alpha, or without inertia omega, grows with the torque. */
+static double mobility(const Way *way, const Balance *b) {
+    Partials p;
+    balance_partials(way, b, &p);
+    return -p.by[KNOB_TAU] / p.by[way->kind == FLOW_INERTIAL ? KNOB_ALPHA : KNOB_OMEGA];
+}
+
+/* Under quadratic damping alone omega begins and ends as a root of time does, and what it depends on has a pole there. */
+static bool has_pole(const Way *way, const Leap *leap) {
+    static const double UNEVEN = 2.0;
+    const double at_start = fabs(mobility(way, &leap->start));
+    const double at_end = fabs(mobility(way, &leap->node[leap->method->stages - 1]));
+    return way->kind == FLOW_VISCOUS && !(fmax(at_start, at_end) <= UNEVEN * fmin(at_start, at_end));
+}
+
+/* At the last node the polynomial through the values at the others. */
+static void extrapolate(const Radau *r, double value[RADAU_MAX]) {
+    const int last = r->stages - 1;
+    value[last] = 0.0;
+    for (int j = 0; j < last; j++) {
+        double weight = value[j];
+        for (int k = 0; k < last; k++)
+            if (k != j) weight *= (1.0 - r->node[k]) / (r->node[j] - r->node[k]);
+        value[last] += weight;
+    }
+}
+
+/* What the linearised equation of motion is made of at the nodes. */
+typedef struct {
+    double by_theta[RADAU_MAX], by_omega[RADAU_MAX], by_torque[RADAU_MAX];
+} Linear;
+
+static void linearise(const Way *way, const Balance *b, double rate, int i, Linear *out) {
+    out->by_theta[i] = rate * b->pace.by_theta;
+    out->by_omega[i] = rate * b->pace.by_omega;
+    out->by_torque[i] = rate * mobility(way, b);
+}
+
+/* In a time u with t = h u^2 (3 - 2u), which makes roots of t and of h - t smooth. */
+static bool linearise_bent(const Way *way, const Leap *leap, const Radau *r, Linear *out) {
+    const int last = r->stages - 1;
+    Leap part;
+    for (int i = 0; i < last; i++) {
+        const double u = r->node[i];
+        if (!leap_solve(way, &leap->start, leap->h * u * u * (3.0 - 2.0 * u), r->stages, &part)) return false;
+        linearise(way, &part.node[last], leap->h * 6.0 * u * (1.0 - u), i, out);
+    }
+    extrapolate(r, out->by_theta);
+    extrapolate(r, out->by_torque);
+    return true;
+}
+
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_torque_i torque
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
 bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
-    const System s = {.way = way, .method = leap->method, .h = leap->h};
-    const Radau *r = s.method;
+    const bool bent = has_pole(way, leap), inertial = way->kind == FLOW_INERTIAL;
+    const Radau *r = bent ? radau_of(RADAU_MAX) : leap->method;
     const int n = r->stages;
-    const bool inertial = way->kind == FLOW_INERTIAL;
+    const System s = {.way = way, .method = r, .h = bent ? 1.0 : leap->h};
     const double omega = inertial ? v->omega : 0.0;
+    Linear linear = {.by_omega = {0.0}};
     Factors f = {.n = n};
     double y[RADAU_MAX], twice = 0.0;
+    if (bent && !linearise_bent(way, leap, r, &linear)) return false;
     for (int i = 0; i < n; i++) {
-        const Balance *node = &leap->node[i];
-        Partials p;
-        balance_partials(way, node, &p);
-        fill_row(&s, &node->pace, i, f.a[i]);
-        y[i] = node->pace.by_theta * (v->theta + r->node[i] * s.h * omega) + node->pace.by_omega * omega -
-               torque * p.by[KNOB_TAU] / p.by[inertial ? KNOB_ALPHA : KNOB_OMEGA];
+        if (!bent) linearise(way, &leap->node[i], 1.0, i, &linear);
+        fill_row(&s, &(Pace){.by_theta = linear.by_theta[i], .by_omega = linear.by_omega[i]}, i, f.a[i]);
+        y[i] = linear.by_theta[i] * (v->theta + r->node[i] * s.h * omega) + linear.by_omega[i] * omega +
+               linear.by_torque[i] * torque;
     }
     if (!factorize(&f)) return false;
     solve(&f, y);
     const double once = s.h * dot(r->weight, y, n);
     for (int j = 0; j < n; j++) twice += s.h * s.h * r->twice[j][n - 1] * y[j];
     v->theta += inertial ? s.h * omega + twice : once;
-    v->omega = inertial ? omega + once : 0.0;
+    if (bent) linearise(way, &leap->node[leap->method->stages - 1], 1.0, 0, &linear);
+    v->omega = inertial ? omega + once : (bent ? linear.by_theta[0] * v->theta + linear.by_torque[0] * torque : y[n - 1]);
     return true;
 }
 

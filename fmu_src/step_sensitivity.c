@@ -10,6 +10,7 @@
 typedef struct {
     Variation x;
     double delay; /* s: the event just passed comes later by that, and x is taken at the event's own time; else 0 */
+    bool rested;  /* what comes next begins where the torque leaves the band */
 } Carried;
 
 static double finite(double x) {
@@ -26,8 +27,8 @@ static Way present_way(const Mechanism *m) {
 
 /* ---- the edge of the stick band ---- */
 
-/* Is there a torque that moves it in `direction`? Then *way is along the band's edge. */
-static bool way_along_edge(const Mechanism *m, int direction, Way *way) {
+/* Is there a torque that moves it in `direction`? Then *way is along the band's edge, rho F_0 with *rho. */
+static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
@@ -35,7 +36,18 @@ static bool way_along_edge(const Mechanism *m, int direction, Way *way) {
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *way = way_from_here(m, slip_index(direction, flank));
     way->kind = FLOW_QUASISTATIC;
+    *rho = transfer.rho;
     return true;
+}
+
+/* How much later the torque passes the edge while theta is later by its variation. */
+static double delay_at_edge(const Mechanism *m, double theta, double omega) {
+    const double *tau = m->inputs.tau;
+    Way way;
+    double rho;
+    if (!way_along_edge(m, present_direction(m), &way, &rho)) return 0.0;
+    const double slope = balance_pace(&way, m->state.theta.hi, 0.0, 0.0).by_theta;
+    return finite((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
 }
 
 /* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
@@ -66,6 +78,7 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
     Kernel k;
     oscillator_kernel(&slip->oscillator, t, &k);
     if (slip->kind == FLOW_VISCOUS) {
+        x->omega = k.ds * (1.0 - slip->stiffness * x->theta) / slip->damping;
         x->theta = k.ds * x->theta + k.s / slip->damping;
         return;
     }
@@ -77,11 +90,13 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
 /* Without inertia and damping theta follows the torque, whatever it did before. */
 static void carry_along_edge(const Mechanism *m, const Leg *leg, Variation *x) {
     Way way = present_way(m);
-    const bool there = leg->kind != LEG_JUMP || way_along_edge(m, present_direction(m), &way);
+    double rho;
+    const bool there = leg->kind != LEG_JUMP || way_along_edge(m, present_direction(m), &way, &rho);
     x->theta = there ? give_of_edge(m, &way) : 0.0;
 }
 
-static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
+/* `inputs`: those at the start of the leg. */
+static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
     if (leg->kind == LEG_NONE) return true;
     if (leg->kind == LEG_REST) {
         *v = (Carried){.x = {.theta = v->x.theta}};
@@ -95,7 +110,7 @@ static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
         carry_along_arc(&m->model.slip[index], t, &v->x);
     } else {
         const Leap *leap = &leg->passage.leap;
-        way = way_of(&m->params, &m->model.course, &m->inputs, leap->start.theta, way.direction, way.flank);
+        way = way_of(&m->params, &m->model.course, inputs, leap->start.theta, way.direction, way.flank);
         return leap_vary(&way, leap, 1.0, &v->x);
     }
     return true;
@@ -124,15 +139,13 @@ static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
 static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v) {
     const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->place.geometry.lift;
-    Way edge;
     v->delay = 0.0;
     if (leg->end == EVENT_STOP) {
         v->x.theta = 0.0;
     } else if (leg->end == EVENT_FLANK) {
         v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
-    } else if (way_along_edge(m, present_direction(m), &edge)) {
-        const Pace pace = balance_pace(&edge, m->state.theta.hi, 0.0, 0.0);
-        v->delay = finite((pace.by_theta * v->x.theta - 1.0) / (pace.by_theta * (pace.value - leg->omega)));
+    } else {
+        v->delay = delay_at_edge(m, v->x.theta, leg->omega);
     }
     v->x.theta += leg->omega * v->delay;
 }
@@ -140,15 +153,20 @@ static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v)
 static void pass_event(const Mechanism *m, const Leg *leg, Carried *v) {
     if (leg->end != EVENT_NONE && has_inertia(&m->params)) pass_inertial(m, leg, v);
     if (leg->end != EVENT_NONE && !has_inertia(&m->params)) pass_without_inertia(m, leg, v);
-    if (m->state.omega.hi == 0.0) v->x.omega = 0.0;
 }
+
+/* At the edge of the band speed and acceleration begin at 0, but for rounding: up to this share of what adds up to them.
+ * Only where a contact locks can a damper let go with a jump. */
+static const double BEGINNING = 1e-9;
 
 /* Back to a variation at a fixed time, by the motion that follows the event. */
 static void enter_next(Mechanism *m, Carried *v) {
     leg_enter(m);
-    if (v->delay == 0.0 || !is_slip(m->state.mode)) return;
+    if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const Way way = present_way(m);
     const Balance after = balance_from_here(m, &way);
+    if (v->rested && way.kind == FLOW_VISCOUS && fabs(after.omega) > BEGINNING * after.pace.size)
+        v->delay = delay_at_edge(m, v->x.theta, 0.0);
     v->x.theta -= after.omega * v->delay;
     v->x.omega -= after.alpha * v->delay;
     v->delay = 0.0;
@@ -159,26 +177,16 @@ static void enter_next(Mechanism *m, Carried *v) {
 /* False where there is no variation. */
 static bool carry_through(Mechanism *m, double left, Carried *v) {
     Leg leg;
-    while (left > 0.0) {
+    for (;;) {
         enter_next(m, v);
+        if (!(left > 0.0)) return true;
+        const Inputs inputs = m->inputs;
         const double t = leg_run(m, left, &leg);
-        if (!(t <= left) || !carry(m, &leg, t, v)) return false;
+        if (!(t <= left) || !carry(m, &leg, &inputs, t, v)) return false;
         pass_event(m, &leg, v);
         left -= t;
+        v->rested = leg.kind == LEG_REST && left > 0.0;
     }
-    enter_next(m, v);
-    return true;
-}
-
-/* Without inertia the speed is what angle and torque make it. */
-static double speed_without_inertia(const Mechanism *m, double theta) {
-    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0) return 0.0;
-    const Way way = present_way(m);
-    if (way.kind == FLOW_QUASISTATIC) return speed_on_edge(&way, m->state.theta.hi) * theta;
-    const Balance now = balance_from_here(m, &way);
-    Partials p;
-    balance_partials(&way, &now, &p);
-    return now.pace.by_theta * theta - p.by[KNOB_TAU] / p.by[KNOB_OMEGA];
 }
 
 void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
@@ -189,6 +197,8 @@ void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     mechanism_rewind(&again);
     again.params.ledger = false;
     if (!carry_through(&again, m->state.step.h, &v)) return;
-    if (!has_inertia(&m->params)) v.x.omega = speed_without_inertia(&again, v.x.theta);
+    const Way way = present_way(&again);
+    if (again.state.omega.hi == 0.0) v.x.omega = 0.0;
+    else if (way.kind == FLOW_QUASISTATIC) v.x.omega = speed_on_edge(&way, again.state.theta.hi) * v.x.theta;
     *out = (StepSensitivity){finite(v.x.theta), finite(v.x.omega)};
 }
