@@ -10,6 +10,17 @@ double input_rate(const double u[INPUT_ORDER + 1], double t) {
     return u[1] + t * (u[2] + t / 2.0 * u[3]);
 }
 
+static void shift(double u[INPUT_ORDER + 1], double t) {
+    u[0] = input_value(u, t);
+    u[1] = input_rate(u, t);
+    u[2] += t * u[3];
+}
+
+void inputs_advance(Inputs *inputs, double t) {
+    shift(inputs->tau, t);
+    shift(inputs->F_ext, t);
+}
+
 /* The inputs at one instant. */
 typedef struct {
     double tau, F_ext, tau_rate, F_rate; /* N.m, N, N.m/s, N/s */

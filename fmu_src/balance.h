@@ -103,4 +103,7 @@ Booking balance_power(const Way *way, const Balance *now);
 double input_value(const double u[INPUT_ORDER + 1], double t);
 double input_rate(const double u[INPUT_ORDER + 1], double t);
 
+/* The same polynomials, written for an origin t later. */
+void inputs_advance(Inputs *inputs, double t);
+
 #endif

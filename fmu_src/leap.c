@@ -490,78 +490,82 @@ static double mobility(const Way *way, const Balance *b) {
     return -p.by[KNOB_TAU] / p.by[way->kind == FLOW_INERTIAL ? KNOB_ALPHA : KNOB_OMEGA];
 }
 
-/* Under quadratic damping alone omega begins and ends as a root of time does, and what it depends on has a pole there. */
-static bool has_pole(const Way *way, const Leap *leap) {
-    static const double UNEVEN = 2.0;
-    const double at_start = fabs(mobility(way, &leap->start));
-    const double at_end = fabs(mobility(way, &leap->node[leap->method->stages - 1]));
-    return way->kind == FLOW_VISCOUS && !(fmax(at_start, at_end) <= UNEVEN * fmin(at_start, at_end));
-}
-
-/* At the last node the polynomial through the values at the others. */
-static void extrapolate(const Radau *r, double value[RADAU_MAX]) {
-    const int last = r->stages - 1;
-    value[last] = 0.0;
-    for (int j = 0; j < last; j++) {
-        double weight = value[j];
-        for (int k = 0; k < last; k++)
-            if (k != j) weight *= (1.0 - r->node[k]) / (r->node[j] - r->node[k]);
-        value[last] += weight;
-    }
-}
-
-/* What the linearised equation of motion is made of at the nodes. */
-typedef struct {
-    double by_theta[RADAU_MAX], by_omega[RADAU_MAX], by_torque[RADAU_MAX];
-} Linear;
-
-static void linearise(const Way *way, const Balance *b, double rate, int i, Linear *out) {
-    out->by_theta[i] = rate * b->pace.by_theta;
-    out->by_omega[i] = rate * b->pace.by_omega;
-    out->by_torque[i] = rate * mobility(way, b);
-}
-
-/* In a time u with t = h u^2 (3 - 2u), which makes roots of t and of h - t smooth. */
-static bool linearise_bent(const Way *way, const Leap *leap, const Radau *r, Linear *out) {
-    const int last = r->stages - 1;
-    Leap part;
-    for (int i = 0; i < last; i++) {
-        const double u = r->node[i];
-        if (!leap_solve(way, &leap->start, leap->h * u * u * (3.0 - 2.0 * u), r->stages, &part)) return false;
-        linearise(way, &part.node[last], leap->h * 6.0 * u * (1.0 - u), i, out);
-    }
-    extrapolate(r, out->by_theta);
-    extrapolate(r, out->by_torque);
-    return true;
-}
-
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
- *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_torque_i torque
+ *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
-bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
-    const bool bent = has_pole(way, leap), inertial = way->kind == FLOW_INERTIAL;
-    const Radau *r = bent ? radau_of(RADAU_MAX) : leap->method;
+static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+    const Radau *r = leap->method;
+    const System s = {.way = way, .method = r, .h = leap->h};
     const int n = r->stages;
-    const System s = {.way = way, .method = r, .h = bent ? 1.0 : leap->h};
+    const bool inertial = way->kind == FLOW_INERTIAL;
     const double omega = inertial ? v->omega : 0.0;
-    Linear linear = {.by_omega = {0.0}};
     Factors f = {.n = n};
     double y[RADAU_MAX], twice = 0.0;
-    if (bent && !linearise_bent(way, leap, r, &linear)) return false;
     for (int i = 0; i < n; i++) {
-        if (!bent) linearise(way, &leap->node[i], 1.0, i, &linear);
-        fill_row(&s, &(Pace){.by_theta = linear.by_theta[i], .by_omega = linear.by_omega[i]}, i, f.a[i]);
-        y[i] = linear.by_theta[i] * (v->theta + r->node[i] * s.h * omega) + linear.by_omega[i] * omega +
-               linear.by_torque[i] * torque;
+        const Pace *p = &leap->node[i].pace;
+        fill_row(&s, p, i, f.a[i]);
+        y[i] = p->by_theta * (v->theta + r->node[i] * s.h * omega) + p->by_omega * omega +
+               mobility(way, &leap->node[i]) * torque;
     }
     if (!factorize(&f)) return false;
     solve(&f, y);
     const double once = s.h * dot(r->weight, y, n);
     for (int j = 0; j < n; j++) twice += s.h * s.h * r->twice[j][n - 1] * y[j];
     v->theta += inertial ? s.h * omega + twice : once;
-    if (bent) linearise(way, &leap->node[leap->method->stages - 1], 1.0, 0, &linear);
-    v->omega = inertial ? omega + once : (bent ? linear.by_theta[0] * v->theta + linear.by_torque[0] * torque : y[n - 1]);
+    v->omega = inertial ? omega + once : y[n - 1];
     return true;
+}
+
+/* Where a variation has got to. */
+typedef struct {
+    Inputs inputs;
+    Balance at;
+    Variation v;
+} Front;
+
+/* Moves on by t seconds in one leap. */
+static bool move_front(const Way *way, double t, double torque, Front *front) {
+    Leap leap;
+    Way here = *way;
+    here.inputs = &front->inputs;
+    here.to_rounding = true;
+    if (!leap_solve(&here, &front->at, t, RADAU_MAX, &leap) || !vary(&here, &leap, torque, &front->v)) return false;
+    inputs_advance(&front->inputs, t);
+    balance_at(&here, front->at.theta + leap.dtheta, 0.0, 0.0, &front->at);
+    return true;
+}
+
+/* A leap is as long as the motion allows, which without inertia may be too long for a variation: one that dies out while
+ * the motion is steady, or where quadratic damping alone makes speed a root of time. So it is gone through again in leaps
+ * that agree with two of half their length, or that are short against the times from start and end, where only rounding
+ * can be what differs. */
+static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
+    enum { TRIALS = 500 };
+    static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-8;
+    Front front = {*way->inputs, leap->start, *v};
+    const double h = leap->h;
+    double left = h, step = h, scale = fabs(v->theta);
+    for (int n = 0; n < TRIALS && left > 0.0 && step > 0.1 * SHORTEST * h; n++) {
+        Front once = front, twice = front;
+        step = fmin(step, left);
+        const bool is_short = step <= fmax(SHORT * fmin(h - left, left), SHORTEST * h);
+        const bool found = move_front(way, step, torque, &once) && move_front(way, 0.5 * step, torque, &twice) &&
+                           move_front(way, 0.5 * step, torque, &twice);
+        if (found) scale = fmax(scale, fabs(twice.v.theta));
+        if (found && (is_short || fabs(once.v.theta - twice.v.theta) <= ALLOWED * scale)) {
+            front = twice;
+            left -= step;
+            step *= 4.0;
+        } else {
+            step *= 0.25;
+        }
+    }
+    *v = front.v;
+    return isfinite(v->theta);
+}
+
+bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+    return way->kind == FLOW_INERTIAL ? vary(way, leap, torque, v) : vary_in_parts(way, leap, torque, v);
 }
 
 double leap_time_scale(const Way *way, const Balance *b) {

@@ -163,18 +163,6 @@ static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
 }
 
-/* The polynomial's derivatives t later. */
-static void shift(double u[INPUT_ORDER + 1], double t) {
-    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
-    u[1] += t * (u[2] + t / 2.0 * u[3]);
-    u[2] += t * u[3];
-}
-
-static void advance_inputs(Inputs *inputs, double t) {
-    shift(inputs->tau, t);
-    shift(inputs->F_ext, t);
-}
-
 static void record_rest(Mechanism *m) {
     Peaks *peak = &m->state.ledger.peak;
     peak_raise(&peak->torque, m->inputs.tau[0]);
@@ -206,7 +194,7 @@ static double hold(Mechanism *m, double left, Leg *leg) {
     /* on the very edge of the band, where no slip agrees, rounding could hold it for no time at all */
     const double t = fmax(stick_hold_time(m, left), DBL_EPSILON * left);
     if (m->params.ledger) record_input_peaks(m, t);
-    advance_inputs(&m->inputs, t);
+    inputs_advance(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
     return t;
 }
@@ -289,7 +277,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     } else {
         m->state.omega = sum_of(arc->omega);
     }
-    advance_inputs(&m->inputs, arc->t);
+    inputs_advance(&m->inputs, arc->t);
     return true;
 }
 
@@ -412,7 +400,7 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
         const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
         m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
     }
-    advance_inputs(&m->inputs, leap->h);
+    inputs_advance(&m->inputs, leap->h);
     return true;
 }
 
@@ -485,7 +473,7 @@ static double growing_time(const Inputs *in, int direction, double left) {
  * grows, theta goes where a jump of the torque would take it. Returns how long that is. */
 static double follow_by_torque(Mechanism *m, int direction, double t, Leg *leg) {
     Inputs after = m->inputs;
-    advance_inputs(&after, t);
+    inputs_advance(&after, t);
     Jump jump;
     play_jump(m, direction, after.tau[0], 0.0, &jump);
     if (!take_jump(m, direction, &jump, leg)) return NAN;

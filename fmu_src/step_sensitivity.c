@@ -51,11 +51,10 @@ static double delay_at_edge(const Mechanism *m, double theta, double omega) {
 }
 
 /* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
-static double give_of_edge(const Mechanism *m, const Way *way) {
+static double give_of_edge(const Mechanism *m, const Pace *pace) {
     static const double HELD = 1e-9; /* of the torques involved: what is left of them on the edge */
-    const Pace pace = balance_pace(way, m->state.theta.hi, 0.0, 0.0);
-    const bool held = fabs(pace.net) <= HELD * stick_torque_size(m, m->place.geometry.lift);
-    return held && pace.by_theta > 0.0 ? 1.0 / pace.by_theta : 0.0;
+    const bool held = fabs(pace->net) <= HELD * stick_torque_size(m, m->place.geometry.lift);
+    return held && pace->by_theta > 0.0 ? 1.0 / pace->by_theta : 0.0;
 }
 
 /* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'. Both are
@@ -87,17 +86,23 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
     x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
 }
 
-/* Without inertia and damping theta follows the torque, whatever it did before. */
-static void carry_along_edge(const Mechanism *m, const Leg *leg, Variation *x) {
+/* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E', and at the
+ * end of a jump that comes later by dt, (d tau + (dE/dt at theta) dt)/E'. Following the edge ends at a fold, E' = 0, when
+ * the torque gets to the fold's. */
+static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carried *v) {
     Way way = present_way(m);
     double rho;
-    const bool there = leg->kind != LEG_JUMP || way_along_edge(m, present_direction(m), &way, &rho);
-    x->theta = there ? give_of_edge(m, &way) : 0.0;
+    const bool jumps = leg->kind == LEG_JUMP;
+    const bool there = !jumps || way_along_edge(m, present_direction(m), &way, &rho);
+    const Pace pace = balance_pace(&way, m->state.theta.hi, 0.0, 0.0);
+    if (jumps && t > 0.0) v->delay = 0.0;
+    v->x.theta = there ? give_of_edge(m, &pace) + (jumps ? pace.value * v->delay : 0.0) : 0.0;
+    if (!jumps) v->delay = finite(-1.0 / (pace.value * pace.by_theta));
 }
 
 /* `inputs`: those at the start of the leg. */
 static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
-    if (leg->kind == LEG_NONE) return true;
+    if (leg->kind == LEG_NONE) return leg->end == EVENT_STOP || (v->x.theta == 0.0 && v->x.omega == 0.0); /* a jam */
     if (leg->kind == LEG_REST) {
         *v = (Carried){.x = {.theta = v->x.theta}};
         return true;
@@ -105,7 +110,7 @@ static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, doub
     const int index = slip_index(present_direction(m), m->state.flank);
     Way way = way_from_here(m, index);
     if (way.kind == FLOW_QUASISTATIC) {
-        carry_along_edge(m, leg, &v->x);
+        carry_along_edge(m, leg, t, v);
     } else if (leg->kind == LEG_ARC) {
         carry_along_arc(&m->model.slip[index], t, &v->x);
     } else {
@@ -139,12 +144,13 @@ static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
 static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v) {
     const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->place.geometry.lift;
+    const bool quasistatic = present_way(m).kind == FLOW_QUASISTATIC;
     v->delay = 0.0;
     if (leg->end == EVENT_STOP) {
         v->x.theta = 0.0;
-    } else if (leg->end == EVENT_FLANK) {
+    } else if (quasistatic && leg->end == EVENT_FLANK) {
         v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
-    } else {
+    } else if (!quasistatic && leg->end == EVENT_REST) {
         v->delay = delay_at_edge(m, v->x.theta, leg->omega);
     }
     v->x.theta += leg->omega * v->delay;
@@ -165,8 +171,10 @@ static void enter_next(Mechanism *m, Carried *v) {
     if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const Way way = present_way(m);
     const Balance after = balance_from_here(m, &way);
-    if (v->rested && way.kind == FLOW_VISCOUS && fabs(after.omega) > BEGINNING * after.pace.size)
+    const bool bursts = way.kind == FLOW_VISCOUS && fabs(after.omega) > BEGINNING * after.pace.size;
+    if (v->rested && (bursts || way.kind == FLOW_QUASISTATIC))
         v->delay = delay_at_edge(m, v->x.theta, 0.0);
+    if (way.kind == FLOW_QUASISTATIC) return; /* the delay is for a jump to know */
     v->x.theta -= after.omega * v->delay;
     v->x.omega -= after.alpha * v->delay;
     v->delay = 0.0;
