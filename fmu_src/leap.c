@@ -483,13 +483,6 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     return true;
 }
 
-/* How alpha, or without inertia omega, grows with the torque. */
-static double mobility(const Way *way, const Balance *b) {
-    Partials p;
-    balance_partials(way, b, &p);
-    return -p.by[KNOB_TAU] / p.by[way->kind == FLOW_INERTIAL ? KNOB_ALPHA : KNOB_OMEGA];
-}
-
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
@@ -505,7 +498,7 @@ static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) 
         const Pace *p = &leap->node[i].pace;
         fill_row(&s, p, i, f.a[i]);
         y[i] = p->by_theta * (v->theta + r->node[i] * s.h * omega) + p->by_omega * omega +
-               mobility(way, &leap->node[i]) * torque;
+               balance_mobility(way, &leap->node[i]) * torque;
     }
     if (!factorize(&f)) return false;
     solve(&f, y);
@@ -538,22 +531,24 @@ static bool move_front(const Way *way, double t, double torque, Front *front) {
 /* A leap is as long as the motion allows, which without inertia may be too long for a variation: one that dies out while
  * the motion is steady, or where quadratic damping alone makes speed a root of time. So it is gone through again in leaps
  * that agree with two of half their length, or that are short against the times from start and end, where only rounding
- * can be what differs. */
+ * can be what differs. Next to start and end it is the root: what it makes of either leap is of the root of its length,
+ * so that both together tell it. */
 static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
-    enum { TRIALS = 500 };
-    static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-8;
+    enum { TRIALS = 300 };
+    static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-4, ROOT = 3.414213562373095; /* 1/(1 - sqrt(1/2)) */
     Front front = {*way->inputs, leap->start, *v};
     const double h = leap->h;
     double left = h, step = h, scale = fabs(v->theta);
     for (int n = 0; n < TRIALS && left > 0.0 && step > 0.1 * SHORTEST * h; n++) {
         Front once = front, twice = front;
         step = fmin(step, left);
-        const bool is_short = step <= fmax(SHORT * fmin(h - left, left), SHORTEST * h);
+        const bool is_shortest = step <= SHORTEST * h, is_short = is_shortest || step <= SHORT * fmin(h - left, left);
         const bool found = move_front(way, step, torque, &once) && move_front(way, 0.5 * step, torque, &twice) &&
                            move_front(way, 0.5 * step, torque, &twice);
         if (found) scale = fmax(scale, fabs(twice.v.theta));
         if (found && (is_short || fabs(once.v.theta - twice.v.theta) <= ALLOWED * scale)) {
             front = twice;
+            if (is_shortest) front.v.theta = once.v.theta + ROOT * (twice.v.theta - once.v.theta);
             left -= step;
             step *= 4.0;
         } else {

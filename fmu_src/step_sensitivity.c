@@ -10,7 +10,7 @@
 typedef struct {
     Variation x;
     double delay; /* s: the event just passed comes later by that, and x is taken at the event's own time; else 0 */
-    bool rested;  /* what comes next begins where the torque leaves the band */
+    bool slipped, rested; /* in the leg before; rested: what comes next begins where the torque leaves the band */
 } Carried;
 
 static double finite(double x) {
@@ -23,6 +23,10 @@ static int present_direction(const Mechanism *m) {
 
 static Way present_way(const Mechanism *m) {
     return way_from_here(m, slip_index(present_direction(m), m->state.flank));
+}
+
+static bool is_viscous(const Mechanism *m) {
+    return present_way(m).kind == FLOW_VISCOUS;
 }
 
 /* ---- the edge of the stick band ---- */
@@ -40,12 +44,12 @@ static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *
     return true;
 }
 
-/* How much later the torque passes the edge while theta is later by its variation. */
-static double delay_at_edge(const Mechanism *m, double theta, double omega) {
+/* By how much later the torque passes the edge, theta being larger by its variation. */
+static double delay_at_edge(const Mechanism *m, int direction, double theta, double omega) {
     const double *tau = m->inputs.tau;
     Way way;
     double rho;
-    if (!way_along_edge(m, present_direction(m), &way, &rho)) return 0.0;
+    if (!way_along_edge(m, direction, &way, &rho)) return 0.0;
     const double slope = balance_pace(&way, m->state.theta.hi, 0.0, 0.0).by_theta;
     return finite((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
 }
@@ -102,7 +106,12 @@ static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carri
 
 /* `inputs`: those at the start of the leg. */
 static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
-    if (leg->kind == LEG_NONE) return leg->end == EVENT_STOP || (v->x.theta == 0.0 && v->x.omega == 0.0); /* a jam */
+    if (leg->kind == LEG_NONE && leg->end == EVENT_STOP) return true;
+    if (leg->kind == LEG_NONE) { /* a jam: at an event, or before anything has varied, or for an unknown reason */
+        const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
+        v->x.omega = 0.0;
+        return known;
+    }
     if (leg->kind == LEG_REST) {
         *v = (Carried){.x = {.theta = v->x.theta}};
         return true;
@@ -123,13 +132,28 @@ static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, doub
 
 /* ---- at an event ---- */
 
+/* By how much later a contact is without load. */
+static double delay_at_flank(const Way *way, const Balance *b, const Variation *x) {
+    const int i = fabs(b->x[0]) < fabs(b->x[1]) ? 0 : 1;
+    const Pace *p = &b->pace;
+    const double jerk = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
+    const double alpha = p->by_theta * x->theta + p->by_omega * x->omega + balance_mobility(way, b);
+    const double rate = balance_contact_change(way, b, i, b->omega, b->alpha, jerk) + b->axial[i] * way->inputs->F_ext[1];
+    return finite(-balance_contact_change(way, b, i, x->theta, x->omega, alpha) / rate);
+}
+
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
- * moment, so that alpha does not jump. */
+ * moment, so that alpha does not jump unless the other one changes as well. */
 static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
-    if (leg->end == EVENT_FLANK) return;
     const Way way = present_way(m);
     Balance before;
     balance_at(&way, m->state.theta.hi, leg->omega, 0.0, &before);
+    if (leg->end == EVENT_FLANK) {
+        v->delay = delay_at_flank(&way, &before, &v->x);
+        v->x.theta += before.omega * v->delay;
+        v->x.omega += before.alpha * v->delay;
+        return;
+    }
     if (leg->end == EVENT_REST) {
         v->delay = finite(-v->x.omega / before.alpha);
         v->x.omega = 0.0;
@@ -144,14 +168,13 @@ static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
 static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v) {
     const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->place.geometry.lift;
-    const bool quasistatic = present_way(m).kind == FLOW_QUASISTATIC;
     v->delay = 0.0;
     if (leg->end == EVENT_STOP) {
         v->x.theta = 0.0;
-    } else if (quasistatic && leg->end == EVENT_FLANK) {
+    } else if (leg->end == EVENT_FLANK && !is_viscous(m)) {
         v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
-    } else if (!quasistatic && leg->end == EVENT_REST) {
-        v->delay = delay_at_edge(m, v->x.theta, leg->omega);
+    } else if (leg->end == EVENT_REST && is_viscous(m)) {
+        v->delay = delay_at_edge(m, present_direction(m), v->x.theta, leg->omega);
     }
     v->x.theta += leg->omega * v->delay;
 }
@@ -167,13 +190,19 @@ static const double BEGINNING = 1e-9;
 
 /* Back to a variation at a fixed time, by the motion that follows the event. */
 static void enter_next(Mechanism *m, Carried *v) {
+    const double omega = m->state.omega.hi;
+    const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
+    const int direction = present_direction(m);
     leg_enter(m);
+    /* so slow that the torque is on the edge to rounding, it is taken to rest */
+    if (slipped && !is_slip(m->state.mode))
+        v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
     if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const Way way = present_way(m);
     const Balance after = balance_from_here(m, &way);
     const bool bursts = way.kind == FLOW_VISCOUS && fabs(after.omega) > BEGINNING * after.pace.size;
     if (v->rested && (bursts || way.kind == FLOW_QUASISTATIC))
-        v->delay = delay_at_edge(m, v->x.theta, 0.0);
+        v->delay = delay_at_edge(m, way.direction, v->x.theta, 0.0);
     if (way.kind == FLOW_QUASISTATIC) return; /* the delay is for a jump to know */
     v->x.theta -= after.omega * v->delay;
     v->x.omega -= after.alpha * v->delay;
@@ -193,6 +222,7 @@ static bool carry_through(Mechanism *m, double left, Carried *v) {
         if (!(t <= left) || !carry(m, &leg, &inputs, t, v)) return false;
         pass_event(m, &leg, v);
         left -= t;
+        v->slipped = leg.kind == LEG_ARC || leg.kind == LEG_LEAP;
         v->rested = leg.kind == LEG_REST && left > 0.0;
     }
 }
