@@ -191,7 +191,7 @@ static inline Pace pace_of_viscous(const Way *w, const Form *f, double z, const 
         .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) * inverse,
-        .possible = sum != 0.0 && square >= 0.0 && f->delta.value != 0.0,
+        .possible = (sum != 0.0 || c.value != 0.0) && square >= 0.0 && f->delta.value != 0.0,
         .stable = sign * f->delta.value > 0.0,
     };
 }

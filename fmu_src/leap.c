@@ -485,7 +485,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
 
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
- * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
+ * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end, see vary_in_parts(), is left out. */
 static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
     const Radau *r = leap->method;
     const System s = {.way = way, .method = r, .h = leap->h};
@@ -493,12 +493,15 @@ static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) 
     const bool inertial = way->kind == FLOW_INERTIAL;
     const double omega = inertial ? v->omega : 0.0;
     Factors f = {.n = n};
-    double y[RADAU_MAX], twice = 0.0;
+    static const double POLE = 1e3; /* times as large as at the node before */
+    double y[RADAU_MAX], twice = 0.0, before = INFINITY;
     for (int i = 0; i < n; i++) {
-        const Pace *p = &leap->node[i].pace;
-        fill_row(&s, p, i, f.a[i]);
-        y[i] = p->by_theta * (v->theta + r->node[i] * s.h * omega) + p->by_omega * omega +
-               balance_mobility(way, &leap->node[i]) * torque;
+        Pace p = leap->node[i].pace;
+        double mobility = balance_mobility(way, &leap->node[i]);
+        if (!(fabs(mobility) <= POLE * before)) mobility = p.by_theta = 0.0;
+        before = fabs(mobility);
+        fill_row(&s, &p, i, f.a[i]);
+        y[i] = p.by_theta * (v->theta + r->node[i] * s.h * omega) + p.by_omega * omega + mobility * torque;
     }
     if (!factorize(&f)) return false;
     solve(&f, y);
@@ -544,7 +547,7 @@ static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Varia
         step = fmin(step, left);
         const bool is_shortest = step <= SHORTEST * h, is_short = is_shortest || step <= SHORT * fmin(h - left, left);
         const bool found = move_front(way, step, torque, &once) && move_front(way, 0.5 * step, torque, &twice) &&
-                           move_front(way, 0.5 * step, torque, &twice);
+                           move_front(way, 0.5 * step, torque, &twice) && isfinite(once.v.theta + twice.v.theta);
         if (found) scale = fmax(scale, fabs(twice.v.theta));
         if (found && (is_short || fabs(once.v.theta - twice.v.theta) <= ALLOWED * scale)) {
             front = twice;
@@ -556,7 +559,7 @@ static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Varia
         }
     }
     *v = front.v;
-    return isfinite(v->theta);
+    return true;
 }
 
 bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {

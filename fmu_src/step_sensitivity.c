@@ -194,8 +194,9 @@ static void enter_next(Mechanism *m, Carried *v) {
     const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
     const int direction = present_direction(m);
     leg_enter(m);
-    /* so slow that the torque is on the edge to rounding, it is taken to rest */
-    if (slipped && !is_slip(m->state.mode))
+    /* so slow that the torque is on the edge to rounding, it is taken to rest; or it just reaches the stop */
+    if (slipped && (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP)) v->x.theta = 0.0;
+    if (slipped && m->state.mode == MODE_STICK)
         v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
     if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const Way way = present_way(m);
