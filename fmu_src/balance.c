@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "cold.h"
+
 double input_value(const double u[INPUT_ORDER + 1], double t) {
     return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
 }
@@ -449,12 +451,14 @@ double balance_mobility(const Way *w, const Balance *now) {
 
 /* How k alpha + k' omega^2 changes, with k = z' or gamma'. */
 static double swing_change(const Balance *b, Dual k, Dual k_rate, double dtheta, double domega, double dalpha) {
-    return (k.slope * b->alpha + k_rate.slope * b->omega * b->omega) * dtheta + 2.0 * k_rate.value * b->omega * domega +
+    const double spin2 = b->omega * b->omega;
+    return (k.slope * b->alpha + k_rate.slope * spin2) * dtheta + 2.0 * k_rate.value * b->omega * domega +
            k.value * dalpha;
 }
 
 /* x_i = (rn A -+ d W)/Delta, see contact_trend(). */
-double balance_contact_change(const Way *w, const Balance *now, int i, double dtheta, double domega, double dalpha) {
+COLD double balance_contact_change(const Way *w, const Balance *now, int i, double dtheta, double domega,
+                                   double dalpha) {
     const Params *p = w->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = now->omega, alpha = now->alpha;
     Form here;

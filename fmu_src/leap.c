@@ -3,6 +3,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "cold.h"
+
 enum { MAX_ITERATIONS = 12 };
 
 /* The iteration ends when the last correction is this share of what the tolerance allows. */
@@ -485,8 +487,9 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
 
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
- * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end, see vary_in_parts(), is left out. */
-static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+ * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end is left out: a root of time,
+ * see vary_in_parts(). */
+COLD static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
     const Radau *r = leap->method;
     const System s = {.way = way, .method = r, .h = leap->h};
     const int n = r->stages;
@@ -520,7 +523,7 @@ typedef struct {
 } Front;
 
 /* Moves on by t seconds in one leap. */
-static bool move_front(const Way *way, double t, double torque, Front *front) {
+COLD static bool move_front(const Way *way, double t, double torque, Front *front) {
     Leap leap;
     Way here = *way;
     here.inputs = &front->inputs;
@@ -531,12 +534,12 @@ static bool move_front(const Way *way, double t, double torque, Front *front) {
     return true;
 }
 
-/* A leap is as long as the motion allows, which without inertia may be too long for a variation: one that dies out while
- * the motion is steady, or where quadratic damping alone makes speed a root of time. So it is gone through again in leaps
- * that agree with two of half their length, or that are short against the times from start and end, where only rounding
- * can be what differs. Next to start and end it is the root: what it makes of either leap is of the root of its length,
- * so that both together tell it. */
-static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
+/* A leap is as long as the motion allows, which without inertia may be too long for a variation: one that dies out
+ * while the motion is steady, or where quadratic damping alone makes speed a root of time. So it is gone through again
+ * in leaps that agree with two of half their length, or that are short against the times from start and end, where
+ * only rounding can be what differs. Next to start and end it is the root: the errors are of the root of the length, so
+ * that one leap and two halves together tell them (Richardson's extrapolation). */
+COLD static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
     enum { TRIALS = 300 };
     static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-4, ROOT = 3.414213562373095; /* 1/(1 - sqrt(1/2)) */
     Front front = {*way->inputs, leap->start, *v};
@@ -546,8 +549,10 @@ static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Varia
         Front once = front, twice = front;
         step = fmin(step, left);
         const bool is_shortest = step <= SHORTEST * h, is_short = is_shortest || step <= SHORT * fmin(h - left, left);
-        const bool found = move_front(way, step, torque, &once) && move_front(way, 0.5 * step, torque, &twice) &&
-                           move_front(way, 0.5 * step, torque, &twice) && isfinite(once.v.theta + twice.v.theta);
+        bool found = true;
+        for (int k = 0; found && k < 3; k++)
+            found = move_front(way, k == 0 ? step : 0.5 * step, torque, k == 0 ? &once : &twice);
+        found = found && isfinite(once.v.theta + twice.v.theta);
         if (found) scale = fmax(scale, fabs(twice.v.theta));
         if (found && (is_short || fabs(once.v.theta - twice.v.theta) <= ALLOWED * scale)) {
             front = twice;
@@ -562,7 +567,7 @@ static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Varia
     return true;
 }
 
-bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+COLD bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
     return way->kind == FLOW_INERTIAL ? vary(way, leap, torque, v) : vary_in_parts(way, leap, torque, v);
 }
 

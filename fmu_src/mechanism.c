@@ -7,6 +7,7 @@
 
 #include "bernstein.h"
 #include "check.h"
+#include "cold.h"
 #include "decide.h"
 #include "event.h"
 #include "leg.h"
@@ -136,7 +137,7 @@ static bool renew_course(Mechanism *m, Fault *fault) {
     return true;
 }
 
-bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+COLD bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
     build_model(m);
     return true;
@@ -717,7 +718,7 @@ static void remember_tunables(Mechanism *m, const Params *next) {
     s->step.retuned = 1;
 }
 
-void mechanism_rewind(Mechanism *m) {
+COLD void mechanism_rewind(Mechanism *m) {
     State *s = &m->state;
     const Step *step = &s->step;
     s->theta = step->theta;
@@ -739,7 +740,7 @@ void mechanism_rewind(Mechanism *m) {
 
 /* ---- start and tuning ---- */
 
-bool mechanism_start(Mechanism *m, Fault *fault) {
+COLD bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),

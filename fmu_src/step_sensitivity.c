@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "cold.h"
 #include "decide.h"
 #include "leg.h"
 #include "stick.h"
@@ -21,7 +22,7 @@ static int present_direction(const Mechanism *m) {
     return m->state.mode == MODE_LOADING ? 1 : -1;
 }
 
-static Way present_way(const Mechanism *m) {
+COLD static Way present_way(const Mechanism *m) {
     return way_from_here(m, slip_index(present_direction(m), m->state.flank));
 }
 
@@ -32,7 +33,7 @@ static bool is_viscous(const Mechanism *m) {
 /* ---- the edge of the stick band ---- */
 
 /* Is there a torque that moves it in `direction`? Then *way is along the band's edge, rho F_0 with *rho. */
-static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
+COLD static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
@@ -61,9 +62,9 @@ static double give_of_edge(const Mechanism *m, const Pace *pace) {
     return held && pace->by_theta > 0.0 ? 1.0 / pace->by_theta : 0.0;
 }
 
-/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'. Both are
- * smooth inside a piece, so that a central difference of order 4 has ten digits. */
-static double speed_on_edge(const Way *way, double theta) {
+/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'.
+ * Both are smooth inside a piece, so that a central difference of order 4 has ten digits. */
+COLD static double speed_on_edge(const Way *way, double theta) {
     static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
     const double step = 1e-3 * (way->piece->upper - way->piece->lower);
     const Pace now = balance_pace(way, theta, 0.0, 0.0);
@@ -90,9 +91,9 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
     x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
 }
 
-/* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E', and at the
- * end of a jump that comes later by dt, (d tau + (dE/dt at theta) dt)/E'. Following the edge ends at a fold, E' = 0, when
- * the torque gets to the fold's. */
+/* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E'; at
+ * the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge.
+ * Following the edge ends at a fold, E' = 0, when the torque gets to the fold's. */
 static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carried *v) {
     Way way = present_way(m);
     double rho;
@@ -105,7 +106,7 @@ static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carri
 }
 
 /* `inputs`: those at the start of the leg. */
-static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
+COLD static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
     if (leg->kind == LEG_NONE && leg->end == EVENT_STOP) return true;
     if (leg->kind == LEG_NONE) { /* a jam: at an event, or before anything has varied, or for an unknown reason */
         const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
@@ -138,7 +139,8 @@ static double delay_at_flank(const Way *way, const Balance *b, const Variation *
     const Pace *p = &b->pace;
     const double jerk = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
     const double alpha = p->by_theta * x->theta + p->by_omega * x->omega + balance_mobility(way, b);
-    const double rate = balance_contact_change(way, b, i, b->omega, b->alpha, jerk) + b->axial[i] * way->inputs->F_ext[1];
+    const double rate =
+        balance_contact_change(way, b, i, b->omega, b->alpha, jerk) + b->axial[i] * way->inputs->F_ext[1];
     return finite(-balance_contact_change(way, b, i, x->theta, x->omega, alpha) / rate);
 }
 
@@ -189,7 +191,7 @@ static void pass_event(const Mechanism *m, const Leg *leg, Carried *v) {
 static const double BEGINNING = 1e-9;
 
 /* Back to a variation at a fixed time, by the motion that follows the event. */
-static void enter_next(Mechanism *m, Carried *v) {
+COLD static void enter_next(Mechanism *m, Carried *v) {
     const double omega = m->state.omega.hi;
     const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
     const int direction = present_direction(m);
@@ -213,7 +215,7 @@ static void enter_next(Mechanism *m, Carried *v) {
 /* ---- the step ---- */
 
 /* False where there is no variation. */
-static bool carry_through(Mechanism *m, double left, Carried *v) {
+COLD static bool carry_through(Mechanism *m, double left, Carried *v) {
     Leg leg;
     for (;;) {
         enter_next(m, v);
@@ -228,7 +230,7 @@ static bool carry_through(Mechanism *m, double left, Carried *v) {
     }
 }
 
-void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+COLD void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     Mechanism again = *m; /* the course is m's own: not to be freed */
     Carried v = {.delay = 0.0};
     *out = (StepSensitivity){0.0, 0.0};
