@@ -164,6 +164,15 @@ def test_agrees_with_differences(make_model, name):
         assert (found[1] != 0.0) == (scene.mode in (2, 3) and name != "play, ramp")
 
 
+@pytest.mark.parametrize("inertia", [0.002, 0.0])
+def test_table(make_model, tmp_path, inertia):
+    table = tmp_path / "groove.csv"
+    lines = [f"{psi:.2f},{0.02 * (psi + 0.2 * psi**2)!r}" for psi in (0.05 * k for k in range(40))]
+    table.write_text("psi_rad,z_m\n" + "\n".join(lines) + "\n")
+    values = {"cam1.profile": 3, "cam1.table": str(table), "inertia.shaft": inertia, "damper.c_load": 500.0}
+    check(make_model, Scene(REST | values, 3.0, 0.03, (80.0,), events=1, size=1e-3))
+
+
 def test_a_jump_that_comes_later(make_model):
     """F_ext lets go of a mechanism that a contact locks: it jumps when F_0 changes its sign."""
     values = {
