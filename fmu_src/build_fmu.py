@@ -50,7 +50,8 @@ LIBRARY = ["-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-s"]
 LTO = "-flto"  # one concept per file costs no call
 SMALL = "-fno-unroll-loops"  # a tenth smaller, for the promised size
 SMALLER = ("-fno-vectorize", "-fno-slp-vectorize")  # and some more, where that is not enough
-LINUX = (LTO, "-Wl,-z,defs")
+LEAN = ("-fno-unwind-tables", "-fno-asynchronous-unwind-tables")  # only C++ exceptions would read them
+LINUX = (LTO, *LEAN, "-Wl,-z,defs")
 SHARED = [*LIBRARY, *LINUX]
 
 

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cold.h"
+
 enum {
     N = COURSE_DEGREE,
     MAX_PIECES = 20000, /* besides those that end at table knots */
@@ -554,7 +556,7 @@ static void measure_size(Course *course) {
     }
 }
 
-bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
+COLD bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
                   Fault *fault) {
     *course = (Course){
         .radius = {cam[0].radius, cam[1].radius},

@@ -33,6 +33,15 @@ typedef struct {
  * does not converge or a node leaves where the way is possible: then a shorter step is to be tried. */
 bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap *leap);
 
+/* A small change of angle and speed, and what it becomes. Without inertia the angle alone is a state. */
+typedef struct {
+    double theta, omega; /* rad, rad/s */
+} Variation;
+
+/* The derivative of the step, not quasi-static: carries a variation at its start, and a constant shift of the torque
+ * by `torque`, N.m, to its end. False if that has no solution. */
+bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v);
+
 /* Time scale of the motion, s: h over this is small where few stages do. */
 double leap_time_scale(const Way *way, const Balance *start);
 

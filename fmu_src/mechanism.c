@@ -7,9 +7,10 @@
 
 #include "bernstein.h"
 #include "check.h"
+#include "cold.h"
 #include "decide.h"
 #include "event.h"
-#include "passage.h"
+#include "leg.h"
 #include "play.h"
 #include "rates.h"
 #include "stick.h"
@@ -133,7 +134,7 @@ static bool renew_course(Mechanism *m, Fault *fault) {
     return true;
 }
 
-bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+COLD bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
     build_model(m);
     return true;
@@ -160,11 +161,6 @@ static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
 }
 
-static void advance_inputs(Inputs *inputs, double t) {
-    input_shift(inputs->tau, t);
-    input_shift(inputs->F_ext, t);
-}
-
 static void record_rest(Mechanism *m) {
     Peaks *peak = &m->state.ledger.peak;
     peak_raise(&peak->torque, m->inputs.tau[0]);
@@ -185,7 +181,8 @@ static void record_input_peaks(Mechanism *m, double t) {
 }
 
 /* Stays at rest for up to `left` seconds; returns how long. */
-static double hold(Mechanism *m, double left) {
+static double hold(Mechanism *m, double left, Leg *leg) {
+    leg->kind = LEG_REST;
     stand_still(m);
     if (m->params.ledger) record_rest(m);
     if (inputs_constant(&m->inputs)) {
@@ -195,7 +192,7 @@ static double hold(Mechanism *m, double left) {
     /* on the very edge of the band, where no slip agrees, rounding could hold it for no time at all */
     const double t = fmax(stick_hold_time(m, left), DBL_EPSILON * left);
     if (m->params.ledger) record_input_peaks(m, t);
-    advance_inputs(&m->inputs, t);
+    inputs_advance(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
     return t;
 }
@@ -278,7 +275,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     } else {
         m->state.omega = sum_of(arc->omega);
     }
-    advance_inputs(&m->inputs, arc->t);
+    inputs_advance(&m->inputs, arc->t);
     return true;
 }
 
@@ -324,13 +321,15 @@ static void hit_stop(Mechanism *m, int direction) {
 }
 
 /* Velocity zero and stops are set to what they are by definition. A flank change moves nothing. */
-static void land(Mechanism *m, int direction, EventKind kind) {
+static void land(Mechanism *m, int direction, EventKind kind, Leg *leg) {
+    leg->end = kind;
+    leg->omega = m->state.omega.hi;
     if (kind == EVENT_REST) stand_still(m);
     if (kind == EVENT_STOP) hit_stop(m, direction);
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
-static double slip_to_event(Mechanism *m, double left) {
+static double slip_to_event(Mechanism *m, double left, Leg *leg) {
     const Slip *slip = present_slip(m);
     const Stretch stretch = stretch_of(m, slip);
     const double horizon = fmin(left, slip->oscillator.horizon);
@@ -341,7 +340,8 @@ static double slip_to_event(Mechanism *m, double left) {
     oscillator_kernel(&slip->oscillator, t, &kernel);
     event_ends(&stretch, &kernel, stretch.flanks || m->params.ledger, &ends);
     if (!commit(m, &stretch, &ends, &kernel)) return NAN;
-    land(m, slip->direction, event.kind);
+    leg->kind = LEG_ARC;
+    land(m, slip->direction, event.kind, leg);
     return t;
 }
 
@@ -398,7 +398,7 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
         const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
         m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
     }
-    advance_inputs(&m->inputs, leap->h);
+    inputs_advance(&m->inputs, leap->h);
     return true;
 }
 
@@ -413,7 +413,7 @@ static double room_ahead(const Mechanism *m, int direction) {
 static const double FOLD = 3e-6;
 
 /* False if a value would not be finite. */
-static bool take_jump(Mechanism *m, int direction, const Jump *jump) {
+static bool take_jump(Mechanism *m, int direction, const Jump *jump, Leg *leg) {
     const Booking *b = &jump->booking;
     if (!isfinite(jump->dtheta + b->work_in + b->work_ext + b->heat_cam[0] + b->heat_cam[1])) return false;
     if (m->params.ledger) {
@@ -424,7 +424,8 @@ static bool take_jump(Mechanism *m, int direction, const Jump *jump) {
     }
     turn(m, jump->dtheta);
     stand_still(m);
-    if (jump->stopped) land(m, direction, EVENT_STOP);
+    leg->kind = LEG_JUMP;
+    if (jump->stopped) land(m, direction, EVENT_STOP, leg);
     return true;
 }
 
@@ -435,12 +436,12 @@ static bool must_jump(const Mechanism *m) {
 }
 
 /* A jump that leads nowhere, on an edge that holds the torque to rounding, is rest. */
-static double jump_or_hold(Mechanism *m, double left) {
+static double jump_or_hold(Mechanism *m, double left, Leg *leg) {
     const int direction = direction_of(m->state.mode);
     Jump jump;
     play_jump(m, direction, m->inputs.tau[0], 0.0, &jump);
-    if (!take_jump(m, direction, &jump)) return NAN;
-    return jump.stopped || jump.dtheta != 0.0 ? 0.0 : hold(m, left);
+    if (!take_jump(m, direction, &jump, leg)) return NAN;
+    return jump.stopped || jump.dtheta != 0.0 ? 0.0 : hold(m, left, leg);
 }
 
 
@@ -468,12 +469,12 @@ static double growing_time(const Inputs *in, int direction, double left) {
 
 /* Where the edge of the band is level, theta says nothing of the time, but the torque says all of theta: as long as it
  * grows, theta goes where a jump of the torque would take it. Returns how long that is. */
-static double follow_by_torque(Mechanism *m, int direction, double t) {
+static double follow_by_torque(Mechanism *m, int direction, double t, Leg *leg) {
     Inputs after = m->inputs;
-    advance_inputs(&after, t);
+    inputs_advance(&after, t);
     Jump jump;
     play_jump(m, direction, after.tau[0], 0.0, &jump);
-    if (!take_jump(m, direction, &jump)) return NAN;
+    if (!take_jump(m, direction, &jump, leg)) return NAN;
     m->inputs = after;
     enter(m, decide(m));
     if (is_slip(m->state.mode)) {
@@ -489,42 +490,43 @@ static double follow_by_torque(Mechanism *m, int direction, double t) {
 
 /* At a fold, or where the edge is level: *took is how long it took to pass, or NAN if a value is not finite. False if there
  * is nothing to pass. */
-static bool pass_fold(Mechanism *m, const Way *way, const Balance *start, double left, double *took) {
+static bool pass_fold(Mechanism *m, const Way *way, const Balance *start, double left, double *took, Leg *leg) {
     const double grows = growing_time(&m->inputs, way->direction, left);
     if (grows > 0.0) {
-        *took = follow_by_torque(m, way->direction, grows);
+        *took = follow_by_torque(m, way->direction, grows, leg);
         return true;
     }
     Jump jump;
     play_jump(m, way->direction, m->inputs.tau[0], fold_height(way, start), &jump);
     if (!jump.stopped && jump.dtheta == 0.0) return false;
-    *took = take_jump(m, way->direction, &jump) ? 0.0 : NAN;
+    *took = take_jump(m, way->direction, &jump, leg) ? 0.0 : NAN;
     return true;
 }
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
-static double leap_to_event(Mechanism *m, double left) {
+static double leap_to_event(Mechanism *m, double left, Leg *leg) {
     const Way way = way_from_here(m, present_index(m));
     const Balance start = balance_from_here(m, &way);
     const double room = room_ahead(m, way.direction);
-    Passage passage;
+    Passage *passage = &leg->passage;
     if (room <= 0.0) {
-        land(m, way.direction, EVENT_STOP);
+        land(m, way.direction, EVENT_STOP, leg);
         return 0.0;
     }
-    const bool found = passage_find(&way, &start, room, left, m->cache.leap, &passage);
-    const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, &passage, left));
+    const bool found = passage_find(&way, &start, room, left, m->cache.leap, passage);
+    const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, passage, left));
     double took = 0.0;
-    if (folds && pass_fold(m, &way, &start, left, &took)) return took;
-    if (folds && !found) return hold(m, left);
+    if (folds && pass_fold(m, &way, &start, left, &took, leg)) return took;
+    if (folds && !found) return hold(m, left, leg);
     if (!found) {
         jam(m);
         return 0.0;
     }
-    if (!commit_leap(m, &way, &passage)) return NAN;
-    m->cache.leap = passage.next;
-    land(m, way.direction, passage.kind);
-    return passage.leap.h;
+    if (!commit_leap(m, &way, passage)) return NAN;
+    m->cache.leap = passage->next;
+    leg->kind = LEG_LEAP;
+    land(m, way.direction, passage->kind, leg);
+    return passage->leap.h;
 }
 
 /* Is each contact on its flank by more than rounding? Else its rate tells, which decide() asks for. */
@@ -579,7 +581,7 @@ static void book_jump(Mechanism *m, const Stretch *s, double dtheta) {
 /* Without inertia and damping theta is the play operator of tau: it moves at once, just far enough
  * that tau is on the edge of the band, or to the stop, or to where F changes its sign and with it the
  * flanks. Returns false if tau is on the edge already. */
-static bool jump(Mechanism *m, const Slip *slip) {
+static bool jump(Mechanism *m, const Slip *slip, Leg *leg) {
     const Stretch s = stretch_of(m, slip);
     const double sign = slip->direction, force = s.launch.force, net = sign * slip_net_torque(slip, &s.launch);
     const bool stable = slip->stiffness > 0.0; /* else the way on asks for less and less torque */
@@ -593,7 +595,8 @@ static bool jump(Mechanism *m, const Slip *slip) {
     if (m->params.ledger) book_jump(m, &s, sign * way);
     turn(m, sign * way);
     stand_still(m);
-    if (way == s.room) land(m, slip->direction, EVENT_STOP);
+    leg->kind = LEG_JUMP;
+    if (way == s.room) land(m, slip->direction, EVENT_STOP, leg);
     return true;
 }
 
@@ -608,15 +611,24 @@ static bool nothing_resists(const Mechanism *m) {
     return follower_only && m->place.geometry.lift <= LEVEL * m->model.course.slope_size;
 }
 
-/* Spends up to `left` seconds in the mode that the inclusion asks for now; returns how long. */
-static double advance_in_mode(Mechanism *m, double left) {
+void leg_enter(Mechanism *m) {
+    enter(m, decide(m));
+}
+
+double leg_run(Mechanism *m, double left, Leg *leg) {
+    leg->kind = LEG_NONE;
+    leg->end = EVENT_NONE;
+    if (is_jammed(m)) {
+        jam(m);
+        return 0.0;
+    }
     /* pressed beyond a finite edge, and yet there is no motion that agrees: it would be infinitely fast */
     if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_pressed(m) != 0) return NAN;
-    if (!is_slip(m->state.mode)) return hold(m, left);
-    if (!is_closed_form(m)) return must_jump(m) ? jump_or_hold(m, left) : leap_to_event(m, left);
+    if (!is_slip(m->state.mode)) return hold(m, left, leg);
+    if (!is_closed_form(m)) return must_jump(m) ? jump_or_hold(m, left, leg) : leap_to_event(m, left, leg);
     const Slip *slip = present_slip(m);
-    if (slip->kind == FLOW_QUASISTATIC && jump(m, slip)) return 0.0;
-    return slip_to_event(m, left);
+    if (slip->kind == FLOW_QUASISTATIC && jump(m, slip, leg)) return 0.0;
+    return slip_to_event(m, left, leg);
 }
 
 static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
@@ -647,24 +659,21 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
 static double advance_through_events(Mechanism *m, double left, int *jams) {
     const double least = LEAST_PROGRESS * left;
     double before = INFINITY;
+    Leg leg;
     for (int n = 0; n < MAX_EVENTS_PER_STEP && *jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
         if (n % WATCHED_EVENTS == 0) {
             if (before - left < least) break;
             before = left;
         }
-        enter(m, decide(m));
-        if (is_jammed(m)) {
-            jam(m);
-            ++*jams;
-        } else {
-            left -= advance_in_mode(m, left);
-        }
+        leg_enter(m);
+        *jams += is_jammed(m);
+        left -= leg_run(m, left, &leg);
     }
-    if (left == 0.0) enter(m, decide(m)); /* the mode at the communication point itself */
+    if (left == 0.0) leg_enter(m); /* the mode at the communication point itself */
     return left;
 }
 
-bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
+static bool advance(Mechanism *m, double h, Fault *fault) {
     m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
     if (hold_again(m) || (is_closed_form(m) && slip_on(m, h))) return true;
     const State state = m->state;
@@ -713,9 +722,56 @@ bool mechanism_settle(Mechanism *m, Fault *fault) {
     return false;
 }
 
+/* ---- the latest step ---- */
+
+static Step step_from_here(const Mechanism *m, double h) {
+    const State *s = &m->state;
+    return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
+}
+
+bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
+    const Step step = step_from_here(m, h);
+    if (!advance(m, h, fault)) return false;
+    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
+    m->state.step = step;
+    return true;
+}
+
+static Tunables tunables_of(const Params *p) {
+    return (Tunables){{p->cam[0].friction, p->cam[1].friction}, p->spring, p->damper};
+}
+
+static void remember_tunables(Mechanism *m, const Params *next) {
+    const Tunables before = tunables_of(&m->params), after = tunables_of(next);
+    State *s = &m->state;
+    if (!(s->step.h > 0.0) || s->step.retuned || memcmp(&before, &after, sizeof before) == 0) return;
+    s->tunables = before;
+    s->step.retuned = 1;
+}
+
+COLD void mechanism_rewind(Mechanism *m) {
+    State *s = &m->state;
+    const Step *step = &s->step;
+    s->theta = step->theta;
+    s->omega = step->omega;
+    s->mode = step->mode;
+    memcpy(s->flank, step->flank, sizeof s->flank);
+    m->inputs = step->inputs;
+    if (!step->retuned) {
+        arrive(m);
+        forget(&m->cache);
+        return;
+    }
+    const Tunables *t = &s->tunables;
+    for (int i = 0; i < 2; i++) m->params.cam[i].friction = t->friction[i];
+    m->params.spring = t->spring;
+    m->params.damper = t->damper;
+    build_model(m);
+}
+
 /* ---- start and tuning ---- */
 
-bool mechanism_start(Mechanism *m, Fault *fault) {
+COLD bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
@@ -735,6 +791,7 @@ bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
     const double z = axial_position(m);
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
+    remember_tunables(m, params);
     m->params = *params;
     build_model(m);
     return true;

@@ -32,6 +32,16 @@
 #include "params.h"
 #include "sum.h"
 
+/* What the latest step started from: enough to go through it again. */
+typedef struct {
+    Sum theta, omega; /* rad, rad/s */
+    Inputs inputs;
+    double h; /* s; 0: there is none */
+    Mode mode;
+    int flank[2];
+    int retuned; /* 1: the parameters have been tuned since, see State.tunables; else 0 */
+} Step;
+
 typedef struct {
     Sum theta;      /* rad */
     Sum omega;      /* rad/s */
@@ -39,6 +49,8 @@ typedef struct {
     Mode mode;
     int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other one */
     Ledger ledger;
+    Step step;
+    Tunables tunables; /* those of the latest step if step.retuned, else 0 */
 } State;
 
 typedef struct {
@@ -67,10 +79,17 @@ typedef struct {
     double residual; /* J, all of them */
 } Energy;
 
+/* Of the latest step, whose whole torque is shifted by a constant: see step_sensitivity.h. */
+typedef struct {
+    double dtheta_dtau; /* rad/(N.m) */
+    double domega_dtau; /* rad/s/(N.m) */
+} StepSensitivity;
+
 typedef struct {
     Motion motion;
     Loads loads;
     Energy energy;
+    StepSensitivity step;
 } Outputs;
 
 /* What Params imply. */
@@ -145,7 +164,10 @@ void mechanism_place(Mechanism *m, double theta, double omega);
  * included. The accounts stay as they are. Returns false, with the mechanism as before, if they do not end. */
 bool mechanism_settle(Mechanism *m, Fault *fault);
 
-/* The three groups of outputs, from state, params and present inputs. The mode is decided with the
+/* Brings state, inputs and tunable parameters back to where the latest step began; the ledger stays. */
+void mechanism_rewind(Mechanism *m);
+
+/* Three groups of outputs, from state, params and present inputs. The mode is decided with the
  * present inputs, on a copy: reading never changes the mechanism. */
 void mechanism_motion(const Mechanism *m, Motion *out);
 void mechanism_loads(const Mechanism *m, Loads *out);

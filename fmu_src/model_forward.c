@@ -2,6 +2,7 @@
 
 #include "rates.h"
 #include "sensitivity.h"
+#include "step_sensitivity.h"
 #include "variables.h"
 
 bool model_start(Machine *m, Fault *fault) {
@@ -37,6 +38,7 @@ bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *f
     if (groups & GROUP_MOTION) mechanism_motion(m, &outputs->motion);
     if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
     if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
+    if (groups & GROUP_STEP) step_sensitivity(m, &outputs->step);
     return true;
 }
 
@@ -124,7 +126,12 @@ bool model_accept(Machine *m, double h, Fault *fault) {
 enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
 _Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),
                "padding in State");
-_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger), "padding in State");
+_Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
+               "padding in Step");
+_Static_assert(sizeof(Tunables) == 2 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
+               "padding in Tunables");
+_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger) + sizeof(Step) + sizeof(Tunables),
+               "padding in State");
 
 void model_clear_padding(State *state) {
     memset((char *)state + STATE_GAP, 0, offsetof(State, ledger) - STATE_GAP);

@@ -70,6 +70,13 @@ typedef struct {
     bool ledger;      /* keep energy and peak accounts */
 } Params;
 
+/* What may change at a communication point. */
+typedef struct {
+    double friction[2];
+    SpringParams spring;
+    DamperParams damper;
+} Tunables;
+
 /* value[k] is the k-th time derivative at the start of the step: u(t) = sum value[k] t^k / k! */
 typedef struct {
     double tau[INPUT_ORDER + 1];   /* N.m, applied to cam 2, + loads */

@@ -39,6 +39,7 @@ const Unit UNITS[UNIT_COUNT] = {
 #define PATH_CONTACT outputs.contact
 #endif
 #define PATH_ENERGY outputs.energy
+#define PATH_STEP outputs.step
 
 /* The C type of each kind: a field of another type does not compile. */
 typedef double TypeOf_REAL;

@@ -40,7 +40,8 @@ typedef enum {
     GROUP_MOTION = 8, /* this and the following are computed when somebody asks */
     GROUP_LOADS = 16,
     GROUP_CONTACT = 32,
-    GROUP_ENERGY = 64
+    GROUP_ENERGY = 64,
+    GROUP_STEP = 128
 } Group;
 
 typedef enum {

@@ -37,6 +37,8 @@ omega rad/s - output
 initial.theta rad 0 fixed
 initial.omega rad/s 0 fixed
 alpha rad/s2 - local
+step.dtheta_dtau rad/(N.m) - local
+step.domega_dtau rad/(N.m.s) - local
 """,
     INVERSE: """
 theta rad 0 input
@@ -189,7 +191,7 @@ def exponents(unit):
     total = [0, 0, 0, 0]
     numerator, _, denominator = unit.partition("/")
     for sign, part in ((1, numerator), (-1, denominator)):
-        for factor in filter(None, part.split(".")):
+        for factor in filter(None, part.strip("()").split(".")):
             symbol, power = re.fullmatch(r"(1|[A-Za-z]+)(\d*)", factor).groups()
             for i, exponent in enumerate(BASE[symbol]):
                 total[i] += sign * exponent * int(power or 1)
