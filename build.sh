@@ -12,11 +12,15 @@ usage: ./build.sh [command] [arguments]
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
+  coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
+  masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
+           installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
 Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. gcc and valgrind are used by
-the tests when present. Nothing outside this directory is written, apart from the cache of pip.
+the tests when present, Java and Rust by `masters`. Nothing outside this directory is written, apart from the
+caches of pip and cargo.
 TEXT
 }
 
@@ -105,6 +109,16 @@ case $command in
         install_dependencies '.[test]'
         build
         exec .venv/bin/python benchmarks/stress.py "$@"
+        ;;
+    coupling)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/coupling.py "$@"
+        ;;
+    masters)
+        install_dependencies .
+        build
+        exec .venv/bin/python masters/run.py "$@"
         ;;
     check)
         install_dependencies '.[test]'

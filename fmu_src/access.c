@@ -264,28 +264,37 @@ bool access_set_input_derivatives(Instance *instance, const char *function, cons
     return true;
 }
 
-static bool is_output_derivative(const Instance *instance, const char *function, ValueReference reference,
-                                 int32_t order) {
+static const Variable *find_output(const Instance *instance, const char *function, ValueReference reference,
+                                   int32_t order) {
     const Variable *variable = find(instance, function, reference, TYPE_REAL);
-    if (variable == NULL) return false;
-    if (variable->causality != CAUSALITY_OUTPUT)
-        return instance_refuse(instance, "%s: %s is no output: allowed are outputs", function, variable->name);
-    return (order >= 1 && order <= MAX_OUTPUT_ORDER) ||
-           instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to maxOutputDerivativeOrder = %d",
-                           function, variable->name, order, (int)MAX_OUTPUT_ORDER);
+    if (variable == NULL) return NULL;
+    if (variable->causality != CAUSALITY_OUTPUT) {
+        instance_refuse(instance, "%s: %s is no output: allowed are outputs", function, variable->name);
+        return NULL;
+    }
+    if (order < 1 || order > MAX_OUTPUT_ORDER) {
+        instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to maxOutputDerivativeOrder = %d",
+                        function, variable->name, order, (int)MAX_OUTPUT_ORDER);
+        return NULL;
+    }
+    return variable;
 }
 
+/* Where an output is refused, so are its derivatives. */
 bool access_get_output_derivatives(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                    const int32_t order[], double value[]) {
     if (!instance_is_in(instance, function, ~(unsigned)PHASE_SAMPLING) ||
         !has_arrays(instance, function, n, vr, value) || !instance_has_array(instance, function, n, order, "order"))
         return false;
+    unsigned groups = GROUP_STATE;
+    for (size_t i = 0; i < n; i++) {
+        const Variable *variable = find_output(instance, function, vr[i], order[i]);
+        if (variable == NULL) return false;
+        groups |= variable->group;
+    }
+    if (!instance_provide(instance, function, groups)) return false;
     for (size_t i = 0; i < n; i++)
-        if (!is_output_derivative(instance, function, vr[i], order[i])) return false;
-    if (!instance_provide(instance, function, GROUP_STATE | GROUP_LOADS)) return false;
-    const Values *values = &instance->values;
-    for (size_t i = 0; i < n; i++)
-        value[i] = model_output_derivative(&values->machine, &values->outputs, vr[i], order[i]);
+        value[i] = model_output_derivative(&instance->values.machine, vr[i], order[i]);
     return true;
 }
 

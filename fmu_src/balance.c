@@ -2,12 +2,19 @@
 
 #include <math.h>
 
+#include "cold.h"
+
 double input_value(const double u[INPUT_ORDER + 1], double t) {
     return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
 }
 
 double input_rate(const double u[INPUT_ORDER + 1], double t) {
     return u[1] + t * (u[2] + t / 2.0 * u[3]);
+}
+
+void inputs_advance(Inputs *inputs, double t) {
+    input_shift(inputs->tau, t);
+    input_shift(inputs->F_ext, t);
 }
 
 /* The inputs at one instant. */
@@ -180,7 +187,7 @@ static inline Pace pace_of_viscous(const Way *w, const Form *f, double z, const 
         .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_rate) * inverse,
-        .possible = sum != 0.0 && square >= 0.0 && f->delta.value != 0.0,
+        .possible = (sum != 0.0 || c.value != 0.0) && square >= 0.0 && f->delta.value != 0.0,
         .stable = sign * f->delta.value > 0.0,
     };
 }
@@ -428,6 +435,41 @@ void balance_partials(const Way *w, const Balance *now, Partials *out) {
         by[KNOB_FRICTION_1 + i] =
             d.delta.value * torque - d.p.value * load - swirl_rate * spin2 - mass_rate * alpha;
     }
+}
+
+double balance_mobility(const Way *w, const Balance *now) {
+    Partials p;
+    balance_partials(w, now, &p);
+    return -p.by[KNOB_TAU] / p.by[w->kind == FLOW_INERTIAL ? KNOB_ALPHA : KNOB_OMEGA];
+}
+
+/* How k alpha + k' omega^2 changes, with k = z' or gamma'. */
+static double swing_change(const Balance *b, Dual k, Dual k_rate, double dtheta, double domega, double dalpha) {
+    const double spin2 = b->omega * b->omega;
+    return (k.slope * b->alpha + k_rate.slope * spin2) * dtheta + 2.0 * k_rate.value * b->omega * domega +
+           k.value * dalpha;
+}
+
+/* x_i = (rn A -+ d W)/Delta, see contact_trend(). */
+COLD double balance_contact_change(const Way *w, const Balance *now, int i, double dtheta, double domega,
+                                   double dalpha) {
+    const Params *p = w->params;
+    const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = now->omega, alpha = now->alpha;
+    Form here;
+    double z;
+    const Form *f = form_at(w, now->theta, &here, &z);
+    const Dual rn = f->rn[1 - i], arm = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
+    const double follow = f->lift.value * alpha + f->lift_rate.value * omega * omega;
+    const double axial = now->force + now->damper + m * follow;
+    const double twist = I * (f->turn[0].value * alpha + f->turn_rate.value * omega * omega);
+    const double resistance = w->c + 2.0 * w->q * fabs(f->lift.value * omega); /* dD/dv */
+    const double axial_change = spring_rate(&p->spring, z) * f->lift.value * dtheta +
+                                resistance * (f->lift.slope * omega * dtheta + f->lift.value * domega) +
+                                m * swing_change(now, f->lift, f->lift_rate, dtheta, domega, dalpha);
+    const double twist_change = I * swing_change(now, f->turn[0], f->turn_rate, dtheta, domega, dalpha);
+    return (rn.value * axial_change + arm.value * twist_change +
+            (rn.slope * axial + arm.slope * twist - now->x[i] * f->delta.slope) * dtheta) /
+           f->delta.value;
 }
 
 Booking balance_power(const Way *w, const Balance *now) {

@@ -96,11 +96,20 @@ void balance_trend(const Way *way, const Balance *now, double t, Trend *out);
  * derivatives, N.m m^2 per unit: alpha changes with a knob k by -by[k]/by[KNOB_ALPHA], tau by -by[k]/by[KNOB_TAU]. */
 void balance_partials(const Way *way, const Balance *now, Partials *out);
 
+/* How alpha, or without inertia omega, grows with the torque, per N.m. */
+double balance_mobility(const Way *way, const Balance *now);
+
+/* How x_i changes with theta, omega and alpha, if these change by so much. */
+double balance_contact_change(const Way *way, const Balance *now, int i, double dtheta, double domega, double dalpha);
+
 /* Rates of the accounts at this instant, W. */
 Booking balance_power(const Way *way, const Balance *now);
 
 /* Polynomial input and its rate at time t. */
 double input_value(const double u[INPUT_ORDER + 1], double t);
 double input_rate(const double u[INPUT_ORDER + 1], double t);
+
+/* The same polynomials, written for an origin t later. */
+void inputs_advance(Inputs *inputs, double t);
 
 #endif

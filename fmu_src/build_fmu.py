@@ -58,9 +58,9 @@ FOR_SIZE, FOR_SPEED = "-Os", "-O3"
 SMALL = "-fno-unroll-loops"
 SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what nobody calls
 OFF_THE_WAY = {
-    *("check", "dependencies", "drag", "exchange", "groove", "groove_csv", "groove_table", "imposed"),
-    *("inverse", "inverse_sensitivity", "platform", "play", "resources", "rigid", "sensitivity", "snapshot"),
-    *("state_access", "station", "step_sensitivity", "survey", "variables"),
+    *("check", "dependencies", "exchange", "groove", "groove_csv", "groove_table", "inverse_rates"),
+    *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity", "snapshot"),
+    *("state_access", "step_sensitivity", "survey", "taylor", "variables"),
 }
 WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cold.h"
+
 enum {
     N = COURSE_DEGREE,
     MAX_PIECES = 20000, /* besides those that end at table knots */
@@ -47,7 +49,7 @@ static double gap(const Groove groove[2], double theta, double gamma) {
 /* The root by Newton's method, inside a bracket. The bracket is halved where a slope that nearly vanishes
  * would send Newton's method astray. Ends when the step or the gap is rounding. Unbounded grooves are
  * left to the straight course. */
-static double solve_gamma(const Groove groove[2], double theta, double guess) {
+RARE static double solve_gamma(const Groove groove[2], double theta, double guess) {
     Interval in = gamma_range(groove, theta);
     double gamma = guess >= in.lower && guess <= in.upper ? guess : 0.5 * (in.lower + in.upper);
     double before = INFINITY; /* size of the latest step */
@@ -80,7 +82,7 @@ static double flatter_height(GroovePoint p1, GroovePoint p2) {
     return p1.slope <= p2.slope ? p1.z : p2.z;
 }
 
-static Sight look(const Groove groove[2], double theta, double guess) {
+RARE static Sight look(const Groove groove[2], double theta, double guess) {
     const double gamma = solve_gamma(groove, theta, guess), psi[2] = {gamma, theta - gamma};
     const GroovePoint p[2] = {groove_at(&groove[0], psi[0]), groove_at(&groove[1], psi[1])};
     Sight sight = {.gamma = gamma, .z = flatter_height(p[0], p[1])};
@@ -141,8 +143,8 @@ static Name name_of(const CamParams cam[2], int i) {
     return name;
 }
 
-static bool refuse_end(const Groove groove[2], const CamParams cam[2], double end, double stop,
-                       Fault *fault) {
+RARE static bool refuse_end(const Groove groove[2], const CamParams cam[2], double end, double stop,
+                            Fault *fault) {
     const bool up = stop > 0.0;
     const Interval in = gamma_range(groove, end);
     const double gamma = solve_gamma(groove, end, 0.5 * (in.lower + in.upper)), psi[2] = {gamma, end - gamma};
@@ -164,7 +166,7 @@ static bool refuse_end(const Groove groove[2], const CamParams cam[2], double en
     return false;
 }
 
-static bool check_end(const Groove groove[2], const CamParams cam[2], double stop, Fault *fault) {
+RARE static bool check_end(const Groove groove[2], const CamParams cam[2], double stop, Fault *fault) {
     if (is_covered(groove, stop)) return true;
     const double end = course_end(groove, stop);
     return fabs(stop - end) <= END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, cam, end, stop, fault);
@@ -177,7 +179,7 @@ static bool check_ends(const Groove groove[2], const CamParams cam[2], double lo
     return !(lower < 0.0) || check_end(groove, cam, lower, fault);
 }
 
-static bool refuse_level(const CamParams cam[2], double theta, double z, Fault *fault) {
+RARE static bool refuse_level(const CamParams cam[2], double theta, double z, Fault *fault) {
     const Name first = name_of(cam, 0), second = name_of(cam, 1);
     snprintf(fault->text, sizeof fault->text,
              "%s and %s: both grooves are level at theta = %.10g rad, z = %.10g m: between the stops at "
@@ -471,7 +473,7 @@ static Piece piece_between(Border lower, Border upper) {
 }
 
 /* Appends pieces from border to border, halving until they fit. */
-static bool cover(Builder *b, Border lower, Border upper) {
+RARE static bool cover(Builder *b, Border lower, Border upper) {
     Piece piece = piece_between(lower, upper);
     const Verdict verdict = fit(b, &piece);
     if (verdict == UNDETERMINED) return refuse_level(b->cam, b->latest_theta, b->latest.z, b->fault);
@@ -554,7 +556,7 @@ static void measure_size(Course *course) {
     }
 }
 
-bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
+COLD bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
                   Fault *fault) {
     *course = (Course){
         .radius = {cam[0].radius, cam[1].radius},

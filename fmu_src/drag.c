@@ -223,6 +223,7 @@ typedef struct {
     const Inverse *m;
     double cam;
     double F_ext;
+    double F_rate;  /* N/s, of F_ext; in a step it comes in stairs */
     Survey *survey; /* or NULL */
     bool moved;     /* since somebody cleared this */
 } Drag;
@@ -307,6 +308,15 @@ static int side_of_edge(const Edge *e, double x, const Brink *b) {
     return fabs(beyond) <= 4.0 * TIE * size ? 0 : sign_of(beyond);
 }
 
+bool drag_is_on_edge(const Inverse *m, double cam, int direction, Bearing *bearing) {
+    const Drag d = {.m = m, .cam = cam, .F_ext = m->inputs.F_ext[0]};
+    const Edge e = edge_of(&d, m->inputs.theta[0], direction);
+    Brink b;
+    brink_at(&e, cam, &b);
+    *bearing = b.bearing;
+    return b.finite && direction * (stop_of(m, direction) - cam) > 0.0 && side_of_edge(&e, cam, &b) == 0;
+}
+
 /* At a stop and pressed into it, beyond the band. */
 static bool is_stopped(const Drag *d, double theta, int direction) {
     if (direction * (stop_of(d->m, direction) - d->cam) > 0.0) return false;
@@ -322,27 +332,39 @@ static double following(const Edge *e, const Brink *b) {
     return rise > 0.0 ? 1.0 / rise : 0.0;
 }
 
+/* Does cam 2 slip in that direction while the far end turns at omega? The edge E = rho F_0 moves with F_ext. */
+static bool slips(const Drag *d, double theta, double omega, int direction, Brink *b, double *speed) {
+    const Edge e = edge_of(d, theta, direction);
+    brink_at(&e, d->cam, b);
+    const double ahead = b->finite ? omega - b->bearing.transfer.rho * d->F_rate / d->m->params.shaft.stiffness : omega;
+    *speed = ahead * following(&e, b);
+    const bool free = direction * (stop_of(d->m, direction) - d->cam) > 0.0;
+    return direction * ahead > 0.0 && free && side_of_edge(&e, d->cam, b) == 0;
+}
+
 /* The reactions as friction would share the load at rest, or as it does on the edge. */
 static void describe(const Drag *d, double theta, double omega, Dragged *out) {
     const Params *p = &d->m->params;
-    const int direction = omega < 0.0 ? -1 : 1;
-    const Edge e = edge_of(d, theta, direction);
     Brink b;
-    brink_at(&e, d->cam, &b);
-    const bool free = direction * (stop_of(d->m, direction) - d->cam) > 0.0;
-    const bool slips = omega != 0.0 && free && side_of_edge(&e, d->cam, &b) == 0;
+    double speed;
+    int direction = omega < 0.0 ? -1 : 1;
+    bool moves = slips(d, theta, omega, direction, &b, &speed);
+    if (!moves && d->F_rate != 0.0) {
+        direction = -direction;
+        moves = slips(d, theta, omega, direction, &b, &speed);
+    }
     const Mode rest = is_stopped(d, theta, 1) ? MODE_UPPER_STOP : is_stopped(d, theta, -1) ? MODE_LOWER_STOP : MODE_STICK;
     *out = (Dragged){
         .cam = d->cam,
         .tau = p->shaft.stiffness * (theta - d->cam),
-        .speed = slips ? omega * following(&e, &b) : 0.0,
+        .speed = moves ? speed : 0.0,
         .station = b.station,
-        .mode = !slips ? rest : direction > 0 ? MODE_LOADING : MODE_RELEASING,
+        .mode = !moves ? rest : direction > 0 ? MODE_LOADING : MODE_RELEASING,
     };
     const Geometry *g = &b.station.geometry;
     for (int i = 0; i < 2; i++) {
         const double frictionless = b.F_0 * g->turn[i] / g->radius[i];
-        out->reaction[i] = (slips && b.finite ? b.bearing.x[i] : frictionless) * g->length[i] / p->contacts;
+        out->reaction[i] = (moves && b.finite ? b.bearing.x[i] : frictionless) * g->length[i] / p->contacts;
     }
 }
 
@@ -356,7 +378,7 @@ double drag_start(const Inverse *m) {
 
 void drag_present(const Inverse *m, Dragged *out) {
     const double theta = m->inputs.theta[0];
-    Drag d = {.m = m, .cam = m->state.cam, .F_ext = m->inputs.F_ext[0]};
+    Drag d = {.m = m, .cam = m->state.cam, .F_ext = m->inputs.F_ext[0], .F_rate = m->inputs.F_ext[1]};
     follow(&d, m->state.theta, theta);
     describe(&d, theta, m->inputs.omega[0], out);
 }
@@ -417,13 +439,14 @@ static bool is_constant(const Bernstein *p) {
     return true;
 }
 
-/* One monotone part of the motion. */
+/* One monotone part of the motion. The stairs of F_ext at both ends are half as long, with the force that there is at
+ * the very ends: so cam 2, while it slips, ends on the edge of the band. */
 static bool tow_part(Tow *t, const Imposed *motion, double a, double b) {
-    const int stairs = is_constant(&motion->F_ext) ? 1 : DRAG_STAIRS;
-    for (int k = 1; k <= stairs; k++) {
-        const double s = k == stairs ? b : a + (b - a) * k / stairs;
-        const double middle = a + (b - a) * (k - 0.5) / stairs;
-        if (!tow(t, imposed_theta(motion, s), bernstein_value(&motion->F_ext, middle), k == 1)) return false;
+    const int stairs = is_constant(&motion->F_ext) ? 0 : DRAG_STAIRS;
+    for (int k = 0; k <= stairs; k++) {
+        const double s = k == stairs ? b : a + (b - a) * (k + 0.5) / stairs;
+        const double nearest = k == 0 ? a : a + (b - a) * k / stairs;
+        if (!tow(t, imposed_theta(motion, s), bernstein_value(&motion->F_ext, nearest), k == 0)) return false;
     }
     return true;
 }

@@ -29,6 +29,10 @@ double drag_start(const Inverse *m);
 /* What there would be if theta went straight from the state's to that of m->inputs, at the present F_ext. */
 void drag_present(const Inverse *m, Dragged *out);
 
+/* With cam 2 there and the present inputs: is the torque on the edge of the band in that direction, and cam 2 free to go
+ * on? Then *bearing is how. */
+bool drag_is_on_edge(const Inverse *m, double cam, int direction, Bearing *bearing);
+
 /* Carries `next`, the state at the start, along the motion, which ends at `omega`. A polynomial F_ext is followed in
  * DRAG_STAIRS stairs per monotone part of the motion. */
 bool drag_advance(const Inverse *m, const Imposed *motion, double omega, InverseState *next, Fault *fault);

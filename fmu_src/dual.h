@@ -1,11 +1,12 @@
-/* A number and its derivative by theta: arithmetic that carries the derivative along, exactly.
+/* A number and its derivative by one variable, theta unless said otherwise: arithmetic that carries the derivative
+ * along, exactly.
  * (Forward mode: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapter 3.) */
 #ifndef DUALCAM_DUAL_H
 #define DUALCAM_DUAL_H
 
 typedef struct {
     double value;
-    double slope; /* d value/d theta */
+    double slope;
 } Dual;
 
 static inline Dual dual_add(Dual a, Dual b) {

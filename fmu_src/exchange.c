@@ -9,9 +9,9 @@
 #include "stick.h"
 
 /* An event is late by this much, so that it is one: beyond what the inclusion takes for a tie. Else the mode
- * would stay as it is, with the indicator already past its zero. */
+ * would stay as it is, with the indicator already past its zero. Stops are not: to fall on beyond them would make
+ * the smallest bounces go on for ever. */
 static const double LATE_SPEED = 1e-10; /* rad/s */
-static const double LATE_ANGLE = 1e-13; /* of the largest */
 static const double LATE_TIES = 4.0;    /* ties of torque */
 static const double LATE_LOADS = 1e-11; /* of the terms of x_i; NO_REACTION and what decide.c makes of it are less */
 
@@ -72,11 +72,11 @@ static void indicate_rest(const Mechanism *m, double indicator[EXCHANGE_INDICATO
 }
 
 static void indicate_slip(const Mechanism *m, int index, double indicator[EXCHANGE_INDICATORS]) {
-    const double theta = m->state.theta.hi, late_angle = LATE_ANGLE * largest_angle(&m->params);
+    const double theta = m->state.theta.hi;
     const int direction = slip_direction(index);
     indicator[INDICATOR_VELOCITY] = direction * m->state.omega.hi + LATE_SPEED;
-    if (direction > 0) indicator[INDICATOR_UPPER] = m->params.stop.upper - theta + late_angle;
-    if (direction < 0) indicator[INDICATOR_LOWER] = theta - m->params.stop.lower + late_angle;
+    if (direction > 0) indicator[INDICATOR_UPPER] = m->params.stop.upper - theta;
+    if (direction < 0) indicator[INDICATOR_LOWER] = theta - m->params.stop.lower;
     if (!has_friction(&m->params)) return;
     const Way way = way_from_here(m, index);
     const Balance balance = balance_from_here(m, &way);

@@ -63,12 +63,27 @@ static double last(const Bernstein *p) {
     return p->c[p->degree];
 }
 
+/* d^2 theta/dt^2 as the polynomial has it, which goes on beyond the step. */
+static void quickening_after(Given given, double h, InverseInputs *u) {
+    double by_theta[INPUT_ORDER + 1] = {u->theta[2], u->theta[3]};
+    double by_omega[INPUT_ORDER + 1] = {u->omega[1], u->omega[2], u->omega[3]};
+    double none[INPUT_ORDER + 1] = {0.0};
+    double *const polynomial[] = {
+        [GIVEN_ENDS] = none, [GIVEN_THETA] = by_theta, [GIVEN_OMEGA] = by_omega, [GIVEN_ALPHA] = u->alpha};
+    double *alpha = polynomial[given];
+    input_shift(alpha, h);
+    for (int k = 1; k <= INPUT_ORDER; k++) u->alpha[k] = alpha[k];
+}
+
 void imposed_finish(const Imposed *motion, Given given, InverseInputs *inputs) {
-    const InverseInputs held = {
-        .theta = {given == GIVEN_ENDS ? inputs->theta[0] : last(&motion->theta)},
-        .omega = {given == GIVEN_ENDS ? inputs->omega[0] : last(&motion->turning) / motion->h},
-        .alpha = {given == GIVEN_ENDS ? inputs->alpha[0] : last(&motion->quickening) / motion->h / motion->h},
-        .F_ext = {last(&motion->F_ext)},
-    };
-    *inputs = held;
+    const double h = motion->h;
+    quickening_after(given, h, inputs);
+    input_shift(inputs->F_ext, h);
+    inputs->F_ext[0] = last(&motion->F_ext);
+    if (given != GIVEN_ENDS) {
+        inputs->theta[0] = last(&motion->theta);
+        inputs->omega[0] = last(&motion->turning) / h;
+        inputs->alpha[0] = last(&motion->quickening) / h / h;
+    }
+    for (int k = 1; k <= INPUT_ORDER; k++) inputs->theta[k] = inputs->omega[k] = 0.0;
 }

@@ -29,8 +29,9 @@ typedef struct {
  * alpha. F_ext is a polynomial from its value at the start in any case. */
 Imposed imposed_motion(const InverseInputs *inputs, Given given, double theta, double omega, double h);
 
-/* What the inputs are at the end of the step; their derivatives become zero. With GIVEN_ENDS theta, omega and alpha
- * are so already. */
+/* What the inputs are at the end of the step. With GIVEN_ENDS theta, omega and alpha are so already, and alpha's
+ * derivatives become zero; else these are the polynomial's, as F_ext's always are. Those of theta and omega become
+ * zero: the present omega and alpha stand for them. */
 void imposed_finish(const Imposed *motion, Given given, InverseInputs *inputs);
 
 static inline double imposed_theta(const Imposed *motion, double s) {

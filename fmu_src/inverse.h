@@ -124,6 +124,18 @@ bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault);
 bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault);
 void inverse_energy(const Inverse *m, InverseEnergy *out);
 
+/* Time derivatives, where that output can be computed, along the motion that the inputs describe now: theta' = omega,
+ * omega' = alpha; alpha' and alpha'' as given for alpha, else by the higher derivatives given for omega or theta,
+ * else 0; F_ext' and F_ext'' as given; after a step as its polynomials go on. Of what comes next: where omega = 0, in
+ * the direction in which alpha, or the first of its derivatives that is not 0, starts it; if none does or no torque
+ * can, in that of the last motion. */
+typedef struct {
+    double tau[2]; /* of orders 1, 2 */
+    double z[3];   /* of orders 1 to 3 */
+} InverseRates;
+
+void inverse_rates(const Inverse *m, InverseRates *out);
+
 /* Partial derivatives of tau, one-sided in the direction of motion (at rest: of the last motion), and of z (order 0) and
  * v (order 1). False, with the reason, where they do not exist: beyond the stops, wedged; v with an elastic shaft. */
 bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault);

@@ -3,6 +3,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "cold.h"
+
 enum { MAX_ITERATIONS = 12 };
 
 /* The iteration ends when the last correction is this share of what the tolerance allows. */
@@ -484,31 +486,89 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
 }
 
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
- *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + by_torque_i torque
- * where dtheta_i and domega_i follow from y as theta_i and omega_i do. */
-bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
-    const System s = {.way = way, .method = leap->method, .h = leap->h};
-    const Radau *r = s.method;
+ *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
+ * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end is left out: a root of time,
+ * see vary_in_parts(). */
+COLD static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+    const Radau *r = leap->method;
+    const System s = {.way = way, .method = r, .h = leap->h};
     const int n = r->stages;
     const bool inertial = way->kind == FLOW_INERTIAL;
     const double omega = inertial ? v->omega : 0.0;
     Factors f = {.n = n};
-    double y[RADAU_MAX], twice = 0.0;
+    static const double POLE = 1e3; /* times as large as at the node before */
+    double y[RADAU_MAX], twice = 0.0, before = INFINITY;
     for (int i = 0; i < n; i++) {
-        const Balance *node = &leap->node[i];
-        Partials p;
-        balance_partials(way, node, &p);
-        fill_row(&s, &node->pace, i, f.a[i]);
-        y[i] = node->pace.by_theta * (v->theta + r->node[i] * s.h * omega) + node->pace.by_omega * omega -
-               torque * p.by[KNOB_TAU] / p.by[inertial ? KNOB_ALPHA : KNOB_OMEGA];
+        Pace p = leap->node[i].pace;
+        double mobility = balance_mobility(way, &leap->node[i]);
+        if (!(fabs(mobility) <= POLE * before)) mobility = p.by_theta = 0.0;
+        before = fabs(mobility);
+        fill_row(&s, &p, i, f.a[i]);
+        y[i] = p.by_theta * (v->theta + r->node[i] * s.h * omega) + p.by_omega * omega + mobility * torque;
     }
     if (!factorize(&f)) return false;
     solve(&f, y);
     const double once = s.h * dot(r->weight, y, n);
     for (int j = 0; j < n; j++) twice += s.h * s.h * r->twice[j][n - 1] * y[j];
     v->theta += inertial ? s.h * omega + twice : once;
-    v->omega = inertial ? omega + once : 0.0;
+    v->omega = inertial ? omega + once : y[n - 1];
     return true;
+}
+
+/* Where a variation has got to. */
+typedef struct {
+    Inputs inputs;
+    Balance at;
+    Variation v;
+} Front;
+
+/* Moves on by t seconds in one leap. */
+COLD static bool move_front(const Way *way, double t, double torque, Front *front) {
+    Leap leap;
+    Way here = *way;
+    here.inputs = &front->inputs;
+    here.to_rounding = true;
+    if (!leap_solve(&here, &front->at, t, RADAU_MAX, &leap) || !vary(&here, &leap, torque, &front->v)) return false;
+    inputs_advance(&front->inputs, t);
+    balance_at(&here, front->at.theta + leap.dtheta, 0.0, 0.0, &front->at);
+    return true;
+}
+
+/* A leap is as long as the motion allows, which without inertia may be too long for a variation: one that dies out
+ * while the motion is steady, or where quadratic damping alone makes speed a root of time. So it is gone through again
+ * in leaps that agree with two of half their length, or that are short against the times from start and end, where
+ * only rounding can be what differs. Next to start and end it is the root: the errors are of the root of the length, so
+ * that one leap and two halves together tell them (Richardson's extrapolation). */
+COLD static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
+    enum { TRIALS = 300 };
+    static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-4, ROOT = 3.414213562373095; /* 1/(1 - sqrt(1/2)) */
+    Front front = {*way->inputs, leap->start, *v};
+    const double h = leap->h;
+    double left = h, step = h, scale = fabs(v->theta);
+    for (int n = 0; n < TRIALS && left > 0.0 && step > 0.1 * SHORTEST * h; n++) {
+        Front once = front, twice = front;
+        step = fmin(step, left);
+        const bool is_shortest = step <= SHORTEST * h, is_short = is_shortest || step <= SHORT * fmin(h - left, left);
+        bool found = true;
+        for (int k = 0; found && k < 3; k++)
+            found = move_front(way, k == 0 ? step : 0.5 * step, torque, k == 0 ? &once : &twice);
+        found = found && isfinite(once.v.theta + twice.v.theta);
+        if (found) scale = fmax(scale, fabs(twice.v.theta));
+        if (found && (is_short || fabs(once.v.theta - twice.v.theta) <= ALLOWED * scale)) {
+            front = twice;
+            if (is_shortest) front.v.theta = once.v.theta + ROOT * (twice.v.theta - once.v.theta);
+            left -= step;
+            step *= 4.0;
+        } else {
+            step *= 0.25;
+        }
+    }
+    *v = front.v;
+    return true;
+}
+
+COLD bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+    return way->kind == FLOW_INERTIAL ? vary(way, leap, torque, v) : vary_in_parts(way, leap, torque, v);
 }
 
 double leap_time_scale(const Way *way, const Balance *b) {

@@ -38,8 +38,8 @@ typedef struct {
     double theta, omega; /* rad, rad/s */
 } Variation;
 
-/* The derivative of the step, not quasi-static: carries a variation at its start, and a constant shift of the torque by
- * `torque`, N.m, to its end. False if that has no solution. */
+/* The derivative of the step, not quasi-static: carries a variation at its start, and a constant shift of the torque
+ * by `torque`, N.m, to its end. False if that has no solution. */
 bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v);
 
 /* Time scale of the motion, s: h over this is small where few stages do. */

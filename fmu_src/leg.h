@@ -1,5 +1,5 @@
-/* The legs of a step: from one event to the next, in one mode each. mechanism_advance() is a chain of them, less what it
- * can shorten; who wants to know what happened inside a step goes through them one by one. */
+/* The legs of a step: from one event to the next, in one mode each. mechanism_advance() is a chain of them, less what
+ * it can shorten; who wants to know what happened inside a step goes through them one by one. */
 #ifndef DUALCAM_LEG_H
 #define DUALCAM_LEG_H
 

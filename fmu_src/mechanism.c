@@ -7,10 +7,12 @@
 
 #include "bernstein.h"
 #include "check.h"
+#include "cold.h"
 #include "decide.h"
 #include "event.h"
 #include "leg.h"
 #include "play.h"
+#include "rates.h"
 #include "stick.h"
 
 /* A step with more mode changes than this is refused. At about a microsecond each that bounds the time a step
@@ -86,15 +88,11 @@ static void arrive(Mechanism *m) {
         place->z = place->geometry.lift * m->state.theta.hi;
         return;
     }
-    const Spot spot = piece_at(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi);
+    const Spot spot = piece_spot(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi, false);
     place->geometry = cam_geometry(m->params.cam, spot.slope);
     const double *turn = place->geometry.turn;
     place->lift_rate = spot.bend[0] * turn[0] * turn[0] + spot.bend[1] * turn[1] * turn[1];
     place->z = spot.z;
-    /* z''' as in balance.c */
-    const double turn_rate = (spot.bend[1] * turn[1] - spot.bend[0] * turn[0]) / (spot.slope[0] + spot.slope[1]);
-    place->lift_bend = spot.twist[0] * turn[0] * turn[0] + spot.twist[1] * turn[1] * turn[1] +
-                       2.0 * turn_rate * (spot.bend[0] * turn[0] - spot.bend[1] * turn[1]);
 }
 
 static void forget(Cache *cache) {
@@ -136,7 +134,7 @@ static bool renew_course(Mechanism *m, Fault *fault) {
     return true;
 }
 
-bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+COLD bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
     build_model(m);
     return true;
@@ -161,18 +159,6 @@ static void enter(Mechanism *m, Decision d) {
 
 static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
-}
-
-/* The polynomial's derivatives t later. */
-static void shift(double u[INPUT_ORDER + 1], double t) {
-    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
-    u[1] += t * (u[2] + t / 2.0 * u[3]);
-    u[2] += t * u[3];
-}
-
-static void advance_inputs(Inputs *inputs, double t) {
-    shift(inputs->tau, t);
-    shift(inputs->F_ext, t);
 }
 
 static void record_rest(Mechanism *m) {
@@ -206,7 +192,7 @@ static double hold(Mechanism *m, double left, Leg *leg) {
     /* on the very edge of the band, where no slip agrees, rounding could hold it for no time at all */
     const double t = fmax(stick_hold_time(m, left), DBL_EPSILON * left);
     if (m->params.ledger) record_input_peaks(m, t);
-    advance_inputs(&m->inputs, t);
+    inputs_advance(&m->inputs, t);
     if (m->params.ledger) record_rest(m);
     return t;
 }
@@ -289,7 +275,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     } else {
         m->state.omega = sum_of(arc->omega);
     }
-    advance_inputs(&m->inputs, arc->t);
+    inputs_advance(&m->inputs, arc->t);
     return true;
 }
 
@@ -412,7 +398,7 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
         const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
         m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
     }
-    advance_inputs(&m->inputs, leap->h);
+    inputs_advance(&m->inputs, leap->h);
     return true;
 }
 
@@ -485,7 +471,7 @@ static double growing_time(const Inputs *in, int direction, double left) {
  * grows, theta goes where a jump of the torque would take it. Returns how long that is. */
 static double follow_by_torque(Mechanism *m, int direction, double t, Leg *leg) {
     Inputs after = m->inputs;
-    advance_inputs(&after, t);
+    inputs_advance(&after, t);
     Jump jump;
     play_jump(m, direction, after.tau[0], 0.0, &jump);
     if (!take_jump(m, direction, &jump, leg)) return NAN;
@@ -728,16 +714,18 @@ void mechanism_place(Mechanism *m, double theta, double omega) {
     arrive(m);
 }
 
+/* A solver finds the instant at which it is at a stop to its own rounding, on either side. */
 static void land_where_it_is(Mechanism *m) {
+    static const double AT_STOP = 1e-13; /* of the largest angle */
     if (!is_slip(m->state.mode)) return;
     const int direction = direction_of(m->state.mode);
     if (direction * m->state.omega.hi <= 0.0) stand_still(m);
-    if (room_ahead(m, direction) <= 0.0) hit_stop(m, direction);
+    if (room_ahead(m, direction) <= AT_STOP * largest_angle(&m->params)) hit_stop(m, direction);
 }
 
 bool mechanism_settle(Mechanism *m, Fault *fault) {
     const State before = m->state;
-    land_where_it_is(m);
+    if (m->continuous) land_where_it_is(m); /* a step has done so */
     int jams = 0;
     for (; jams < MAX_JAMS_PER_STEP; jams++) {
         enter(m, decide(m));
@@ -790,7 +778,7 @@ static void remember_tunables(Mechanism *m, const Params *next) {
     s->step.retuned = 1;
 }
 
-void mechanism_rewind(Mechanism *m) {
+COLD void mechanism_rewind(Mechanism *m) {
     State *s = &m->state;
     const Step *step = &s->step;
     s->theta = step->theta;
@@ -812,7 +800,7 @@ void mechanism_rewind(Mechanism *m) {
 
 /* ---- start and tuning ---- */
 
-bool mechanism_start(Mechanism *m, Fault *fault) {
+COLD bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
@@ -853,24 +841,15 @@ static double efficiency(const Mechanism *m, const EdgeFactors *f, double F_0) {
     return release / load;
 }
 
-/* d^2 omega/dt^2 without inertia, from how omega itself changes a little later. */
-static double jerk_without_inertia(const Way *way, const Balance *now, const Trend *trend) {
-    const double dt = 1e-4 * fmin(1.0, leap_time_scale(way, now));
-    Balance later;
-    Trend trend_later;
-    balance_at(way, now->theta + dt * (now->omega + 0.5 * dt * trend->pace), 0.0, dt, &later);
-    balance_trend(way, &later, dt, &trend_later);
-    return (trend_later.pace - trend->pace) / dt;
-}
-
 static void leap_loads(const Mechanism *m, int index, Loads *out) {
     const Way way = way_from_here(m, index);
     const Balance now = balance_from_here(m, &way);
-    const bool inertial = way.kind == FLOW_INERTIAL;
-    Trend trend;
-    balance_trend(&way, &now, 0.0, &trend);
-    out->alpha = inertial ? now.alpha : trend.pace;
-    out->jerk = inertial ? trend.pace : jerk_without_inertia(&way, &now, &trend);
+    out->alpha = now.alpha;
+    if (way.kind != FLOW_INERTIAL) {
+        Taylor t;
+        rates_along(m, &way, KNOB_COUNT, 1, &t);
+        out->alpha = t.omega.c[1].value;
+    }
     for (int i = 0; i < 2; i++) out->reaction[i] = now.x[i] * sqrt(now.length2[i]) / m->params.contacts;
 }
 
@@ -878,7 +857,6 @@ static void slip_loads(const Mechanism *m, const Slip *slip, Loads *out) {
     const Launch l = launch_of(m, slip);
     const Arc now = slip_arc_start(slip, &l);
     out->alpha = now.alpha;
-    out->jerk = now.jerk;
     for (int i = 0; i < 2; i++) {
         const Contact c = slip_contact(slip, &m->params, &m->place.geometry, &l, &now, i);
         out->reaction[i] = c.value * slip->reaction[i];
@@ -923,16 +901,4 @@ void mechanism_energy(const Mechanism *m, Energy *out) {
         .heat_stop = l->heat_stop.hi,
         .residual = m->params.ledger && !m->continuous ? ledger_residual(l, stored_energy(m)) : 0.0,
     };
-}
-
-/* v = z' omega, dv/dt = z' alpha + z'' omega^2, and once more. */
-double mechanism_axial_derivative(const Mechanism *m, int order) {
-    const double lift = m->place.geometry.lift, omega = m->state.omega.hi;
-    if (order == 1) return lift * omega;
-    Loads loads;
-    mechanism_loads(m, &loads);
-    const double lift_rate = m->place.lift_rate;
-    if (order == 2) return lift * loads.alpha + lift_rate * omega * omega;
-    const double bent = m->place.lift_bend * omega * omega + 3.0 * lift_rate * loads.alpha;
-    return lift * loads.jerk + omega * bent;
 }

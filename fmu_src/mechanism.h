@@ -61,7 +61,6 @@ typedef struct {
 
 typedef struct {
     double alpha;            /* rad/s^2 */
-    double jerk;             /* rad/s^3 */
     double gamma;            /* rad */
     double spring_force;     /* N */
     double damper_force;     /* N */
@@ -108,7 +107,6 @@ typedef struct {
     Geometry geometry;
     double z;         /* m */
     double lift_rate; /* m/rad^2, z'' */
-    double lift_bend; /* m/rad^3, z''' */
     BandFactors band; /* T_load / F_0 and T_release / F_0; in straight grooves only, see stick_band() */
 } Place;
 
@@ -180,8 +178,5 @@ void mechanism_rewind(Mechanism *m);
 void mechanism_motion(const Mechanism *m, Motion *out);
 void mechanism_loads(const Mechanism *m, Loads *out);
 void mechanism_energy(const Mechanism *m, Energy *out);
-
-/* Time derivative of z of order 1 (v) to 3, one-sided at a mode change: what comes next. */
-double mechanism_axial_derivative(const Mechanism *m, int order);
 
 #endif

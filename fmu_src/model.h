@@ -17,6 +17,8 @@
 #define MODEL_FORWARD 1
 #define MODEL_INVERSE 2
 
+enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
+
 #ifndef MODEL_BUILT
 #include "identity.h" /* only inside an FMU, see archive.py; the project's own build gives -DMODEL_BUILT=... */
 #endif
@@ -30,7 +32,6 @@ typedef State MachineState;
 typedef Outputs MachineOutputs;
 enum { RETURNS_EARLY = 1 };    /* can a step end at a mode change? */
 enum { SAMPLES_INPUTS = 1 };   /* can inputs be given inside a step? */
-enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 enum { CONTINUOUS_STATES = EXCHANGE_STATES, EVENT_INDICATORS = EXCHANGE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse.h"
@@ -39,7 +40,6 @@ typedef InverseInputs MachineInputs;
 typedef InverseState MachineState;
 typedef InverseOutputs MachineOutputs;
 enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion to the end of the step is imposed */
-enum { MAX_OUTPUT_ORDER = 0 }; /* the rate of the torque depends on a rate of alpha that nobody gives */
 enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 #else
 #error "MODEL_BUILT must be MODEL_FORWARD or MODEL_INVERSE"
@@ -72,9 +72,9 @@ void model_forget_rates(MachineInputs *inputs);
 /* Computes these groups of outputs (see Group in variables.h) with the present inputs. */
 bool model_outputs(const Machine *m, unsigned groups, MachineOutputs *outputs, Fault *fault);
 
-/* Time derivative of order 1 to MAX_OUTPUT_ORDER of the output with that value reference; `outputs` are
- * up to date in the groups that model_outputs() has. */
-double model_output_derivative(const Machine *m, const MachineOutputs *outputs, unsigned reference, int order);
+/* Time derivative of order 1 to MAX_OUTPUT_ORDER of the output with that value reference, which model_outputs() can
+ * compute: of what comes next with the present inputs. */
+double model_output_derivative(const Machine *m, unsigned reference, int order);
 
 /* The knob that a variable is, or -1: nothing is differentiated by it. */
 int model_knob(unsigned reference);

@@ -1,5 +1,6 @@
 #include <string.h>
 
+#include "rates.h"
 #include "sensitivity.h"
 #include "step_sensitivity.h"
 #include "variables.h"
@@ -46,14 +47,14 @@ bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *f
     return true;
 }
 
-/* theta, omega and z, v are the first two members of two chains of derivatives. */
-double model_output_derivative(const Machine *m, const Outputs *outputs, unsigned reference, int order) {
-    const double of_theta[] = {m->state.omega.hi, outputs->loads.alpha, outputs->loads.jerk};
+double model_output_derivative(const Machine *m, unsigned reference, int order) {
+    Rates rates;
+    rates_of_motion(m, &rates);
     switch (reference) {
-        case VR_THETA: return of_theta[order - 1];
-        case VR_OMEGA: return of_theta[order];
-        case VR_Z: return mechanism_axial_derivative(m, order);
-        default: return mechanism_axial_derivative(m, order + 1);
+        case VR_THETA: return rates.theta[order - 1];
+        case VR_OMEGA: return rates.theta[order];
+        case VR_Z: return rates.z[order - 1];
+        default: return rates.z[order];
     }
 }
 

@@ -50,9 +50,14 @@ bool model_outputs(const Machine *m, unsigned groups, InverseOutputs *outputs, F
     return true;
 }
 
-double model_output_derivative(const Machine *m, const InverseOutputs *outputs, unsigned reference, int order) {
-    (void)m, (void)outputs, (void)reference, (void)order; /* MAX_OUTPUT_ORDER is 0: nobody calls it */
-    return 0.0;
+double model_output_derivative(const Machine *m, unsigned reference, int order) {
+    InverseRates rates;
+    inverse_rates(m, &rates);
+    switch (reference) {
+        case VR_TAU: return rates.tau[order - 1];
+        case VR_Z: return rates.z[order - 1];
+        default: return rates.z[order];
+    }
 }
 
 int model_knob(unsigned reference) {

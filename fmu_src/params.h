@@ -83,6 +83,13 @@ typedef struct {
     double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
 } Inputs;
 
+/* The input's value and derivatives t later. */
+static inline void input_shift(double u[INPUT_ORDER + 1], double t) {
+    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
+    u[1] += t * (u[2] + t / 2.0 * u[3]);
+    u[2] += t * u[3];
+}
+
 /* rad, between the stops: what the rounding of theta is of. */
 static inline double largest_angle(const Params *p) {
     return fmax(fabs(p->stop.upper), fabs(p->stop.lower));

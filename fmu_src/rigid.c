@@ -55,8 +55,8 @@ static Burden burden_of(const Params *p, const Station *s, const Moment *now, do
 bool rigid_effort(const Params *p, const Piece *piece, const Moment *now, Effort *out) {
     out->station = station_at(p, piece, now->theta);
     out->damper = damper_force(&p->damper, now->direction, out->station.geometry.lift * now->omega);
-    const Burden burden = burden_of(p, &out->station, now, out->damper);
-    if (!station_bearing(&out->station, now->direction, &burden, &out->bearing)) return false;
+    out->burden = burden_of(p, &out->station, now, out->damper);
+    if (!station_bearing(&out->station, now->direction, &out->burden, &out->bearing)) return false;
     out->tau = out->bearing.torque + p->shaft.damping * now->omega + p->inertia.shaft * now->alpha;
     return isfinite(out->tau);
 }

@@ -18,6 +18,7 @@ Moment rigid_present(const Inverse *m);
 /* What it takes. */
 typedef struct {
     Station station;
+    Burden burden;
     Bearing bearing;
     double tau;    /* N.m */
     double damper; /* N */

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "decide.h"
+#include "rates.h"
 
 /* z(theta), v = z' omega */
 void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
@@ -16,17 +17,30 @@ void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     out->by[KNOB_OMEGA] = lift;
 }
 
+/* Without inertia alpha is how the speed, that the balance of forces gives, changes along the motion. */
+static void viscous_partials(const Mechanism *m, const Way *way, Partials *out) {
+    for (int k = 0; k < KNOB_COUNT; k++) {
+        Taylor along;
+        rates_along(m, way, (Knob)k, 1, &along);
+        out->by[k] = along.omega.c[1].slope;
+    }
+}
+
 bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
     *out = (Partials){.by = {0.0}};
-    if (!has_inertia(&m->params)) {
-        snprintf(fault->text, sizeof fault->text,
-                 "alpha has partial derivatives with inertia only: inertia.shaft, inertia.follower_mass or "
-                 "inertia.follower must be > 0");
-        return false;
-    }
     const Decision now = decision_of(m);
     if (!is_slip(now.mode)) return true;
     const Way way = way_from_here(m, now.slip);
+    if (way.kind == FLOW_QUASISTATIC) {
+        snprintf(fault->text, sizeof fault->text,
+                 "alpha has no partial derivatives where angle follows torque: inertia.shaft, inertia.follower_mass, "
+                 "inertia.follower, shaft.damping or a damper that acts in this direction must be > 0");
+        return false;
+    }
+    if (way.kind == FLOW_VISCOUS) {
+        viscous_partials(m, &way, out);
+        return true;
+    }
     const Balance balance = balance_from_here(m, &way);
     Partials residual;
     balance_partials(&way, &balance, &residual);

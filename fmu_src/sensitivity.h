@@ -9,8 +9,8 @@
 /* Of z (order 0) and v (order 1): they follow from theta and omega alone. */
 void mechanism_axial_partials(const Mechanism *m, int order, Partials *out);
 
-/* Of alpha. Where the mechanism rests they are 0. False, with the reason, without inertia: then omega is no state, and
- * alpha its rate. */
+/* Of alpha. Where the mechanism rests they are 0. False, with the reason, while it slips without inertia and damping:
+ * then theta is no state. */
 bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault);
 
 #endif

@@ -26,13 +26,16 @@ static void bear(const Burden *b, Bearing *bearing) {
     for (int i = 0; i < 2; i++) bearing->x[i] = t->axial[i] * b->axial + t->twist[i] * b->twist;
 }
 
-static bool agrees(const Burden *b, const Bearing *bearing) {
+bool station_is_idle(const Bearing *bearing, const Burden *b, int i) {
     const Transfer *t = &bearing->transfer;
-    if (!t->regular || !isfinite(bearing->torque)) return false;
-    for (int i = 0; i < 2; i++) {
-        const double size = fabs(t->axial[i]) * b->axial_size + fabs(t->twist[i]) * b->twist_size;
-        if (bearing->flank[i] * bearing->x[i] < -NO_REACTION * size) return false;
-    }
+    const double size = fabs(t->axial[i]) * b->axial_size + fabs(t->twist[i]) * b->twist_size;
+    return fabs(bearing->x[i]) <= NO_REACTION * size;
+}
+
+static bool agrees(const Burden *b, const Bearing *bearing) {
+    if (!bearing->transfer.regular || !isfinite(bearing->torque)) return false;
+    for (int i = 0; i < 2; i++)
+        if (bearing->flank[i] * bearing->x[i] < 0.0 && !station_is_idle(bearing, b, i)) return false;
     return true;
 }
 

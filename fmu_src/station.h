@@ -39,6 +39,9 @@ bool station_bearing(const Station *station, int direction, const Burden *burden
 /* The same at rest on the edge of the stick band, where F_0 = F_s + F_ext is all there is. */
 bool station_edge(const Station *station, int direction, double F_0, Bearing *bearing);
 
+/* Is the reaction of contact i none, to rounding? Then it agrees with either flank. */
+bool station_is_idle(const Bearing *bearing, const Burden *burden, int i);
+
 /* d rho/dtheta of that transfer, m/rad. */
 double station_rho_rate(const Station *station, int direction, const Bearing *bearing);
 

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "cold.h"
 #include "decide.h"
 #include "leg.h"
 #include "stick.h"
@@ -10,6 +11,7 @@
 typedef struct {
     Variation x;
     double delay; /* s: the event just passed comes later by that, and x is taken at the event's own time; else 0 */
+    bool slipped, rested; /* in the leg before; rested: what comes next begins where the torque leaves the band */
 } Carried;
 
 static double finite(double x) {
@@ -20,14 +22,18 @@ static int present_direction(const Mechanism *m) {
     return m->state.mode == MODE_LOADING ? 1 : -1;
 }
 
-static Way present_way(const Mechanism *m) {
+COLD static Way present_way(const Mechanism *m) {
     return way_from_here(m, slip_index(present_direction(m), m->state.flank));
+}
+
+static bool is_viscous(const Mechanism *m) {
+    return present_way(m).kind == FLOW_VISCOUS;
 }
 
 /* ---- the edge of the stick band ---- */
 
-/* Is there a torque that moves it in `direction`? Then *way is along the band's edge. */
-static bool way_along_edge(const Mechanism *m, int direction, Way *way) {
+/* Is there a torque that moves it in `direction`? Then *way is along the band's edge, rho F_0 with *rho. */
+COLD static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
@@ -35,20 +41,30 @@ static bool way_along_edge(const Mechanism *m, int direction, Way *way) {
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *way = way_from_here(m, slip_index(direction, flank));
     way->kind = FLOW_QUASISTATIC;
+    *rho = transfer.rho;
     return true;
 }
 
-/* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
-static double give_of_edge(const Mechanism *m, const Way *way) {
-    static const double HELD = 1e-9; /* of the torques involved: what is left of them on the edge */
-    const Pace pace = balance_pace(way, m->state.theta.hi, 0.0, 0.0);
-    const bool held = fabs(pace.net) <= HELD * stick_torque_size(m, m->place.geometry.lift);
-    return held && pace.by_theta > 0.0 ? 1.0 / pace.by_theta : 0.0;
+/* By how much later the torque passes the edge, theta being larger by its variation. */
+static double delay_at_edge(const Mechanism *m, int direction, double theta, double omega) {
+    const double *tau = m->inputs.tau;
+    Way way;
+    double rho;
+    if (!way_along_edge(m, direction, &way, &rho)) return 0.0;
+    const double slope = balance_pace(&way, m->state.theta.hi, 0.0, 0.0).by_theta;
+    return finite((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
 }
 
-/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'. Both are
- * smooth inside a piece, so that a central difference of order 4 has ten digits. */
-static double speed_on_edge(const Way *way, double theta) {
+/* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
+static double give_of_edge(const Mechanism *m, const Pace *pace) {
+    static const double HELD = 1e-9; /* of the torques involved: what is left of them on the edge */
+    const bool held = fabs(pace->net) <= HELD * stick_torque_size(m, m->place.geometry.lift);
+    return held && pace->by_theta > 0.0 ? 1.0 / pace->by_theta : 0.0;
+}
+
+/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'.
+ * Both are smooth inside a piece, so that a central difference of order 4 has ten digits. */
+COLD static double speed_on_edge(const Way *way, double theta) {
     static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
     const double step = 1e-3 * (way->piece->upper - way->piece->lower);
     const Pace now = balance_pace(way, theta, 0.0, 0.0);
@@ -66,6 +82,7 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
     Kernel k;
     oscillator_kernel(&slip->oscillator, t, &k);
     if (slip->kind == FLOW_VISCOUS) {
+        x->omega = k.ds * (1.0 - slip->stiffness * x->theta) / slip->damping;
         x->theta = k.ds * x->theta + k.s / slip->damping;
         return;
     }
@@ -74,15 +91,28 @@ static void carry_along_arc(const Slip *slip, double t, Variation *x) {
     x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
 }
 
-/* Without inertia and damping theta follows the torque, whatever it did before. */
-static void carry_along_edge(const Mechanism *m, const Leg *leg, Variation *x) {
+/* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E'; at
+ * the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge.
+ * Following the edge ends at a fold, E' = 0, when the torque gets to the fold's. */
+static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carried *v) {
     Way way = present_way(m);
-    const bool there = leg->kind != LEG_JUMP || way_along_edge(m, present_direction(m), &way);
-    x->theta = there ? give_of_edge(m, &way) : 0.0;
+    double rho;
+    const bool jumps = leg->kind == LEG_JUMP;
+    const bool there = !jumps || way_along_edge(m, present_direction(m), &way, &rho);
+    const Pace pace = balance_pace(&way, m->state.theta.hi, 0.0, 0.0);
+    if (jumps && t > 0.0) v->delay = 0.0;
+    v->x.theta = there ? give_of_edge(m, &pace) + (jumps ? pace.value * v->delay : 0.0) : 0.0;
+    if (!jumps) v->delay = finite(-1.0 / (pace.value * pace.by_theta));
 }
 
-static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
-    if (leg->kind == LEG_NONE) return true;
+/* `inputs`: those at the start of the leg. */
+COLD static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
+    if (leg->kind == LEG_NONE && leg->end == EVENT_STOP) return true;
+    if (leg->kind == LEG_NONE) { /* a jam: at an event, or before anything has varied, or for an unknown reason */
+        const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
+        v->x.omega = 0.0;
+        return known;
+    }
     if (leg->kind == LEG_REST) {
         *v = (Carried){.x = {.theta = v->x.theta}};
         return true;
@@ -90,12 +120,12 @@ static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
     const int index = slip_index(present_direction(m), m->state.flank);
     Way way = way_from_here(m, index);
     if (way.kind == FLOW_QUASISTATIC) {
-        carry_along_edge(m, leg, &v->x);
+        carry_along_edge(m, leg, t, v);
     } else if (leg->kind == LEG_ARC) {
         carry_along_arc(&m->model.slip[index], t, &v->x);
     } else {
         const Leap *leap = &leg->passage.leap;
-        way = way_of(&m->params, &m->model.course, &m->inputs, leap->start.theta, way.direction, way.flank);
+        way = way_of(&m->params, &m->model.course, inputs, leap->start.theta, way.direction, way.flank);
         return leap_vary(&way, leap, 1.0, &v->x);
     }
     return true;
@@ -103,13 +133,29 @@ static bool carry(const Mechanism *m, const Leg *leg, double t, Carried *v) {
 
 /* ---- at an event ---- */
 
+/* By how much later a contact is without load. */
+static double delay_at_flank(const Way *way, const Balance *b, const Variation *x) {
+    const int i = fabs(b->x[0]) < fabs(b->x[1]) ? 0 : 1;
+    const Pace *p = &b->pace;
+    const double jerk = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
+    const double alpha = p->by_theta * x->theta + p->by_omega * x->omega + balance_mobility(way, b);
+    const double rate =
+        balance_contact_change(way, b, i, b->omega, b->alpha, jerk) + b->axial[i] * way->inputs->F_ext[1];
+    return finite(-balance_contact_change(way, b, i, x->theta, x->omega, alpha) / rate);
+}
+
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
- * moment, so that alpha does not jump. */
+ * moment, so that alpha does not jump unless the other one changes as well. */
 static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
-    if (leg->end == EVENT_FLANK) return;
     const Way way = present_way(m);
     Balance before;
     balance_at(&way, m->state.theta.hi, leg->omega, 0.0, &before);
+    if (leg->end == EVENT_FLANK) {
+        v->delay = delay_at_flank(&way, &before, &v->x);
+        v->x.theta += before.omega * v->delay;
+        v->x.omega += before.alpha * v->delay;
+        return;
+    }
     if (leg->end == EVENT_REST) {
         v->delay = finite(-v->x.omega / before.alpha);
         v->x.omega = 0.0;
@@ -124,15 +170,13 @@ static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
 static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v) {
     const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->place.geometry.lift;
-    Way edge;
     v->delay = 0.0;
     if (leg->end == EVENT_STOP) {
         v->x.theta = 0.0;
-    } else if (leg->end == EVENT_FLANK) {
+    } else if (leg->end == EVENT_FLANK && !is_viscous(m)) {
         v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
-    } else if (way_along_edge(m, present_direction(m), &edge)) {
-        const Pace pace = balance_pace(&edge, m->state.theta.hi, 0.0, 0.0);
-        v->delay = finite((pace.by_theta * v->x.theta - 1.0) / (pace.by_theta * (pace.value - leg->omega)));
+    } else if (leg->end == EVENT_REST && is_viscous(m)) {
+        v->delay = delay_at_edge(m, present_direction(m), v->x.theta, leg->omega);
     }
     v->x.theta += leg->omega * v->delay;
 }
@@ -140,15 +184,29 @@ static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v)
 static void pass_event(const Mechanism *m, const Leg *leg, Carried *v) {
     if (leg->end != EVENT_NONE && has_inertia(&m->params)) pass_inertial(m, leg, v);
     if (leg->end != EVENT_NONE && !has_inertia(&m->params)) pass_without_inertia(m, leg, v);
-    if (m->state.omega.hi == 0.0) v->x.omega = 0.0;
 }
 
+/* At the edge of the band speed and acceleration begin at 0, but for rounding: up to this share of what adds up to them.
+ * Only where a contact locks can a damper let go with a jump. */
+static const double BEGINNING = 1e-9;
+
 /* Back to a variation at a fixed time, by the motion that follows the event. */
-static void enter_next(Mechanism *m, Carried *v) {
+COLD static void enter_next(Mechanism *m, Carried *v) {
+    const double omega = m->state.omega.hi;
+    const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
+    const int direction = present_direction(m);
     leg_enter(m);
-    if (v->delay == 0.0 || !is_slip(m->state.mode)) return;
+    /* so slow that the torque is on the edge to rounding, it is taken to rest; or it just reaches the stop */
+    if (slipped && (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP)) v->x.theta = 0.0;
+    if (slipped && m->state.mode == MODE_STICK)
+        v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
+    if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const Way way = present_way(m);
     const Balance after = balance_from_here(m, &way);
+    const bool bursts = way.kind == FLOW_VISCOUS && fabs(after.omega) > BEGINNING * after.pace.size;
+    if (v->rested && (bursts || way.kind == FLOW_QUASISTATIC))
+        v->delay = delay_at_edge(m, way.direction, v->x.theta, 0.0);
+    if (way.kind == FLOW_QUASISTATIC) return; /* the delay is for a jump to know */
     v->x.theta -= after.omega * v->delay;
     v->x.omega -= after.alpha * v->delay;
     v->delay = 0.0;
@@ -157,31 +215,22 @@ static void enter_next(Mechanism *m, Carried *v) {
 /* ---- the step ---- */
 
 /* False where there is no variation. */
-static bool carry_through(Mechanism *m, double left, Carried *v) {
+COLD static bool carry_through(Mechanism *m, double left, Carried *v) {
     Leg leg;
-    while (left > 0.0) {
+    for (;;) {
         enter_next(m, v);
+        if (!(left > 0.0)) return true;
+        const Inputs inputs = m->inputs;
         const double t = leg_run(m, left, &leg);
-        if (!(t <= left) || !carry(m, &leg, t, v)) return false;
+        if (!(t <= left) || !carry(m, &leg, &inputs, t, v)) return false;
         pass_event(m, &leg, v);
         left -= t;
+        v->slipped = leg.kind == LEG_ARC || leg.kind == LEG_LEAP;
+        v->rested = leg.kind == LEG_REST && left > 0.0;
     }
-    enter_next(m, v);
-    return true;
 }
 
-/* Without inertia the speed is what angle and torque make it. */
-static double speed_without_inertia(const Mechanism *m, double theta) {
-    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0) return 0.0;
-    const Way way = present_way(m);
-    if (way.kind == FLOW_QUASISTATIC) return speed_on_edge(&way, m->state.theta.hi) * theta;
-    const Balance now = balance_from_here(m, &way);
-    Partials p;
-    balance_partials(&way, &now, &p);
-    return now.pace.by_theta * theta - p.by[KNOB_TAU] / p.by[KNOB_OMEGA];
-}
-
-void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+COLD void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     Mechanism again = *m; /* the course is m's own: not to be freed */
     Carried v = {.delay = 0.0};
     *out = (StepSensitivity){0.0, 0.0};
@@ -189,6 +238,8 @@ void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     mechanism_rewind(&again);
     again.params.ledger = false;
     if (!carry_through(&again, m->state.step.h, &v)) return;
-    if (!has_inertia(&m->params)) v.x.omega = speed_without_inertia(&again, v.x.theta);
+    const Way way = present_way(&again);
+    if (again.state.omega.hi == 0.0) v.x.omega = 0.0;
+    else if (way.kind == FLOW_QUASISTATIC) v.x.omega = speed_on_edge(&way, again.state.theta.hi) * v.x.theta;
     *out = (StepSensitivity){finite(v.x.theta), finite(v.x.omega)};
 }

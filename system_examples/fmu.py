@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import ctypes
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 
 import numpy as np
@@ -45,6 +45,24 @@ class Reals:
     def write(self) -> None:
         """Send `values` to the FMU."""
         self._fmu.fmi2SetReal(self._fmu.component, self._references, self._count, self._pointer)
+
+    def read_derivatives(self, order: int) -> list[float]:
+        """Time derivatives of that order of the group, all of them outputs."""
+        found = (ctypes.c_double * self._count)()
+        self._fmu.fmi2GetRealOutputDerivatives(
+            self._fmu.component, self._references, self._count, self._orders(order), found
+        )
+        return list(found)
+
+    def write_derivatives(self, order: int, values: Sequence[float]) -> None:
+        """Time derivatives of that order of the group, all of them inputs, for the next step only."""
+        sent = (ctypes.c_double * self._count)(*values)
+        self._fmu.fmi2SetRealInputDerivatives(
+            self._fmu.component, self._references, self._count, self._orders(order), sent
+        )
+
+    def _orders(self, order: int) -> ctypes.Array[ctypes.c_int]:
+        return (ctypes.c_int * self._count)(*[order] * self._count)
 
 
 class Slave:

@@ -45,12 +45,12 @@ def model():
     return models["DualCamForward"]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def binary(binaries, model):
     return binaries[model.identifier]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def library(libraries, model):
     return libraries[model.identifier]
 

@@ -113,7 +113,18 @@ class Callbacks(Structure):
     )
 
 
+class EventInfo(Structure):
+    _fields_ = (
+        *((name, c_int) for name in (
+            "newDiscreteStatesNeeded", "terminateSimulation", "nominalsOfContinuousStatesChanged",
+            "valuesOfContinuousStatesChanged", "nextEventTimeDefined",
+        )),
+        ("nextEventTime", c_double),
+    )  # fmt: skip
+
+
 _REFERENCES, _ORDERS = POINTER(c_uint), POINTER(c_int)
+_VECTOR = (POINTER(c_double), c_size_t)
 _ACCESS = {
     f"fmi2{way}{t}": (_REFERENCES, c_size_t, POINTER(VALUE[t])) for t in VALUE for way in ("Get", "Set")
 }
@@ -141,6 +152,16 @@ ARGUMENTS = {
     "fmi2GetRealOutputDerivatives": (_REFERENCES, c_size_t, _ORDERS, POINTER(c_double)),
     "fmi2DoStep": (c_double, c_double, c_int),
     "fmi2CancelStep": (),
+    "fmi2EnterEventMode": (),
+    "fmi2NewDiscreteStates": (POINTER(EventInfo),),
+    "fmi2EnterContinuousTimeMode": (),
+    "fmi2CompletedIntegratorStep": (c_int, POINTER(c_int), POINTER(c_int)),
+    "fmi2SetTime": (c_double,),
+    "fmi2SetContinuousStates": _VECTOR,
+    "fmi2GetContinuousStates": _VECTOR,
+    "fmi2GetDerivatives": _VECTOR,
+    "fmi2GetEventIndicators": _VECTOR,
+    "fmi2GetNominalsOfContinuousStates": _VECTOR,
 }  # fmt: skip
 
 
@@ -352,6 +373,27 @@ class Driver:
         references = self.model.references([name])
         self.ok("fmi2GetRealOutputDerivatives", references, 1, (c_int * 1)(order), byref(value))
         return value.value
+
+    # model exchange
+
+    def vector(self, function: str, n: int) -> list[float]:
+        """What fmi2GetDerivatives and the like write into n places."""
+        values = (c_double * n)()
+        self.ok(function, values, n)
+        return list(values)
+
+    def set_vector(self, function: str, values: list[float]) -> None:
+        self.ok(function, (c_double * len(values))(*values), len(values))
+
+    def settle(self) -> EventInfo:
+        """Event mode until nothing changes any more, then continuous time."""
+        info = EventInfo()
+        self.ok("fmi2NewDiscreteStates", byref(info))
+        assert not info.newDiscreteStatesNeeded
+        assert not info.terminateSimulation
+        assert not info.nextEventTimeDefined
+        self.ok("fmi2EnterContinuousTimeMode")
+        return info
 
     # states
 

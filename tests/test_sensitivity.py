@@ -183,9 +183,70 @@ def test_refuses_what_has_no_derivative(make_model, unknown, known, seed, mentio
     assert fmu.get("z") == before
 
 
-def test_without_inertia_the_speed_is_no_state(make_model):
+VISCOUS = {"inertia.shaft": 0.0, "shaft.damping": 0.01}
+RATES = {"tau": [40.0], "F_ext": [-900.0]}
+
+
+@pytest.mark.parametrize("groove", GROOVES)
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("forces", ["closed form", "any"])
+def test_acceleration_without_inertia(make_model, groove, direction, forces):
+    """alpha is how the speed, which the forces give, changes along the motion and with the inputs' rates."""
+    quadratic = ("spring.stiffness2", "spring.stiffness3", "damper.q_load", "damper.q_release")
+    linear = {name: 0.0 for name in quadratic if forces == "closed form"}
+    values = TUNABLE | VISCOUS | GROOVES[groove] | linear
+    tau = 4.0 if direction > 0 else 0.2
+
+    def at(theta: float) -> Driver:
+        fmu = make_model(FORWARD).start(values | {"initial.theta": theta, "tau": tau})
+        fmu.set_derivatives(RATES)
+        return fmu
+
+    fmu = at(0.6)
+    assert fmu.get("mode") == (2 if direction > 0 else 3)
+    scale = abs(fmu.get("alpha"))
+
+    def alpha_with(name: str):
+        def alpha(value: float) -> float:
+            before = fmu.get(name)
+            fmu.set({name: value})
+            found = fmu.get("alpha")
+            fmu.set({name: before})
+            return found
+
+        return alpha
+
+    for name, size in (TUNABLE | {"tau": 2.0, "F_ext": 100.0}).items():
+        if name in linear:
+            continue
+        expected = difference(alpha_with(name), fmu.get(name), size)
+        assert_close(partial(fmu, "alpha", name), expected, scale / size)
+    expected = difference(lambda theta: at(theta).get("alpha"), 0.6, 0.1)
+    assert_close(partial(fmu, "alpha", "theta"), expected, scale)
+    assert partial(fmu, "alpha", "omega") == 0.0
+
+
+def test_acceleration_by_the_quadratic_part_of_a_linear_damper(make_model):
+    """Zero now, and yet alpha depends on it: against a mechanism that has a little of it."""
+    start = TUNABLE | VISCOUS | {"initial.theta": 0.6, "tau": 4.0, "damper.q_load": 0.0}
+    found = []
+    for q in (0.0, *(k * 0.05 for k in range(1, 8))):
+        fmu = make_model(FORWARD).start(start | {"damper.q_load": q})
+        fmu.set_derivatives(RATES)
+        found.append(fmu.get("alpha"))
+        if q == 0.0:
+            expected = partial(fmu, "alpha", "damper.q_load")
+    nodes = np.arange(8.0)
+    weights = np.linalg.solve(np.vander(nodes, increasing=True).T, np.eye(8)[1])
+    assert expected == pytest.approx(math.fsum(weights * found) / 0.05, rel=1e-6)
+
+
+def test_where_the_angle_follows_the_torque_it_is_no_state(make_model):
     fmu = make_model(FORWARD).start({"inertia.shaft": 0.0, "initial.theta": 0.5, "tau": 4.0})
     result = (c_double * 1)()
     references = fmu.model.references
     arguments = references(["alpha"]), 1, references(["tau"]), 1, to_c("Real", [1.0]), result
-    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("alpha", "inertia.shaft"))
+    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("alpha", "inertia.shaft", "damping"))
+    fmu.set({"tau": 2.5})
+    assert fmu.get("mode") == 1
+    assert partial(fmu, "alpha", "tau") == 0.0

@@ -1,0 +1,177 @@
+"""How each master is made to play a scene, or to check an FMU."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import install
+import numpy as np
+from install import Failed, Words, attempt, complaint
+from scenes import INVERSE, ROOT, Result, Scene, fmu, play
+
+HOSTS = ROOT / "masters/hosts"
+PATIENCE = 300.0  # s, for one run
+
+
+def insist(command: Words, folder: Path, **variables: str) -> str:
+    """Runs it in this folder, where it also leaves what it would leave elsewhere; what it prints."""
+    try:
+        done = attempt(command, PATIENCE, folder, TMPDIR=str(folder), **variables)
+    except subprocess.TimeoutExpired:
+        raise Failed(f"not done after {PATIENCE:.0f} s") from None
+    if done.returncode != 0:
+        raise Failed(f"exit {done.returncode}: {complaint(done)}")
+    return done.stdout
+
+
+def read(path: Path) -> Result:
+    """A CSV file with a header. Where a time comes twice (before and after an event), the last row counts."""
+    try:
+        with path.open(newline="") as file:
+            header, *rows = csv.reader(file)
+        table = np.array(rows, dtype=float)
+    except (OSError, ValueError) as error:
+        raise Failed(f"no result: {error}") from None
+    names = [name.strip() for name in header]
+    if "time" in names:
+        last = np.append(np.diff(table[:, names.index("time")]) > 0.0, True)
+        table = table[last]
+    return dict(zip(names, table.T, strict=True))
+
+
+def start_values(scene: Scene) -> list[str]:
+    return [f"{name}={value}" for name, value in scene.start.items()]
+
+
+def job(scene: Scene, path: Path, folder: Path) -> tuple[list[str | Path], Path]:
+    """Arguments of a program in hosts/, and the file that it will write."""
+    inputs, outputs = scene.write_inputs(folder / "inputs.csv"), folder / "outputs.csv"
+    return [path, repr(scene.step), inputs, outputs, ",".join(scene.outputs), *start_values(scene)], outputs
+
+
+def ecos(scene: Scene, path: Path, folder: Path) -> Result:
+    venv = install.package("ecospy", "tbb")  # tbb: a library that ecospy needs and does not bring
+    words, outputs = job(scene, path, folder)
+    insist([venv / "bin/python", HOSTS / "ecos_host.py", *words], folder, LD_LIBRARY_PATH=str(venv / "lib"))
+    return read(outputs)
+
+
+def ecos_csv(scene: Scene, path: Path, folder: Path) -> Result:
+    """The same from the file that ecos itself writes, whose columns are "cam::theta[REAL]" and the like."""
+    ecos(scene, path, folder)
+    columns = read(folder / "outputs.printed.csv")
+    return {m[1]: column for name, column in columns.items() if (m := re.fullmatch(r"cam::(.*)\[.*\]", name))}
+
+
+def libcosim(scene: Scene, path: Path, folder: Path) -> Result:
+    venv = install.package("libcosimpy")
+    words, outputs = job(scene, path, folder)
+    insist([venv / "bin/python", HOSTS / "libcosim_host.py", *words], folder)
+    return read(outputs)
+
+
+def scratch(folder: Path) -> str:
+    """Java does not look at TMPDIR."""
+    return f"-Djava.io.tmpdir={folder}"
+
+
+def fmi4j(scene: Scene, path: Path, folder: Path) -> Result:
+    jars = ":".join(str(install.artifact(jar)) for jar in install.FMI4J)
+    words, outputs = job(scene, path, folder)
+    java = install.java(17, compiler=True)
+    insist([java, scratch(folder), "-cp", jars, HOSTS / "Fmi4jHost.java", *words], folder)
+    return read(outputs)
+
+
+def fmi_sim(scene: Scene, path: Path, folder: Path, kind: str = "co-simulation") -> Result:
+    program = install.fmi_sim()
+    outputs = folder / "outputs.csv"
+    command: list[str | Path] = [program, "--model", path, "--output-file", outputs]
+    if scene.inputs:
+        command += ["--input-file", scene.write_inputs(folder / "inputs.csv")]
+    command += [kind, "--output-interval", repr(scene.step), "-f", repr(scene.duration)]
+    for word in start_values(scene):
+        command += ["--init-values", word]
+    insist(command, folder)
+    return read(outputs)
+
+
+def fmi_sim_me(scene: Scene, path: Path, folder: Path) -> Result:
+    return fmi_sim(scene, path, folder, "model-exchange")
+
+
+# ---- Maestro. Its parameters reach parameters alone, and it insists on connections. So an inverse FMU whose
+# cam is not turned is the source of the constant torque (T_load at theta = 0 is in proportion to the
+# preload), and another one takes the motion and says what torque that needs.
+
+SOURCE = Scene("source", "", INVERSE, 1e-3, ("tau", "mode"), frozenset())
+PRELOAD = 150.0  # N: 1.99 N.m
+
+
+def maestro_scene(scene: Scene) -> Scene:
+    """The scene with the torque of that source."""
+    torque = play(replace(SOURCE, start={"spring.preload": PRELOAD}), fmu(INVERSE))["tau"]
+    return replace(scene, start=dict(scene.start) | {"tau": float(torque[0])})
+
+
+def needed(scene: Scene, motion: Result) -> Scene:
+    """What the second inverse FMU sees: angle and speed of the communication point before."""
+    still = np.zeros(len(scene.times))
+    inputs = {"theta": motion["theta"], "omega": motion["omega"], "alpha": still, "F_ext": still}
+    return replace(scene, model=INVERSE, start={}, inputs=inputs, outputs=("tau", "mode"), modes=frozenset())
+
+
+def maestro_reference(scene: Scene, path: Path) -> Result:
+    motion = play(maestro_scene(scene), path, tolerance=0.1)  # Maestro's, always
+    torque = play(needed(scene, motion), fmu(INVERSE))
+    return {**motion, "needed torque": torque["tau"]}
+
+
+def maestro(scene: Scene, path: Path, folder: Path) -> Result:
+    java, jar = install.java(11), install.artifact(install.MAESTRO)
+    cam, source, inverse = "{forward}.cam", "{inverse}.source", "{inverse}.needed"
+    start = {name: value for name, value in scene.start.items() if name != "tau"}
+    system = {
+        "fmus": {"{forward}": path.as_uri(), "{inverse}": fmu(INVERSE).as_uri()},
+        "connections": {
+            f"{source}.tau": [f"{cam}.tau"],
+            f"{cam}.theta": [f"{inverse}.theta"],
+            f"{cam}.omega": [f"{inverse}.omega"],
+        },
+        "parameters": {f"{source}.spring.preload": PRELOAD}
+        | {f"{cam}.{name}": value for name, value in start.items()},
+        "logVariables": {cam: list(scene.outputs), inverse: ["tau"]},
+        "algorithm": {"type": "fixed-step", "size": scene.step},
+    }
+    # It adds up its time, with rounding: half a step more, so that the last one is not left out
+    experiment = {"startTime": 0.0, "endTime": scene.duration + scene.step / 2}
+    files = [folder / "system.json", folder / "experiment.json"]
+    for file, content in zip(files, (system, experiment), strict=True):
+        file.write_text(json.dumps(content))
+    options: Words = ["-output", folder, "--interpret", "--inline-framework-config"]
+    insist([java, scratch(folder), "-jar", jar, "import", "Sg1", *files, *options], folder)
+    result = read(folder / "outputs.csv")
+    names = {f"{cam}.{name}": name for name in scene.outputs} | {f"{inverse}.tau": "needed torque"}
+    return {name: result[key] for key, name in names.items() if key in result}
+
+
+# ---- Checkers: they fail if they find anything
+
+
+def vdmcheck(path: Path) -> None:
+    with TemporaryDirectory() as folder:
+        printed = insist(["bash", install.vdmcheck(), path], Path(folder))
+    if "No errors found." not in printed:  # its exit code is that of the last program in a pipe
+        raise Failed("does not say that there are no errors")
+
+
+def fmutool(path: Path) -> None:
+    venv = install.package("fmu-manipulation-toolbox")
+    with TemporaryDirectory() as folder:
+        insist([venv / "bin/fmutool", "-input", path, "-check"], Path(folder))
