@@ -47,7 +47,7 @@ WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werr
 # -fno-math-errno: nobody reads errno, and sqrt becomes one instruction. Every other IEEE rule stays
 # (-ffast-math would let the compiler undo compensated sums and NaN checks).
 ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
-# Neither C nor any master unwinds through a frame of an FMU; Windows has such tables for every function.
+# Nobody unwinds through a frame of an FMU: it has no exceptions, and calls a master only to log and to be seen.
 NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
@@ -60,10 +60,13 @@ SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what n
 OFF_THE_WAY = {
     *("check", "dependencies", "exchange", "groove", "groove_csv", "groove_table", "inverse_rates"),
     *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity", "snapshot"),
-    *("state_access", "step_sensitivity", "survey", "taylor", "variables"),
+    *("state_access", "step_sensitivity", "taylor", "variables"),
 }
 WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
+# On Windows, where the binary holds its own exp and sin, and macOS, whose linker knows no -flto, only these are
+# compiled for speed.
+NUMERIC = {"balance", "bernstein", "event", "flow", "leap", "mechanism", "oscillator", "passage", "radau"}
 
 
 @dataclass(frozen=True)
@@ -80,19 +83,21 @@ class Platform:
         return place(self.version) / self.folder / f"{identifier}{self.suffix}"
 
     def compilation(self, source: Path) -> list[str]:
-        if source.stem in OFF_THE_WAY:
+        name, together = source.stem, self.suffix == ".so"
+        if name in OFF_THE_WAY or not (together or name in NUMERIC):
             return [FOR_SIZE, *SECTIONS]
-        together = [LTO] if self.suffix != ".dylib" else []  # the linker for macOS knows no -flto
-        if source.stem in HANDING_ON:
-            return [FOR_SIZE, *together]
-        return [FOR_SPEED, *together] if source.stem in WITH_LOOPS else [FOR_SPEED, SMALL, *together]
+        if not together:
+            return [FOR_SPEED, SMALL, *SECTIONS]
+        if name in HANDING_ON:
+            return [FOR_SIZE, LTO]
+        return [FOR_SPEED, LTO] if name in WITH_LOOPS else [FOR_SPEED, SMALL, LTO]
 
     def linking(self, identifier: str) -> list[str]:
         if self.suffix == ".dylib":
             name = f"@rpath/{identifier}{self.suffix}"  # else it is the path of the output
             return ["-Wl,-dead_strip", f"-Wl,-install_name,{name}"]
         # -z defs: an undefined symbol fails here, not in a master (on Windows and macOS it always does)
-        return [LTO, "-Wl,--gc-sections", *(["-Wl,-z,defs"] if self.suffix == ".so" else [])]
+        return ["-Wl,--gc-sections", *([LTO, "-Wl,-z,defs"] if self.suffix == ".so" else [])]
 
 
 def place(version: int) -> Path:
@@ -101,7 +106,7 @@ def place(version: int) -> Path:
 
 
 # Windows: 10 and newer, where the C library (ucrt) belongs to the system.
-WINDOWS = ("-fno-vectorize", "-fno-slp-vectorize")
+WINDOWS = ("-fno-vectorize", "-fno-slp-vectorize", *NO_TABLES)
 X86_LINUX, ARM_LINUX = f"x86_64-linux-{GLIBC}", f"aarch64-linux-{GLIBC}"
 X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 

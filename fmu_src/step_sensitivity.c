@@ -14,7 +14,7 @@ typedef struct {
     bool slipped, rested; /* in the leg before; rested: what comes next begins where the torque leaves the band */
 } Carried;
 
-static double finite(double x) {
+static double finite_or_zero(double x) {
     return isfinite(x) ? x : 0.0;
 }
 
@@ -52,7 +52,7 @@ static double delay_at_edge(const Mechanism *m, int direction, double theta, dou
     double rho;
     if (!way_along_edge(m, direction, &way, &rho)) return 0.0;
     const double slope = balance_pace(&way, m->state.theta.hi, 0.0, 0.0).by_theta;
-    return finite((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
+    return finite_or_zero((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
 }
 
 /* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
@@ -102,7 +102,7 @@ static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carri
     const Pace pace = balance_pace(&way, m->state.theta.hi, 0.0, 0.0);
     if (jumps && t > 0.0) v->delay = 0.0;
     v->x.theta = there ? give_of_edge(m, &pace) + (jumps ? pace.value * v->delay : 0.0) : 0.0;
-    if (!jumps) v->delay = finite(-1.0 / (pace.value * pace.by_theta));
+    if (!jumps) v->delay = finite_or_zero(-1.0 / (pace.value * pace.by_theta));
 }
 
 /* `inputs`: those at the start of the leg. */
@@ -141,7 +141,7 @@ static double delay_at_flank(const Way *way, const Balance *b, const Variation *
     const double alpha = p->by_theta * x->theta + p->by_omega * x->omega + balance_mobility(way, b);
     const double rate =
         balance_contact_change(way, b, i, b->omega, b->alpha, jerk) + b->axial[i] * way->inputs->F_ext[1];
-    return finite(-balance_contact_change(way, b, i, x->theta, x->omega, alpha) / rate);
+    return finite_or_zero(-balance_contact_change(way, b, i, x->theta, x->omega, alpha) / rate);
 }
 
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
@@ -157,12 +157,12 @@ static void pass_inertial(const Mechanism *m, const Leg *leg, Carried *v) {
         return;
     }
     if (leg->end == EVENT_REST) {
-        v->delay = finite(-v->x.omega / before.alpha);
+        v->delay = finite_or_zero(-v->x.omega / before.alpha);
         v->x.omega = 0.0;
         return;
     }
-    v->delay = finite(-v->x.theta / leg->omega);
-    v->x.omega = finite(m->state.omega.hi / leg->omega) * (v->x.omega + before.alpha * v->delay);
+    v->delay = finite_or_zero(-v->x.theta / leg->omega);
+    v->x.omega = finite_or_zero(m->state.omega.hi / leg->omega) * (v->x.omega + before.alpha * v->delay);
     v->x.theta = 0.0;
 }
 
@@ -174,7 +174,7 @@ static void pass_without_inertia(const Mechanism *m, const Leg *leg, Carried *v)
     if (leg->end == EVENT_STOP) {
         v->x.theta = 0.0;
     } else if (leg->end == EVENT_FLANK && !is_viscous(m)) {
-        v->delay = finite(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
+        v->delay = finite_or_zero(-slope * v->x.theta / (slope * leg->omega + m->inputs.F_ext[1]));
     } else if (leg->end == EVENT_REST && is_viscous(m)) {
         v->delay = delay_at_edge(m, present_direction(m), v->x.theta, leg->omega);
     }
@@ -241,5 +241,5 @@ COLD void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     const Way way = present_way(&again);
     if (again.state.omega.hi == 0.0) v.x.omega = 0.0;
     else if (way.kind == FLOW_QUASISTATIC) v.x.omega = speed_on_edge(&way, again.state.theta.hi) * v.x.theta;
-    *out = (StepSensitivity){finite(v.x.theta), finite(v.x.omega)};
+    *out = (StepSensitivity){finite_or_zero(v.x.theta), finite_or_zero(v.x.omega)};
 }

@@ -31,12 +31,15 @@
 #error "FMI_VERSION must be 2 or 3"
 #endif
 
-typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
+/* As few bytes as its values need: the table has a row for each variable. */
+#define SMALL __attribute__((packed))
+
+typedef enum SMALL { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
 
 /* How a value is stored and what is allowed beyond its range. */
-typedef enum { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
+typedef enum SMALL { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
 
-typedef enum {
+typedef enum SMALL {
     CAUSALITY_PARAMETER,
     CAUSALITY_INPUT,
     CAUSALITY_OUTPUT,
@@ -44,7 +47,7 @@ typedef enum {
     CAUSALITY_INDEPENDENT
 } Causality;
 
-typedef enum {
+typedef enum SMALL {
     VARIABILITY_FIXED,
     VARIABILITY_TUNABLE,
     VARIABILITY_DISCRETE,
@@ -52,7 +55,7 @@ typedef enum {
 } Variability;
 
 /* The struct that holds a value. As bits, so that a set of groups is a number. */
-typedef enum {
+typedef enum SMALL {
     GROUP_PARAMS = 1,
     GROUP_INPUTS = 2,
     GROUP_STATE = 4,
@@ -65,7 +68,7 @@ typedef enum {
     GROUP_INDICATORS = 512
 } Group;
 
-typedef enum {
+typedef enum SMALL {
     UNIT_NONE,
 #define UNIT(id, ...) UNIT_##id,
 #define VARIABLE(...)
@@ -111,9 +114,9 @@ typedef struct {
     Kind kind;
     Causality causality;
     Variability variability;
+    UnitId unit;
     double start, min, max, nominal; /* as in variables.def */
     const char *name;
-    UnitId unit;
 } Variable; /* less its description, which only the XML has */
 
 /* Everything that a variable can be read from. */

@@ -42,7 +42,8 @@ _JACOBIAN = (*_ARRAY, *_ARRAY, _REALS, c_size_t, _REALS, c_size_t)
 _FLAG = POINTER(c_bool)
 # arguments after the instance
 ARGUMENTS = {
-    **{f"{way}{t}": (*_ARRAY, POINTER(v), c_size_t) for t, v in (VALUE | OTHER).items() for way in ("Get", "Set")},
+    **{f"Get{t}": (*_ARRAY, POINTER(v), c_size_t) for t, v in (VALUE | OTHER).items()},
+    **{f"Set{t}": (*_ARRAY, POINTER(v), c_size_t) for t, v in (VALUE | OTHER).items()},
     **{f"{way}Binary": (*_ARRAY, _SIZES, POINTER(c_void_p), c_size_t) for way in ("Get", "Set")},
     **{f"{way}Clock": (*_ARRAY, _FLAG) for way in ("Get", "Set")},
     "SetDebugLogging": (c_bool, c_size_t, POINTER(c_char_p)),
@@ -188,8 +189,8 @@ class Driver:
         token: str | None = "",
         log: bool = True,
     ) -> None:
-        """`update`: called with this driver, time, and the flags of fmi3IntermediateUpdateCallback; returns when
-        the step is to end, or None."""
+        """`update`: called with this driver, time, and the flags of fmi3IntermediateUpdateCallback; returns
+        when the step is to end, or None."""
         self.library, self.model, self.variables, self.events = library, model, model.variables, events
         self.messages: list[Message] = []
         self.time = 0.0

@@ -137,7 +137,7 @@ def simulate(model, kind: str, **options):
 
 @pytest.mark.parametrize("scene", [{}, {"cam1.profile": 2, "cam2.profile": 2}], ids=["helices", "ellipses"])
 def test_model_exchange_agrees_with_co_simulation(scene):
-    """Through FMPy, CVode against the FMU's own integrator, with a torque that never jumps: stick and slip."""
+    """Through FMPy, CVode against the FMU's own integrator, with a constant torque: slip, then stick."""
     start = {"tau": 2.0, "damper.c_load": 50.0, "damper.c_release": 50.0, **scene}
     found = [
         simulate(FORWARD, kind, start_values=start, output=["theta", "omega", "mode", "alpha"])
@@ -216,7 +216,7 @@ def test_a_change_brought_about_by_the_input_is_none_of_the_step(make3):
 
 
 def bisect(make3, scene, torque: float, interval: tuple[float, float]) -> float:
-    """When the mode changes, found with whole steps and snapshots only: the mode at the end of a step of t."""
+    """When the mode changes, found with whole steps and snapshots only."""
     fmu = make3().start(scene)
     fmu.step(interval[0], tau=torque)
     state, before, origin = fmu.take(), fmu.get("mode"), fmu.time
@@ -304,8 +304,8 @@ def test_events_of_the_inverse_fmu_are_at_the_end_of_its_steps(make3):
 def test_fmpy_with_event_mode_and_early_return():
     """The same swing through FMPy, which enters event mode where it is told to."""
     found = fmpy.simulate_fmu(
-        str(FORWARD.fmu), stop_time=0.1, output_interval=1e-2, start_values={"tau": 2.0}, output=["theta", "mode"],
-        use_event_mode=True, early_return_allowed=True,
+        str(FORWARD.fmu), stop_time=0.1, output_interval=1e-2, start_values={"tau": 2.0},
+        output=["theta", "mode"], use_event_mode=True, early_return_allowed=True,
     )  # fmt: skip
     assert np.min(np.abs(found["time"] - math.pi / frequency(1))) < 1e-12
     assert found["theta"][-1] == pytest.approx(2 * balance(1, 2.0), rel=1e-12)
@@ -841,8 +841,9 @@ def test_calls_in_the_wrong_phase_are_refused(make3):
     enter = (False, 0.0, 0.0, False, 0.0)
     two = driver3.reals([0.1, 0.0])
     calls = {
-        "EnterInitializationMode": enter, "ExitInitializationMode": (), "DoStep": do_step, "EnterEventMode": (),
-        "EnterStepMode": (), "UpdateDiscreteStates": update, "EnterContinuousTimeMode": (), "SetTime": (1.0,),
+        "EnterInitializationMode": enter, "ExitInitializationMode": (), "DoStep": do_step,
+        "EnterEventMode": (), "EnterStepMode": (), "UpdateDiscreteStates": update,
+        "EnterContinuousTimeMode": (), "SetTime": (1.0,),
         "SetContinuousStates": (two, 2), "CompletedIntegratorStep": completed, "Terminate": (),
     }  # fmt: skip
     running = {"Terminate"}

@@ -17,13 +17,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import build_fmu
+import driver3
 import pytest
 from driver import ARGUMENTS, FORWARD, ROOT, models
 
 LARGEST = 200_000  # bytes, for one processor
-FUNCTIONS = {*ARGUMENTS, *("fmi2Instantiate", "fmi2FreeInstance", "fmi2GetVersion", "fmi2GetTypesPlatform")}
+FUNCTIONS = {
+    2: {*ARGUMENTS, *("fmi2Instantiate", "fmi2FreeInstance", "fmi2GetVersion", "fmi2GetTypesPlatform")},
+    3: driver3.FUNCTIONS,
+}
 LINKER_MARKS = {"__dso_handle", "_mh_dylib_header"}  # zig's, in every dylib
 PLATFORMS = {p.folder: p for p in build_fmu.PLATFORMS}
+VERSIONS = {2: models, 3: driver3.models}
 REBUILD_ALL = os.environ.get("DUALCAM_REBUILD") == "all"
 
 
@@ -123,11 +128,6 @@ def slices(content: bytes) -> list[bytes]:
 # ---- what is in the archive ----
 
 
-@pytest.fixture(params=PLATFORMS)
-def platform(request):
-    return PLATFORMS[request.param]
-
-
 def shipped(model, platform) -> bytes:
     """The binary as it is in the FMU."""
     name = platform.library(model.identifier).name
@@ -139,51 +139,60 @@ def shipped(model, platform) -> bytes:
 
 
 each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
+each_binary = pytest.mark.parametrize(
+    ("model", "platform"),
+    [(m, p) for version, found in VERSIONS.items() for m in found.values() for p in build_fmu.ALL[version]],
+    ids=lambda one: repr(one) if hasattr(one, "fmu") else f"{one.folder}-{one.version}",
+)
 
 
-@each_model
+@each_binary
 def test_size(model, platform):
     for part in slices(shipped(model, platform)):
         assert len(part) <= LARGEST
 
 
-@each_model
+@each_binary
 def test_depends_on_the_c_library_alone(model, platform):
-    content = shipped(model, platform)
+    content, functions = shipped(model, platform), FUNCTIONS[platform.version]
+    machine = "aarch64" if platform.folder.startswith("aarch64") else "x86_64"
     if platform.suffix == ".so":
         binary = read_elf(content)
-        assert binary.machine == {"linux64": "x86_64"}.get(platform.folder, "aarch64")
+        assert binary.machine == machine
         assert binary.needs <= {"libc.so.6", "libm.so.6"}
-        assert binary.exports == FUNCTIONS
+        assert binary.exports == functions
     elif platform.suffix == ".dll":
         binary = read_pe(content)
-        assert binary.machine == {"win64": "x86_64", "win32": "x86"}[platform.folder]
+        assert binary.machine == ("x86" if platform.folder == "win32" else machine)
         assert all(n == "KERNEL32.dll" or n.startswith("api-ms-win-crt-") for n in binary.needs), binary.needs
-        assert binary.exports == FUNCTIONS
+        assert binary.exports == functions
         assert binary.name == f"{model.identifier}.dll"
     else:
         parts = [read_mach_o(part) for part in slices(content)]
-        assert [part.machine for part in parts] == ["x86_64", "aarch64"]
-        assert parts[1].signed  # Macs with ARM load nothing else
+        assert [part.machine for part in parts] == (["x86_64", "aarch64"] if len(parts) == 2 else [machine])
+        assert len(parts) == len(platform.targets)
+        assert all(part.signed for part in parts if part.machine == "aarch64")  # such Macs load nothing else
         for binary in parts:
             assert binary.needs == {"/usr/lib/libSystem.B.dylib"}
-            assert binary.exports == FUNCTIONS | LINKER_MARKS
+            assert binary.exports == functions | LINKER_MARKS
             assert binary.name == f"@rpath/{model.identifier}.dylib"
 
 
-@each_model
+@each_binary
 def test_names_no_place(model, platform):
     content = shipped(model, platform)
     for place in (ROOT, build_fmu.fmi_headers()):
         assert str(place).encode() not in content
 
 
-def test_a_plain_build_leaves_one_for_all_alone():
-    for platform in PLATFORMS.values():
-        shipped(FORWARD, platform)
-    before = FORWARD.fmu.stat().st_mtime_ns
-    build_fmu.build(build_fmu.dual_cam(FORWARD.identifier, check=True))
-    assert FORWARD.fmu.stat().st_mtime_ns == before
+@pytest.mark.parametrize("version", VERSIONS)
+def test_a_plain_build_leaves_one_for_all_alone(version):
+    model = VERSIONS[version][FORWARD.identifier]
+    for platform in build_fmu.ALL[version]:
+        shipped(model, platform)
+    before = model.fmu.stat().st_mtime_ns
+    build_fmu.build(build_fmu.dual_cam(model.identifier, check=True, version=version))
+    assert model.fmu.stat().st_mtime_ns == before
 
 
 # ---- the same bytes ----
@@ -216,12 +225,14 @@ def test_another_directory_gives_the_same_bytes(elsewhere):
 
 
 @pytest.mark.skipif(not REBUILD_ALL, reason="takes minutes: DUALCAM_REBUILD=all runs it")
+@pytest.mark.parametrize("version", VERSIONS)
 @each_model
-def test_another_directory_gives_the_same_fmu(elsewhere, model):
-    for platform in PLATFORMS.values():
+def test_another_directory_gives_the_same_fmu(elsewhere, model, version):
+    model = VERSIONS[version][model.identifier]
+    for platform in build_fmu.ALL[version]:
         shipped(model, platform)
-    fmu = elsewhere.dual_cam(model.identifier, True)
-    elsewhere.build(fmu, elsewhere.PLATFORMS)
+    fmu = elsewhere.dual_cam(model.identifier, True, version)
+    elsewhere.build(fmu, for_all=True)
     assert fmu.path != model.fmu
     assert fmu.path.read_bytes() == model.fmu.read_bytes()
 
