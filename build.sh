@@ -6,8 +6,8 @@ usage() {
     cat <<'TEXT'
 usage: ./build.sh [command] [arguments]
 
-  (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
-  all      build both FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
+  (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
+  all      build them for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it

@@ -47,7 +47,7 @@ WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werr
 # -fno-math-errno: nobody reads errno, and sqrt becomes one instruction. Every other IEEE rule stays
 # (-ffast-math would let the compiler undo compensated sums and NaN checks).
 ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
-# Nobody unwinds through a frame of an FMU: it has no exceptions, and calls a master only to log and to be seen.
+# Nobody unwinds through a frame of an FMU: it has no exceptions, and calls a master only to be followed.
 NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
@@ -64,8 +64,8 @@ OFF_THE_WAY = {
 }
 WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
-# On Windows, where the binary holds its own exp and sin, and macOS, whose linker knows no -flto, only these are
-# compiled for speed.
+# On Windows, where the binary holds its own exp and sin, and on macOS, whose linker knows no -flto, only
+# these are compiled for speed.
 NUMERIC = {"balance", "bernstein", "event", "flow", "leap", "mechanism", "oscillator", "passage", "radau"}
 
 
