@@ -14,7 +14,8 @@ sys.path.insert(0, str(ROOT / "system_examples"))
 
 import robot_joint as example  # noqa: E402
 from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, lqi_gains, spring_for  # noqa: E402
-from fmu import Slave  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 MOTOR = example.AK80_6
 BARE, CAM, NAIVE = example.BARE, example.CAM, example.NAIVE
@@ -156,7 +157,7 @@ def test_design_load_lies_inside_the_stick_band_everywhere():
 
 def test_fmu_and_controller_agree_on_the_stick_band():
     cam = example.design_cam()
-    with Slave(FMU) as slave:
+    with Fmu(FMU) as slave:
         for angle in (0.0, 0.7, 1.3):
             slave.start({**cam.parameters(), "initial.theta": angle})
             assert cam.band(angle) == pytest.approx((slave.get("torque_release"), slave.get("torque_load")))
@@ -256,7 +257,7 @@ def test_command_line(tmp_path, capsys):
 
 
 def test_slave_names_types_and_restarts():
-    with Slave(FMU) as slave:
+    with Fmu(FMU) as slave:
         command, state = slave.reals("tau"), slave.reals("theta", "omega")
         with pytest.raises(KeyError, match="no variable 'nonsense'"):
             slave.reals("nonsense")
