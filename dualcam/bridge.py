@@ -25,6 +25,7 @@ from dualcam.linear import linearize
 
 REST_SPEED = 1e-3  # rad/s: a thousand times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
 REST_TIME = 1e-3  # s: explicit solvers then take steps of some ms at rest
+STOP_TIME = 1e-5  # s: a hit on a stop is over in about ten of them, which costs a solver a few dozen steps
 
 ACCOUNTS = ("energy.", "peak.", "events")
 
@@ -48,8 +49,8 @@ def to_nonlinear_io_system(
     source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
     inputs       out of tau [N.m], F_ext [N]; None: both. One left out stays at that of `parameters`, or 0
     outputs      None: theta, omega, z [m], v [m/s]; else any outputs or locals of the FMU that follow from
-                 states and inputs (`mode`, `torque_load`, `cam1.reaction`, ...; not the accounts `energy.*`,
-                 `peak.*`)
+                 states and inputs (`mode`, `torque_load`, `spring.force`, ...; not the accounts `energy.*`,
+                 `peak.*`). python-control allows no dot in a name: there it is `spring_force`
     parameters   start values of the FMU
     period       a number [s]: a sampled system from co-simulation. Prefer it: what happens within a period,
                  stick, slip, stops and bounces, is located by the FMU, to its own accuracy. Inputs are held
@@ -70,8 +71,8 @@ def to_nonlinear_io_system(
     `solve_ivp_kwargs` no longer than what must not be missed, and tolerances as small as the answer needs.
     Exactly zero is never hit, so rest is made a set that can be: below `rest_speed` [rad/s] the FMU decides
     as at omega = 0, from torque; if it sticks, omega decays with the time constant `rest_time` [s], and the
-    angle creeps by at most rest_speed * rest_time (1e-6 rad) per stop. At an end stop the angle stands still
-    and omega decays likewise: bounces are impulses, so stop.restitution > 0 is refused.
+    angle creeps by at most rest_speed * rest_time (1e-6 rad) per stop. Moving into an end stop, the angle
+    stands still and omega decays within 1e-4 s or so. Bounces are impulses: stop.restitution > 0 is refused.
 
     control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. Of the
     sampled one it is python-control's own, by differences of whole steps.
@@ -117,6 +118,10 @@ class _Inputs:
         return values
 
 
+def _labels(names: list[str]) -> list[str]:
+    return [name.replace(".", "_") for name in names]
+
+
 def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
     return np.array(
         [x[STATES.index(name)] if name in STATES else fmu.get(name) for name in outputs], dtype=float
@@ -144,8 +149,7 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         if fmu.real("stop.restitution") > 0.0:
             raise FmuError(
                 "stop.restitution > 0: a bounce is an impulse, which no continuous right-hand side has;"
-                " allowed is 0,"
-                " or any with a period, which makes a sampled system"
+                " allowed is 0, or any with a period, which makes a sampled system"
             )
         self._fmu, self._inputs = fmu, _Inputs(inputs, fmu.parameters)
         full = self._inputs.full
@@ -163,7 +167,9 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         def rates(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
             rests, blocked = place(x, u)
             omega, alpha = float(x[1]), cam.alpha
-            if blocked or (rests and alpha == 0.0):
+            if blocked and abs(omega) >= rest_speed:
+                alpha -= omega / STOP_TIME
+            elif rests and alpha == 0.0:
                 alpha -= omega / rest_time
             return np.array([0.0 if blocked else omega, alpha])
 
@@ -172,7 +178,9 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
                 place(x, u)
             return _read(fmu, names, x)
 
-        super().__init__(rates, put_out, inputs=inputs, outputs=names, states=list(STATES), name=name, dt=0)
+        super().__init__(
+            rates, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
+        )
 
     def linearize(
         self,
@@ -235,5 +243,5 @@ def _sampled(
         return _read(fmu, names, x)
 
     return control.NonlinearIOSystem(
-        update, put_out, inputs=inputs, outputs=names, states=list(STATES), name=name, dt=period
+        update, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
     )

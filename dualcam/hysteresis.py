@@ -53,8 +53,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             self.lower, self.upper = fmu.real("stop.lower"), fmu.real("stop.upper")
             if not self.lower < theta < self.upper:
                 raise OperatingPointError(
-                    f"theta = {theta:g} rad: allowed is between the stops, {self.lower:g} to {self.upper:g}"
-                    f" rad"
+                    f"theta = {theta:g} rad: it must be between the stops, {self.lower:g}, {self.upper:g} rad"
                 )
             angles = np.linspace(self.lower, self.upper, POINTS)
             edges = fmu.reals("torque_release", "torque_load")
@@ -66,10 +65,8 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             fmu.close()
         if not np.all(np.isfinite(band)) or not np.all(np.diff(band, axis=0) > 0.0):
             raise OperatingPointError(
-                "theta is no play of tau: both edges of the stick band must rise with theta all the way"
-                " between the stops."
-                " Lead angles beyond atan(friction), a spring that stiffens enough, or stops closer"
-                " together make it one"
+                "theta is no play of tau: both edges of the stick band must rise with theta from stop to stop;"
+                " lead angles beyond atan(friction), a stiffer spring or closer stops make them"
             )
         self.theta, self.bias = theta, tau
         self._release, self._load = (CubicSpline(angles, band[:, i]) for i in range(2))

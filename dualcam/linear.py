@@ -14,9 +14,13 @@ from dualcam.fmu import FmuError, Scalar
 from dualcam.forward import (
     INPUTS,
     LOADING,
+    LOWER_STOP,
     OUTPUTS,
     RELEASING,
     STATES,
+    STICK,
+    UPPER_STOP,
+    WEDGED,
     Names,
     PlacedCam,
     Source,
@@ -27,7 +31,7 @@ from dualcam.forward import (
 AtRest = Literal["loading", "releasing", "frozen"]
 
 NUDGE = 1e-6  # of the band's edges: torque beyond one by this much begins slip, as 1e-13 of them would
-ITERATIONS = 20  # alpha is affine in tau but for the flanks: this many are never needed
+ITERATIONS = 20  # one for each pair of flanks and one more would do
 
 
 class OperatingPointError(FmuError):
@@ -130,16 +134,14 @@ def _settle_at(
     if omega != 0.0:
         if at_rest is not None:
             raise OperatingPointError(
-                f"at_rest = {at_rest!r} with {where}: allowed is only one of them; the sign of omega is the"
-                f" direction"
+                f"at_rest = {at_rest!r} with {where}: allowed is only one of them, omega has a direction"
             )
         torque = _steady_torque(cam, theta, omega, F_ext, where) if tau is None else tau
         cam.place(theta, omega, torque, F_ext)
     elif at_rest in ("loading", "releasing"):
         if tau is not None:
             raise OperatingPointError(
-                f"at_rest = {at_rest!r} with tau = {tau:g} N.m: leave tau out, it is that edge of the stick"
-                f" band"
+                f"at_rest = {at_rest!r} with tau = {tau:g} N.m: leave tau out, that edge of the band is it"
             )
         torque = _break_away(cam, theta, F_ext, at_rest, where)
     else:
@@ -149,32 +151,31 @@ def _settle_at(
     return OperatingPoint(theta, omega, torque, F_ext, cam.alpha, mode)
 
 
+ADVICE = {
+    STICK: "it sticks; give at_rest = 'loading' or 'releasing' for slip about to begin there (tau left out),"
+    " at_rest = 'frozen' for the model that stays, omega != 0, or a torque outside",
+    LOWER_STOP: "it is pressed on the lower stop; give theta above it, or a torque beyond",
+    UPPER_STOP: "it is pressed on the upper stop; give theta below it, or a torque beyond",
+    WEDGED: "friction wedges it; lower the friction or choose other lead angles. The torque is beyond",
+}
+
+
 def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: str) -> None:
+    release, load = cam.band()
+    band = f"the stick band, {release:g} to {load:g} N.m"
     slips = mode in (LOADING, RELEASING)
-    if at_rest == "frozen":
-        if slips:
-            raise OperatingPointError(
-                f"{where}: it slips; at_rest = 'frozen' is for torques inside {_band(cam)}"
-            )
-    elif not slips:
-        names = {1: "it sticks", 4: "it is pressed on the lower stop", 5: "it is pressed on the upper stop"}
+    if slips and at_rest == "frozen":
+        raise OperatingPointError(f"{where}: it slips; at_rest = 'frozen' is for torques inside {band}")
+    if not slips and at_rest != "frozen":
         raise OperatingPointError(
-            f"{where}: {names.get(mode, 'it is wedged')}, so no torque or force has an effect to linearize"
-            f" or to"
-            " control with. Give at_rest = 'loading' or 'releasing' for slip about to begin there (with tau"
-            " left"
-            f" out), at_rest = 'frozen' for the model that stays, omega != 0, or a torque outside"
-            f" {_band(cam)}"
+            f"{where}: no torque or force has an effect there to linearize or to control with:"
+            f" {ADVICE[mode]} {band}"
         )
 
 
-def _band(cam: PlacedCam) -> str:
-    release, load = cam.band()
-    return f"the stick band, {release:g} to {load:g} N.m"
-
-
 def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, where: str) -> float:
-    """The torque at which alpha = 0: Newton's method, which ends once the flanks are those of the answer."""
+    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay as they are,
+    so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
     tau = 0.0
     for _ in range(ITERATIONS):
         cam.place(theta, omega, tau, F_ext)
@@ -182,7 +183,7 @@ def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, whe
         if slope == 0.0 or not math.isfinite(slope):
             break
         last, tau = tau, tau - cam.alpha / slope
-        if abs(tau - last) <= 1e-14 * abs(tau):
+        if abs(tau - last) <= 1e-9 * max(abs(last), 1e-6):
             return tau
     raise OperatingPointError(
         f"{where}: no torque keeps this speed there; give tau, or another place or direction"
@@ -197,8 +198,7 @@ def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, whe
     if not math.isfinite(edge):
         raise OperatingPointError(
             f"{where}: friction jams it, no torque starts {at_rest} there; lower the friction or choose"
-            f" another lead"
-            " angle (each must be beyond atan(friction) for releasing)"
+            " other lead angles"
         )
     size = max(abs(x) for x in (release, load, 1e-3) if math.isfinite(x))
     cam.place(theta, 0.0, edge + direction * NUDGE * size, F_ext)
@@ -214,8 +214,7 @@ def _torque_at_rest(
         if at_rest is None:
             raise OperatingPointError(
                 f"{where}: at rest the model depends on the torque; give at_rest = 'loading' or 'releasing'"
-                f" for slip"
-                " about to begin, at_rest = 'frozen' for stick, or tau"
+                " for slip about to begin, at_rest = 'frozen' for stick, or tau"
             )
         cam.place(theta, 0.0, 0.0, F_ext)
         edges = [edge for edge in cam.band() if math.isfinite(edge)]
