@@ -11,6 +11,7 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
+  loop     build, then run benchmarks/loop_cost.py (seconds); arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   check    lint, type check, and the C code under sanitizers and valgrind
@@ -101,6 +102,11 @@ case $command in
         install_dependencies .
         build
         exec .venv/bin/python benchmarks/step_cost.py "$@"
+        ;;
+    loop)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/loop_cost.py "$@"
         ;;
     stress)
         install_dependencies '.[test]'

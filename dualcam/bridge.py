@@ -154,6 +154,7 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         self._fmu, self._inputs = fmu, _Inputs(inputs, fmu.parameters)
         full = self._inputs.full
         names = _outputs(fmu, outputs)
+        self._names = inputs, names  # the FMU's, whatever the system's become
         seen = [name for name in names if name not in STATES]
 
         def place(x: Array, u: Array) -> tuple[bool, bool]:
@@ -201,16 +202,9 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         tau, F_ext = self._inputs.full(
             np.broadcast_to(np.asarray(0.0 if u0 is None else u0, dtype=float), self.ninputs)
         )
-        model = linearize(
-            self._fmu,
-            float(theta),
-            float(omega),
-            tau,
-            F_ext,
-            inputs=self.input_labels,
-            outputs=self.output_labels,
-        )
-        model.update_names(**names)
+        inputs, outputs = self._names
+        model = linearize(self._fmu, float(theta), float(omega), tau, F_ext, inputs=inputs, outputs=outputs)
+        model.update_names(**({"inputs": self.input_labels, "outputs": self.output_labels} | names))
         return model
 
 

@@ -65,7 +65,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             fmu.close()
         if not np.all(np.isfinite(band)) or not np.all(np.diff(band, axis=0) > 0.0):
             raise OperatingPointError(
-                "theta is no play of tau: both edges of the stick band must rise with theta from stop to stop;"
+                "theta is no play of tau: both edges of the stick band must rise with theta all the way;"
                 " lead angles beyond atan(friction), a stiffer spring or closer stops make them"
             )
         self.theta, self.bias = theta, tau

@@ -174,7 +174,7 @@ def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: s
 
 
 def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, where: str) -> float:
-    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay as they are,
+    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay,
     so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
     tau = 0.0
     for _ in range(ITERATIONS):

@@ -11,6 +11,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import control
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from driver import models
@@ -440,6 +441,11 @@ def test_linearize_of_python_control_is_the_same(continuous):
         for name in "ABCD":
             assert getattr(theirs, name) == pytest.approx(getattr(ours, name))
     assert (theirs.name, theirs.input_labels) == ("slip", ["u0", "u1"])
+    renamed = dualcam.to_nonlinear_io_system(FORWARD, "tau", "z")
+    renamed.update_names(inputs="torque", outputs="lift")
+    theirs = control.linearize(renamed, [0.5, 2.0], 3.0)
+    assert (theirs.input_labels, theirs.output_labels) == (["torque"], ["lift"])
+    assert theirs.C[0, 0] == pytest.approx(LIFT)
     with refused("sticks", "at_rest", error=OperatingPointError):
         control.linearize(continuous, [0.5, 0.0], [3.0, 0.0])
 
@@ -449,12 +455,13 @@ def test_bode_of_the_linear_model_is_an_oscillator():
     model = dualcam.linearize(FORWARD, 0.5, at_rest="loading", inputs="tau", outputs=["theta", "z"])
     omega = np.array([1.0, 10.0, 40.0, 100.0, 1000.0])
     expected = 1.0 / (ARM[+1] * STIFFNESS * LIFT - INERTIA * omega**2)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # python-control plots
-        control.bode_plot(model, omega, plot=False)
     response = control.frequency_response(model, omega)
     assert response.complex[0, 0] == pytest.approx(expected, rel=1e-9)
     assert response.complex[1, 0] == pytest.approx(LIFT * expected, rel=1e-9)
+    plot = control.bode_plot(model[0, 0], omega)
+    drawn = plot.lines[0, 0][0].get_ydata()
+    assert drawn == pytest.approx(np.abs(expected), rel=1e-9)
+    plt.close(plot.figure)
 
 
 # ---- controllers ----
@@ -806,6 +813,18 @@ def test_a_jammed_cam_has_no_model():
     jams = {"cam1.lead_angle": 1.5, "cam2.lead_angle": 1.5, "stop.upper": 0.05}
     with refused("jam", r"cam1\.lead_angle", r"kappa_1 \+ kappa_2 must be > 0"):
         dualcam.linearize(FORWARD, 0.02, at_rest="loading", parameters=jams)
+
+
+def test_a_wedged_cam_has_none_in_that_direction():
+    """One contact locks by far, the other hardly rubs: no pair of flanks agrees with its reactions."""
+    wedges = {"cam1.lead_angle": 0.247, "cam2.lead_angle": 0.458, "inertia.follower": 1e-3}
+    wedges |= {"cam1.friction": 1.967, "cam2.friction": 0.095}
+    with refused("friction jams it", "releasing", "lead angles", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, at_rest="releasing", parameters=wedges)
+    with refused("no torque keeps this speed", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, 3.0, F_ext=-300.0, parameters=wedges)
+    with refused("friction wedges it", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, tau=-100.0, parameters=wedges)
 
 
 def test_lqr_at_a_stick_point_is_told_what_to_do():
