@@ -22,6 +22,7 @@ import difflib
 import shutil
 import weakref
 import zipfile
+from collections import deque
 from collections.abc import Mapping, Sequence
 from ctypes import byref, c_char_p, c_double, c_int, c_uint, c_void_p
 from pathlib import Path
@@ -38,6 +39,7 @@ Scalar = float | int | bool | str
 Array = NDArray[np.float64]
 
 OK_OR_WARNING = 1  # fmi2Status up to this is success
+LATEST = 8  # messages that are kept: an FMU may log warnings for ever
 LISTED = 12  # names that a message about an unknown variable lists at most
 
 
@@ -57,7 +59,7 @@ class Instance:
     so that a handle that is dropped can free it."""
 
     def __init__(self, path: Path, description: ModelDescription, kind: type[FMU2Slave | FMU2Model]) -> None:
-        self.messages: list[str] = []
+        self.messages: deque[str] = deque(maxlen=LATEST)  # logged since the last error
         self.states: set[int] = set()  # addresses of FMU states not yet freed
         identifier = (
             description.coSimulation if kind is FMU2Slave else description.modelExchange
@@ -139,8 +141,7 @@ class Reals:
         self._instance = instance
         self._count = len(names)
         self._references = (c_uint * self._count)(*references)
-        # over the same memory: ctypes passes it on with no conversion, and makes floats of it faster than
-        # NumPy
+        # The same memory: ctypes passes it on as it is, and makes floats of it faster than NumPy.
         self._buffer = (c_double * self._count).from_buffer(self.values.data)
         self._rates = (c_double * self._count)()
         self._orders = {order: (c_int * self._count)(*[order] * self._count) for order in (1, 2, 3)}
@@ -168,8 +169,7 @@ class Reals:
         return self._rates[:]
 
     def write_derivatives(self, order: int, values: Sequence[float]) -> None:
-        """Time derivatives of that order (1 to 3) of the group, all of them inputs, for the next step
-        only."""
+        """Time derivatives of that order (1 to 3) of the group, all inputs, for the next step only."""
         self._rates[:] = list(values)
         self._instance.call(
             "fmi2SetRealInputDerivatives", self._references, self._count, self._order(order), self._rates

@@ -92,9 +92,9 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
     # ---- as a function of time ----
 
     def __call__(self, x: float) -> float:
-        """The next angle [rad] after a torque [N.m], both as deviations; without a given bias, from the
-        middle of the
-        band at `theta`. It remembers the angle: where it was left is where it rests."""
+        """The angle [rad] after a torque [N.m], both as deviations, that of the torque from the bias (without
+        one: the middle of the band at `theta`). It remembers the angle: where it was left is where it rests.
+        """
         tau = self._middle + float(np.squeeze(x))
         self._angle = float(np.clip(self._angle, self._follow(tau, True), self._follow(tau, False)))
         return self._angle - self.theta
