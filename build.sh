@@ -13,6 +13,7 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
+  loop     build, then run benchmarks/loop_cost.py (seconds); arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
@@ -117,6 +118,11 @@ case $command in
         install_dependencies .
         build
         exec .venv/bin/python benchmarks/step_cost.py "$@"
+        ;;
+    loop)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/loop_cost.py "$@"
         ;;
     stress)
         install_dependencies '.[test]'

@@ -54,10 +54,11 @@ from pathlib import Path
 
 import numpy as np
 from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, hinged_load, holding_torque, up_in_car
-from fmu import Slave
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from robot_joint import AK80_6, CURRENT_BANDWIDTH, CURRENT_RATE, TICK, with_friction
+
+from dualcam import Fmu
 
 # Passenger's side door. Source: jandaa/door-model, door_model.py ("Parameters from OEM"), MIT licence.
 # Car axes: x to the rear, y to the right, z to the roof; door closed.
@@ -228,7 +229,7 @@ LEDGER = (
 class Door:
     """The FMU as a door: its angle and speed, stepped under the torque of motor and hand."""
 
-    def __init__(self, slave: Slave) -> None:
+    def __init__(self, slave: Fmu) -> None:
         self._slave = slave
         self._drive = slave.reals("tau")
         self._sensors = slave.reals("theta", "omega")
@@ -462,7 +463,7 @@ class Results:
 def run(fmu: str | Path) -> Results:
     """All runs."""
     kinds = doors()
-    with Slave(fmu) as slave:
+    with Fmu(fmu) as slave:
         door = Door(slave)
         cycles = {
             (attitude, name): drive(door, attitude, name, kinds[name])

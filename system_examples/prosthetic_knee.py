@@ -58,10 +58,11 @@ from typing import Any
 
 import numpy as np
 from blocks import CurrentLoop, EllipseCam, HingedPendulum, HingeMotion, Impedance, Motor, Periodic
-from fmu import Slave
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares, minimize_scalar
+
+from dualcam import Fmu
 
 TICK = 1e-3  # s, period of the impedance loop and the FMU's step
 CURRENT_RATE = 20e3  # Hz, samples of the current loop
@@ -398,7 +399,7 @@ def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance
 
 
 def simulate(
-    slave: Slave, motion: Swing, joint: str, cam: EllipseCam, frequency: float = NATURAL_FREQUENCY
+    slave: Fmu, motion: Swing, joint: str, cam: EllipseCam, frequency: float = NATURAL_FREQUENCY
 ) -> Result:
     """Run one swing with `joint` BARE, CAM or PASSIVE, `cam` as designed at the self-selected cadence, and an
     impedance of this natural frequency [Hz]."""
@@ -468,7 +469,7 @@ Results = dict[tuple[str, float, str], Result]
 def run(fmu: str | Path) -> Results:
     """All swings, by walker, cadence and joint."""
     cam = design_cam()
-    with Slave(fmu) as slave:
+    with Fmu(fmu) as slave:
         return {
             (walker.name, cadence, joint): simulate(slave, swing(walker, cadence), joint, cam)
             for walker in (DESIGN_WALKER, CHECK_WALKER)
@@ -480,7 +481,7 @@ def run(fmu: str | Path) -> Results:
 def run_stiffness(fmu: str | Path) -> dict[tuple[float, str], Result]:
     """The first subject's self-selected swing by natural frequency of the impedance [Hz] and joint."""
     cam, motion = design_cam(), swing(DESIGN_WALKER, 1.0)
-    with Slave(fmu) as slave:
+    with Fmu(fmu) as slave:
         return {
             (frequency, joint): simulate(slave, motion, joint, cam, frequency)
             for frequency in OTHER_FREQUENCIES

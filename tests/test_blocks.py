@@ -12,7 +12,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "system_examples"))
 
 from blocks import EllipseCam, HingedPendulum, HingeMotion, Impedance, Periodic  # noqa: E402
-from fmu import Slave  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 STEP = 2e-3  # s, of the differences below
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])  # 8th order
@@ -129,7 +130,7 @@ CAM = EllipseCam(0.02, 1.19, 0.0756, 0.0188, 0.14, 44.8e3, 20e3)
 def test_ellipse_cam_agrees_with_the_inverse_fmu(theta, omega):
     """Loading, releasing, and releasing so fast that the damper pulls the pin to the other flank."""
     span, step = 1e-4, 1e-6
-    with Slave(ROOT / "build" / "DualCamInverse.fmu") as slave:
+    with Fmu(ROOT / "build" / "DualCamInverse.fmu") as slave:
         motion, torque = slave.reals("theta", "omega"), slave.reals("tau")
         slave.start({**CAM.parameters(), "inertia.shaft": 0.0, "theta": theta - omega * span, "omega": omega})
         for k in range(1, round(span / step) + 1):

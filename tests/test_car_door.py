@@ -17,7 +17,8 @@ sys.path.insert(0, str(ROOT / "system_examples"))
 
 import car_door as example  # noqa: E402
 from blocks import hinged_load, holding_torque, up_in_car  # noqa: E402
-from fmu import Slave  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 BARE, CAM, UNDAMPED = example.BARE, example.CAM, example.UNDAMPED
 ATTITUDES = example.ATTITUDES | example.BEYOND
@@ -31,7 +32,7 @@ def results():
 
 @pytest.fixture(scope="module")
 def slave():
-    with Slave(FMU) as one:
+    with Fmu(FMU) as one:
         yield one
 
 

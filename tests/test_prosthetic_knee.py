@@ -16,7 +16,8 @@ sys.path.insert(0, str(ROOT / "system_examples"))
 
 import prosthetic_knee as example  # noqa: E402
 from blocks import EllipseCam, HingeMotion, Periodic  # noqa: E402
-from fmu import Slave  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 MOTOR = example.AK80_6_BELT
 BARE, CAM, PASSIVE = example.JOINTS
@@ -191,7 +192,7 @@ def test_loop_with_the_motor_off_follows_scipy(cam, joint, monkeypatch):
     for tick in (1e-3, 5e-4, 2.5e-4):
         monkeypatch.setattr(example, "TICK", tick)
         motion = example.swing(WALKERS[0], 1.0)
-        with Slave(FMU) as slave:
+        with Fmu(FMU) as slave:
             result = example.simulate(slave, motion, PASSIVE, cam)
         every = round(1e-3 / tick)
         runs.append(np.column_stack([result.theta, result.omega])[every - 1 :: every])
