@@ -7,10 +7,13 @@ usage() {
 usage: ./build.sh [command] [arguments]
 
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
+  knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
+  door     build, then run system_examples/car_door.py; arguments go to it
   all      build them for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
+  loop     build, then run benchmarks/loop_cost.py (seconds); arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
@@ -85,6 +88,17 @@ case $command in
         say "run system_examples/robot_joint.py"
         exec .venv/bin/python system_examples/robot_joint.py "$@"
         ;;
+    knee)
+        install_dependencies .
+        build
+        say "run system_examples/prosthetic_knee.py"
+        exec .venv/bin/python system_examples/prosthetic_knee.py "$@"
+        ;;
+    door)
+        install_dependencies .
+        build
+        exec .venv/bin/python system_examples/car_door.py "$@"
+        ;;
     all)
         install_dependencies .
         build --all
@@ -104,6 +118,11 @@ case $command in
         install_dependencies .
         build
         exec .venv/bin/python benchmarks/step_cost.py "$@"
+        ;;
+    loop)
+        install_dependencies .
+        build
+        exec .venv/bin/python benchmarks/loop_cost.py "$@"
         ;;
     stress)
         install_dependencies '.[test]'

@@ -59,10 +59,11 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks", "system_examples")]
+sys.path[:0] = [str(ROOT / folder) for folder in (".", "fmu_src", "benchmarks")]
 import build_fmu  # noqa: E402
 import step_cost  # noqa: E402
-from fmu import Slave  # type: ignore[import-not-found]  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 FMU = build_fmu.BUILD / "DualCamForward.fmu"
 PICTURE = ROOT / "docs" / "coupling.png"
@@ -344,7 +345,7 @@ def expanded(derivatives: list[float], shift: float) -> list[float]:
     ]
 
 
-def run(slave: Slave, scene: Scene, master: Master, step: float) -> Array:
+def run(slave: Fmu, scene: Scene, master: Master, step: float) -> Array:
     """theta and omega at the communication points."""
     flywheel, order = Flywheel(scene, step), master.order
     count = round(DURATION / step)
@@ -403,7 +404,7 @@ class Study:
         return float(np.polyfit(np.log(steps), np.log(sizes), 1)[0])
 
 
-def study(slave: Slave, scene: Scene, console: Console, check_step: float = CHECK_STEP) -> Study:
+def study(slave: Fmu, scene: Scene, console: Console, check_step: float = CHECK_STEP) -> Study:
     truth = Monolith(scene).solve()
     fine = run(slave, scene, Master(2), check_step)
     agreement = errors(fine[:: round(GRID / check_step)], truth.motion(GRID))
@@ -573,7 +574,7 @@ def main() -> int:
     parser.add_argument("--picture", type=Path, default=PICTURE)
     arguments = parser.parse_args()
     console = Console()
-    with Slave(FMU) as slave:
+    with Fmu(FMU) as slave:
         studies = [study(slave, scene, console) for scene in SCENES]
     report(studies, console)
     facts = step_cost.circumstances()

@@ -47,10 +47,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from blocks import CurrentLoop, GravityLoad, HelixCam, Motor, PickAndPlace, lqi_gains, spring_for
-from fmu import Slave
+from blocks import (
+    CurrentLoop,
+    GravityLoad,
+    HelixCam,
+    Motor,
+    PickAndPlace,
+    holding_torque,
+    lqi_gains,
+    spring_for,
+)
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from dualcam import Fmu
 
 TICK = 1e-3  # s, period of the position loop and the FMU's step
 CURRENT_RATE = 20e3  # Hz, samples of the current loop
@@ -182,8 +192,7 @@ class JointController:
         """The smallest torque that keeps gravity inside the band, with a margin for what the model misses."""
         release, load = self.cam.band(theta)
         margin = HOLD_MARGIN * 0.5 * (load - release)
-        weight = self.load.torque(theta)
-        return min(max(weight, release + margin), load - margin) - weight
+        return holding_torque((release, load), self.load.torque(theta), margin)
 
 
 LEDGER = (
@@ -288,7 +297,7 @@ class Result:
         return float(np.sum(np.abs(self.motor_work)) + np.sum(np.abs(self.gravity_work)))
 
 
-def simulate(slave: Slave, payload: float, joint: str) -> Result:
+def simulate(slave: Fmu, payload: float, joint: str) -> Result:
     """Run one case: `payload` [kg], `joint` BARE, CAM or NAIVE."""
     cam = NO_CAM if joint == BARE else design_cam()
     friction = 0.0 if joint == NAIVE else FRICTION_BELIEVED
@@ -358,7 +367,7 @@ def run(fmu: str | Path) -> dict[tuple[float, str], Result]:
     """All cases, by payload [kg] and joint."""
     cases = [(payload, joint) for payload in PAYLOADS for joint in (BARE, CAM)]
     cases.append((DESIGN_PAYLOAD, NAIVE))
-    with Slave(fmu) as slave:
+    with Fmu(fmu) as slave:
         return {(payload, joint): simulate(slave, payload, joint) for payload, joint in cases}
 
 

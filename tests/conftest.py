@@ -8,6 +8,7 @@ from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT))  # dualcam is the one here, wherever another one is installed
 import build_fmu
 
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 import coupling
-from coupling import LOADING, RELEASING, SCENES, STEP, STICK, Flywheel, Master, Monolith, Slave
+from coupling import LOADING, RELEASING, SCENES, STEP, STICK, Flywheel, Fmu, Master, Monolith
 
 REVERSALS, STICK_SLIP, DAMPED = SCENES
 WAYS = [False, True]
@@ -23,7 +23,7 @@ CHECK_STEP = 50e-6
 
 @functools.cache
 def studied(scene):
-    with Slave(coupling.FMU) as slave:
+    with Fmu(coupling.FMU) as slave:
         return coupling.study(slave, scene, Console(quiet=True), CHECK_STEP)
 
 
@@ -156,7 +156,7 @@ def test_expansion_about_another_point():
 def test_derivatives_by_the_wrapper():
     """What is read is omega, alpha and the slope of alpha; what is written is a torque that is a parabola."""
     h, parabola = 1e-3, Polynomial([9.0, 50.0, -4e3])
-    with Slave(coupling.FMU) as slave:
+    with Fmu(coupling.FMU) as slave:
         tau, motion = slave.reals("tau"), slave.reals("theta", "omega")
 
         def after(cuts):

@@ -1,5 +1,6 @@
 """What README.md shows runs, and says what it says."""
 
+import ast
 import re
 import runpy
 import sys
@@ -11,16 +12,39 @@ ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def test_fmpy_block_runs(tmp_path, monkeypatch, capsys):
-    block = next(b for b in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if "fmpy" in b)
-    script = tmp_path / "block.py"
-    script.write_text(block)
-    monkeypatch.chdir(ROOT)
-    last = runpy.run_path(str(script))["result"][-1]
+@pytest.fixture
+def run_block(tmp_path, monkeypatch):
+    """Runs the block that has this word in it; returns its text and what it leaves."""
+
+    def run(word):
+        block = next(b for b in re.findall(r"```python\n(.*?)```", README, re.DOTALL) if word in b)
+        script = tmp_path / "block.py"
+        script.write_text(block)
+        monkeypatch.chdir(ROOT)
+        return block, runpy.run_path(str(script))
+
+    return run
+
+
+def test_fmpy_block_runs(run_block):
+    block, left = run_block("fmpy")
+    last = left["result"][-1]
     theta, omega = map(float, re.search(r"theta = ([\d.]+) rad, omega = ([\d.]+)", block).groups())
     assert last["theta"] == pytest.approx(theta, abs=5e-5)
     assert last["omega"] == pytest.approx(omega, abs=5e-3)
     assert last["mode"] == 2
+
+
+def test_python_control_block_runs(run_block, capsys):
+    """Ten statements; at the end of the step the torque is the edge of the band, which would hold that angle
+    after a move up: rho (F0 + k z)."""
+    block, left = run_block("import dualcam")
+    assert len([node for node in ast.parse(block).body if not isinstance(node, ast.Import)]) <= 10
+    theta, tau = map(float, re.search(r"# ([\d.]+) rad, ([\d.]+) N\.m", block).groups())
+    printed = [float(word) for word in capsys.readouterr().out.split()]
+    assert printed == pytest.approx([theta, tau], abs=5e-5)
+    assert left["theta"][-1] == pytest.approx(0.6, abs=1e-3)
+    assert left["tau"][-1] == pytest.approx(0.01 * 1.14 / 0.86 * (50.0 + 500.0 * left["theta"][-1]), rel=1e-2)
 
 
 def test_table_of_the_robot_joint():

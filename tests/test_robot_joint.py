@@ -14,7 +14,8 @@ sys.path.insert(0, str(ROOT / "system_examples"))
 
 import robot_joint as example  # noqa: E402
 from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, lqi_gains, spring_for  # noqa: E402
-from fmu import Slave  # noqa: E402
+
+from dualcam import Fmu  # noqa: E402
 
 MOTOR = example.AK80_6
 BARE, CAM, NAIVE = example.BARE, example.CAM, example.NAIVE
@@ -156,7 +157,7 @@ def test_design_load_lies_inside_the_stick_band_everywhere():
 
 def test_fmu_and_controller_agree_on_the_stick_band():
     cam = example.design_cam()
-    with Slave(FMU) as slave:
+    with Fmu(FMU) as slave:
         for angle in (0.0, 0.7, 1.3):
             slave.start({**cam.parameters(), "initial.theta": angle})
             assert cam.band(angle) == pytest.approx((slave.get("torque_release"), slave.get("torque_load")))
@@ -250,30 +251,3 @@ def test_command_line(tmp_path, capsys):
     assert max(map(len, printed.splitlines()[:-1])) <= 110
     assert str(output) in printed
     assert output.stat().st_size > 20_000
-
-
-# ---- stepping handle ----
-
-
-def test_slave_names_types_and_restarts():
-    with Slave(FMU) as slave:
-        command, state = slave.reals("tau"), slave.reals("theta", "omega")
-        with pytest.raises(KeyError, match="no variable 'nonsense'"):
-            slave.reals("nonsense")
-        with pytest.raises(TypeError, match="Integer"):
-            slave.reals("contacts")
-        runs = []
-        for _ in range(2):
-            slave.start({"contacts": 2, "ledger": True, "cam1.table": "", "initial.theta": 0.5})
-            command.values[0] = 5.0
-            command.write()
-            for _ in range(10):
-                slave.step(1e-3)
-            runs.append(state.read())
-        assert runs[0] == runs[1]
-        assert runs[0][1] > 0.0
-        assert slave.get("contacts") == 2
-        assert slave.get("ledger") is True
-        assert slave.get("cam1.table") == ""
-        assert slave.get("theta") == runs[0][0]
-        assert slave.time == pytest.approx(0.01)

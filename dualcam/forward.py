@@ -1,0 +1,109 @@
+"""The forward FMU as a function of its state: which FMU, which signals, and the state put where it is
+wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from dualcam.fmu import ContinuousFmu, FmuError, Handle, Scalar
+
+STATES = ("theta", "omega")  # rad, rad/s
+INPUTS = ("tau", "F_ext")  # N.m, N
+OUTPUTS = ("theta", "omega", "z", "v")  # rad, rad/s, m, m/s
+STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)  # the FMU's `mode`
+
+Source = str | Path | Handle
+Names = str | Sequence[str] | None
+SomeHandle = TypeVar("SomeHandle", bound=Handle)
+
+
+def open_forward(
+    kind: type[SomeHandle], source: Source, parameters: Mapping[str, Scalar] | None
+) -> tuple[SomeHandle, dict[str, Scalar]]:
+    """A new instance of the FMU at a path, or of the one behind a handle with the parameters that was started
+    with; `parameters` come on top. FmuError unless torque goes in and angle comes out."""
+    inherited = source.parameters if isinstance(source, Handle) else {}
+    fmu = kind(source.path if isinstance(source, Handle) else source)
+    causality = {name: fmu.variable(name).causality for name in (*INPUTS, *OUTPUTS) if name in fmu.names}
+    wanted = dict.fromkeys(INPUTS, "input") | dict.fromkeys(OUTPUTS, "output")
+    if causality != wanted:
+        fmu.close()
+        raise FmuError(
+            f"{fmu.path} ({fmu.description.modelName}) is no plant with input tau and output theta: use"
+            " DualCamForward.fmu (in DualCamInverse.fmu the motion goes in and the torque comes out)"
+        )
+    return fmu, {**inherited, **(parameters or {})}
+
+
+def chosen(names: Names, allowed: Sequence[str], what: str) -> list[str]:
+    """Names of signals, all of `allowed` for None."""
+    found = list(allowed) if names is None else [names] if isinstance(names, str) else list(names)
+    for name in found:
+        if name not in allowed:
+            raise FmuError(f"{what} {name!r}: allowed are {', '.join(allowed)}")
+    if not found or len(set(found)) < len(found):
+        raise FmuError(f"{what}s {found}: allowed are one or more of {', '.join(allowed)}, each once")
+    return found
+
+
+def checked_period(period: float) -> float:
+    """`period` [s] if it is one."""
+    if isinstance(period, bool) or not (math.isfinite(period) and period > 0.0):
+        raise FmuError(
+            f"period = {period!r}: allowed is a finite number > 0 in s, or None for continuous time"
+        )
+    return float(period)
+
+
+class PlacedCam:
+    """The forward FMU in model exchange, as a function of state and input alone.
+
+    What the FMU remembers besides theta and omega is its mode with the flanks on which the contacts bear. It
+    is forgotten before each placing: the FMU is set back to rest, and there it decides anew, slip by the sign
+    of omega, and at omega = 0 slip or stick by torque."""
+
+    def __init__(self, source: Source, parameters: Mapping[str, Scalar] | None) -> None:
+        self.fmu, values = open_forward(ContinuousFmu, source, parameters)
+        start = values | {"initial.omega": 0.0}
+        start.pop("initial.theta", None)
+        self.fmu.start(start | {"initial.theta": self._stop("lower", start)})
+        self.lower, self.upper = (self._stop(name, start) for name in ("lower", "upper"))
+        self._inputs, self._edges = self.fmu.reals(*INPUTS), self.fmu.reals("torque_release", "torque_load")
+        # Pressed against a stop it is at rest whatever its friction is.
+        self._inputs.values[:] = -1e12, 0.0
+        self._inputs.write()
+        self.fmu.enter_event_mode()
+        self._rest = self.fmu.take()
+
+    def _stop(self, name: str, start: Mapping[str, Scalar]) -> float:
+        variable = self.fmu.variable(f"stop.{name}")
+        return float(start.get(variable.name, variable.start))
+
+    def place(self, theta: float, omega: float, tau: float, F_ext: float) -> None:
+        """Put it there [rad, rad/s, N.m, N]. FmuError if the FMU refuses a value."""
+        self.fmu.restore(self._rest)
+        self.fmu.move((theta, omega))
+        self.set_inputs(tau, F_ext)
+        self.fmu.enter_event_mode()
+
+    def set_inputs(self, tau: float, F_ext: float) -> None:
+        """Other inputs in the mode that it is in."""
+        self._inputs.values[:] = tau, F_ext
+        self._inputs.write()
+
+    def band(self) -> tuple[float, float]:
+        """Edges of the stick band [N.m] at the present theta and F_ext; infinite where nothing moves it."""
+        release, load = self._edges.read()
+        return release, load
+
+    @property
+    def mode(self) -> int:
+        return int(self.fmu.get("mode"))
+
+    @property
+    def alpha(self) -> float:
+        """Angular acceleration, rad/s2."""
+        return self.fmu.derivatives()[1]

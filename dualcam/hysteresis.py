@@ -1,0 +1,155 @@
+"""The cam's friction hysteresis for describing function analysis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import control
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from dualcam.fmu import Array, Fmu, Preparation, Scalar
+from dualcam.forward import Source, open_forward
+from dualcam.linear import OperatingPointError
+
+POINTS = 201  # angles at which the FMU is asked for its stick band; between them, cubic splines
+PHASES = 4096  # per cycle: kinks at turning points leave an error of the harmonic of 1/PHASES^2 or so
+
+
+class CamHysteresis(control.DescribingFunctionNonlinearity):
+    """From torque to angle, so slowly that inertia and damping do not matter, the cam is a play operator
+
+        theta' > 0 only where tau = T_load(theta),    theta' < 0 only where tau = T_release(theta),
+
+    between its end stops, with edges that are not parallel (the band widens as the spring is compressed).
+    Both are read from the FMU. An instance gives the deviation of theta [rad] from `theta`, as a function of
+    the deviation of tau [N.m] from a bias, for control.describing_function_response(H, hysteresis, A), with H
+    from theta to -tau.
+
+    theta        mean angle about which it oscillates [rad]
+    tau          bias of the torque [N.m]: the mean angle then moves with the amplitude. None: for each
+                 amplitude the bias that keeps the mean angle at `theta`, as integral action in the loop does
+    parameters   start values of the FMU (spring, grooves, friction, stops, F_ext; inertia does nothing)
+
+    Where it predicts: a loop that is a low-pass, so that the angle's third harmonic hardly comes back as
+    torque, and slow against sqrt(dT/dtheta/J), the cam's own frequency, which `natural_frequency` gives.
+
+    Raises OperatingPointError (a ValueError) where theta is no play of tau: `theta` not between the stops, a
+    contact that locks, a spring so soft that the cam snaps across."""
+
+    def __init__(
+        self,
+        source: Source,
+        theta: float,
+        tau: float | None = None,
+        parameters: Mapping[str, Scalar] | None = None,
+    ) -> None:
+        super().__init__()
+        fmu, values = open_forward(Fmu, source, parameters)
+        try:
+            run = Preparation(fmu, values, ["initial.theta"])
+            self.lower, self.upper = fmu.real("stop.lower"), fmu.real("stop.upper")
+            if not self.lower < theta < self.upper:
+                raise OperatingPointError(
+                    f"theta = {theta:g} rad: it must be between the stops, {self.lower:g}, {self.upper:g} rad"
+                )
+            angles = np.linspace(self.lower, self.upper, POINTS)
+            edges = fmu.reals("torque_release", "torque_load")
+            band = np.empty((POINTS, 2))
+            for angle, row in zip(angles, band, strict=True):
+                run.rewind([angle])
+                row[:] = edges.read()
+        finally:
+            fmu.close()
+        if not np.all(np.isfinite(band)) or not np.all(np.diff(band, axis=0) > 0.0):
+            raise OperatingPointError(
+                "theta is no play of tau: both edges of the stick band must rise with theta all the way;"
+                " lead angles beyond atan(friction), a stiffer spring or closer stops make them"
+            )
+        self.theta, self.bias = theta, tau
+        self._release, self._load = (CubicSpline(angles, band[:, i]) for i in range(2))
+        self._ends = band[[0, -1]].T  # release and load at the lower and the upper stop
+        self._falling, self._rising = (CubicSpline(band[:, i], angles) for i in range(2))
+        self._middle = float(np.mean(self.band(theta))) if tau is None else tau
+        self._angle = theta  # where it rests now, for __call__
+
+    def band(self, theta: float) -> tuple[float, float]:
+        """T_release and T_load [N.m] at theta [rad]."""
+        return float(self._release(theta)), float(self._load(theta))
+
+    @property
+    def dead_band(self) -> float:
+        """Half the width of the stick band at `theta` [N.m]: amplitudes up to this move nothing."""
+        release, load = self.band(self.theta)
+        return 0.5 * (load - release)
+
+    def natural_frequency(self, inertia: float) -> float:
+        """rad/s of small oscillations while loading, with `inertia` [kg.m2] felt at the shaft."""
+        return math.sqrt(float(self._load(self.theta, 1)) / inertia)
+
+    # ---- as a function of time ----
+
+    def __call__(self, x: float) -> float:
+        """The angle [rad] after a torque [N.m], both as deviations, that of the torque from the bias (without
+        one: the middle of the band at `theta`). It remembers the angle: where it was left is where it rests.
+        """
+        tau = self._middle + float(np.squeeze(x))
+        self._angle = float(np.clip(self._angle, self._follow(tau, True), self._follow(tau, False)))
+        return self._angle - self.theta
+
+    def _isstatic(self) -> bool:
+        return False
+
+    def _follow(self, tau: float | Array, rising: bool) -> Array:
+        """The angle at which that edge of the band is tau, and the stops beyond."""
+        edge = self._rising if rising else self._falling
+        low, high = self._ends[1 if rising else 0]
+        return np.clip(edge(np.clip(tau, low, high)), self.lower, self.upper)
+
+    # ---- in a cycle ----
+
+    def cycle(self, amplitude: float, bias: float) -> tuple[Array, Array]:
+        """Torque [N.m] and angle [rad] over one steady cycle tau = bias + amplitude sin(phase), at PHASES
+        phases
+        from 0 on, shape (PHASES,) both."""
+        phase = 2.0 * np.pi / PHASES * np.arange(PHASES)
+        tau = bias + amplitude * np.sin(phase)
+        top = self._follow(bias + amplitude, True)
+        bottom = self._follow(bias - amplitude, False)
+        if bottom >= top:  # somewhere there it rests
+            return tau, np.full(PHASES, 0.5 * (top + bottom))
+        falls = (phase >= 0.5 * np.pi) & (phase < 1.5 * np.pi)
+        theta = np.where(
+            falls, np.minimum(top, self._follow(tau, False)), np.maximum(bottom, self._follow(tau, True))
+        )
+        return tau, theta
+
+    def bias_at(self, amplitude: float) -> float:
+        """The bias [N.m] of cycles of that amplitude: as given, or the one with the mean angle `theta`."""
+        if self.bias is not None:
+            return self.bias
+        release, load = self.band(self.theta)
+        # From these ends on the whole cycle is below or above theta.
+        return float(
+            brentq(
+                lambda bias: float(np.mean(self.cycle(amplitude, bias)[1])) - self.theta,
+                release - amplitude,
+                load + amplitude,
+                xtol=1e-13,
+            )
+        )
+
+    def describing_function(self, A: float) -> complex:
+        """First harmonic of the angle over that of the torque at amplitude A [N.m] > 0, rad/N.m; 0 in the
+        dead
+        band."""
+        if not A >= 0.0:
+            raise ValueError(f"amplitude A = {A}: allowed is >= 0")
+        if A == 0.0 or (self.bias is None and self.dead_band >= A):
+            return 0j
+        theta = self.cycle(A, self.bias_at(A))[1]
+        # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its discrete spectrum is Im N - i Re
+        # N
+        return complex(2j / (PHASES * A) * np.fft.rfft(theta)[1])

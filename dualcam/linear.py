@@ -1,0 +1,223 @@
+"""Linear models of the forward FMU from its own partial derivatives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import control
+import numpy as np
+
+from dualcam.fmu import FmuError, Scalar
+from dualcam.forward import (
+    INPUTS,
+    LOADING,
+    LOWER_STOP,
+    OUTPUTS,
+    RELEASING,
+    STATES,
+    STICK,
+    UPPER_STOP,
+    WEDGED,
+    Names,
+    PlacedCam,
+    Source,
+    checked_period,
+    chosen,
+)
+
+AtRest = Literal["loading", "releasing", "frozen"]
+
+NUDGE = 1e-6  # of the band's edges: torque beyond one by this much begins slip, as 1e-13 of them would
+ITERATIONS = 20  # one for each pair of flanks and one more would do
+
+
+class OperatingPointError(FmuError):
+    """There is no linear model there; the message says where there is one."""
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """Where a linear model holds. Its states, inputs and outputs are deviations from here."""
+
+    theta: float  # rad
+    omega: float  # rad/s
+    tau: float  # N.m
+    F_ext: float  # N
+    alpha: float  # rad/s2; where it is not zero, deviations are from a motion, not from an equilibrium
+    mode: int  # 1 stick, 2 loading, 3 releasing
+
+
+def linearize(
+    source: Source,
+    theta: float,
+    omega: float = 0.0,
+    tau: float | None = None,
+    F_ext: float | None = None,
+    *,
+    at_rest: AtRest | None = None,
+    inputs: Names = None,
+    outputs: Names = None,
+    parameters: Mapping[str, Scalar] | None = None,
+    period: float | None = None,
+) -> control.StateSpace:
+    """The linear model about an operating point, from the FMU's partial derivatives.
+
+    With x = (theta, omega) [rad, rad/s], u out of (tau [N.m], F_ext [N]) and y out of theta, omega, z [m],
+    v [m/s], all as deviations:  x' = A x + B u,  y = C x + D u.  A is (2, 2); D is zero.
+
+    source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
+    theta, omega where [rad, rad/s]; the sign of omega is the direction of slip
+    tau          torque there [N.m]; None: the one that keeps omega constant (alpha = 0)
+    F_ext        axial force there [N]; None: that of `parameters`, else 0
+    at_rest      for omega = 0, where slip or stick depends on the torque:
+                 "loading", "releasing": slip that is just about to begin in that direction, at that edge of
+                 the stick band. This is the model to design a controller with for moves in that direction.
+                 "frozen": stick. Nothing moves, A = 0 and B = 0, as long as tau stays inside the band.
+                 None: what tau decides. If that is slip from rest, its model; if it is stick, an error.
+    inputs, outputs   names, in order; None: all
+    parameters   start values of the FMU
+    period       None: continuous; else the model at multiples of `period` [s] under inputs held over each:
+                 control.sample_system of the continuous one. While the mode lasts that is exact where slip is
+                 linear (helices, linear spring and damper), and to first order in the period elsewhere.
+
+    Returns a control.StateSpace with named signals, and the OperatingPoint as its attribute
+    `operating_point`. Raises OperatingPointError where no such model exists (at rest without `at_rest`, on a
+    stop, wedged, outside the stops), FmuError for what the FMU refuses (without inertia the speed is no
+    state) and unknown names. Both are ValueErrors."""
+    names_in, names_out = chosen(inputs, INPUTS, "input"), chosen(outputs, OUTPUTS, "output")
+    sampling = None if period is None else checked_period(period)
+    cam = PlacedCam(source, parameters)
+    try:
+        force = float(cam.fmu.parameters.get("F_ext", 0.0)) if F_ext is None else F_ext
+        point = _settle_at(cam, theta, omega, tau, force, at_rest)
+        model = _model(cam, point, names_in, names_out)
+    finally:
+        cam.fmu.close()
+    if sampling is not None:
+        model = control.sample_system(model, sampling, "zoh", name="cam")
+    model.operating_point = point
+    return model
+
+
+def _model(
+    cam: PlacedCam, point: OperatingPoint, inputs: list[str], outputs: list[str]
+) -> control.StateSpace:
+    rates = cam.fmu.jacobian(["omega", "alpha"], [*STATES, *inputs])
+    if point.mode not in (LOADING, RELEASING):
+        rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction ends it at once
+    seen = cam.fmu.jacobian(outputs, [*STATES, *inputs])
+    return control.ss(
+        rates[:, :2], rates[:, 2:], seen[:, :2], seen[:, 2:], inputs=inputs, outputs=outputs,
+        states=list(STATES), name="cam",
+    )  # fmt: skip
+
+
+# ---- operating points ----
+
+
+def _settle_at(
+    cam: PlacedCam, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
+) -> OperatingPoint:
+    """Leaves the FMU at the operating point, in its mode there."""
+    where = f"theta = {theta:g} rad, omega = {omega:g} rad/s"
+    if not cam.lower <= theta <= cam.upper:
+        raise OperatingPointError(
+            f"{where}: allowed is theta between the stops, {cam.lower:g} to {cam.upper:g} rad"
+        )
+    if at_rest not in (None, "loading", "releasing", "frozen"):
+        raise OperatingPointError(
+            f'at_rest = {at_rest!r}: allowed are "loading", "releasing", "frozen", None'
+        )
+    if omega != 0.0:
+        if at_rest is not None:
+            raise OperatingPointError(
+                f"at_rest = {at_rest!r} with {where}: allowed is only one of them, omega has a direction"
+            )
+        torque = _steady_torque(cam, theta, omega, F_ext, where) if tau is None else tau
+        cam.place(theta, omega, torque, F_ext)
+    elif at_rest in ("loading", "releasing"):
+        if tau is not None:
+            raise OperatingPointError(
+                f"at_rest = {at_rest!r} with tau = {tau:g} N.m: leave tau out, that edge of the band is it"
+            )
+        torque = _break_away(cam, theta, F_ext, at_rest, where)
+    else:
+        torque = _torque_at_rest(cam, theta, tau, F_ext, at_rest, where)
+    mode = cam.mode
+    _insist_on_model(cam, mode, at_rest, f"{where}, tau = {torque:g} N.m")
+    return OperatingPoint(theta, omega, torque, F_ext, cam.alpha, mode)
+
+
+ADVICE = {
+    STICK: "it sticks; give at_rest = 'loading' or 'releasing' for slip about to begin there (tau left out),"
+    " at_rest = 'frozen' for the model that stays, omega != 0, or a torque outside",
+    LOWER_STOP: "it is pressed on the lower stop; give theta above it, or a torque beyond",
+    UPPER_STOP: "it is pressed on the upper stop; give theta below it, or a torque beyond",
+    WEDGED: "friction wedges it; lower the friction or choose other lead angles. The torque is beyond",
+}
+
+
+def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: str) -> None:
+    release, load = cam.band()
+    band = f"the stick band, {release:g} to {load:g} N.m"
+    slips = mode in (LOADING, RELEASING)
+    if slips and at_rest == "frozen":
+        raise OperatingPointError(f"{where}: it slips; at_rest = 'frozen' is for torques inside {band}")
+    if not slips and at_rest != "frozen":
+        raise OperatingPointError(
+            f"{where}: no torque or force has an effect there to linearize or to control with:"
+            f" {ADVICE[mode]} {band}"
+        )
+
+
+def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, where: str) -> float:
+    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay,
+    so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
+    tau = 0.0
+    for _ in range(ITERATIONS):
+        cam.place(theta, omega, tau, F_ext)
+        slope = float(cam.fmu.jacobian(["alpha"], ["tau"])[0, 0])
+        if slope == 0.0 or not math.isfinite(slope):
+            break
+        last, tau = tau, tau - cam.alpha / slope
+        if abs(tau - last) <= 1e-9 * max(abs(last), 1e-6):
+            return tau
+    raise OperatingPointError(
+        f"{where}: no torque keeps this speed there; give tau, or another place or direction"
+    )
+
+
+def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
+    """Into slip at omega = 0, and there to the edge of the band."""
+    cam.place(theta, 0.0, 0.0, F_ext)
+    release, load = cam.band()
+    direction, edge = (1.0, load) if at_rest == "loading" else (-1.0, release)
+    if not math.isfinite(edge):
+        raise OperatingPointError(
+            f"{where}: friction jams it, no torque starts {at_rest} there; lower the friction or choose"
+            " other lead angles"
+        )
+    size = max(abs(x) for x in (release, load, 1e-3) if math.isfinite(x))
+    cam.place(theta, 0.0, edge + direction * NUDGE * size, F_ext)
+    cam.set_inputs(edge, F_ext)
+    return edge
+
+
+def _torque_at_rest(
+    cam: PlacedCam, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
+) -> float:
+    """The given torque, or one inside the band."""
+    if tau is None:
+        if at_rest is None:
+            raise OperatingPointError(
+                f"{where}: at rest the model depends on the torque; give at_rest = 'loading' or 'releasing'"
+                " for slip about to begin, at_rest = 'frozen' for stick, or tau"
+            )
+        cam.place(theta, 0.0, 0.0, F_ext)
+        edges = [edge for edge in cam.band() if math.isfinite(edge)]
+        tau = float(np.mean(edges)) if edges else 0.0
+    cam.place(theta, 0.0, tau, F_ext)
+    return tau

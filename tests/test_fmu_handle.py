@@ -1,0 +1,355 @@
+"""dualcam.Fmu and dualcam.ContinuousFmu: names, values, runs, errors. What they must agree with is the FMU
+called directly (tests/driver.py)."""
+
+import gc
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driver import models
+
+import dualcam
+from dualcam import ContinuousFmu, Fmu, FmuError, UnknownVariableError
+from dualcam.fmu import Preparation
+
+FORWARD, INVERSE = (model.fmu for model in models.values())
+ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "inertia.follower_mass": 0.3, "damper.c_load": 20.0}
+EACH_TYPE = {"contacts": 1, "ledger": False, "cam1.table": "some.csv", "spring.preload": 60.0}
+
+
+@pytest.fixture(scope="module")
+def shared():
+    with Fmu(FORWARD) as fmu:
+        yield fmu
+
+
+@pytest.fixture
+def fmu(shared):
+    shared.start({"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0})
+    return shared
+
+
+@pytest.fixture
+def continuous():
+    with ContinuousFmu(FORWARD) as fmu:
+        yield fmu
+
+
+def refused(*mentions):
+    """Expects an FmuError that says all of this."""
+    return pytest.raises(FmuError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
+
+
+# ---- values and runs ----
+
+
+def test_it_is_the_package_of_this_folder():
+    assert Path(dualcam.__file__).parent == Path(__file__).parents[1] / "dualcam"
+
+
+def test_every_name_of_the_package_exists():
+    assert all(hasattr(dualcam, name) for name in dualcam.__all__)
+    with pytest.raises(AttributeError, match="nonsense"):
+        dualcam.nonsense  # noqa: B018
+
+
+def test_every_type_can_be_set_and_got(shared):
+    shared.start(EACH_TYPE | {"cam1.profile": 1})
+    assert {name: shared.get(name) for name in EACH_TYPE} == EACH_TYPE
+    assert [type(shared.get(name)) for name in EACH_TYPE] == [int, bool, str, float]
+    assert shared.parameters == EACH_TYPE | {"cam1.profile": 1}
+    shared.start()
+    assert shared.get("spring.preload") == 50.0
+    assert shared.get("ledger") is True
+    assert shared.parameters == {}
+
+
+def test_every_variable_can_be_read(fmu, make_model):
+    raw = make_model(models["DualCamForward"])
+    raw.start({"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0})
+    assert fmu.names == list(raw.model.variables)
+    for name in fmu.names:
+        found, expected = fmu.get(name), raw.get(name)
+        assert found == (expected.decode() if isinstance(expected, bytes) else expected), name
+
+
+def test_a_run_is_bit_for_bit_that_of_the_fmu_called_directly(fmu, make_model):
+    raw = make_model(models["DualCamForward"])
+    raw.start({"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0})
+    command, state = fmu.reals("tau", "F_ext"), fmu.reals("theta", "omega", "energy.heat_cam1")
+    for k in range(300):
+        inputs = [5.0 * math.sin(0.1 * k), float(k % 7)]
+        command.values[:] = inputs
+        command.write()
+        fmu.step(1e-3)
+        raw.set(dict(zip(command.names, inputs, strict=True)))
+        raw.step(1e-3)
+        read = state.read()
+        assert read == [raw.get(name) for name in state.names]
+        assert read == state.values.tolist()
+        assert all(type(value) is float for value in read)
+    assert fmu.time == pytest.approx(0.3)
+
+
+def test_a_run_can_begin_anew_at_any_time_and_tolerance(shared):
+    ends = []
+    for time, tolerance in ((0.0, 1e-9), (7.0, 1e-9), (0.0, 1e-4)):
+        shared.start(ELLIPSES | {"tau": 6.0}, time=time, tolerance=tolerance)
+        assert shared.time == time
+        for _ in range(10):
+            shared.step(3e-3)
+        ends.append(shared.get("theta"))
+    assert ends[0] == ends[1]
+    assert ends[0] != ends[2]
+    assert ends[0] == pytest.approx(ends[2], rel=1e-3)
+
+
+def test_derivatives_of_outputs_and_inputs(fmu):
+    """The FMU takes a torque that is a parabola; what it puts out are omega and alpha."""
+    command, state = fmu.reals("tau"), fmu.reals("theta", "omega")
+    assert state.read_derivatives(1) == [fmu.get("omega"), fmu.get("alpha")]
+    assert state.read_derivatives(2)[0] == fmu.get("alpha")
+    ends = []
+    for pieces in (1, 1000):
+        fmu.start({"initial.theta": 0.5, "tau": 6.0})
+        h = 0.01 / pieces
+        for k in range(pieces):
+            t = k * h
+            command.values[0] = 6.0 + 50.0 * t + 4e3 * t**2
+            command.write()
+            command.write_derivatives(1, [50.0 + 8e3 * t])
+            command.write_derivatives(2, [8e3])
+            fmu.step(h)
+        ends.append(state.read())
+    assert ends[0] == pytest.approx(ends[1], rel=1e-9)
+
+
+def test_partial_derivatives(fmu):
+    """Two helices with equal radii and leads, only a shaft: alpha = (tau - rho (F0 + k z + F_ext))/J, with
+    rho = (1 + mu)/(1 - mu) r/2 and z = r theta/2."""
+    rho, J, k, lift = 0.01 * 1.14 / 0.86, 0.002, 5e4, 0.01
+    found = fmu.jacobian(["alpha", "z", "v"], ["theta", "omega", "tau", "F_ext"])
+    expected = [[-rho * k * lift / J, 0.0, 1.0 / J, -rho / J], [lift, 0.0, 0.0, 0.0], [0.0, lift, 0.0, 0.0]]
+    assert found == pytest.approx(np.array(expected), rel=1e-12)
+    seed = [0.5, -2.0, 3.0, 0.25]
+    product = fmu.directional_derivative(["alpha", "z", "v"], ["theta", "omega", "tau", "F_ext"], seed)
+    assert product == pytest.approx(found @ seed, rel=1e-14)
+
+
+def test_a_restored_state_repeats_bit_for_bit(fmu):
+    state, instant = fmu.take(), fmu.time
+    ends = []
+    for _ in range(3):
+        fmu.restore(state)
+        assert fmu.time == instant
+        fmu.step(0.05)
+        ends.append([fmu.get(name) for name in ("theta", "omega", "energy.residual", "events")])
+    assert ends[0] == ends[1] == ends[2]
+
+
+def test_prepared_runs_are_those_of_start(shared):
+    values = ELLIPSES | {"spring.preload": 70.0}
+    run = Preparation(shared, values, ["initial.theta", "initial.omega", "tau"])
+    found = []
+    for start in ([0.3, 1.0, 4.0], [0.9, -2.0, 1.0], [0.3, 1.0, 4.0]):
+        run.begin(start)
+        shared.step(5e-3)
+        found.append([shared.get("theta"), shared.get("omega")])
+    for start, ends in zip(([0.3, 1.0, 4.0], [0.9, -2.0, 1.0]), found, strict=False):
+        shared.start(values | dict(zip(("initial.theta", "initial.omega", "tau"), start, strict=True)))
+        shared.step(5e-3)
+        assert ends == [shared.get("theta"), shared.get("omega")]
+    assert found[0] == found[2]
+
+
+# ---- model exchange ----
+
+
+def test_model_exchange(continuous):
+    """alpha of a helix in slip, rest inside the band, and the mode in between events."""
+    continuous.start({"tau": 3.0})
+    continuous.place([0.5, 2.0])
+    rho = 0.01 * 1.14 / 0.86
+    assert continuous.derivatives() == pytest.approx([2.0, (3.0 - rho * 300.0) / 0.002], rel=1e-12)
+    assert continuous.get("mode") == 2
+    assert min(continuous.indicators()) > 0.0
+    continuous.move([0.5, -1.0])
+    assert continuous.get("mode") == 2  # until it is asked to decide
+    assert min(continuous.indicators()) < 0.0
+    continuous.enter_event_mode()
+    assert continuous.states() == [0.5, 0.0]
+    assert continuous.get("mode") == 1
+    assert continuous.derivatives() == [0.0, 0.0]
+    continuous.set_time(0.5)
+    assert continuous.time == 0.5
+    continuous.start()
+    assert continuous.time == 0.0
+
+
+def test_model_exchange_needs_inertia(continuous):
+    with refused("inertia.shaft"):
+        continuous.start({"inertia.shaft": 0.0})
+
+
+def test_kinds_are_not_mixed(continuous, fmu):
+    continuous.start()
+    with refused("another instance"):
+        continuous.restore(fmu.take())
+
+
+# ---- errors ----
+
+
+@pytest.mark.parametrize(
+    ("name", "mentions"),
+    [
+        ("thet", ("DualCamForward", "'thet'", "did you mean theta", "omega")),
+        ("cam1.frction", ("cam1.friction", "cam1.radius")),
+        ("Cam1.Friction", ("cam1.friction",)),
+        ("xyzzy", ("'xyzzy'", "tau, F_ext, theta", "more")),
+    ],
+)
+def test_an_unknown_name_is_told_what_exists(fmu, name, mentions):
+    for call in (
+        lambda: fmu.get(name),
+        lambda: fmu.set(name, 1.0),
+        lambda: fmu.reals("tau", name),
+        lambda: fmu.start({name: 1.0}),
+        lambda: fmu.jacobian([name], ["tau"]),
+    ):
+        with pytest.raises(UnknownVariableError) as caught:
+            call()
+        assert all(text in str(caught.value) for text in mentions), str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "mentions"),
+    [
+        ("cam1.friction", -0.1, ("cam1.friction", "-0.1", "allowed is")),
+        ("cam1.friction", "much", ("cam1.friction", "much", "number")),
+        ("cam1.friction", None, ("cam1.friction", "number")),
+        ("contacts", 1.5, ("contacts", "whole")),
+        ("contacts", 7, ("contacts", "7", "allowed is")),
+        ("ledger", "false", ("ledger", "True and False")),
+        ("cam1.table", 3, ("cam1.table", "text")),
+        ("theta", 1.0, ("theta", "calculated")),
+        ("tau", math.nan, ("tau", "nan")),
+    ],
+)
+def test_a_bad_value_is_told_what_is_allowed(shared, name, value, mentions):
+    with refused(*mentions):
+        shared.start({name: value})
+
+
+def test_messages_are_the_fmus_own_words(fmu):
+    with refused("fmi2SetReal: cam1.radius is fixed: allowed is to set it before the end"):
+        fmu.set("cam1.radius", 0.03)
+    with refused("fmi2DoStep: communicationStepSize = -1"):
+        fmu.step(-1.0)
+    with refused("Integer", "Real"):
+        fmu.reals("contacts")
+    with refused("order 4"):
+        fmu.reals("theta").read_derivatives(4)
+    with refused("seed", r"\(1,\)"):
+        fmu.directional_derivative(["alpha"], ["tau"], [1.0, 2.0])
+    with refused('unknown category "100% #1"'):
+        fmu._instance.call("fmi2SetDebugLogging", 1, 1, (dualcam.fmu.c_char_p * 1)(b"100% #1"))
+    fmu.step(1e-3)  # it goes on as before
+
+
+def test_a_start_that_cannot_work(shared):
+    with refused("stop"):
+        shared.start({"stop.lower": 1.0, "stop.upper": 0.5})
+    shared.start()
+
+
+def test_what_is_no_fmu(tmp_path):
+    with refused("no file", r"build\.sh"):
+        Fmu(tmp_path / "missing.fmu")
+    text = tmp_path / "text.fmu"
+    text.write_text("not a ZIP archive")
+    with refused("text.fmu", "no FMU"):
+        Fmu(text)
+    empty = tmp_path / "empty.fmu"
+    with zipfile.ZipFile(empty, "w"):
+        pass
+    with refused("empty.fmu", "modelDescription.xml"):
+        Fmu(empty)
+    invalid = tmp_path / "invalid.fmu"
+    with zipfile.ZipFile(invalid, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+    with refused("invalid.fmu", "modelDescription.xml"):
+        Fmu(invalid)
+
+
+def rewritten(path, target, change):
+    """A copy of an FMU whose description is changed, and whose binaries are left out if `change` is None."""
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            if name == "modelDescription.xml":
+                text = old.read(name).decode()
+                new.writestr(name, change(text) if change else text)
+            elif change or not name.startswith("binaries/"):
+                new.writestr(name, old.read(name))
+    return target
+
+
+def test_an_fmu_for_another_use_platform_or_version(tmp_path):
+    def no_exchange(text):
+        start, end = text.index("<ModelExchange"), text.index("</ModelExchange>") + len("</ModelExchange>")
+        return text[:start] + text[end:]
+
+    with refused("has no modelExchange"):
+        ContinuousFmu(rewritten(FORWARD, tmp_path / "slave.fmu", no_exchange))
+    with refused("bare.fmu", "library"):
+        Fmu(rewritten(FORWARD, tmp_path / "bare.fmu", None))
+    with refused("GUID"):
+        Fmu(rewritten(FORWARD, tmp_path / "foreign.fmu", lambda text: text.replace('guid="', 'guid="x', 1)))
+
+
+# ---- life ----
+
+
+def test_a_closed_fmu_refuses_every_call():
+    with Fmu(FORWARD) as fmu:
+        command = fmu.reals("tau")
+        fmu.start()
+        state = fmu.take()
+        directory = Path(fmu._instance._directory)
+        assert directory.exists()
+    assert not directory.exists()
+    fmu.close()
+    for call in (
+        command.read, command.write, fmu.take, fmu.start, lambda: fmu.step(1e-3), lambda: fmu.get("theta"),
+        lambda: fmu.restore(state), lambda: command.write_derivatives(1, [0.0]),
+    ):  # fmt: skip
+        with refused("closed"):
+            call()
+
+
+def test_what_is_dropped_is_freed():
+    fmu = Fmu(FORWARD)
+    fmu.start()
+    instance, directory = fmu._instance, Path(fmu._instance._directory)
+    states = [fmu.take() for _ in range(3)]
+    assert len(instance.states) == 3
+    del states[:2]
+    gc.collect()
+    assert len(instance.states) == 1
+    del fmu, states
+    gc.collect()
+    assert not instance.is_open
+    assert not directory.exists()
+
+
+def test_instances_share_nothing():
+    with Fmu(FORWARD) as one, Fmu(FORWARD) as other, Fmu(INVERSE) as third:
+        one.start({"initial.theta": 0.3, "tau": 2.0})
+        other.start({"initial.theta": 0.6})
+        third.start({"theta": 0.9})
+        with refused("cam1.friction"):
+            other.set("cam1.friction", -1.0)
+        one.step(1e-3)
+        assert [one.get("theta"), other.get("theta"), third.get("theta")] == [0.3, 0.6, 0.9]
