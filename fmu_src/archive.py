@@ -73,8 +73,9 @@ def terminal(title: str, kind: str, members: dict[str, tuple[str, str]], text: s
 
 
 def terminals(model: str) -> str:
-    """FMI 3.0's terminalsAndIcons.xml: the flanges of shaft and follower. Speeds and acceleration go beyond
-    what the Modelica flanges have: by the rule `bus` a counterpart need not have them."""
+    """terminalsAndIcons.xml: the flanges of shaft and follower. It is FMI 3.0's, and in the same place of an
+    FMU of FMI 2.0, which has none, for tools that look there. Speeds and acceleration go beyond what the
+    Modelica flanges have: by the rule `bus` a counterpart need not have them."""
     flange = "Modelica.Mechanics.{}.Interfaces.Flange_{}".format
     shaft = terminal("shaft", flange("Rotational", "a"), SHAFT[model], "Cam 2: angle and torque")
     follower = terminal("follower", flange("Translational", "b"), FOLLOWER, "Position and external force")

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "cold.h"
+#include "rare.h"
 
 double input_value(const double u[INPUT_ORDER + 1], double t) {
     return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
@@ -451,7 +451,7 @@ static double swing_change(const Balance *b, Dual k, Dual k_rate, double dtheta,
 }
 
 /* x_i = (rn A -+ d W)/Delta, see contact_trend(). */
-COLD double balance_contact_change(const Way *w, const Balance *now, int i, double dtheta, double domega,
+RARE double balance_contact_change(const Way *w, const Balance *now, int i, double dtheta, double domega,
                                    double dalpha) {
     const Params *p = w->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = now->omega, alpha = now->alpha;

@@ -298,18 +298,19 @@ def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
     description = emit_description(identifier, version, check)
     guid = ET.fromstring(description).attrib["guid" if version == 2 else "instantiationToken"]
     sources, defines = core_sources(identifier, version), model_defines(identifier, version)
-    icon = "model.png" if version == 2 else "terminalsAndIcons/icon.png"
-    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", icon: DESCRIPTIONS / "model.png"}
+    icon = DESCRIPTIONS / "model.png"
+    extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "terminalsAndIcons/icon.png": icon}
+    extra |= {"model.png": icon} if version == 2 else {}
     extra |= archive.sources(core_files(identifier, version, [".c", ".h", ".def"]))
     extra |= archive.reference(DESCRIPTIONS, identifier)
     texts = {
         "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
         "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid, version),
+        "terminalsAndIcons/terminalsAndIcons.xml": archive.terminals(MODELS[identifier]),
     }
     if version == 3:
         names = [source.name for source in sources]
         texts["sources/buildDescription.xml"] = archive.build_description(identifier, names)
-        texts["terminalsAndIcons/terminalsAndIcons.xml"] = archive.terminals(MODELS[identifier])
     return Fmu(identifier, sources, description, guid, extra, texts, defines, version)
 
 

@@ -36,7 +36,7 @@ enum { SAMPLES_OF_FEW = 64, SAMPLES_OF_MANY = 8, MANY = 64 };
 
 /* Delta of the supporting flanks at sigma = +1 (mechanism page, section 3), m^4: with n_i = a_i + mu_i r_i >= 0
  * it has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
-RARE static double load_margin(const Params *p, const double slope[2]) {
+static double load_margin(const Params *p, const double slope[2]) {
     double n[2], d[2];
     for (int i = 0; i < 2; i++) {
         n[i] = slope[i] + p->cam[i].friction * p->cam[i].radius;
@@ -45,7 +45,7 @@ RARE static double load_margin(const Params *p, const double slope[2]) {
     return p->cam[1].radius * d[0] * n[1] + p->cam[0].radius * d[1] * n[0];
 }
 
-RARE static bool loads_at(const Params *p, const Piece *piece, double theta) {
+static bool loads_at(const Params *p, const Piece *piece, double theta) {
     const Spot spot = piece_at(piece, theta);
     return load_margin(p, spot.slope) > 0.0;
 }
@@ -57,7 +57,7 @@ static bool loads_in_straight(const Params *p, const Piece *piece) {
 }
 
 /* The first theta, to rounding, at which it jams; it does not at `good` and does at `bad`. */
-RARE static double first_jam(const Params *p, const Piece *piece, double good, double bad) {
+static double first_jam(const Params *p, const Piece *piece, double good, double bad) {
     for (double middle = 0.5 * (good + bad); middle > good && middle < bad; middle = 0.5 * (good + bad)) {
         if (loads_at(p, piece, middle)) good = middle;
         else bad = middle;
@@ -78,14 +78,14 @@ static double jam_in(const Params *p, const Piece *piece, int samples) {
 }
 
 /* `cam1.lead_angle = 1.5` of a helix; of other grooves the lead angle at that place. */
-RARE static void name_lead(char text[80], const Params *p, int i, double slope) {
+static void name_lead(char text[80], const Params *p, int i, double slope) {
     if (p->cam[i].profile == PROFILE_HELIX)
         snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
     else
         snprintf(text, 80, "lead angle %.17g of cam%d there", atan(slope / p->cam[i].radius), i + 1);
 }
 
-RARE static void describe_jam(Fault *fault, const Params *p, const Piece *piece, double theta) {
+static void describe_jam(Fault *fault, const Params *p, const Piece *piece, double theta) {
     const Spot spot = piece_at(piece, theta); /* of a helix only the parameter is named */
     char lead[2][80];
     for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, spot.slope[i]);

@@ -7,17 +7,16 @@
 #include "course.h"
 #include "fault.h"
 #include "params.h"
-#include "rare.h"
 
 /* Each returns false and fills `fault` if not. */
 
 /* Stops in order, something that fixes the pin. */
-RARE bool check_params(const Params *params, Fault *fault);
+bool check_params(const Params *params, Fault *fault);
 
 /* initial.theta between the stops: only where the mechanism starts from there. */
-RARE bool check_initial(const Params *params, Fault *fault);
+bool check_initial(const Params *params, Fault *fault);
 
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1. */
-RARE bool check_jam(const Params *params, const Course *course, Fault *fault);
+bool check_jam(const Params *params, const Course *course, Fault *fault);
 
 #endif

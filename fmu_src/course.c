@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cold.h"
 
 enum {
     N = COURSE_DEGREE,
@@ -49,7 +48,7 @@ static double gap(const Groove groove[2], double theta, double gamma) {
 /* The root by Newton's method, inside a bracket. The bracket is halved where a slope that nearly vanishes
  * would send Newton's method astray. Ends when the step or the gap is rounding. Unbounded grooves are
  * left to the straight course. */
-RARE static double solve_gamma(const Groove groove[2], double theta, double guess) {
+static double solve_gamma(const Groove groove[2], double theta, double guess) {
     Interval in = gamma_range(groove, theta);
     double gamma = guess >= in.lower && guess <= in.upper ? guess : 0.5 * (in.lower + in.upper);
     double before = INFINITY; /* size of the latest step */
@@ -82,7 +81,7 @@ static double flatter_height(GroovePoint p1, GroovePoint p2) {
     return p1.slope <= p2.slope ? p1.z : p2.z;
 }
 
-RARE static Sight look(const Groove groove[2], double theta, double guess) {
+static Sight look(const Groove groove[2], double theta, double guess) {
     const double gamma = solve_gamma(groove, theta, guess), psi[2] = {gamma, theta - gamma};
     const GroovePoint p[2] = {groove_at(&groove[0], psi[0]), groove_at(&groove[1], psi[1])};
     Sight sight = {.gamma = gamma, .z = flatter_height(p[0], p[1])};
@@ -143,7 +142,7 @@ static Name name_of(const CamParams cam[2], int i) {
     return name;
 }
 
-RARE static bool refuse_end(const Groove groove[2], const CamParams cam[2], double end, double stop,
+static bool refuse_end(const Groove groove[2], const CamParams cam[2], double end, double stop,
                             Fault *fault) {
     const bool up = stop > 0.0;
     const Interval in = gamma_range(groove, end);
@@ -166,7 +165,7 @@ RARE static bool refuse_end(const Groove groove[2], const CamParams cam[2], doub
     return false;
 }
 
-RARE static bool check_end(const Groove groove[2], const CamParams cam[2], double stop, Fault *fault) {
+static bool check_end(const Groove groove[2], const CamParams cam[2], double stop, Fault *fault) {
     if (is_covered(groove, stop)) return true;
     const double end = course_end(groove, stop);
     return fabs(stop - end) <= END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, cam, end, stop, fault);
@@ -179,7 +178,7 @@ static bool check_ends(const Groove groove[2], const CamParams cam[2], double lo
     return !(lower < 0.0) || check_end(groove, cam, lower, fault);
 }
 
-RARE static bool refuse_level(const CamParams cam[2], double theta, double z, Fault *fault) {
+static bool refuse_level(const CamParams cam[2], double theta, double z, Fault *fault) {
     const Name first = name_of(cam, 0), second = name_of(cam, 1);
     snprintf(fault->text, sizeof fault->text,
              "%s and %s: both grooves are level at theta = %.10g rad, z = %.10g m: between the stops at "
@@ -473,7 +472,7 @@ static Piece piece_between(Border lower, Border upper) {
 }
 
 /* Appends pieces from border to border, halving until they fit. */
-RARE static bool cover(Builder *b, Border lower, Border upper) {
+static bool cover(Builder *b, Border lower, Border upper) {
     Piece piece = piece_between(lower, upper);
     const Verdict verdict = fit(b, &piece);
     if (verdict == UNDETERMINED) return refuse_level(b->cam, b->latest_theta, b->latest.z, b->fault);
@@ -556,7 +555,7 @@ static void measure_size(Course *course) {
     }
 }
 
-COLD bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
+bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
                   Fault *fault) {
     *course = (Course){
         .radius = {cam[0].radius, cam[1].radius},

@@ -14,7 +14,6 @@
 #include "fault.h"
 #include "groove.h"
 #include "params.h"
-#include "rare.h"
 
 enum { COURSE_DEGREE = 12 };
 _Static_assert(COURSE_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");
@@ -51,7 +50,7 @@ typedef struct {
 
 /* Precomputes the course between two stops. On failure returns false with the reason in `fault`;
  * `course` then owns nothing. */
-RARE bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
+bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
                        Fault *fault);
 
 /* Safe on a zeroed Course, and twice. */

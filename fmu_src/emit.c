@@ -185,12 +185,12 @@ void put_variable_attributes(Sink *sink, unsigned reference) {
 
 /* ---- model structure ---- */
 
-void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned first) {
+void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*place)(unsigned reference)) {
     const char *separator = "";
     put(sink, " dependencies=\"");
     for (const Dependency *row = list; row->unknown != VARIABLE_COUNT; row++) {
         if (row->unknown != unknown) continue;
-        print(sink, "%s%u", separator, row->known + first);
+        print(sink, "%s%u", separator, place(row->known));
         separator = " ";
     }
     separator = "\" dependenciesKind=\"";

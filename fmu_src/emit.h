@@ -36,8 +36,8 @@ void put_range(Sink *sink, const Variable *variable); /* min, max, nominal */
 bool has_start(const Variable *variable);
 const char *start_of(const Variable *variable, Digits *room); /* less that of a String, which is "" */
 
-/* ` dependencies="..." dependenciesKind="..."` of what `list` has on `unknown`; each known as its reference + first. */
-void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned first);
+/* ` dependencies="..." dependenciesKind="..."` of what `list` has on `unknown`; `place` tells how a known is written. */
+void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*place)(unsigned reference));
 
 unsigned state_of(unsigned reference); /* the continuous state that it is the derivative of, or VARIABLE_COUNT */
 bool is_output(unsigned reference);

@@ -49,12 +49,16 @@ static void put_variables(Sink *sink) {
 
 /* ---- model structure ---- */
 
+static unsigned reference_of(unsigned reference) {
+    return reference;
+}
+
 static void put_unknowns(Sink *sink, const char *element, bool (*is_one)(unsigned), const Dependency *list) {
     for (unsigned i = 0; i < VARIABLE_COUNT; i++) {
         if (!is_one(i)) continue;
         print(sink, "    <%s", element);
         put_number(sink, "valueReference", i);
-        put_dependencies(sink, i, list, 0);
+        put_dependencies(sink, i, list, reference_of);
         put(sink, "/>\n");
     }
 }

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "cold.h"
 
 /* An elliptical groove counts as left where S comes so close to 1: tan(lead angle) is 7e4 b/a there. */
 static const double VERTICAL = 1e-10;
@@ -57,7 +56,7 @@ static bool build_table(Groove *groove, const CamParams *cam, int number, const 
     return good;
 }
 
-COLD bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault) {
+bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault) {
     *groove = (Groove){.profile = cam->profile, .radius = cam->radius};
     switch (cam->profile) {
     case PROFILE_HELIX: return build_helix(groove, cam);

@@ -15,7 +15,6 @@
 #include "fault.h"
 #include "groove_table.h"
 #include "params.h"
-#include "rare.h"
 
 typedef struct {
     int profile;        /* PROFILE_* */
@@ -31,7 +30,7 @@ typedef struct {
 /* Fills `groove` with the law of cam `number` (1 or 2). A table's relative path counts from the
  * directory `resources` (NULL: there is none). On failure returns false with the reason in `fault`;
  * `groove` then owns nothing. */
-RARE bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault);
+bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault);
 
 /* Safe on a zeroed Groove, and twice. */
 void groove_free(Groove *groove);

@@ -33,7 +33,7 @@ int samples_quoted(const char *text, int limit) {
 }
 
 /* Writes `variable = "path": ...` into the fault; always false. */
-RARE static bool refuse(const Source *source, const char *format, ...) {
+static bool refuse(const Source *source, const char *format, ...) {
     char *text = source->fault->text;
     const size_t size = sizeof source->fault->text;
     const int used = snprintf(text, size, "%s = \"%.*s\": ", source->variable,
@@ -154,7 +154,7 @@ static bool is_decimal(Span span) {
 }
 
 /* The number in `span`, NAN if it is none. */
-RARE static double number(Span span, PlainLocale *locale) {
+static double number(Span span, PlainLocale *locale) {
     span = trimmed(span);
     char text[NUMBER_SIZE];
     const size_t length = (size_t)(span.end - span.begin);
@@ -176,7 +176,7 @@ static const char *quoted_line(Span line, char text[QUOTED_LINE + 1]) {
     return text;
 }
 
-RARE static bool read_sample(const Source *source, Span line, size_t line_number, Sample *out) {
+static bool read_sample(const Source *source, Span line, size_t line_number, Sample *out) {
     const char *comma = memchr(line.begin, ',', (size_t)(line.end - line.begin));
     if (comma)
         *out = (Sample){number((Span){line.begin, comma}, source->locale),

@@ -6,7 +6,6 @@
 #include <stddef.h>
 
 #include "fault.h"
-#include "rare.h"
 
 enum { QUOTED_PATH = 120 }; /* bytes of a path in a message */
 enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
@@ -25,7 +24,7 @@ typedef struct {
 /* Reads the file `path`: absolute, or relative to the directory `resources` (NULL: there is none).
  * `variable` is the parameter that names the file, for messages. On failure returns false with the
  * reason in `fault`; `samples` is then empty. */
-RARE bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable,
+bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable,
                        Fault *fault);
 
 /* Safe on zeroed Samples, and twice. */

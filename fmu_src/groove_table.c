@@ -22,7 +22,7 @@ static double chord(const Samples *s, size_t j) {
 
 /* First and second derivative, at x[0], of the polynomial through n points (4 or 5), by Newton's
  * divided differences. */
-RARE static Knot polynomial_derivatives(int n, const double x[STENCIL], const double y[STENCIL]) {
+static Knot polynomial_derivatives(int n, const double x[STENCIL], const double y[STENCIL]) {
     double difference[STENCIL] = {0.0}; /* [k]: divided difference of the points 0..k */
     for (int k = 0; k < n; k++) difference[k] = y[k];
     for (int k = 1; k < n; k++)
@@ -67,12 +67,12 @@ static Knot bounded(const Samples *s, size_t j, Knot knot) {
 }
 
 /* s of step (3) */
-RARE static double end_sum(double h, Knot a, Knot b) {
+static double end_sum(double h, Knot a, Knot b) {
     return 2.0 * a.slope + a.bend * h / 4.0 + 2.0 * b.slope - b.bend * h / 4.0;
 }
 
 /* f of step (3) */
-RARE static double shrink(const Samples *s, size_t j, const Knot *knot) {
+static double shrink(const Samples *s, size_t j, const Knot *knot) {
     const double sum = end_sum(width_at(s, j), knot[j], knot[j + 1]);
     return sum > 0.0 ? fmin(1.0, 5.0 * chord(s, j) / sum) : 1.0;
 }

@@ -17,7 +17,6 @@
 #include <stddef.h>
 
 #include "groove_csv.h"
-#include "rare.h"
 
 /* A groove law at one angle: g, g', g'' in m, m/rad, m/rad^2. */
 typedef struct {
@@ -39,7 +38,7 @@ typedef struct {
 
 /* Lays the curve through samples that samples_read() has accepted. Returns false, with an empty table,
  * if memory is short or a coefficient overflows (samples too close). */
-RARE bool table_build(Table *table, const Samples *samples);
+bool table_build(Table *table, const Samples *samples);
 
 /* Safe on a zeroed Table, and twice. */
 void table_free(Table *table);

@@ -12,7 +12,7 @@ static double first_given(double a, double b, double c) {
 }
 
 /* theta' = omega, omega' = alpha; higher derivatives are alpha's, or those that omega or theta have instead. */
-RARE static Taylor imposed_now(const InverseInputs *u) {
+static Taylor imposed_now(const InverseInputs *u) {
     const double jerk = first_given(u->alpha[1], u->omega[2], u->theta[3]);
     const double snap = first_given(u->alpha[2], u->omega[3], 0.0);
     const double theta[JET_TERMS] = {u->theta[0], u->omega[0], u->alpha[0], jerk};
@@ -30,7 +30,7 @@ static int sign_ahead(const Jet *jet, int from) {
     return 0;
 }
 
-RARE static Way way_there(const Inverse *m, double theta, int direction, const int flank[2]) {
+static Way way_there(const Inverse *m, double theta, int direction, const int flank[2]) {
     static const Inputs none = {.tau = {0.0}};
     return way_of(&m->params, &m->course, &none, theta, direction, flank);
 }
@@ -38,7 +38,7 @@ RARE static Way way_there(const Inverse *m, double theta, int direction, const i
 /* ---- rigid shaft ---- */
 
 /* The direction of what comes next; where that is wedged or unknown, the one that tau has now. */
-RARE static void effort_ahead(const Inverse *m, const Taylor *t, Moment *at, Effort *effort) {
+static void effort_ahead(const Inverse *m, const Taylor *t, Moment *at, Effort *effort) {
     const int kept = at->direction, ahead = sign_ahead(&t->omega, 0);
     if (ahead != 0) at->direction = ahead;
     if (rigid_effort(&m->params, course_piece(&m->course, at->theta, at->direction), at, effort)) return;
@@ -47,7 +47,7 @@ RARE static void effort_ahead(const Inverse *m, const Taylor *t, Moment *at, Eff
 }
 
 /* Does contact i, which carries nothing now, go on to bear on that flank? x_i Delta as in balance.h. */
-RARE static bool agrees_ahead(const Taylor *t, int i, int flank) {
+static bool agrees_ahead(const Taylor *t, int i, int flank) {
     const int other = 1 - i;
     Jet x = jet_multiply(&t->rn[other], &t->load);
     jet_add_product(&x, i == 0 ? -1.0 : 1.0, &t->d[other], &t->twist);
@@ -55,14 +55,14 @@ RARE static bool agrees_ahead(const Taylor *t, int i, int flank) {
     return flank * sign_ahead(&x, 1) >= 0;
 }
 
-RARE static void balance_on(const Inverse *m, const Moment *at, const int flank[2], Taylor *t) {
+static void balance_on(const Inverse *m, const Moment *at, const int flank[2], Taylor *t) {
     const Way way = way_there(m, at->theta, at->direction, flank);
     taylor_place(&way, t);
     taylor_balance(&way, t);
 }
 
 /* On the flanks of now; where a contact carries nothing now, on the first that it agrees with a little later. */
-RARE static void rigid_ahead(const Inverse *m, Taylor *t, Effort *effort) {
+static void rigid_ahead(const Inverse *m, Taylor *t, Effort *effort) {
     Moment at = rigid_present(m);
     effort_ahead(m, t, &at, effort);
     /* the load may be no more than what rounding of z makes of the spring's force */
@@ -85,14 +85,14 @@ RARE static void rigid_ahead(const Inverse *m, Taylor *t, Effort *effort) {
 /* ---- elastic shaft ---- */
 
 /* Where the torque is on the edge of the band in that direction: will it press beyond? Cam 2 then follows. */
-RARE static bool follows_ahead(const Inverse *m, const Dragged *d, int direction, Bearing *bearing, const Taylor *t) {
+static bool follows_ahead(const Inverse *m, const Dragged *d, int direction, Bearing *bearing, const Taylor *t) {
     if (!drag_is_on_edge(m, d->cam, direction, bearing)) return false;
     Jet excess = jet_line((Dual){0.0, 0.0}, (Dual){t->stiffness, 0.0}, &t->far);
     jet_add_scaled(&excess, -bearing->transfer.rho, &t->F_ext);
     return direction * sign_ahead(&excess, 1) > 0;
 }
 
-RARE static void elastic_ahead(const Inverse *m, Taylor *t) {
+static void elastic_ahead(const Inverse *m, Taylor *t) {
     Dragged d;
     Bearing bearing;
     drag_present(m, &d);

@@ -5,7 +5,6 @@
 #define DUALCAM_JET_H
 
 #include "dual.h"
-#include "rare.h"
 
 enum { JET_TERMS = 4 };
 
@@ -14,22 +13,22 @@ typedef struct {
 } Jet;
 
 /* The function whose value and derivatives at t = 0 are u. */
-RARE Jet jet_of_derivatives(const double u[JET_TERMS]);
+Jet jet_of_derivatives(const double u[JET_TERMS]);
 
 /* offset + factor a */
-RARE Jet jet_line(Dual offset, Dual factor, const Jet *a);
+Jet jet_line(Dual offset, Dual factor, const Jet *a);
 
 /* sum += factor a b, sum += factor a */
-RARE void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b);
-RARE void jet_add_scaled(Jet *sum, double factor, const Jet *a);
+void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b);
+void jet_add_scaled(Jet *sum, double factor, const Jet *a);
 
-RARE Jet jet_multiply(const Jet *a, const Jet *b);
-RARE Jet jet_divide(const Jet *a, const Jet *b);
+Jet jet_multiply(const Jet *a, const Jet *b);
+Jet jet_divide(const Jet *a, const Jet *b);
 
 /* da/dt; its last coefficient is unknown and left 0. */
-RARE Jet jet_rate(const Jet *a);
+Jet jet_rate(const Jet *a);
 
 /* p[0] + p[1] x + ... + p[degree] x^degree */
-RARE Jet jet_polynomial(const double *p, int degree, const Jet *x);
+Jet jet_polynomial(const double *p, int degree, const Jet *x);
 
 #endif

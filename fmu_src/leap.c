@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "cold.h"
+#include "rare.h"
 
 enum { MAX_ITERATIONS = 12 };
 
@@ -489,7 +489,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end is left out: a root of time,
  * see vary_in_parts(). */
-COLD static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+RARE static bool vary(const Way *way, const Leap *leap, double torque, Variation *v) {
     const Radau *r = leap->method;
     const System s = {.way = way, .method = r, .h = leap->h};
     const int n = r->stages;
@@ -523,7 +523,7 @@ typedef struct {
 } Front;
 
 /* Moves on by t seconds in one leap. */
-COLD static bool move_front(const Way *way, double t, double torque, Front *front) {
+RARE static bool move_front(const Way *way, double t, double torque, Front *front) {
     Leap leap;
     Way here = *way;
     here.inputs = &front->inputs;
@@ -539,7 +539,7 @@ COLD static bool move_front(const Way *way, double t, double torque, Front *fron
  * in leaps that agree with two of half their length, or that are short against the times from start and end, where
  * only rounding can be what differs. Next to start and end it is the root: the errors are of the root of the length, so
  * that one leap and two halves together tell them (Richardson's extrapolation). */
-COLD static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
+RARE static bool vary_in_parts(const Way *way, const Leap *leap, double torque, Variation *v) {
     enum { TRIALS = 300 };
     static const double ALLOWED = 1e-9, SHORT = 0.25, SHORTEST = 1e-4, ROOT = 3.414213562373095; /* 1/(1 - sqrt(1/2)) */
     Front front = {*way->inputs, leap->start, *v};
@@ -567,7 +567,7 @@ COLD static bool vary_in_parts(const Way *way, const Leap *leap, double torque, 
     return true;
 }
 
-COLD bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
+RARE bool leap_vary(const Way *way, const Leap *leap, double torque, Variation *v) {
     return way->kind == FLOW_INERTIAL ? vary(way, leap, torque, v) : vary_in_parts(way, leap, torque, v);
 }
 

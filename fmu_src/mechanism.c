@@ -7,11 +7,11 @@
 
 #include "bernstein.h"
 #include "check.h"
-#include "cold.h"
 #include "decide.h"
 #include "event.h"
 #include "leg.h"
 #include "play.h"
+#include "rare.h"
 #include "rates.h"
 #include "stick.h"
 
@@ -134,7 +134,7 @@ static bool renew_course(Mechanism *m, Fault *fault) {
     return true;
 }
 
-COLD bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+RARE bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
     build_model(m);
     return true;
@@ -778,7 +778,7 @@ static void remember_tunables(Mechanism *m, const Params *next) {
     s->step.retuned = 1;
 }
 
-COLD void mechanism_rewind(Mechanism *m) {
+RARE void mechanism_rewind(Mechanism *m) {
     State *s = &m->state;
     const Step *step = &s->step;
     s->theta = step->theta;
@@ -800,7 +800,7 @@ COLD void mechanism_rewind(Mechanism *m) {
 
 /* ---- start and tuning ---- */
 
-COLD bool mechanism_start(Mechanism *m, Fault *fault) {
+RARE bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),

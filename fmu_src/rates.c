@@ -1,6 +1,6 @@
 #include "rates.h"
 
-RARE static void seed(Jet *jet, bool is_knob) {
+static void seed(Jet *jet, bool is_knob) {
     jet->c[0].slope = is_knob ? 1.0 : 0.0;
 }
 
@@ -15,7 +15,7 @@ void rates_along(const Mechanism *m, const Way *way, Knob knob, int last, Taylor
     taylor_follow(way, &now, last, out);
 }
 
-RARE static void slip_rates(const Mechanism *m, const Slip *slip, Rates *out) {
+static void slip_rates(const Mechanism *m, const Slip *slip, Rates *out) {
     const Launch launch = launch_of(m, slip);
     const Arc now = slip_arc_start(slip, &launch);
     *out = (Rates){.theta = {now.omega, now.alpha, now.jerk}};

@@ -10,9 +10,9 @@ typedef struct {
     double theta[3], z[3]; /* d/dt to d^3/dt^3 */
 } Rates;
 
-RARE void rates_of_motion(const Mechanism *m, Rates *out);
+void rates_of_motion(const Mechanism *m, Rates *out);
 
 /* The motion along one way to slip, up to the coefficient `last` of omega, with its derivatives by one knob. */
-RARE void rates_along(const Mechanism *m, const Way *way, Knob knob, int last, Taylor *out);
+void rates_along(const Mechanism *m, const Way *way, Knob knob, int last, Taylor *out);
 
 #endif

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "cold.h"
 #include "decide.h"
 #include "leg.h"
 #include "stick.h"
@@ -22,7 +21,7 @@ static int present_direction(const Mechanism *m) {
     return m->state.mode == MODE_LOADING ? 1 : -1;
 }
 
-COLD static Way present_way(const Mechanism *m) {
+static Way present_way(const Mechanism *m) {
     return way_from_here(m, slip_index(present_direction(m), m->state.flank));
 }
 
@@ -33,7 +32,7 @@ static bool is_viscous(const Mechanism *m) {
 /* ---- the edge of the stick band ---- */
 
 /* Is there a torque that moves it in `direction`? Then *way is along the band's edge, rho F_0 with *rho. */
-COLD static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
+static bool way_along_edge(const Mechanism *m, int direction, Way *way, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
@@ -64,7 +63,7 @@ static double give_of_edge(const Mechanism *m, const Pace *pace) {
 
 /* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'.
  * Both are smooth inside a piece, so that a central difference of order 4 has ten digits. */
-COLD static double speed_on_edge(const Way *way, double theta) {
+static double speed_on_edge(const Way *way, double theta) {
     static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
     const double step = 1e-3 * (way->piece->upper - way->piece->lower);
     const Pace now = balance_pace(way, theta, 0.0, 0.0);
@@ -106,7 +105,7 @@ static void carry_along_edge(const Mechanism *m, const Leg *leg, double t, Carri
 }
 
 /* `inputs`: those at the start of the leg. */
-COLD static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
+static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, double t, Carried *v) {
     if (leg->kind == LEG_NONE && leg->end == EVENT_STOP) return true;
     if (leg->kind == LEG_NONE) { /* a jam: at an event, or before anything has varied, or for an unknown reason */
         const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
@@ -191,7 +190,7 @@ static void pass_event(const Mechanism *m, const Leg *leg, Carried *v) {
 static const double BEGINNING = 1e-9;
 
 /* Back to a variation at a fixed time, by the motion that follows the event. */
-COLD static void enter_next(Mechanism *m, Carried *v) {
+static void enter_next(Mechanism *m, Carried *v) {
     const double omega = m->state.omega.hi;
     const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
     const int direction = present_direction(m);
@@ -215,7 +214,7 @@ COLD static void enter_next(Mechanism *m, Carried *v) {
 /* ---- the step ---- */
 
 /* False where there is no variation. */
-COLD static bool carry_through(Mechanism *m, double left, Carried *v) {
+static bool carry_through(Mechanism *m, double left, Carried *v) {
     Leg leg;
     for (;;) {
         enter_next(m, v);
@@ -230,7 +229,7 @@ COLD static bool carry_through(Mechanism *m, double left, Carried *v) {
     }
 }
 
-COLD void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     Mechanism again = *m; /* the course is m's own: not to be freed */
     Carried v = {.delay = 0.0};
     *out = (StepSensitivity){0.0, 0.0};

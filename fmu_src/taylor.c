@@ -8,7 +8,7 @@ static Dual plain(double value) {
 
 /* ---- along a given motion ---- */
 
-RARE static void around(const double p[COURSE_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
+static void around(const double p[COURSE_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
     const Jet value = jet_polynomial(p, COURSE_DEGREE, x);
     for (int k = 0; k < JET_TERMS; k++) out[k] = value.c[k].value;
 }
@@ -28,7 +28,7 @@ static Dual seeded(const Taylor *t, double value, Knob knob) {
     return (Dual){value, t->knob == knob ? 1.0 : 0.0};
 }
 
-RARE static Jet spring_along(const SpringParams *s, const Taylor *t) {
+static Jet spring_along(const SpringParams *s, const Taylor *t) {
     const double law[] = {s->preload, s->stiffness, s->stiffness2, s->stiffness3};
     Jet force = jet_polynomial(law, 3, &t->z);
     if (t->knob >= KNOB_PRELOAD && t->knob <= KNOB_STIFFNESS3) {
@@ -41,7 +41,7 @@ RARE static Jet spring_along(const SpringParams *s, const Taylor *t) {
 }
 
 /* v (c + q |v|) */
-RARE static Jet damper_along(const Way *w, const Taylor *t) {
+static Jet damper_along(const Way *w, const Taylor *t) {
     const bool up = w->direction > 0;
     const Dual c = seeded(t, w->c, up ? KNOB_C_LOAD : KNOB_C_RELEASE);
     const Dual q = seeded(t, w->q, up ? KNOB_Q_LOAD : KNOB_Q_RELEASE);
@@ -49,7 +49,7 @@ RARE static Jet damper_along(const Way *w, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-RARE static void grip_along(const Way *w, const Jet slope[2], Taylor *t) {
+static void grip_along(const Way *w, const Jet slope[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const double r = w->params->cam[i].radius;
         const Dual mu = dual_scale(w->direction * w->flank[i],
@@ -60,7 +60,7 @@ RARE static void grip_along(const Way *w, const Jet slope[2], Taylor *t) {
 }
 
 /* Kinematics, and n_i, d_i; returns d gamma/dt. */
-RARE static Jet move(const Way *w, Taylor *t) {
+static Jet move(const Way *w, Taylor *t) {
     const Jet from_here = jet_line(plain(-t->theta.c[0].value), plain(1.0), &t->theta);
     const Jet slope[2] = {jet_polynomial(t->slope[0], JET_TERMS - 1, &from_here),
                           jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
@@ -111,7 +111,7 @@ static double steepness(FlowKind kind, const Partials *by, int k, double stiffne
 }
 
 /* The value first, then, with it, the derivative by the knob. */
-RARE static void solve(const Way *w, int k, double by, Taylor *t) {
+static void solve(const Way *w, int k, double by, Taylor *t) {
     const int shift = w->kind == FLOW_INERTIAL ? -1 : w->kind == FLOW_VISCOUS ? 0 : 1;
     const int passes = t->knob == KNOB_COUNT ? 1 : 2;
     for (int pass = 0; by != 0.0 && pass < passes; pass++) {

@@ -30,14 +30,14 @@ typedef struct {
 } Taylor;
 
 /* The grooves around theta.c[0], in the way's piece. */
-RARE void taylor_place(const Way *way, Taylor *t);
+void taylor_place(const Way *way, Taylor *t);
 
 /* All that theta, omega, tau and F_ext imply. A way of kind FLOW_QUASISTATIC has no forces that depend on speed,
  * whatever its parameters say. R, A and W are one order short if there are masses. */
-RARE void taylor_balance(const Way *way, Taylor *t);
+void taylor_balance(const Way *way, Taylor *t);
 
 /* Finds omega's coefficients up to `last` <= 2, with theta's, from theta(0), the inputs and `now`; then balances.
  * Where following the edge of the band is not stable, it finds rest. */
-RARE void taylor_follow(const Way *way, const Balance *now, int last, Taylor *t);
+void taylor_follow(const Way *way, const Balance *now, int last, Taylor *t);
 
 #endif

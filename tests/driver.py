@@ -78,9 +78,24 @@ class Model:
         return self.document.attrib["guid"]
 
     @cached_property
-    def variables(self) -> dict[str, Variable]:
+    def listed(self) -> list[Variable]:
+        """All of the XML: states and their derivatives have a second name at the end."""
         elements = enumerate(self.document.iter("ScalarVariable"), start=1)
-        return {v.name: v for v in (_variable(element, index) for index, element in elements)}
+        return [_variable(element, index) for index, element in elements]
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        """By their first name."""
+        first: dict[int, Variable] = {}
+        for variable in self.listed:
+            first.setdefault(variable.reference, variable)
+        return {v.name: v for v in first.values()}
+
+    @cached_property
+    def by_index(self) -> dict[int, str]:
+        """First name of the variable at that place of the XML."""
+        first = {v.reference: v.name for v in self.variables.values()}
+        return {v.index: first[v.reference] for v in self.listed}
 
     def names(self, **wanted: list[str]) -> list[str]:
         """Variables with these attributes."""

@@ -652,7 +652,7 @@ def test_dependencies_are_those_of_the_description_and_of_fmi2(make3, model):
     fmu.start()
     assert {name: fmu.dependencies(name) for name in later} == later
     old = fmi2.models[model.identifier]
-    by_index = {v.index: name for name, v in old.variables.items()}
+    by_index = old.by_index
     structure = old.document.find("ModelStructure")
     for kind, mine in (("Outputs", later), ("Derivatives", later), ("InitialUnknowns", first)):
         for unknown in structure.find(kind) or ():
@@ -1011,6 +1011,8 @@ def test_variables_are_those_of_fmi2_and_some_more(model):
 @each_model
 def test_terminals_refer_to_variables_that_can_be_connected(unzipped3, model):
     path = unzipped3[model.identifier] / "terminalsAndIcons/terminalsAndIcons.xml"
+    with zipfile.ZipFile(fmi2.models[model.identifier].fmu) as old:
+        assert old.read("terminalsAndIcons/terminalsAndIcons.xml") == path.read_bytes()
     terminals = {t.attrib["name"]: t for t in ET.parse(path).getroot().iter("Terminal")}
     assert set(terminals) == {"shaft", "follower"}
     members = {

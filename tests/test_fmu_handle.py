@@ -69,9 +69,9 @@ def test_every_type_can_be_set_and_got(shared):
 def test_every_variable_can_be_read(fmu, make_model):
     raw = make_model(models["DualCamForward"])
     raw.start({"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0})
-    assert fmu.names == list(raw.model.variables)
-    for name in fmu.names:
-        found, expected = fmu.get(name), raw.get(name)
+    assert fmu.names == [variable.name for variable in raw.model.listed]
+    for name, first in zip(fmu.names, raw.model.by_index.values(), strict=True):
+        found, expected = fmu.get(name), raw.get(first)
         assert found == (expected.decode() if isinstance(expected, bytes) else expected), name
 
 

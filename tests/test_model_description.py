@@ -260,7 +260,7 @@ def test_nominals_are_orders_of_magnitude_of_the_default_mechanism(make, model):
     nominal = {
         v.attrib["name"]: float(v[0].attrib["nominal"])
         for v in model.document.iter("ScalarVariable")
-        if "nominal" in v[0].attrib
+        if "nominal" in v[0].attrib and v.attrib["name"] in model.variables
     }
     unstarted = {"output", "local", "input"}
     assert set(nominal) == {
@@ -335,16 +335,24 @@ def test_capabilities(model):
 
 def test_states_and_their_rates(model):
     """theta and omega are the forward FMU's states; the rate of one is the other."""
-    by_index = {v.index: name for name, v in model.variables.items()}
+    elements = list(model.document.iter("ScalarVariable"))
     rates = {
-        element.attrib["name"]: by_index[int(element[0].attrib["derivative"])]
-        for element in model.document.iter("ScalarVariable")
+        model.by_index[index]: model.by_index[int(element[0].attrib["derivative"])]
+        for index, element in enumerate(elements, start=1)
         if "derivative" in element[0].attrib
     }
     assert rates == ({"omega": "theta", "alpha": "omega"} if model is FORWARD else {})
-    elements = model.document.iter("ScalarVariable")
+    second = {e.attrib["name"]: model.by_index[i] for i, e in enumerate(elements, start=1)}
+    second = {name: first for name, first in second.items() if name != first}
+    if model is FORWARD:
+        assert second == {
+            "state.theta": "theta",
+            "state.omega": "omega",
+            "der(state.theta)": "omega",
+            "der(state.omega)": "alpha",
+        }
     jumping = {e.attrib["name"] for e in elements if e[0].attrib.get("reinit") == "true"}
-    assert jumping == set(rates.values())
+    assert jumping == {name for name in second if name.startswith("state.")}
     listed = unknowns(model, "Derivatives") if rates else {}
     assert set(listed) == set(rates)
     assert listed.get("alpha", set()) <= {"tau", "F_ext", "theta", "omega"}
@@ -355,9 +363,9 @@ def test_states_and_their_rates(model):
 
 
 def unknowns(model, kind):
-    by_index = {v.index: name for name, v in model.variables.items()}
+    name = model.by_index
     return {
-        by_index[int(u.attrib["index"])]: {by_index[int(i)] for i in u.attrib["dependencies"].split()}
+        name[int(u.attrib["index"])]: {name[int(i)] for i in u.attrib["dependencies"].split()}
         for u in model.document.find("ModelStructure").find(kind)
     }
 
@@ -370,13 +378,13 @@ def test_kinds_of_dependency(make, model):
         dependencies = unknown.attrib["dependencies"].split()
         named = unknown.attrib.get("dependenciesKind", "").split()
         assert len(named) == len(dependencies)
-        kinds |= {(int(unknown.attrib["index"]), int(d)): k for d, k in zip(dependencies, named, strict=True)}
+        of = model.by_index[int(unknown.attrib["index"])]
+        kinds |= {(of, model.by_index[int(d)]): k for d, k in zip(dependencies, named, strict=True)}
     constant = [pair for pair, kind in kinds.items() if kind != "dependent"]
     if model is INVERSE:
         assert not constant
         return
-    expected = (("theta", "theta"), ("omega", "omega"), ("theta", "initial.theta"))
-    assert constant == [tuple(model.variables[n].index for n in pair) for pair in expected]
+    assert constant == [("theta", "theta"), ("omega", "omega"), ("theta", "initial.theta")]
     for start in (0.0, 0.1, 1.3):
         for scene in ({}, MASSLESS, ELLIPSES | {"stop.upper": 1.5, "inertia.shaft": 0.0}):
             fmu = make()
