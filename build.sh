@@ -7,6 +7,7 @@ usage() {
 usage: ./build.sh [command] [arguments]
 
   (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
+  knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
   all      build both FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -84,6 +85,12 @@ case $command in
         build
         say "run system_examples/robot_joint.py"
         exec .venv/bin/python system_examples/robot_joint.py "$@"
+        ;;
+    knee)
+        install_dependencies .
+        build
+        say "run system_examples/prosthetic_knee.py"
+        exec .venv/bin/python system_examples/prosthetic_knee.py "$@"
         ;;
     all)
         install_dependencies .

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import control
 import numpy as np
@@ -89,26 +90,32 @@ class CurrentLoop:
         torque = min(max(torque, -motor.peak_torque), motor.peak_torque)
         reference = torque / motor.output_constant
         back_emf = motor.output_constant * speed
-        pole, period, decay_time = self.pole, self.period, motor.electrical_time
-        current, peak = self.current, abs(self.current)
+        highest, lowest = motor.voltage - back_emf, -motor.voltage - back_emf  # V over the winding
+        pole, period, gain, resistance = self.pole, self.period, self.proportional, motor.resistance
+        decay = motor.electrical_time * (1.0 - pole)  # s, integral of the winding's response from 1 to 0
+        decay_square = 0.5 * decay * (1.0 + pole)  # s, of its square
+        current, held, peak = self.current, self._voltage, abs(self.current)
         charge = square = energy = 0.0  # integrals of i, i^2 and v i
         for _ in range(self.samples):
             error = reference - current
-            wanted = self.proportional * error + self._voltage + back_emf
-            voltage = min(max(wanted, -motor.voltage), motor.voltage)
-            if voltage == wanted:  # else the integral part would wind up
-                self._voltage += self.integral * error
-            final = (voltage - back_emf) / motor.resistance
+            voltage = gain * error + held
+            if voltage > highest:
+                voltage = highest
+            elif voltage < lowest:
+                voltage = lowest
+            else:  # beyond the limits the integral part would wind up
+                held += self.integral * error
+            final = voltage / resistance
             start = current - final
-            area = final * period + start * decay_time * (1.0 - pole)
+            tail = start * decay
+            area = final * period + tail
             charge += area
-            square += final * final * period + start * decay_time * (1.0 - pole) * (
-                2.0 * final + 0.5 * start * (1.0 + pole)
-            )
-            energy += voltage * area
+            square += final * (area + tail) + start * start * decay_square
+            energy += (voltage + back_emf) * area
             current = final + start * pole
-            peak = max(peak, abs(current))
-        self.current = current
+            if current > peak or -current > peak:
+                peak = abs(current)
+        self.current, self._voltage = current, held
         duration = period * self.samples
         return Tick(
             torque=motor.output_constant * charge / duration,
@@ -277,3 +284,136 @@ def lqi_gains(bandwidth: float, period: float) -> tuple[float, float, float]:
     )
     angle, speed, integral = gains[0]
     return float(angle) * w**2, float(speed) * w, float(integral) * w**3
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """A periodic function of time as a Fourier series, with its derivatives."""
+
+    coefficients: tuple[float, ...]  # mean, then cosine and sine of each harmonic
+    period: float  # s
+
+    def sample(self, time: np.ndarray, order: int = 0) -> np.ndarray:
+        """The derivative of that order at these times [s]."""
+        total = np.full_like(time, self.coefficients[0] if order == 0 else 0.0)
+        pairs = zip(self.coefficients[1::2], self.coefficients[2::2], strict=True)
+        for n, (cosine, sine) in enumerate(pairs, start=1):
+            rate = 2.0 * math.pi * n / self.period
+            angle = rate * time + 0.5 * math.pi * order  # each derivative turns by a quarter and stretches
+            total += rate**order * (cosine * np.cos(angle) + sine * np.sin(angle))
+        return total
+
+
+class HingeMotion(NamedTuple):
+    """How a hinge moves from which a segment hangs: the inclination of its carrier [rad, + forward from
+    straight down] and the hinge's acceleration [m/s2], each with its derivatives."""
+
+    tilt: tuple[float, float, float, float, float]  # derivatives 0 to 4
+    forward: tuple[float, float, float]
+    upward: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class HingedPendulum:
+    """A rigid segment that hangs from a hinge on a moving carrier, as the shank hangs from the knee.
+
+    With psi the carrier's inclination, theta the flexion of the hinge, chi = psi - theta + lead the
+    inclination of the line from hinge to centre of mass, (a_x, a_y) the hinge's acceleration and M the torque
+    that extends the hinge, the moments about the moving hinge balance as
+
+        I chi'' + m d [a_x cos chi + (a_y + g) sin chi] = M
+
+    or I theta'' = drive - M with drive = I psi'' + m d [a_x cos chi + (a_y + g) sin chi].
+    """
+
+    inertia: float  # kg.m2, I about the hinge
+    moment: float  # kg.m, m d
+    lead: float  # rad, how far the centre of mass is ahead of the line that theta is measured to
+    gravity: float = 9.81  # m/s2
+
+    def drive(
+        self, hinge: HingeMotion, theta: float, omega: float = 0.0, alpha: float = 0.0
+    ) -> tuple[float, float, float]:
+        """The torque [N.m] that bends the hinge, and its first two time derivatives along a motion with these
+        theta [rad], omega [rad/s], alpha [rad/s2]."""
+        psi, psi1, psi2, psi3, psi4 = hinge.tilt
+        x, x1, x2 = hinge.forward
+        y, y1, y2 = hinge.upward
+        y += self.gravity
+        chi, turn, spin = psi - theta + self.lead, psi1 - omega, psi2 - alpha
+        c, s = math.cos(chi), math.sin(chi)
+        pull, across = x * c + y * s, y * c - x * s  # across = d pull/d chi
+        value = self.inertia * psi2 + self.moment * pull
+        first = self.inertia * psi3 + self.moment * (x1 * c + y1 * s + turn * across)
+        second = self.inertia * psi4 + self.moment * (
+            x2 * c + y2 * s + 2.0 * turn * (y1 * c - x1 * s) + spin * across - turn**2 * pull
+        )
+        return value, first, second
+
+
+@dataclass(frozen=True)
+class Impedance:
+    """A controller that acts like a spring and a damper between a joint and its reference motion."""
+
+    stiffness: float  # N.m/rad
+    damping: float  # N.m.s/rad
+
+    def torque(self, error: float, rate: float) -> float:
+        """Torque [N.m] for an error of the angle [rad] and of the speed [rad/s], both actual minus wanted."""
+        return -self.stiffness * error - self.damping * rate
+
+
+@dataclass(frozen=True)
+class EllipseCam:
+    """The dual cam with two equal grooves, elliptical arcs that start steep and flatten, under a spring
+    F = k z without preload and a linear damper that acts on the way back.
+
+    Both pins turn by psi = theta/2. With S = S0 - r psi/a and S0 = sin(atan((a/b) tan lambda_0)):
+    slope s = (b/a) S/sqrt(1 - S^2), z = b (sqrt(1 - S^2) - sqrt(1 - S0^2)), dz/dtheta = r s/2.
+    """
+
+    radius: float  # m
+    lead_angle: float  # rad, at theta = 0
+    ellipse_a: float  # m, semi-axis along the circumference
+    ellipse_b: float  # m, semi-axis along z
+    friction: float  # Coulomb coefficient
+    stiffness: float = 0.0  # N/m
+    release_damping: float = 0.0  # N.s/m
+
+    def slope_and_lift(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tangent of the lead angle, and z [m], at theta [rad]."""
+        a, b = self.ellipse_a, self.ellipse_b
+        start = math.sin(math.atan(a / b * math.tan(self.lead_angle)))
+        place = start - 0.5 * self.radius * theta / a
+        height = np.sqrt(1.0 - place**2)
+        return b / a * place / height, b * (height - math.sqrt(1.0 - start**2))
+
+    def torque(self, theta: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        """Torque [N.m] against +theta while it moves through theta [rad] with omega [rad/s], not zero.
+
+        The pin bears on the flank that the axial force presses it to, so friction acts with the sign e of
+        omega F: torque = F/(kappa_1 + kappa_2), kappa = (1 - e mu s)/(r (s + e mu)).
+        """
+        slope, lift = self.slope_and_lift(theta)
+        speed = 0.5 * self.radius * slope * omega
+        damper = np.where(speed < 0.0, self.release_damping * speed, 0.0)
+        force = self.stiffness * lift + damper
+        mu = self.friction * np.sign(omega) * np.sign(force)
+        return force * self.radius * (slope + mu) / (2.0 * (1.0 - mu * slope))
+
+    def parameters(self) -> dict[str, float]:
+        """The same mechanism as start values of the FMU."""
+        values = {
+            "spring.preload": 0.0,
+            "spring.stiffness": self.stiffness,
+            "damper.c_release": self.release_damping,
+        }
+        for cam in ("cam1", "cam2"):
+            values[f"{cam}.profile"] = 2
+            values[f"{cam}.ellipse_curvature"] = -1
+            values[f"{cam}.radius"] = self.radius
+            values[f"{cam}.lead_angle"] = self.lead_angle
+            values[f"{cam}.ellipse_a"] = self.ellipse_a
+            values[f"{cam}.ellipse_b"] = self.ellipse_b
+            values[f"{cam}.friction"] = self.friction
+        return values
