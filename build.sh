@@ -8,6 +8,7 @@ usage: ./build.sh [command] [arguments]
 
   (none)   build build/DualCamForward.fmu, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
+  door     build, then run system_examples/car_door.py; arguments go to it
   all      build both FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -91,6 +92,11 @@ case $command in
         build
         say "run system_examples/prosthetic_knee.py"
         exec .venv/bin/python system_examples/prosthetic_knee.py "$@"
+        ;;
+    door)
+        install_dependencies .
+        build
+        exec .venv/bin/python system_examples/car_door.py "$@"
         ;;
     all)
         install_dependencies .

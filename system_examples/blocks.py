@@ -417,3 +417,34 @@ class EllipseCam:
             values[f"{cam}.ellipse_b"] = self.ellipse_b
             values[f"{cam}.friction"] = self.friction
         return values
+
+
+def up_in_car(pitch: float, roll: float) -> np.ndarray:
+    """The upward vertical in a car's own axes (x to the rear, y to the right, z to the roof), a unit vector.
+
+    `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side [rad]. The car is turned by
+    R_x(roll) R_y(pitch); this is the last row.
+    """
+    return np.array([-math.cos(roll) * math.sin(pitch), math.sin(roll), math.cos(roll) * math.cos(pitch)])
+
+
+def hinged_load(
+    mass: float, hinge: tuple[np.ndarray, np.ndarray], centre: np.ndarray, up: np.ndarray
+) -> GravityLoad:
+    """The weight of a body [kg] about a tilted hinge, as the pendulum that it is.
+
+    `hinge`: two points of its axis [m]; theta is right-handed about the way from the first to the second.
+    `centre`: the body's centre of mass at theta = 0 [m], `up`: the vertical, all in the same axes. With e1
+    from the axis to the centre and e2 = axis x e1, both unit vectors, the centre is r up.(e1 cos + e2 sin)
+    high: a pendulum that leans atan2(-up.e2, up.e1) from upright, under the part of gravity across the axis.
+    """
+    first, second = hinge
+    axis = (second - first) / np.linalg.norm(second - first)
+    arm = np.cross(np.cross(axis, centre - first), axis)
+    along, across = float(up @ arm), float(up @ np.cross(axis, arm))  # m
+    return GravityLoad(moment=mass * math.hypot(along, across), lean=math.atan2(-across, along))
+
+
+def holding_torque(band: tuple[float, float], weight: float, margin: float) -> float:
+    """The smallest torque that keeps `weight` inside the stick band, `margin` away from its edges [N.m]."""
+    return min(max(weight, band[0] + margin), band[1] - margin) - weight

@@ -47,7 +47,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from blocks import CurrentLoop, GravityLoad, HelixCam, Motor, PickAndPlace, lqi_gains, spring_for
+from blocks import (
+    CurrentLoop,
+    GravityLoad,
+    HelixCam,
+    Motor,
+    PickAndPlace,
+    holding_torque,
+    lqi_gains,
+    spring_for,
+)
 from fmu import Slave
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -182,8 +191,7 @@ class JointController:
         """The smallest torque that keeps gravity inside the band, with a margin for what the model misses."""
         release, load = self.cam.band(theta)
         margin = HOLD_MARGIN * 0.5 * (load - release)
-        weight = self.load.torque(theta)
-        return min(max(weight, release + margin), load - margin) - weight
+        return holding_torque((release, load), self.load.torque(theta), margin)
 
 
 LEDGER = (
