@@ -17,6 +17,7 @@ usage: ./build.sh [command] [arguments]
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
+  ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
@@ -132,6 +133,11 @@ case $command in
         install_dependencies .
         build
         exec .venv/bin/python masters/run.py "$@"
+        ;;
+    ssp)
+        install_dependencies .
+        build
+        exec .venv/bin/python system_examples/ssp_run.py "$@"
         ;;
     check)
         install_dependencies '.[test]'

@@ -62,7 +62,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks", "system_examples")]
 import build_fmu  # noqa: E402
 import step_cost  # noqa: E402
-from fmu import Slave  # type: ignore[import-not-found]  # noqa: E402
+from fmu import Slave  # noqa: E402
 
 FMU = build_fmu.BUILD / "DualCamForward.fmu"
 PICTURE = ROOT / "docs" / "coupling.png"
