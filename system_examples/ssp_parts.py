@@ -87,13 +87,16 @@ OMEGA = reads("omega", "rad/s", "speed of the cam")
 RATIO = parameter("ratio", "1", 1.0, "angle of the cam over that of the output")
 OFFSET = parameter("offset", "rad", 0.0, "angle of the output at theta = 0")
 COMMAND = gives("command", "N.m", "torque asked of the motor, about the output")
-REFERENCE = gives("reference", "rad", "planned angle of the output at the end of the tick")
-SAMPLES = keeps("samples", "1", "samples taken so far")
-TICK = parameter("tick", "s", 1e-3, "time between two samples")
+REFERENCE = gives("reference", "rad", "planned angle of the output")
+NEWEST = keeps("newest", "1", "number of the newest tick whose command has been computed")
+START = (
+    parameter("initial.theta", "rad", 0.0, "theta at the start"),
+    parameter("initial.omega", "rad/s", 0.0, "omega at the start"),
+)
+TICK = parameter("tick", "s", 1e-3, "time between two commands")
 LIMIT = parameter("limit", "N.m", 12.0, "largest torque to ask for")
 INERTIA = parameter("inertia", "kg.m2", 0.2, "believed inertia of the output, rotor included")
 GRAVITY = parameter("gravity", "m/s2", 9.81, "gravity")
-INITIAL_THETA = parameter("initial.theta", "rad", 0.0, "theta at the start")
 TORQUE = gives("torque", "N.m", "torque about the output")
 
 MOTION = (
@@ -194,7 +197,7 @@ PENDULUM_LOAD = Part(
         GRAVITY,
         RATIO,
         OFFSET,
-        INITIAL_THETA,
+        START[0],
     ),
 )
 SHANK_LOAD = Part(
@@ -213,7 +216,7 @@ SHANK_LOAD = Part(
         *fourier("thigh", "rad", "inclination of the thigh"),
         *fourier("forward", "m", "knee's way forward"),
         *fourier("upward", "m", "knee's way upward"),
-        INITIAL_THETA,
+        START[0],
     ),
 )
 JOINT_CONTROLLER = Part(
@@ -238,7 +241,8 @@ JOINT_CONTROLLER = Part(
         *HOLD,
         keeps("integral", "rad.s", "integral of the angle's error"),
         keeps("resting", "1", "1 if it rests in the stick band, else 0"),
-        SAMPLES,
+        *START,
+        NEWEST,
     ),
 )
 DOOR_CONTROLLER = Part(
@@ -263,7 +267,8 @@ DOOR_CONTROLLER = Part(
         *MOTION,
         *HOLD,
         keeps("distance", "rad", "distance to the profile"),
-        SAMPLES,
+        *START,
+        NEWEST,
     ),
 )
 KNEE_CONTROLLER = Part(
@@ -280,7 +285,8 @@ KNEE_CONTROLLER = Part(
         parameter("damping", "N.m.s/rad", 5.0, "torque over the speed's error"),
         *SWING,
         *fourier("knee", "rad", "flexion of the knee"),
-        SAMPLES,
+        *START,
+        NEWEST,
     ),
 )
 PARTS = (MOTOR, PENDULUM_LOAD, SHANK_LOAD, JOINT_CONTROLLER, DOOR_CONTROLLER, KNEE_CONTROLLER)
@@ -335,11 +341,11 @@ def description(part: Part, guid: str) -> str:
         if v.causality == OUTPUT:
             facts["initial"] = "calculated"
         elif v.causality == LOCAL:
-            facts |= {"initial": "exact", "variability": "discrete"}
-        elif v.causality == PARAMETER:
-            facts["initial"] = "exact"
-        if v.causality != OUTPUT:
+            facts |= {"initial": "calculated", "variability": "discrete"}
+        else:
             real["start"] = repr(v.start)
+        if v.causality == PARAMETER:
+            facts["initial"] = "exact"
         ET.SubElement(ET.SubElement(variables, "ScalarVariable", facts), "Real", real)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [str(i) for i, v in enumerate(part.variables, start=1) if v.causality == OUTPUT]

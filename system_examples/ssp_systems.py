@@ -1,10 +1,11 @@
 """The three examples as systems of FMUs: the cam, a controller, a motor with its current loop, a load.
 
-The cam's torque is the motor's and the load's. Communication points are the samples of the current loop, 20
-kHz; the controllers take theirs at 1 kHz, as in Python. What differs from the Python versions: a
-controller's command reaches the motor one communication step late and the motor's torque the cam another
-one, 0.1 ms in all, as if the drive took that time to compute; and the motor's torque is held over 50 us
-instead of averaged over 1 ms. The load's torque is computed ahead for the time at which it acts.
+The cam's torque is the motor's and the load's. Communication points are the samples of the current loop,
+20 kHz; the controllers give a command per tick of 1 ms, as in Python. In an explicit coupling a command
+reaches the motor one step late and the motor's torque the cam another one. So controllers and load compute
+ahead: for the time two steps on, and the angle and speed expected then. What differs from the Python
+versions is that expectation, and that the motor's torque acts as it is every 50 us, not averaged over a
+tick.
 """
 
 from __future__ import annotations
@@ -183,6 +184,7 @@ def elbow() -> Example:
                 "hold.tolerance": e.HOLD_TOLERANCE,
                 "hold.speed": e.HOLD_SPEED,
                 "hold.margin": e.HOLD_MARGIN,
+                "initial.theta": e.MOTION.start,
             },
         ),
         motor(e.AK80_6, load.torque(e.MOTION.start)),
@@ -238,6 +240,7 @@ def door() -> Example:
                 **motion(e.MOTION),
                 "hold.speed": e.HOLD_SPEED,
                 "hold.margin": e.REST_MARGIN,
+                "initial.theta": begin,
             },
         ),
         motor(e.MOTOR, load.torque(e.MOTION.start), ratio),
@@ -306,6 +309,8 @@ def knee() -> Example:
                 "damping": impedance.damping,
                 **stride,
                 **series("knee", walker.knee),
+                "initial.theta": start,
+                "initial.omega": float(swing.speed[0]),
             },
         ),
         motor(drive_motor, pendulum.drive(swing.hinge[0], start + swing.extension)[0]),

@@ -28,8 +28,16 @@ double fourier(const double coefficients[COEFFICIENTS], double period, double ti
     return total;
 }
 
-bool sample_is_due(double *count, double tick, double time, double step) {
-    if (*count * tick >= time + 0.5 * step) return false;
-    *count += 1.0;
+bool tick_is_due(double *newest, double tick, double time, double step, Sample *sample) {
+    const double due = floor((time + 2.5 * step) / tick);
+    if (due <= *newest) return false;
+    *newest = due;
+    const double beside = due * tick - (time + 2.0 * step); /* rounding, if a tick is a whole number of steps */
+    *sample = (Sample){due * tick, fabs(beside) < 1e-6 * step ? 2.0 * step : 2.0 * step + beside};
     return true;
+}
+
+Point carried_on(Point joint, double lead, Point now, Point then, double tick) {
+    const double gained = lead * (then.speed - now.speed) / tick;
+    return (Point){joint.angle + lead * (joint.speed + 0.5 * gained), joint.speed + gained};
 }
