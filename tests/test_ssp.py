@@ -418,6 +418,16 @@ def test_beside_the_python_version(examples, runs, name, apart):
         assert found == pytest.approx(told, rel=ssp_run.NUMBERS_APART)
 
 
+@pytest.mark.parametrize(
+    ("name", "apart"), [("robot_joint", 1e-5), ("car_door", 2e-5), ("prosthetic_knee", 1e-3)]
+)
+def test_steps_as_long_as_a_tick(examples, name, apart):
+    """Then a command is on its way for two ticks."""
+    example = examples[name]
+    found, told = example.course(package_run(example, TICK)), example.original()
+    assert np.max(np.abs(found.angle - told.angle[: len(found.angle)])) < apart
+
+
 def test_the_order_of_components_does_not_matter(examples):
     """Side by side is side by side."""
     system = examples["prosthetic_knee"].system
