@@ -69,6 +69,7 @@ CURRENT_BANDWIDTH = 1e3  # Hz
 SWING = (0.65, 1.0)  # toe-off to heel strike, in strides
 CADENCES = (0.8, 1.0, 1.2)  # of the self-selected one
 NATURAL_FREQUENCY = 3.0  # Hz, of the shank on the impedance's spring: 2.6 N.m/deg for the first subject
+OTHER_FREQUENCIES = (2.0, 5.0, 8.0)  # Hz, what a softer and stiffer impedance makes of it
 DAMPING_RATIO = 0.7
 RANGE = math.radians(80.0)  # between the stops; the measured swings take 60 and 71 deg
 
@@ -390,17 +391,20 @@ class Result:
         return slice(0, int(hits[0]) if len(hits) else None)
 
 
-def impedance(inertia: float) -> Impedance:
-    """The controller of all joints."""
-    frequency = 2.0 * math.pi * NATURAL_FREQUENCY
-    return Impedance(frequency**2 * inertia, 2.0 * DAMPING_RATIO * frequency * inertia)
+def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance:
+    """The controller of all joints, of this natural frequency [Hz]."""
+    rate = 2.0 * math.pi * frequency
+    return Impedance(rate**2 * inertia, 2.0 * DAMPING_RATIO * rate * inertia)
 
 
-def simulate(slave: Slave, motion: Swing, joint: str, cam: EllipseCam) -> Result:
-    """Run one swing with `joint` BARE, CAM or PASSIVE; `cam` is the design at the self-selected cadence."""
+def simulate(
+    slave: Slave, motion: Swing, joint: str, cam: EllipseCam, frequency: float = NATURAL_FREQUENCY
+) -> Result:
+    """Run one swing with `joint` BARE, CAM or PASSIVE, `cam` as designed at the self-selected cadence, and an
+    impedance of this natural frequency [Hz]."""
     motor, pendulum = AK80_6_BELT, motion.walker.pendulum
     inertia = pendulum.inertia + motor.inertia
-    controller = impedance(inertia)
+    controller = impedance(inertia, frequency)
     current_loop = CurrentLoop(motor, CURRENT_BANDWIDTH, CURRENT_RATE, TICK)
     ticks = len(motion.time) - 1
     plan = list(zip(motion.angle.tolist(), motion.speed.tolist(), strict=True))
@@ -470,6 +474,17 @@ def run(fmu: str | Path) -> Results:
             for walker in (DESIGN_WALKER, CHECK_WALKER)
             for cadence in CADENCES
             for joint in JOINTS
+        }
+
+
+def run_stiffness(fmu: str | Path) -> dict[tuple[float, str], Result]:
+    """The first subject's self-selected swing by natural frequency of the impedance [Hz] and joint."""
+    cam, motion = design_cam(), swing(DESIGN_WALKER, 1.0)
+    with Slave(fmu) as slave:
+        return {
+            (frequency, joint): simulate(slave, motion, joint, cam, frequency)
+            for frequency in OTHER_FREQUENCIES
+            for joint in (BARE, CAM)
         }
 
 
@@ -563,10 +578,26 @@ def swing_table(results: Results) -> list[str]:
     return lines
 
 
-def table(results: Results) -> str:
+def stiffness_table(stiffness: dict[tuple[float, str], Result]) -> list[str]:
+    """What a softer and a stiffer impedance make of the first subject's self-selected swing."""
+    lines = ["First subject, self-selected, under softer and stiffer impedances: no cam / cam"]
+    for frequency in OTHER_FREQUENCIES:
+        bare, cam = stiffness[frequency, BARE], stiffness[frequency, CAM]
+        stiff = math.radians(impedance(cam.inertia, frequency).stiffness)
+        lines.append(
+            f"  {frequency:.0f} Hz, {stiff:5.2f} N.m/deg:"
+            f" error {bare.rms_error:.2f} / {cam.rms_error:.2f} deg,"
+            f" heat {bare.heat:.2f} / {cam.heat:.2f} J, drawn {bare.drawn:.2f} / {cam.drawn:.2f} J,"
+            f" impact {bare.impact_speed:.0f} / {cam.impact_speed:.0f} deg/s"
+        )
+    return lines
+
+
+def table(results: Results, stiffness: dict[tuple[float, str], Result]) -> str:
     """Check, design and results as plain text."""
     title = "Swing of a prosthetic knee, toe-off to heel strike; T-Motor AK80-6 with a 2:1 belt"
-    return "\n".join([title, "", *check_table(), "", *design_table(), "", *swing_table(results)])
+    blocks = check_table(), design_table(), swing_table(results), stiffness_table(stiffness)
+    return "\n\n".join([title, *("\n".join(block) for block in blocks)])
 
 
 def findings(results: Results) -> str:
@@ -603,7 +634,9 @@ def findings(results: Results) -> str:
         "Without the cam the peaks are the motor's answer to the impact: until then it needs"
         f" {np.max(bare.power[free]):.0f} W and {np.max(bare.peak_torque[free]):.1f} N.m. With the cam the"
         " peak comes after full extension, where the measured knee bends again: a way the cam cannot push.",
-        "So a controller that knew the swing beforehand would save little peak torque with the cam:"
+        "A stiffer impedance makes the impact without the cam softer and the saving in drawn energy smaller;"
+        " heat falls all the same.",
+        "A controller that knew the swing beforehand would save little peak torque with the cam:"
         f" {np.abs(motion.demand).max():.0f} N.m without, {np.abs(rest).max():.0f} N.m with it. Its heat"
         f" would still fall, from {exact_heat(motion.demand):.1f} to {exact_heat(rest):.1f} J.",
         f"At the fast cadence the motor draws more with the cam ({fast_cam.drawn:.1f} against"
@@ -650,7 +683,7 @@ def picture(results: Results, output: Path) -> None:
     _draw_torque(axes[1, 0], shown)
     _draw_energy(axes[1, 1], cam)
     _draw_bars(axes[2, 0], results, "heat", "Motor heat per swing [J]", (BARE, CAM))
-    _draw_bars(axes[2, 1], results, "impact_speed", "Terminal impact [deg/s]", JOINTS)
+    _draw_bars(axes[2, 1], results, "impact_speed", "Terminal impact [deg/s] (no bar: no hit)", JOINTS)
     output.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(output, dpi=110)
 
@@ -701,10 +734,17 @@ def _draw_torque_angle(axes: Axes, motion: Swing) -> None:
         lw=0,
         label="left to the motor while extending",
     )
-    for percent, shift in ((65, -12), (70, 3), (75, -11), (85, 6), (90, -12), (100, 6)):
+    for percent, offset in (
+        (65, (-30, 4)),
+        (70, (6, 3)),
+        (75, (8, -3)),
+        (85, (6, 6)),
+        (90, (6, -12)),
+        (100, (6, 6)),
+    ):
         k = int(np.argmin(np.abs(percent_of_stride(motion) - percent)))
         place = (degrees[k], motion.demand[k])
-        axes.annotate(f"{percent} %", place, textcoords="offset points", xytext=(6, shift), fontsize=9)
+        axes.annotate(f"{percent} %", place, textcoords="offset points", xytext=offset, fontsize=9)
         axes.plot(*place, "k.", ms=7)
     axes.axhline(0.0, color="k", lw=0.6)
     axes.set_title("Design: the cam's torque against what the motion asks for")
@@ -761,7 +801,7 @@ def _draw_bars(axes: Axes, results: Results, what: str, title: str, joints: Sequ
             value = getattr(results[walker.name, cadence, joint], what)
             place = i + (i >= len(CADENCES)) * 0.4 + (j - 0.5 * (len(joints) - 1)) * width
             axes.bar(place, value, 0.92 * width, color=COLOURS[joint], label=joint if i == 0 else None)
-            text = f"{value:.1f}" if what == "heat" else f"{value:.0f}" if value > 0.0 else "none"
+            text = f"{value:.1f}" if what == "heat" else f"{value:.0f}" if value > 0.0 else ""
             axes.text(place, value, text, ha="center", va="bottom", fontsize=8)
     places = [i + (i >= len(CADENCES)) * 0.4 for i in range(len(labels))]
     axes.set_xticks(places, labels)
@@ -781,7 +821,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--output", type=Path, default=build / "prosthetic_knee.png", help="picture to write")
     options = parser.parse_args(arguments)
     results = run(options.fmu)
-    print(table(results))
+    print(table(results, run_stiffness(options.fmu)))
     print()
     print(findings(results))
     print()

@@ -1,6 +1,7 @@
 """The prosthetic knee example: data against published figures, physics against SciPy and balances."""
 
 import math
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -42,6 +43,14 @@ def test_knee_angle_is_the_published_one(walker, rms):
     percent, angle, _ = np.array(walker.published).T
     curve = np.degrees(Periodic(walker.knee, 100.0).sample(percent))
     assert np.sqrt(np.mean((curve - angle) ** 2)) < rms
+
+
+def test_thigh_inclination_is_the_published_hip_flexion():
+    """Of the first subject, from 65 % in steps of 5; the published one is against the trunk, which leans by a
+    few degrees."""
+    hip = [6.4, 14.0, 19.2, 21.8, 22.3, 21.0, 20.0, 21.0]  # deg
+    thigh = np.degrees(Periodic(WALKERS[0].thigh, 100.0).sample(np.arange(65.0, 101.0, 5.0)))
+    assert np.sqrt(np.mean((thigh - hip) ** 2)) < 1.5
 
 
 @pytest.mark.parametrize("walker", WALKERS)
@@ -286,6 +295,20 @@ def test_cam_cools_the_motor_and_softens_the_impact_everywhere(results):
             assert result.impact_speed < 0.5 * bare.impact_speed
 
 
+def test_softer_and_stiffer_impedances():
+    runs = example.run_stiffness(FMU)
+    saved = []
+    for frequency in example.OTHER_FREQUENCIES:
+        bare, cam = runs[frequency, BARE], runs[frequency, CAM]
+        assert cam.heat < 0.4 * bare.heat
+        assert cam.rms_error < bare.rms_error
+        assert cam.impact_speed < 0.2 * bare.impact_speed
+        saved.append(1.0 - cam.drawn / bare.drawn)
+    impacts = [runs[frequency, BARE].impact_speed for frequency in example.OTHER_FREQUENCIES]
+    assert impacts == sorted(impacts, reverse=True)
+    assert saved == sorted(saved, reverse=True)  # the stiffer, the less
+
+
 def test_where_the_cam_does_not_help(results):
     for walker in (FIRST, SECOND):
         for cadence in example.CADENCES:
@@ -301,6 +324,25 @@ def test_motor_off(results):
     assert results[FIRST, 0.8, PASSIVE].impact_speed > results[FIRST, 0.8, BARE].impact_speed
     late = results[FIRST, 1.2, PASSIVE]
     assert late.theta[-1] > late.swing.angle[-1] + math.radians(5.0)
+
+
+def test_readme_says_what_the_example_prints(results):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (first|second) subject, (\d+) \| ([^|]+?) \| (.*) \|$", text, re.MULTILINE)
+    assert len(rows) == 8
+    for subject, rate, joint, cells in rows:
+        walker = WALKERS[subject == "second"]
+        result = results[walker.name, round(int(rate) * walker.stride / 60.0, 1), joint]
+        figures = (result.rms_error, result.heat, result.drawn, result.net, result.peak_power)
+        for cell, value in zip(
+            cells.split(" | "), (*figures, result.largest_torque, result.impact_speed), strict=True
+        ):
+            if cell == "none":
+                assert value == 0.0
+                continue
+            number = cell.split()[0]
+            digits = len(number.partition(".")[2])
+            assert float(number) == pytest.approx(value, abs=0.51 * 10.0**-digits)
 
 
 def test_command_line(tmp_path, capsys):

@@ -215,6 +215,15 @@ def test_what_cannot_be_is_refused(part, slave):
     slave.step(STEP)
 
 
+@pytest.mark.parametrize(
+    ("part", "name"),
+    [(ssp_parts.MOTOR, "ratio"), (ssp_parts.PENDULUM_LOAD, "ratio"), (ssp_parts.SHANK_LOAD, "stride")],
+)
+def test_parameters_without_meaning_are_noticed(examples, part, name, capsys):
+    with Slave(part.path) as slave, pytest.raises(FMICallException):
+        slave.start({name: 0.0})
+
+
 def test_a_controller_refuses_steps_beyond_its_tick(part, slave):
     slave.start({})
     if "tick" not in [v.name for v in part.variables]:

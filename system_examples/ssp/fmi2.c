@@ -73,6 +73,16 @@ fmi2Status fmi2Reset(fmi2Component c) {
     return fmi2OK;
 }
 
+/* Parameters that make no sense, such as a ratio of 0, show in what is computed from them. */
+static fmi2Status check_values(Instance *self) {
+    for (size_t i = 0; i < VARIABLE_COUNT; i++) {
+        if (!isfinite(self->value[i])) {
+            return refuse(self, "%s = %g is not a finite number", VARIABLES[i].name, self->value[i]);
+        }
+    }
+    return fmi2OK;
+}
+
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Instance *self = c;
     if (self->phase != INSTANTIATED) return refuse(self, "it is already initialized");
@@ -86,7 +96,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     if (self->phase != INITIALIZING) return refuse(self, "it is not in initialization mode");
     part_initialize(self->value); /* parameters may have come late */
     self->phase = RUNNING;
-    return fmi2OK;
+    return check_values(self);
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_set_state) {
@@ -97,7 +107,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         return refuse(self, "a step of %g s at %g s", step, time);
     }
     const char *reason = part_step(self->value, time, step);
-    return reason == NULL ? fmi2OK : refuse(self, "a step of %g s at %g s: %s", step, time, reason);
+    return reason == NULL ? check_values(self) : refuse(self, "a step of %g s at %g s: %s", step, time, reason);
 }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Real value[]) {

@@ -25,7 +25,7 @@ const char *part_step(double v[], double time, double step) {
     const double reference = clamp(v[COMMAND], v[PEAK_TORQUE]) / constant;
     const double back_emf = constant * v[OMEGA] / v[RATIO];
     double charge = 0.0; /* integral of i */
-    for (int k = 0; k < (int)samples; k++) {
+    for (double k = 0.0; k < samples; k += 1.0) {
         const double error = reference - v[CURRENT];
         const double wanted = gain * error + v[CURRENT_INTEGRAL] + back_emf;
         const double voltage = clamp(wanted, v[VOLTAGE]);
