@@ -18,6 +18,7 @@ usage: ./build.sh [command] [arguments]
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
+  ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   check    lint, type check, and the C code under sanitizers and valgrind
   help     this text
 
@@ -75,6 +76,15 @@ install_dependencies() {
 
 build() { .venv/bin/python fmu_src/build_fmu.py "$@"; }
 
+# run_program REQUIREMENT [-m] PROGRAM [ARGUMENTS]: installs, builds, and becomes that Python program.
+run_program() {
+    install_dependencies "$1"
+    shift
+    build
+    say "run $*"
+    exec .venv/bin/python "$@"
+}
+
 command=${1-example}
 [ $# -eq 0 ] || shift
 cd "$(repository)"
@@ -82,62 +92,20 @@ export ZIG_GLOBAL_CACHE_DIR="${ZIG_GLOBAL_CACHE_DIR:-$PWD/build/zig-cache}"
 export ZIG_LOCAL_CACHE_DIR="${ZIG_LOCAL_CACHE_DIR:-$PWD/build/zig-cache}"
 
 case $command in
-    example)
-        install_dependencies .
-        build
-        say "run system_examples/robot_joint.py"
-        exec .venv/bin/python system_examples/robot_joint.py "$@"
-        ;;
-    knee)
-        install_dependencies .
-        build
-        say "run system_examples/prosthetic_knee.py"
-        exec .venv/bin/python system_examples/prosthetic_knee.py "$@"
-        ;;
-    door)
-        install_dependencies .
-        build
-        exec .venv/bin/python system_examples/car_door.py "$@"
-        ;;
+    example) run_program . system_examples/robot_joint.py "$@" ;;
+    knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
+    door) run_program . system_examples/car_door.py "$@" ;;
+    ssp) run_program . system_examples/ssp_run.py "$@" ;;
+    test) run_program '.[test]' -m pytest -n 2 "$@" ;;
+    fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;
+    bench) run_program . benchmarks/step_cost.py "$@" ;;
+    loop) run_program . benchmarks/loop_cost.py "$@" ;;
+    coupling) run_program . benchmarks/coupling.py "$@" ;;
+    stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
+    masters) run_program . masters/run.py "$@" ;;
     all)
         install_dependencies .
         build --all
-        ;;
-    test)
-        install_dependencies '.[test]'
-        build
-        say "run the tests"
-        exec .venv/bin/python -m pytest -n 2 "$@"
-        ;;
-    fuzz)
-        install_dependencies '.[test]'
-        build
-        exec .venv/bin/python -m pytest tests/test_properties.py --hypothesis-profile long "$@"
-        ;;
-    bench)
-        install_dependencies .
-        build
-        exec .venv/bin/python benchmarks/step_cost.py "$@"
-        ;;
-    loop)
-        install_dependencies .
-        build
-        exec .venv/bin/python benchmarks/loop_cost.py "$@"
-        ;;
-    stress)
-        install_dependencies '.[test]'
-        build
-        exec .venv/bin/python benchmarks/stress.py "$@"
-        ;;
-    coupling)
-        install_dependencies .
-        build
-        exec .venv/bin/python benchmarks/coupling.py "$@"
-        ;;
-    masters)
-        install_dependencies .
-        build
-        exec .venv/bin/python masters/run.py "$@"
         ;;
     check)
         install_dependencies '.[test]'

@@ -9,6 +9,7 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from zipfile import ZipFile
 
 import install
 import numpy as np
@@ -89,10 +90,24 @@ def fmi4j(scene: Scene, path: Path, folder: Path) -> Result:
     return read(outputs)
 
 
+def without_units(path: Path, folder: Path) -> Path:
+    """A copy whose variables have no unit and no nominal value, which fmi-sim does not read in FMI 3.0."""
+    copy = folder / path.name
+    with ZipFile(path) as old, ZipFile(copy, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                head, mark, variables = content.decode().partition("<ModelVariables>")
+                content = (head + mark + re.sub(r' (unit|nominal)="[^"]*"', "", variables)).encode()
+            new.writestr(name, content)
+    return copy
+
+
 def fmi_sim(scene: Scene, path: Path, folder: Path, kind: str = "co-simulation") -> Result:
     program = install.fmi_sim()
     outputs = folder / "outputs.csv"
-    command: list[str | Path] = [program, "--model", path, "--output-file", outputs]
+    model = without_units(path, folder) if path.parent.name == "fmi3" else path
+    command: list[str | Path] = [program, "--model", model, "--output-file", outputs]
     if scene.inputs:
         command += ["--input-file", scene.write_inputs(folder / "inputs.csv")]
     command += [kind, "--output-interval", repr(scene.step), "-f", repr(scene.duration)]

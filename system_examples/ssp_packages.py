@@ -1,0 +1,259 @@
+"""Systems of FMUs as SSP packages (SSP 1.0), and the same systems coupled by FMPy.
+
+A package holds SystemStructure.ssd (components, connectors with units, connections), and under resources
+the FMUs and, for each component, its start values (.ssv). All parameter sets have one name, START: ecos
+applies the sets of a name, libcosim the first of each component.
+
+Masters couple such a system explicitly, all components side by side (Jacobi): the outputs at t are the
+inputs over [t, t + step]. couple() does exactly that, with nothing but the package.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import tempfile
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from ssp_parts import build_fmu
+
+from dualcam import Fmu, Reals
+
+FOLDER = build_fmu.BUILD / "ssp"
+START = "start"
+NAMES = {
+    kind: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for kind, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
+}
+NAMES["osp"] = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+for prefix, address in NAMES.items():
+    ET.register_namespace(prefix, address)
+
+Value = float | int
+Columns = Mapping[str, np.ndarray]
+
+
+def tag(name: str) -> str:
+    """`ssd:Component` as ElementTree wants it."""
+    prefix, local = name.split(":")
+    return f"{{{NAMES[prefix]}}}{local}"
+
+
+def add(parent: ET.Element, name: str, /, **attributes: str) -> ET.Element:
+    return ET.SubElement(parent, tag(name), attributes)
+
+
+def document(root: ET.Element) -> bytes:
+    ET.indent(root)
+    file = io.BytesIO()
+    ET.ElementTree(root).write(file, encoding="UTF-8", xml_declaration=True)
+    return file.getvalue() + b"\n"
+
+
+def split(end: str) -> tuple[str, str]:
+    """Component and variable of `cam.energy.spring`."""
+    component, _, variable = end.partition(".")
+    return component, variable
+
+
+@dataclass(frozen=True)
+class Component:
+    name: str
+    fmu: Path
+    values: Mapping[str, Value]  # start values of parameters
+
+    @cached_property
+    def description(self) -> ET.Element:
+        with zipfile.ZipFile(self.fmu) as archive:
+            return ET.fromstring(archive.read("modelDescription.xml"))
+
+    @cached_property
+    def variables(self) -> dict[str, tuple[str, ET.Element]]:
+        """Causality and type by name."""
+        rows = self.description.iter("ScalarVariable")
+        return {row.attrib["name"]: (row.attrib["causality"], row[0]) for row in rows}
+
+    @cached_property
+    def units(self) -> dict[str, dict[str, str]]:
+        """Exponents of the base units by unit."""
+        return {u.attrib["name"]: dict(u[0].attrib) for u in self.description.iter("Unit")}
+
+
+@dataclass(frozen=True)
+class System:
+    name: str
+    text: str
+    components: tuple[Component, ...]
+    connections: tuple[tuple[str, str], ...]  # output and input, as component.variable
+    step: float  # s, communication step
+    duration: float  # s
+
+    @property
+    def path(self) -> Path:
+        return FOLDER / f"{self.name}.ssp"
+
+    def write(self) -> Path:
+        """The package."""
+        members = {"SystemStructure.ssd": document(structure(self))}
+        for component in self.components:
+            members[f"resources/{component.fmu.name}"] = component.fmu.read_bytes()
+            members[f"resources/{component.name}.ssv"] = document(parameters(component))
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = self.path.with_suffix(f".{os.getpid()}")
+        build_fmu.write_archive(unfinished, members)
+        unfinished.replace(self.path)
+        return self.path
+
+
+def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]) -> None:
+    element = add(root, f"{prefix}:Units")
+    for name, base in sorted(units.items()):
+        add(add(element, "ssc:Unit", name=name), "ssc:BaseUnit", **base)
+
+
+def structure(system: System) -> ET.Element:
+    """SystemStructure.ssd."""
+    root = ET.Element(tag("ssd:SystemStructureDescription"), name=system.name, version="1.0")
+    content = add(root, "ssd:System", name=system.name, description=system.text)
+    elements, units = add(content, "ssd:Elements"), dict[str, dict[str, str]]()
+    connected = {end for pair in system.connections for end in pair}
+    for component in system.components:
+        element = add(
+            elements,
+            "ssd:Component",
+            name=component.name,
+            type="application/x-fmu-sharedlibrary",
+            source=f"resources/{component.fmu.name}",
+            implementation="CoSimulation",
+        )
+        connectors = add(element, "ssd:Connectors")
+        for name, (kind, data) in component.variables.items():
+            if f"{component.name}.{name}" in connected or kind == "output" or name in component.values:
+                connector = add(connectors, "ssd:Connector", name=name, kind=kind)
+                unit = {key: data.attrib[key] for key in ("unit",) if key in data.attrib}
+                add(connector, f"ssc:{data.tag}", **unit)
+                units |= {name: component.units[name] for name in unit.values()}
+        bindings = add(element, "ssd:ParameterBindings")
+        add(bindings, "ssd:ParameterBinding", source=f"resources/{component.name}.ssv")
+    connections = add(content, "ssd:Connections")
+    for output, reader in system.connections:
+        ends = dict(zip(("startElement", "startConnector"), split(output), strict=True))
+        ends |= dict(zip(("endElement", "endConnector"), split(reader), strict=True))
+        add(connections, "ssd:Connection", **ends)
+    add_units(root, "ssd", units)
+    experiment = add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.duration))
+    annotations = add(experiment, "ssd:Annotations")
+    annotation = add(annotations, "ssc:Annotation", type="com.opensimulationplatform")  # libcosim's
+    add(add(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(system.step))
+    return root
+
+
+def parameters(component: Component) -> ET.Element:
+    """The component's start values as an .ssv file."""
+    root = ET.Element(tag("ssv:ParameterSet"), name=START, version="1.0")
+    values, units = add(root, "ssv:Parameters"), dict[str, dict[str, str]]()
+    for name, value in component.values.items():
+        causality, data = component.variables[name]
+        if causality != "parameter":
+            raise ValueError(f"{component.name}.{name} is no parameter")
+        number = {"value": repr(float(value)) if data.tag == "Real" else repr(int(value))}
+        if "unit" in data.attrib:
+            number["unit"] = data.attrib["unit"]
+            units[number["unit"]] = component.units[number["unit"]]
+        add(add(values, "ssv:Parameter", name=name), f"ssv:{data.tag}", **number)
+    add_units(root, "ssv", units)
+    return root
+
+
+# ---- the same by FMPy ----
+
+
+@dataclass(frozen=True)
+class Wire:
+    """From one group of values to another."""
+
+    source: np.ndarray
+    place: int
+    target: np.ndarray
+    target_place: int
+
+
+def read_values(package: Path, source: str) -> dict[str, Value]:
+    """An .ssv file."""
+    values: dict[str, Value] = {}
+    for row in ET.parse(package / source).iter(tag("ssv:Parameter")):
+        number = row[0].attrib["value"]
+        values[row.attrib["name"]] = float(number) if row[0].tag == tag("ssv:Real") else int(number)
+    return values
+
+
+def couple(
+    package: Path, step: float, count: int, watched: Sequence[str], every: int = 1
+) -> dict[str, np.ndarray]:
+    """`count` steps of the package's FMUs, side by side; the watched variables after each `every` steps."""
+    with ExitStack() as stack:
+        folder = Path(tempfile.mkdtemp(prefix="ssp-"))
+        stack.callback(shutil.rmtree, folder, ignore_errors=True)
+        with zipfile.ZipFile(package) as archive:
+            archive.extractall(folder)
+        root = ET.parse(folder / "SystemStructure.ssd").getroot()
+        slaves: dict[str, Fmu] = {}
+        for element in root.iter(tag("ssd:Component")):
+            slave = stack.enter_context(Fmu(folder / element.attrib["source"]))
+            binding = element.find(f".//{tag('ssd:ParameterBinding')}")
+            slave.start({} if binding is None else read_values(folder, binding.attrib["source"]))
+            slaves[element.attrib["name"]] = slave
+        ends = [
+            tuple((c.attrib[f"{side}Element"], c.attrib[f"{side}Connector"]) for side in ("start", "end"))
+            for c in root.iter(tag("ssd:Connection"))
+        ]
+        outputs, inputs = (groups(slaves, [pair[side] for pair in ends]) for side in (0, 1))
+        wires = [Wire(*outputs[1][start], *inputs[1][end]) for start, end in ends]
+        seen, places = groups(slaves, [split(name) for name in watched])
+        shown = [places[split(name)] for name in watched]
+        rows = np.empty((count // every, len(watched)))
+        exchange(outputs[0], wires, inputs[0])
+        for k in range(1, count + 1):
+            for slave in slaves.values():
+                slave.step(step)
+            exchange(outputs[0], wires, inputs[0])
+            if k % every == 0:
+                for group in seen:
+                    group.read()
+                rows[k // every - 1] = [values[place] for values, place in shown]
+    return {name: rows[:, i] for i, name in enumerate(watched)}
+
+
+End = tuple[str, str]
+
+
+def groups(
+    slaves: Mapping[str, Fmu], ends: Sequence[End]
+) -> tuple[list[Reals], dict[End, tuple[np.ndarray, int]]]:
+    """One group of variables per slave, and where in its values each is."""
+    made: list[Reals] = []
+    places: dict[End, tuple[np.ndarray, int]] = {}
+    for name, slave in slaves.items():
+        variables = list(dict.fromkeys(variable for component, variable in ends if component == name))
+        if variables:
+            group = slave.reals(*variables)
+            made.append(group)
+            places |= {(name, variable): (group.values, i) for i, variable in enumerate(variables)}
+    return made, places
+
+
+def exchange(outputs: Sequence[Reals], wires: Sequence[Wire], inputs: Sequence[Reals]) -> None:
+    for group in outputs:
+        group.read()
+    for wire in wires:
+        wire.target[wire.target_place] = wire.source[wire.place]
+    for group in inputs:
+        group.write()
