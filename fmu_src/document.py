@@ -49,11 +49,17 @@ USE = {
 <p>Connect a torque to <code>tau</code>, read <code>theta</code> and <code>omega</code>. The outputs
 depend on the state alone: a loop closed over the FMU is no algebraic loop. A step lands on exactly its
 end, whatever happens inside; how an interval is cut into steps does not change the answer beyond the
-tolerance. $polynomials</p>""",
+tolerance. $polynomials</p>
+<p><b>Model exchange.</b> The states are <i>&theta;</i> and <i>&omega;</i>; it needs an inertia. The mode
+changes at events only: velocity zero, an edge of the stick band, a stop, a contact on another flank. The
+accounts <code>energy.*</code> (but for spring and kinetic) and <code>peak.*</code> are integrals over steps
+and stay 0.</p>""",
     "DualCamInverse": """\
 <p>Set <code>theta</code>, <code>omega</code>, <code>alpha</code> and <code>F_ext</code> as they are at
 the end of the next step, make the step, read <code>tau</code>. Between communication points the motion
-is the cubic through angles and speeds. $polynomials</p>""",
+is the cubic through angles and speeds. $polynomials</p>
+<p><b>Model exchange.</b> There are no states; the torque follows the inputs, and the direction of motion
+changes at an event, velocity zero.</p>""",
 }
 POLYNOMIALS = {
     "DualCamForward": {
