@@ -259,13 +259,16 @@ static void set_derivatives(fmi2Component c, const char *name, const double rate
 
 /* ---- instances ---- */
 
-static fmi2Component instantiate(const fmi2CallbackFunctions *functions) {
+static fmi2Component instantiate_for(fmi2Type use, const fmi2CallbackFunctions *functions) {
     char location[PATH];
     snprintf(location, sizeof location, "file://%s", argument[1]);
-    const fmi2Component c =
-        fmi2Instantiate("lifecycle", fmi2CoSimulation, MODEL_GUID, location, functions, fmi2False, fmi2True);
+    const fmi2Component c = fmi2Instantiate("lifecycle", use, MODEL_GUID, location, functions, fmi2False, fmi2True);
     REQUIRE(c != NULL);
     return c;
+}
+
+static fmi2Component instantiate(const fmi2CallbackFunctions *functions) {
+    return instantiate_for(fmi2CoSimulation, functions);
 }
 
 /* Settings, then initialization mode and out of it. False if the FMU refuses the settings. */
@@ -419,6 +422,42 @@ static void check_snapshots(fmi2Component c, const Scene *scene, double time) {
     random_state = seed;
 }
 
+/* ---- derivatives ---- */
+
+static size_t outputs(fmi2ValueReference vr[4]) {
+    static const char *const forward[] = {"theta", "omega", "z", "v"}, *const inverse[] = {"tau", "z", "v"};
+    const size_t count = is_inverse() ? COUNT_OF(inverse) : COUNT_OF(forward);
+    for (size_t i = 0; i < count; i++) vr[i] = reference(is_inverse() ? inverse[i] : forward[i]);
+    return count;
+}
+
+/* By time, by inputs and a tunable parameter, and of the latest step. What does not exist is refused with a message. */
+static void check_derivatives(fmi2Component c) {
+    fmi2ValueReference vr[5];
+    const size_t count = outputs(vr);
+    const fmi2ValueReference known[] = {reference(is_inverse() ? "alpha" : "tau"), reference("F_ext"),
+                                        reference("cam1.friction")};
+    const double seed[] = {1.0, -2.0, 0.5};
+    for (fmi2Integer order = 1; order <= 2; order++) {
+        const fmi2Integer orders[] = {order, order, order, order};
+        double value[4];
+        REQUIRE(fmi2GetRealOutputDerivatives(c, vr, count, orders, value) == fmi2OK);
+        for (size_t i = 0; i < count; i++) REQUIRE(!isnan(value[i]));
+    }
+    if (!is_inverse()) {
+        vr[count] = reference("alpha");
+        REQUIRE(!isnan(get_real(c, "step.dtheta_dtau")) && !isnan(get_real(c, "step.domega_dtau")));
+    }
+    const int before = messages;
+    double change[5] = {0.0};
+    const size_t unknowns = is_inverse() ? count : count + 1;
+    const bool exists =
+        fmi2GetDirectionalDerivative(c, vr, unknowns, known, COUNT_OF(known), seed, change) == fmi2OK;
+    REQUIRE(messages == (exists ? before : before + 1));
+    for (size_t i = 0; i < unknowns; i++) REQUIRE(!isnan(change[i]));
+    messages = before;
+}
+
 /* ---- a life ---- */
 
 /* A file may have been looked for already: nothing but the message is left of that. */
@@ -445,6 +484,7 @@ static unsigned steps_of(fmi2Component c, const Scene *scene, bool with_snapshot
         const int mode = get_integer(c, "mode");
         REQUIRE(mode >= 1 && mode <= MODES);
         seen |= 1u << mode;
+        if (i % 10 == 0) check_derivatives(c);
     }
     return seen;
 }
@@ -470,6 +510,68 @@ static unsigned live(const Scene *scene) {
     printf("%s: %d steps, %d events, modes", scene->name, 2 * STEPS, end[0].integer[1]);
     print_modes(seen);
     return seen;
+}
+
+/* ---- model exchange ---- */
+
+enum { STATES_MAX = 2, INDICATORS_MAX = 7, EULER_STEPS = 3000 };
+
+static void settle(fmi2Component c) {
+    fmi2EventInfo info;
+    REQUIRE(fmi2NewDiscreteStates(c, &info) == fmi2OK && !info.newDiscreteStatesNeeded);
+    REQUIRE(fmi2EnterContinuousTimeMode(c) == fmi2OK);
+}
+
+/* Euler's method, whose steps end well beyond an event. Returns how many events there were. */
+static int integrate(fmi2Component c, const Scene *scene) {
+    const double h = 1e-4, upper = setting_of(scene, "stop.upper", 1.3963);
+    const size_t nx = is_inverse() ? 0 : STATES_MAX, nz = is_inverse() ? 1 : INDICATORS_MAX;
+    double x[STATES_MAX], rate[STATES_MAX], before[INDICATORS_MAX], after[INDICATORS_MAX];
+    fmi2Boolean enter, end;
+    int events = 0;
+    for (int i = 1; i <= EULER_STEPS; i++) {
+        const double t = i * h, phase = 20.0 * t;
+        REQUIRE(fmi2GetEventIndicators(c, before, nz) == fmi2OK && fmi2GetDerivatives(c, rate, nx) == fmi2OK);
+        REQUIRE(fmi2GetContinuousStates(c, x, nx) == fmi2OK && fmi2SetTime(c, t) == fmi2OK);
+        for (size_t k = 0; k < nx; k++) x[k] += h * rate[k];
+        REQUIRE(fmi2SetContinuousStates(c, x, nx) == fmi2OK);
+        if (is_inverse()) {
+            set_real(c, "theta", upper * (0.5 - 0.4 * cos(phase)));
+            set_real(c, "omega", upper * 8.0 * sin(phase));
+            set_real(c, "alpha", upper * 160.0 * cos(phase));
+        } else {
+            set_real(c, "tau", scene->torque * (0.4 + 0.6 * sin(phase)));
+        }
+        REQUIRE(fmi2CompletedIntegratorStep(c, fmi2True, &enter, &end) == fmi2OK && !enter && !end);
+        REQUIRE(fmi2GetEventIndicators(c, after, nz) == fmi2OK);
+        bool crossed = false;
+        for (size_t k = 0; k < nz; k++) crossed = crossed || (before[k] > 0.0) != (after[k] > 0.0);
+        if (!crossed) continue;
+        REQUIRE(fmi2EnterEventMode(c) == fmi2OK);
+        settle(c);
+        check_derivatives(c);
+        events++;
+    }
+    return events;
+}
+
+static void exchange(const Scene *scene) {
+    fmi2Component c = instantiate_for(fmi2ModelExchange, &callbacks);
+    fmi2FMUstate state = NULL;
+    if (!begin(c, scene)) { /* without inertia, or without its table */
+        (void)refused(c, scene);
+        return;
+    }
+    settle(c);
+    REQUIRE(fmi2GetFMUstate(c, &state) == fmi2OK);
+    const int events = integrate(c, scene);
+    const Picture first = picture(c);
+    REQUIRE(fmi2SetFMUstate(c, state) == fmi2OK && integrate(c, scene) == events);
+    const Picture second = picture(c);
+    REQUIRE(same(&first, &second) && messages == 0);
+    REQUIRE(fmi2FreeFMUstate(c, &state) == fmi2OK && fmi2Terminate(c) == fmi2OK);
+    fmi2FreeInstance(c);
+    printf("%s: model exchange, %d events\n", scene->name, events);
 }
 
 /* ---- refused calls ---- */
@@ -695,6 +797,7 @@ int main(int argc, char **argv) {
     const Scene *scene = scenes(&count);
     unsigned seen = 0;
     for (size_t i = 0; i < count; i++) seen |= live(&scene[i]);
+    for (size_t i = 0; i < count; i++) exchange(&scene[i]);
     for (int mode = 1; mode <= (is_inverse() ? 3 : 5); mode++) REQUIRE(seen & (1u << mode));
     check_bad_calls();
     check_bad_tables();
