@@ -33,9 +33,10 @@ EQUAL = (0.02, 0.02)  # radii, m
 OTHERS = 60  # other pairs of each kind that the published facts allow
 MAP = 360  # points along each axis of the efficiency map
 READINGS = 15  # angles at which a torque is read by hand, assumed
-FEW = 5
+FEW = 5  # and if they are few
 SPEED, QUADRATIC = 0.1, 1000.0  # m/s and N.s2/m2: example of a damper
 PULL = -1500.0  # N: example of an external axial force
+EXPONENTS = (1 / 3, 1 / 2, 1.0)  # of the load, by which friction falls
 WEAR, HARDNESS = 1e-5, 2e9  # Archard's K and H [Pa], assumed
 
 
@@ -173,6 +174,7 @@ def verdicts(work: Work) -> str:
     loading, releasing = correct(work, case)
     row_1, row_2 = case.balance(LOADING, axial=-1), case.balance(RELEASING, tangential=-1)
     x, y, best = work.best_on_grid(GREASES[0])
+    lead_1, lead_2, unequal = model.unequal_optimum(UNEQUAL, RADII)
     rows = [
         ["(3), (6)", "torque", "corrected", f"{level.printed_3():.1f} N.m printed, not"
          f" {level.correct():.2f}, for equal radii; plus in the denominator"],
@@ -191,8 +193,8 @@ def verdicts(work: Work) -> str:
         ["section 5, Fig. 5", "efficiency map", "reproduced", f"largest {best:.6f} at {x:.4f}, {y:.4f} rad"],
         ["section 5, Fig. 5", "its range of angles", "corrected", "has a pole and efficiencies above 1 in a"
          " corner where the mechanism locks"],
-        ["not in the paper", "optimum, unequal friction", "added", "{:.4f} at {:.4f}, {:.4f} rad".format(
-            *model.unequal_optimum(UNEQUAL, RADII)[::-1][:1], *model.unequal_optimum(UNEQUAL, RADII)[:2])],
+        ["not in the paper", "optimum, unequal friction", "added", f"{unequal:.4f} at {lead_1:.4f},"
+         f" {lead_2:.4f} rad"],
         ["Figs. 6 to 9", "torque, reactions", "not reproducible", "in numbers: radii, arcs, spring are not"
          " published; shapes below"],
         ["(19) to (21)", "uncertainty", "corrected", f"misalignment {percent(budget.as_cosine, 2)}, not"
@@ -549,37 +551,37 @@ def share_needed(error: float, band: Array) -> float:
     return math.sqrt(3.0) * error / rms(band)
 
 
-def friction_laws(work: Work) -> str:
-    needed, laws = [], []
-    factors: dict[str, list[float]] = {name: [] for name in PAIRS}
-    for name in PAIRS:
+def needed_friction(work: Work) -> tuple[list[list[str]], dict[tuple[str, float, int], float]]:
+    """Rows of the constant frictions that make the published RMSE; the larger one over the grease's."""
+    rows, factors = [], {}
+    for name, mu in product(PAIRS, GREASES):
         statics = Statics(model.pair(name), work.angle)
-        for mu in GREASES:
-            for way, error in PUBLISHED[name].items():
-                more, less = (model.friction_for(statics, mu, way, error, sign) for sign in (1, -1))
-                factors[name].append(more / mu)
-                needed.append(
-                    [
-                        name,
-                        f"{mu}",
-                        WAYS[way],
-                        f"{error}",
-                        f"{more:.3f} ({more / mu:.2f})",
-                        f"{less:.3f} ({less / mu:.2f})",
-                        percent(error / rms(work.curves[name, mu, way].torque)),
-                    ]
-                )
         for way, error in PUBLISHED[name].items():
-            cells = [name, WAYS[way], f"{error}"]
-            for exponent in (1 / 3, 1 / 2, 1.0):
-                cells.append(
-                    ", ".join(
-                        "locks" if math.isnan(e) else f"{e:.2f}"
-                        for e in model.law_error(statics, GREASES[0], exponent, way)
-                    )
-                )
-            other = statics.torque(way, GREASES[1]) - statics.torque(way, GREASES[0])
-            laws.append([*cells, f"{rms(other):.2f}"])
+            more, less = (model.friction_for(statics, mu, way, error, sign) for sign in (1, -1))
+            factors[name, mu, way] = more / mu
+            share = error / rms(work.curves[name, mu, way].torque)
+            cells = (f"{friction:.3f} ({friction / mu:.2f})" for friction in (more, less))
+            rows.append([name, f"{mu}", WAYS[way], f"{error}", *cells, percent(share)])
+    return rows, factors
+
+
+def load_laws(work: Work) -> list[list[str]]:
+    """Rows of the RMSE that friction which falls with the load makes, and that the other grease makes."""
+    rows = []
+    for name, way in product(PAIRS, WAYS):
+        statics = Statics(model.pair(name), work.angle)
+        cells = [
+            ", ".join("locks" if math.isnan(error) else f"{error:.2f}" for error in errors)
+            for errors in (model.law_error(statics, GREASES[0], n, way) for n in EXPONENTS)
+        ]
+        other = rms(statics.torque(way, GREASES[1]) - statics.torque(way, GREASES[0]))
+        rows.append([name, WAYS[way], f"{PUBLISHED[name][way]}", *cells, f"{other:.2f}"])
+    return rows
+
+
+def friction_laws(work: Work) -> str:
+    needed, factors = needed_friction(work)
+    pair_b = [factor for (name, _, _), factor in factors.items() if name == "B"]
     others = [Statics(cams, work.angle) for cams, _, _ in work.others["B"]]
     level = {
         way: [model.friction_for(s, GREASES[0], way, PUBLISHED["B"][way], 1) for s in others] for way in WAYS
@@ -590,7 +592,7 @@ def friction_laws(work: Work) -> str:
         for sliding in work.curves[name, GREASES[0], LOADING].sliding
     )
     change = model.largest_change(ratio)
-    low, high = min(factors["B"]), max(factors["B"])
+    first, second = (tuple(factors[name, mu, LOADING] for mu in GREASES) for name in ("B", "A"))
     reaction = np.concatenate(Statics(model.pair("B"), work.angle).reactions(LOADING))
     return "\n".join(
         [
@@ -603,25 +605,17 @@ def friction_laws(work: Work) -> str:
                 """
             ),
             table(
-                [
-                    "pair",
-                    "friction",
-                    "direction",
-                    "RMSE, N.m",
-                    "more friction",
-                    "less friction",
-                    "or force, by",
-                ],
+                ["pair", "friction", "direction", "RMSE, N.m", "more friction", "less friction", "force, by"],
                 needed,
             ),
             paragraph(
                 f"""
-                For both RMSEs of pair B to come from more friction it takes {low:.2f} to {high:.2f} times
-                the grease's; the two directions then ask for about the same, in the pairs assumed, as they
-                do for a spring force that is off. With less friction they do not agree. In other pairs of
-                kind B (grease 1) it is {span(level[LOADING], 3)} (loading) and {span(level[RELEASING], 3)}
-                (releasing). Pair A's two directions ask for different frictions; both of its RMSEs do not
-                come from one.
+                For both RMSEs of pair B to come from more friction it takes {min(pair_b):.2f} to
+                {max(pair_b):.2f} times the grease's; the two directions then ask for about the same, in the
+                pairs assumed, as they do for a spring force that is off. With less friction they agree
+                worse, with grease 1 not at all. In other pairs of kind B (grease 1) it is
+                {span(level[LOADING], 3)} (loading) and {span(level[RELEASING], 3)} (releasing). Pair A's
+                two directions ask for different frictions; both of its RMSEs do not come from one.
                 """
             ),
             paragraph(
@@ -631,10 +625,9 @@ def friction_laws(work: Work) -> str:
                 can appear or vanish along the range, whatever the Stribeck velocity (exponential law): it
                 lifts the curve, it does not bend it. To make pair B's errors it must lift friction by the
                 factors above: torques of breaking loose, compared with a friction that was measured in
-                motion, and mu_s/mu_k of {factors["B"][0]:.2f} for grease 1 or {factors["B"][2]:.2f} for
-                grease 2, more than the step from one grease to the other ({GREASES[1] / GREASES[0]:.2f}).
-                Pair A on the same grease allows {factors["A"][0]:.2f} or {factors["A"][2]:.2f} when
-                loading.
+                motion, and mu_s/mu_k of {first[0]:.2f} for grease 1 or {first[1]:.2f} for grease 2, more
+                than the step from one grease to the other ({GREASES[1] / GREASES[0]:.2f}). Pair A on the
+                same grease allows {second[0]:.2f} or {second[1]:.2f} when loading.
                 """
             ),
             paragraph(
@@ -647,7 +640,7 @@ def friction_laws(work: Work) -> str:
             ),
             table(
                 ["pair", "direction", "published", "n = 1/3", "n = 1/2", "n = 1", "friction 0.19 for 0.14"],
-                laws,
+                load_laws(work),
             ),
             paragraph(law_conclusion(work)),
         ]
@@ -657,15 +650,14 @@ def friction_laws(work: Work) -> str:
 def law_conclusion(work: Work) -> str:
     statics = Statics(model.pair("B"), work.angle)
     most = {
-        (way, n): max(model.law_error(statics, GREASES[0], n, way))
-        for way, n in product(WAYS, (1 / 3, 1 / 2, 1.0))
+        (way, n): max(model.law_error(statics, GREASES[0], n, way)) for way, n in product(WAYS, EXPONENTS)
     }
     loose = {
         n: [
             max(model.law_error(Statics(cams, work.angle), GREASES[0], n, LOADING))
             for cams, _, _ in work.others["B"]
         ]
-        for n in (1 / 2, 1.0)
+        for n in EXPONENTS[1:]
     }
     loading, releasing = (PUBLISHED["B"][way] for way in WAYS)
     return f"""

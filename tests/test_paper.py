@@ -370,6 +370,31 @@ def test_constant_friction_force(name, way):
             assert math.isnan(error)
 
 
+def test_what_the_words_on_friction_claim(work):
+    _, factors = paper.needed_friction(work)
+    for mu in GREASES:
+        loading, releasing = (factors["B", mu, way] for way in WAYS)
+        assert loading == pytest.approx(releasing, rel=0.04)  # the two directions agree in pair B,
+        assert min(loading, releasing) > GREASES[1] / GREASES[0]
+        assert factors["A", mu, RELEASING] > 1.2 * factors["A", mu, LOADING]  # not in pair A,
+        statics = Statics(model.pair("B"), work.angle)  # and worse in pair B with less friction
+        less = [model.friction_for(statics, mu, way, PUBLISHED["B"][way], -1) for way in WAYS]
+        assert less[1] > (2.0 if mu == GREASES[0] else 1.15) * less[0]
+    for way in WAYS:
+        assert max(model.law_error(statics, GREASES[0], 1 / 2, way)) < PUBLISHED["B"][way]
+    assert max(model.law_error(statics, GREASES[0], 1.0, LOADING)) < PUBLISHED["B"][LOADING]
+    grease = rms(statics.torque(LOADING, GREASES[1]) - statics.torque(LOADING, GREASES[0]))
+    assert grease < PUBLISHED["B"][LOADING]
+
+
+def test_what_the_words_on_readings_claim():
+    for name in PAIRS:
+        for mu in GREASES:
+            found, ratio = model.readings(paper.band_at_readings(name, mu), "anywhere, all alike")
+            assert max(PUBLISHED[name].values()) < found.exact
+            assert max(PUBLISHED[name].values()) / min(PUBLISHED[name].values()) > ratio[1]
+
+
 @pytest.mark.parametrize("ratio", [1.05, 1.29, 3.0])
 def test_largest_change_of_a_stribeck_curve(ratio):
     speed = np.linspace(1e-3, 10, 200_001)
