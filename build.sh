@@ -15,6 +15,7 @@ usage: ./build.sh [command] [arguments]
   bench    build, then run benchmarks/step_cost.py; arguments go to it
   loop     build, then run benchmarks/loop_cost.py (seconds); arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
+  paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
@@ -100,6 +101,7 @@ case $command in
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;
     bench) run_program . benchmarks/step_cost.py "$@" ;;
     loop) run_program . benchmarks/loop_cost.py "$@" ;;
+    paper) run_program . system_examples/paper.py "$@" ;;
     coupling) run_program . benchmarks/coupling.py "$@" ;;
     stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
     masters) run_program . masters/run.py "$@" ;;
