@@ -221,7 +221,7 @@ def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
     axes.set_title("Unwrapped grooves")
     axes.set_xlabel("along the circumference, r psi [mm]")
     axes.set_ylabel("z [mm]")
-    axes.legend(loc="center right", fontsize=9)
+    axes.legend(loc="lower right", fontsize=9)
 
 
 def _draw_flanks(axes: Axes, x: Array, z: Array, colour: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 from driver import ROOT, models
 from matplotlib.figure import Figure
 from scipy.integrate import quad
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 
 from dualcam import ContinuousFmu, Fmu
 from dualcam.design import (
@@ -226,6 +226,19 @@ def test_table_is_the_fmus_curve(forward, tmp_path, kind):
         assert ours == pytest.approx(theirs, rel=1e-9, abs=1e-10)
     again = Table.read(tmp_path / "groove1.csv", 0.02)
     assert (again.psi == psi).all() and (again.z == z).all()
+
+
+def test_pin_in_a_steep_groove():
+    """A groove with a nearly upright stretch, where Newton's method alone goes to and fro between its two
+    sides: gamma by bisection."""
+    psi = np.linspace(0.0, 1.0, 2001)
+    steep = Table(0.03, psi, 0.002 * psi + 0.01 * (np.tanh((psi - 0.7) / 0.003) + 1.0))
+    mechanism = Mechanism((steep, HELIX), (0.1, 0.1), LINEAR, 1.8)
+    angles = np.linspace(0.0, 1.8, 301)
+    gamma = mechanism.course(angles).psi[0]
+    for theta, ours in zip(angles, gamma, strict=True):
+        root = brentq(lambda g, t=theta: float(steep.at(g).z - HELIX.at(t - g).z), -1.0, 1.0, xtol=1e-15)
+        assert ours == pytest.approx(root, abs=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -116,7 +116,8 @@ class Mechanism:
 
 
 def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
-    """gamma by Newton's method, held in a bracket. The difference of heights increases with gamma."""
+    """gamma by Newton's method, held in a bracket that is halved where steps do not shrink (Newton's method
+    can go to and fro between two slopes for ever). The difference of heights increases with gamma."""
     low = np.maximum(first.range[0], theta - second.range[1])
     high = np.minimum(first.range[1], theta - second.range[0])
     # both grooves rise, so gamma is not outside [0, theta], but for rounding
@@ -125,17 +126,19 @@ def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
         np.minimum(high, np.maximum(theta, 0.0) + 1e-9),
     )
     gamma = np.clip(0.5 * theta, low, high)
-    for _ in range(100):
+    before = high - low
+    for _ in range(200):
         one, two = first.at(gamma), second.at(theta - gamma)
         excess, slope = one.z - two.z, one.slope + two.slope
         low, high = np.where(excess <= 0.0, gamma, low), np.where(excess >= 0.0, gamma, high)
         with np.errstate(divide="ignore", invalid="ignore"):
             following = gamma - excess / slope
-        good = (following >= low) & (following <= high)
+        step, close = np.abs(following - gamma), 4e-16 * (1.0 + np.abs(gamma))
+        good = (following >= low) & (following <= high) & (step <= np.maximum(0.5 * before, close))
         following = np.where(good, following, 0.5 * (low + high))
-        if (np.abs(following - gamma) <= 4e-16 * (1.0 + np.abs(gamma))).all():
-            return np.asarray(following)
-        gamma = following
+        before, gamma = np.abs(following - gamma), following
+        if (before <= close).all():
+            break
     return gamma
 
 

@@ -151,7 +151,7 @@ class _Problem:
         n2 = a2 + m2 * r2
         with np.errstate(divide="ignore", invalid="ignore"):
             q = np.where(rho == 0.0, 1.0, 1.0 - rho * (r2 - m2 * a2) / (r2 * n2))
-        q = np.where((n2 > 0.0) | (rho == 0.0), q, -np.inf)  # groove 2 locks itself
+        q = np.where((n2 > 0.0) | (rho == 0.0), q, -1e30)  # groove 2 locks itself
         return r1 * (rho - m1 * r1 * q), r1 * q + m1 * rho, a2
 
     # ---- its solution ----
