@@ -33,7 +33,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
+from scipy.integrate import OdeSolution, solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
@@ -98,7 +98,8 @@ def synthesize(
 
     `torque` is a function of an array of theta [rad], or samples (theta, torque), which a cubic spline joins.
     `breaks` are angles at which it has a kink. `groove2` is given, or both grooves become equal.
-    The torque is that of spring and friction: no F_ext, damper, mass or shaft damping.
+    The torque is that of spring and friction: no F_ext, damper, mass or shaft damping. Whether the mechanism
+    can also move the other way is for `assess` to say; the FMU refuses one that jams when loading.
 
     DesignError, with place, value and what is allowed, where no groove gives that torque."""
     problem = _problem(
@@ -160,7 +161,7 @@ class _Problem:
         """The state over theta, followed to rounding and then looked at everywhere."""
         theta, state = self.start()
         spans = []
-        for end in (*self.breaks, self.upper):
+        for end in (*(b for b in self.breaks if b > theta), self.upper):
             solution = solve_ivp(
                 lambda t, y: [float(self.rate(t, y[0]))],
                 (theta, end),
@@ -172,7 +173,7 @@ class _Problem:
             )
             if not solution.success:
                 raise DesignError(f"{self.where(solution.t[-1])}: {solution.message}")
-            spans.append((theta, end, solution.sol))
+            spans.append((theta, solution.sol))
             theta, state = end, float(solution.y[0, -1])
         way = _Way(spans)
         self.look(way)
@@ -199,6 +200,8 @@ class _Problem:
     def slope_without_preload(self, rise: float) -> float:
         """a_1 at theta = 0 from rise = dT/dtheta = rho k c."""
         a2 = None if self.groove2 is None else float(self.groove2.at(0.0).slope)
+        if a2 is not None and self.locks(a2):
+            raise DesignError(f"{self.where(0.0)}: {self.locks(a2)}")
 
         def excess(log: float) -> float:
             a = (math.exp(log), math.exp(log) if a2 is None else a2)
@@ -207,7 +210,7 @@ class _Problem:
             return float(way.rho) * self.spring.stiffness * c - rise if way.regular else math.inf
 
         # from the level, or from the friction angle of releasing, to 89.99 deg or to where it jams
-        level = max(max(0.0, -m) * r for m, r in zip(self.acting, self.radius, strict=True))
+        level = max(0.0, -self.acting[0] if a2 is not None else -min(self.acting)) * self.radius[0]
         low = math.log(level * (1.0 + 1e-9) + 1e-9 * self.radius[0])
         ends = np.linspace(low, math.log(1e4 * self.radius[0]), 400)
         values = np.array([excess(log) for log in ends])
@@ -274,11 +277,8 @@ class _Problem:
         equal = self.groove2 is None
         if self.groove2 is not None:
             a2 = float(self.groove2.at(state).slope)
-            if not a2 + m2 * r2 > 0.0:
-                return (
-                    f"torque {wanted:.6g} N.m {verb}: groove 2 locks itself, its lead angle"
-                    f" {math.atan(a2 / r2):.6g} rad must be above atan(friction) = {math.atan(-m2):.6g}"
-                )
+            if locked := self.locks(a2):
+                return locked
             second = (r2 - m2 * a2) / (r2 * (a2 + m2 * r2))
         # 1/rho with groove 1 (or both) level or, releasing, at the friction angle, and upright
         level = 1.0 / (r1 * m1) if m1 > 0.0 else math.inf
@@ -297,6 +297,16 @@ class _Problem:
             f" {lowest:.6g} to {highest:.6g} N.m ({which} from level to upright)"
         )
 
+    def locks(self, a2: float) -> str:
+        """In words, if groove 2 locks itself with that slope; empty if not."""
+        m2, r2 = self.acting[1], self.radius[1]
+        if a2 + m2 * r2 > 0.0:
+            return ""
+        return (
+            f"groove 2 locks itself, {self.direction}: its lead angle {math.atan(a2 / r2):.6g} rad must be"
+            f" above {math.atan(-m2):.6g} rad, the angle of friction"
+        )
+
     def where(self, theta: float) -> str:
         return f"theta = {float(theta):.9g} rad"
 
@@ -305,15 +315,15 @@ class _Problem:
 class _Way:
     """The state over theta."""
 
-    spans: list[tuple[float, float, Callable[[Array], Array]]]
+    spans: list[tuple[float, OdeSolution]]  # from theta [rad] on
 
     def __call__(self, theta: Array) -> Array:
         theta = np.asarray(theta, dtype=float)
         found = np.zeros(theta.shape)
-        begin, _, first = self.spans[0]
+        begin, first = self.spans[0]
         if begin > 0.0:  # without preload: straight from 0
             found = theta / begin * float(first(np.asarray(begin))[0])
-        for begin, _, solution in self.spans:
+        for begin, solution in self.spans:
             inside = theta >= begin
             if inside.any():
                 found = np.where(
@@ -323,7 +333,7 @@ class _Way:
 
     def places(self) -> Array:
         """Angles dense enough to see whatever happens."""
-        steps = np.concatenate([solution.ts for _, _, solution in self.spans])  # type: ignore[attr-defined]
+        steps = np.concatenate([solution.ts for _, solution in self.spans])
         steps = np.unique(steps)
         share = np.linspace(0.0, 1.0, 8, endpoint=False)
         return np.append((steps[:-1, None] + share * np.diff(steps)[:, None]).ravel(), steps[-1])
