@@ -9,6 +9,7 @@ usage: ./build.sh [command] [arguments]
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
   door     build, then run system_examples/car_door.py; arguments go to it
+  design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -96,6 +97,7 @@ case $command in
     example) run_program . system_examples/robot_joint.py "$@" ;;
     knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
     door) run_program . system_examples/car_door.py "$@" ;;
+    design) run_program . system_examples/designed_groove.py "$@" ;;
     ssp) run_program . system_examples/ssp_run.py "$@" ;;
     test) run_program '.[test]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;

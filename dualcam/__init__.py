@@ -4,6 +4,7 @@
     to_nonlinear_io_system      the forward FMU as a control.NonlinearIOSystem, continuous or sampled
     linearize                   its linear model about an operating point, a control.StateSpace
     CamHysteresis               its friction hysteresis for describing function analysis
+    dualcam.design              best lead angles, and grooves that give a wanted torque
 
 What needs python-control is loaded when it is first asked for: that import takes a second or two.
 """

@@ -47,6 +47,12 @@ def test_python_control_block_runs(run_block, capsys):
     assert left["tau"][-1] == pytest.approx(0.01 * 1.14 / 0.86 * (50.0 + 500.0 * left["theta"][-1]), rel=1e-2)
 
 
+def test_design_block_runs(run_block, capsys):
+    block, _ = run_block("dualcam.design")
+    said = float(re.search(r"# ([\d.]+) N\.m both", block)[1])
+    assert [float(word) for word in capsys.readouterr().out.split()] == pytest.approx([said, said], abs=5e-5)
+
+
 def test_table_of_the_robot_joint():
     """The table's figures are those that system_examples/robot_joint.py prints."""
     sys.path.insert(0, str(ROOT / "system_examples"))

@@ -1,0 +1,50 @@
+"""Design of the mechanism: the best lead angles, and grooves that give a wanted torque.
+
+    optimum, efficiency, efficiency_map     lead angles and friction
+    synthesize                              groove for a wanted torque over angle, as the FMU's table
+    Mechanism, Spring                       torque of slow motion, reactions, curvature of a pair of grooves
+    Helix, Ellipse, Table                   groove laws
+    assess, Pin, Limits                     can it be made, does it carry its load
+
+Everything here is slow motion without damper, external force and inertia, in SI units. What cannot be is a
+DesignError (a ValueError) that names the place, the value and what is allowed.
+"""
+
+from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
+from dualcam.design.mechanism import Mechanism, Spring
+from dualcam.design.statics import (
+    DesignError,
+    EfficiencyMap,
+    Optimum,
+    band_factors,
+    efficiency,
+    efficiency_map,
+    optimum,
+)
+from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, hertz_pressure
+from dualcam.design.synthesis import Design, synthesize
+
+__all__ = [
+    "Assessment",
+    "Design",
+    "DesignError",
+    "EfficiencyMap",
+    "Ellipse",
+    "Finding",
+    "Groove",
+    "Helix",
+    "Limits",
+    "Mechanism",
+    "Optimum",
+    "Pin",
+    "Spring",
+    "Table",
+    "assess",
+    "band_factors",
+    "curvature",
+    "efficiency",
+    "efficiency_map",
+    "hertz_pressure",
+    "optimum",
+    "synthesize",
+]

@@ -1,0 +1,254 @@
+"""Groove laws z = g(psi) as the FMU has them (fmu_src/groove.h), for whole arrays at once, with the curvature
+of the unwrapped groove (x = r psi, z).
+
+A `Table` lays the very curve through its samples that the FMU lays (fmu_src/groove_table.h)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualcam.design.statics import Array, DesignError
+
+HEADER = "psi_rad,z_m"
+STENCIL = 5  # samples that a table's slope at a sample comes from
+
+
+class Point(NamedTuple):
+    """A groove law at one angle, or at many."""
+
+    z: Array  # m
+    slope: Array  # m/rad
+    bend: Array  # m/rad^2
+
+
+class Groove(Protocol):
+    """What the design needs of a groove law: its cam's radius [m], where it holds [rad], its values."""
+
+    @property
+    def radius(self) -> float: ...
+    @property
+    def range(self) -> tuple[float, float]: ...
+    def at(self, psi: ArrayLike) -> Point:
+        """The law at psi; beyond its range, its value at that end."""
+        ...
+
+    def parameters(self) -> dict[str, float | int]:
+        """The FMU's parameters after `cam1.` or `cam2.`, the file of a table apart."""
+        ...
+
+
+def curvature(groove: Groove, psi: ArrayLike) -> Array:
+    """Of the unwrapped path of the pin's centre [1/m], + where the groove steepens:
+    (g''/r^2)/(1 + (g'/r)^2)^(3/2)."""
+    point, r = groove.at(psi), groove.radius
+    return point.bend / r**2 / (1.0 + (point.slope / r) ** 2) ** 1.5
+
+
+def _check(what: str, value: float, good: bool, allowed: str) -> None:
+    if not good:
+        raise DesignError(f"{what} = {value}: allowed is {allowed}")
+
+
+def _check_radius(radius: float) -> None:
+    _check("radius", radius, 0.0 < radius < math.inf, "a finite number > 0 in m")
+
+
+@dataclass(frozen=True)
+class Helix:
+    """Constant lead angle [rad]."""
+
+    radius: float
+    lead_angle: float
+
+    def __post_init__(self) -> None:
+        _check_radius(self.radius)
+        _check("lead_angle", self.lead_angle, 0.0 <= self.lead_angle < 0.5 * math.pi, "[0, pi/2) in rad")
+
+    @property
+    def range(self) -> tuple[float, float]:
+        return -math.inf, math.inf
+
+    def at(self, psi: ArrayLike) -> Point:
+        angle = np.asarray(psi, dtype=float)
+        gain = self.radius * math.tan(self.lead_angle)
+        return Point(gain * angle, np.full(angle.shape, gain), np.zeros(angle.shape))
+
+    def parameters(self) -> dict[str, float | int]:
+        return {"profile": 1, "radius": self.radius, "lead_angle": self.lead_angle}
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """An arc of an ellipse with semi-axes a (along the circumference) and b (along z) [m] that starts at a
+    lead angle [rad] and steepens (bending = +1) or flattens (-1)."""
+
+    radius: float
+    lead_angle: float
+    a: float
+    b: float
+    bending: int = -1
+
+    def __post_init__(self) -> None:
+        _check_radius(self.radius)
+        _check("lead_angle", self.lead_angle, 0.0 <= self.lead_angle < 0.5 * math.pi, "[0, pi/2) in rad")
+        _check("a", self.a, 0.0 < self.a < math.inf, "a finite number > 0 in m")
+        _check("b", self.b, 0.0 < self.b < math.inf, "a finite number > 0 in m")
+        _check("bending", self.bending, self.bending in (-1, 1), "+1 (steepens) or -1 (flattens)")
+
+    @property
+    def _start(self) -> float:
+        return math.sin(math.atan(self.a / self.b * math.tan(self.lead_angle)))
+
+    @property
+    def range(self) -> tuple[float, float]:
+        ends = [(S - self._start) * self.a / self.radius * self.bending for S in (0.0, 1.0 - 1e-10)]
+        return min(ends), max(ends)
+
+    def at(self, psi: ArrayLike) -> Point:
+        angle = np.clip(np.asarray(psi, dtype=float), *self.range)
+        S0, rate = self._start, self.bending * self.radius / self.a
+        u = rate * angle
+        S, C0 = S0 + u, math.sqrt(1.0 - S0**2)
+        rise = u * (S0 + S)  # C0^2 - C^2
+        C = np.sqrt(C0**2 - rise)
+        gain = self.radius * self.b / self.a
+        return Point(self.bending * self.b * rise / (C0 + C), gain * S / C, gain * rate / C**3)
+
+    def parameters(self) -> dict[str, float | int]:
+        return {
+            "profile": 2,
+            "radius": self.radius,
+            "lead_angle": self.lead_angle,
+            "ellipse_a": self.a,
+            "ellipse_b": self.b,
+            "ellipse_curvature": self.bending,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Samples (psi [rad], z [m]), shape (n,), n >= 4: psi increases and includes 0, z does not decrease."""
+
+    radius: float
+    psi: Array
+    z: Array
+
+    def __post_init__(self) -> None:
+        _check_radius(self.radius)
+        psi, z = (np.asarray(values, dtype=float) for values in (self.psi, self.z))
+        if psi.ndim != 1 or psi.shape != z.shape or len(psi) < 4:
+            raise DesignError(f"samples of shapes {psi.shape} and {z.shape}: allowed are (n,) twice, n >= 4")
+        if not (np.isfinite(psi).all() and np.isfinite(z).all() and (np.diff(psi) > 0.0).all()):
+            raise DesignError("samples: psi must increase, and all numbers must be finite")
+        if (np.diff(z) < 0.0).any():
+            worst = int(np.argmax(np.diff(z) < 0.0))
+            raise DesignError(f"samples: z decreases after psi = {psi[worst]:.6g} rad, where it must not")
+        if not (psi == 0.0).any():
+            raise DesignError("samples: psi = 0 must be among them")
+        object.__setattr__(self, "psi", psi)
+        object.__setattr__(self, "z", z)
+
+    @classmethod
+    def read(cls, path: str | Path, radius: float) -> Table:
+        """From a CSV file as the FMU reads it."""
+        lines = Path(path).read_text(encoding="utf-8-sig").split()
+        if not lines or lines[0] != HEADER:
+            raise DesignError(f"{path}: its first line must be {HEADER}")
+        psi, z = np.loadtxt(lines[1:], delimiter=",", ndmin=2, unpack=True)
+        return cls(radius, psi, z)
+
+    def write(self, path: str | Path) -> None:
+        """To a CSV file for the FMU's `cam1.table` or `cam2.table`, with all digits."""
+        rows = [f"{float(p)!r},{float(z)!r}\n" for p, z in zip(self.psi, self.z, strict=True)]
+        Path(path).write_text(HEADER + "\n" + "".join(rows), encoding="utf-8")
+
+    @property
+    def range(self) -> tuple[float, float]:
+        return float(self.psi[0]), float(self.psi[-1])
+
+    @cached_property
+    def _pieces(self) -> Array:
+        """Bernstein coefficients of the slope on each piece [m/rad], shape (5, n - 1)."""
+        width, chord = np.diff(self.psi), np.diff(self.z) / np.diff(self.psi)
+        slope, bend = _knots(self.psi, self.z)
+        flat = np.concatenate([[False], chord == 0.0]) | np.concatenate([chord == 0.0, [False]])
+        slope = np.where(flat, 0.0, np.maximum(slope, 0.0))
+        bend = np.where(flat, 0.0, bend)
+        bend[:-1] = np.maximum(bend[:-1], -4.0 * slope[:-1] / width)
+        bend[1:] = np.minimum(bend[1:], 4.0 * slope[1:] / width)
+        ends = _end_sum(width, slope, bend)
+        shrink = np.where(ends > 0.0, np.minimum(1.0, 5.0 * chord / np.where(ends > 0.0, ends, 1.0)), 1.0)
+        least = np.minimum(np.append(1.0, shrink), np.append(shrink, 1.0))
+        slope, bend = slope * least, bend * least
+        return np.stack(
+            [
+                slope[:-1],
+                np.maximum(slope[:-1] + bend[:-1] * width / 4.0, 0.0),
+                np.maximum(5.0 * chord - _end_sum(width, slope, bend), 0.0),
+                np.maximum(slope[1:] - bend[1:] * width / 4.0, 0.0),
+                slope[1:],
+            ]
+        )
+
+    @cached_property
+    def _origin(self) -> float:
+        return float(self._raw(np.zeros(())).z)
+
+    def _raw(self, psi: Array) -> Point:
+        j = np.clip(np.searchsorted(self.psi, psi, side="right") - 1, 0, len(self.psi) - 2)
+        width = self.psi[j + 1] - self.psi[j]
+        t = (psi - self.psi[j]) / width
+        u, b = 1.0 - t, self._pieces[:, j]
+        slope = sum(w * b[k] * t**k * u ** (4 - k) for k, w in enumerate((1, 4, 6, 4, 1)))
+        bend = (
+            4.0 / width * sum(w * (b[k + 1] - b[k]) * t**k * u ** (3 - k) for k, w in enumerate((1, 3, 3, 1)))
+        )
+        total = np.cumsum(b, axis=0)
+        rise = sum(w * total[k] * t ** (k + 1) * u ** (4 - k) for k, w in enumerate((5, 10, 10, 5, 1))) / 5.0
+        return Point(self.z[j] + width * rise, np.asarray(slope), np.asarray(bend))
+
+    def at(self, psi: ArrayLike) -> Point:
+        point = self._raw(np.clip(np.asarray(psi, dtype=float), *self.range))
+        return point._replace(z=point.z - self._origin)
+
+    def parameters(self) -> dict[str, float | int]:
+        return {"profile": 3, "radius": self.radius}
+
+
+def _end_sum(width: Array, slope: Array, bend: Array) -> Array:
+    """s in step (3) of the rule in groove_table.h."""
+    return 2.0 * (slope[:-1] + slope[1:]) + (bend[:-1] - bend[1:]) * width / 4.0
+
+
+def _knots(psi: Array, z: Array) -> tuple[Array, Array]:
+    """First and second derivative at each sample of the polynomial through the nearest five (or all four), by
+    divided differences that begin at the sample."""
+    count, n = len(psi), min(len(psi), STENCIL)
+    begin = np.clip(np.arange(count) - 2, 0, count - n)
+    # the sample itself, then the others of its stencil
+    others = [np.where(begin + k < np.arange(count), begin + k, begin + k + 1) for k in range(n - 1)]
+    index = np.stack([np.arange(count), *others])
+    x, difference = psi[index], z[index]
+    for k in range(1, n):
+        difference[k:] = (difference[k:] - difference[k - 1 : -1]) / (x[k:] - x[:-k])
+    first, half_second = np.ones(count), np.zeros(count)
+    slope, bend = difference[1].copy(), np.zeros(count)
+    for k in range(2, n):
+        half_second = half_second * (x[0] - x[k - 1]) + first
+        first = first * (x[0] - x[k - 1])
+        slope += difference[k] * first
+        bend += 2.0 * difference[k] * half_second
+    return slope, bend
+
+
+def both_parameters(grooves: Sequence[Groove]) -> dict[str, float | int]:
+    """Parameters of both cams under their full names."""
+    return {f"cam{i}.{name}": v for i, g in enumerate(grooves, 1) for name, v in g.parameters().items()}

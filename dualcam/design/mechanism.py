@@ -1,0 +1,150 @@
+"""A pair of grooves with friction and a spring: geometry and slow torque over the whole range at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualcam.design.grooves import Groove, Table, curvature
+from dualcam.design.statics import Array, DesignError, band, sign_of, transfer
+
+POINTS = 721  # of theta, where a property of the whole range is sought
+
+
+@dataclass(frozen=True)
+class Spring:
+    """F_s(z) = preload + stiffness z + stiffness2 z^2 + stiffness3 z^3 [N, N/m, N/m2, N/m3]."""
+
+    preload: float
+    stiffness: float
+    stiffness2: float = 0.0
+    stiffness3: float = 0.0
+
+    def force(self, z: ArrayLike) -> Array:
+        """N, at z [m]."""
+        z = np.asarray(z, dtype=float)
+        return self.preload + z * (self.stiffness + z * (self.stiffness2 + z * self.stiffness3))
+
+    def energy(self, z: ArrayLike) -> Array:
+        """J, from z = 0 to z [m]."""
+        z = np.asarray(z, dtype=float)
+        thirds = self.stiffness2 / 3.0 + z * self.stiffness3 / 4.0
+        return z * (self.preload + z * (0.5 * self.stiffness + z * thirds))
+
+    def parameters(self) -> dict[str, float]:
+        """The FMU's parameters."""
+        names = ("preload", "stiffness", "stiffness2", "stiffness3")
+        return {f"spring.{name}": getattr(self, name) for name in names}
+
+
+class Course(NamedTuple):
+    """Where the pin is at given theta; pairs have shape (2, ...)."""
+
+    psi: Array  # rad: gamma and phi = theta - gamma
+    z: Array  # m
+    slope: Array  # m/rad: a_i at psi_i
+    bend: Array  # m/rad^2: g_i'' at psi_i
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Grooves, friction, spring and range [0, upper] of cam 2's angle [rad]; `contacts` share each load."""
+
+    grooves: tuple[Groove, Groove]
+    friction: tuple[float, float]
+    spring: Spring
+    upper: float
+    contacts: int = 2
+
+    @property
+    def radius(self) -> tuple[float, float]:
+        return self.grooves[0].radius, self.grooves[1].radius
+
+    def angles(self, points: int = POINTS) -> Array:
+        """Angles evenly over the range [rad]."""
+        return np.linspace(0.0, self.upper, points)
+
+    def course(self, theta: ArrayLike) -> Course:
+        """Geometry at theta [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
+        theta = np.asarray(theta, dtype=float)
+        first, second = self.grooves
+        gamma = 0.5 * theta if first is second else _meeting(first, second, theta)
+        one, two = first.at(gamma), second.at(theta - gamma)
+        return Course(
+            np.stack([gamma, theta - gamma]),
+            one.z,
+            *(np.stack(pair) for pair in zip(one[1:], two[1:], strict=True)),
+        )
+
+    def torque(self, theta: ArrayLike, direction: str) -> Array:
+        """The torque of slow motion [N.m], "loading", "releasing" or "frictionless": rho_sigma F_s, both
+        contacts on the flanks that support the spring."""
+        course = self.course(theta)
+        rho = transfer(course.slope, self.friction, self.radius, sign_of(direction)).rho
+        return np.asarray(rho * self.spring.force(course.z))
+
+    def band(self, theta: ArrayLike) -> tuple[Array, Array]:
+        """The FMU's `torque_release` and `torque_load` [N.m]; F_s must be > 0."""
+        course = self.course(theta)
+        (release, load), _ = band(course.slope, self.friction, self.radius)
+        force = self.spring.force(course.z)
+        return release * force, load * force
+
+    def curvature(self, theta: ArrayLike) -> Array:
+        """Of both unwrapped grooves where the pin is [1/m], shape (2, ...)."""
+        psi = self.course(theta).psi
+        return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
+
+    def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
+        """The FMU's parameters; tables are written to `directory`, as `groove1.csv` and `groove2.csv`."""
+        found: dict[str, float | int | str] = {"stop.lower": 0.0, "stop.upper": self.upper}
+        found |= self.spring.parameters() | {"contacts": self.contacts}
+        for i, groove in enumerate(self.grooves, 1):
+            found |= {f"cam{i}.{name}": value for name, value in groove.parameters().items()}
+            found[f"cam{i}.friction"] = self.friction[i - 1]
+            if isinstance(groove, Table):
+                path = Path(directory).resolve() / f"groove{i}.csv"
+                groove.write(path)
+                found[f"cam{i}.table"] = str(path)
+        return found
+
+
+def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
+    """gamma by Newton's method, held in a bracket that is halved where steps do not shrink (Newton's method
+    can go to and fro between two slopes for ever). The difference of heights increases with gamma."""
+    low = np.maximum(first.range[0], theta - second.range[1])
+    high = np.minimum(first.range[1], theta - second.range[0])
+    # both grooves rise, so gamma is not outside [0, theta], but for rounding
+    low, high = (
+        np.maximum(low, np.minimum(theta, 0.0) - 1e-9),
+        np.minimum(high, np.maximum(theta, 0.0) + 1e-9),
+    )
+    gamma = np.clip(0.5 * theta, low, high)
+    before = high - low
+    for _ in range(200):
+        one, two = first.at(gamma), second.at(theta - gamma)
+        excess, slope = one.z - two.z, one.slope + two.slope
+        low, high = np.where(excess <= 0.0, gamma, low), np.where(excess >= 0.0, gamma, high)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            following = gamma - excess / slope
+        step, close = np.abs(following - gamma), 4e-16 * (1.0 + np.abs(gamma))
+        good = (following >= low) & (following <= high) & (step <= np.maximum(0.5 * before, close))
+        following = np.where(good, following, 0.5 * (low + high))
+        before, gamma = np.abs(following - gamma), following
+        if (before <= close).all():
+            break
+    return gamma
+
+
+def check_pair(name: str, values: Sequence[float], low: float) -> tuple[float, float]:
+    """Two finite numbers from `low` on."""
+    pair = tuple(float(value) for value in values)
+    if len(pair) != 2 or not all(math.isfinite(value) and value >= low for value in pair):
+        raise DesignError(f"{name} = {values!r}: allowed are two finite numbers >= {low:g}")
+    return pair[0], pair[1]

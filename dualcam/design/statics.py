@@ -1,0 +1,173 @@
+"""How friction shares force and torque (mechanism page, sections 3 and 8), for whole arrays at once.
+
+With the slope a_i = dz/dpsi = r_i tan(lambda_i) of groove i, moving in direction sigma against F > 0,
+
+    n_i = a_i + sigma mu_i r_i     d_i = r_i - sigma mu_i a_i     kappa_i = d_i/(r_i n_i)
+    T = rho_sigma F,  rho_sigma = 1/(kappa_1 + kappa_2)     eta = rho_-/rho_+
+
+Pairs (slopes, frictions, radii, lead angles) are sequences of two numbers or arrays that broadcast.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.contour import QuadContourSet
+
+Array = NDArray[np.float64]
+Pair = Sequence[ArrayLike] | Array
+
+DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
+
+
+class DesignError(ValueError):
+    """What is asked cannot be; the message names place and value and says what is allowed."""
+
+
+def sign_of(direction: str) -> int:
+    """sigma: +1 loading, -1 releasing, 0 without friction."""
+    if direction not in DIRECTIONS:
+        raise DesignError(f"direction {direction!r}: allowed are {', '.join(DIRECTIONS)}")
+    return DIRECTIONS[direction]
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """From axial force to the rest, for one choice of flanks: per newton of F."""
+
+    rho: Array  # m: torque
+    reaction: Array  # 1, shape (2, ...): normal force of all contacts in each groove
+    regular: NDArray[np.bool_]  # both reactions have the signs of their flanks, none is infinite
+
+
+def transfer(
+    slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
+) -> Transfer:
+    """Where flank i is +1 the pin bears on the flank that supports F, where it is -1 on the other one."""
+    parts = np.broadcast_arrays(
+        *(np.asarray(one, float) for pair in (slope, friction, radius) for one in pair)
+    )
+    a, mu, r = (np.stack(parts[k : k + 2]) for k in (0, 2, 4))
+    mu *= sign * np.reshape(flank, (2, *[1] * (mu.ndim - 1)))
+    n, d = a + mu * r, r - mu * a
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1.0 / (r[1] * d[0] * n[1] + r[0] * d[1] * n[0])
+        axial = np.stack([r[1] * n[1] * inverse, r[0] * n[0] * inverse])
+        rho = r[0] * r[1] * n[0] * n[1] * inverse
+    good = np.isfinite(inverse) & (flank[0] * axial[0] >= 0.0) & (flank[1] * axial[1] >= 0.0)
+    return Transfer(rho, axial * np.hypot(r, a), good)
+
+
+def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Array]:
+    """T_release/F and T_load/F [m]. T_load is +inf where no torque loads; T_release is <= 0 where a contact
+    locks itself (lambda_i <= atan mu_i), -inf where both are wedged."""
+    (release, load), _ = band(slope, friction, radius)
+    return release, load
+
+
+def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """The same, and the reactions per newton of F that belong to them, shape (2, ...) each."""
+    loading = transfer(slope, friction, radius, 1)
+    load = np.where(loading.regular, loading.rho, np.inf)
+    push = np.where(loading.regular, loading.reaction, np.inf)
+    # Where one contact locks and the other does not, the unlocked one bears on its other flank.
+    release, pull = np.full(load.shape, -np.inf), np.full(push.shape, np.inf)
+    for flank in ((-1, 1), (1, -1), (1, 1)):  # the last one that agrees with its reactions counts
+        way = transfer(slope, friction, radius, -1, flank)
+        release = np.where(way.regular, way.rho, release)
+        pull = np.where(way.regular, way.reaction, pull)
+    return (release, load), (pull, push)
+
+
+def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> Array:
+    """eta = T_release/T_load at the same z, by lead angles [rad]; <= 0 where a contact locks itself, -inf or
+    nan where the mechanism is wedged. Only the ratio of the radii counts."""
+    slope = [np.asarray(r) * np.tan(np.asarray(angle)) for r, angle in zip(radius, lead_angle, strict=True)]
+    release, load = band_factors(slope, friction, radius)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(release / load)
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The pair of lead angles with the best efficiency."""
+
+    lead_angle: tuple[float, float]  # rad
+    efficiency: float
+    friction: float  # mu_e: two equal contacts with it would do as well
+
+
+def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> Optimum:
+    """The best lead angles, in closed form:
+
+        mu_e^2 = (mu_1/r_1 + mu_2/r_2)/(1/(mu_1 r_1) + 1/(mu_2 r_2))
+        tan lambda_i = mu_i/mu_e     eta = ((1 - mu_e)/(1 + mu_e))^2
+
+    for every load, and for mu_1 = mu_2 also for all radii: 45 deg. DesignError where there is none: with
+    mu_e >= 1 the spring drives nothing back, with one friction zero eta only tends to 1 as lambda_i tend to 0
+    and 90 deg."""
+    (mu1, mu2), (r1, r2) = (tuple(map(float, pair)) for pair in (friction, radius))
+    for name, values, low in (("friction", (mu1, mu2), "0"), ("radius", (r1, r2), "more than 0")):
+        for i, value in enumerate(values):
+            if not (math.isfinite(value) and value >= 0.0 and (name == "friction" or value > 0.0)):
+                raise DesignError(f"{name}[{i}] = {value}: allowed is a finite number from {low} on")
+    if mu1 == mu2 == 0.0:
+        return Optimum((math.pi / 4, math.pi / 4), 1.0, 0.0)
+    if mu1 == 0.0 or mu2 == 0.0:
+        raise DesignError(
+            f"friction = {(mu1, mu2)}: the efficiency tends to 1 as one lead angle tends to 0 and the other"
+            " to 90 deg, and has no maximum: both must be > 0, or both 0"
+        )
+    mu = math.sqrt((mu1 / r1 + mu2 / r2) / (1.0 / (mu1 * r1) + 1.0 / (mu2 * r2)))
+    if mu >= 1.0:
+        raise DesignError(
+            f"friction = {(mu1, mu2)} is like {mu:.6g} at both contacts: at every pair of lead angles one of"
+            " them locks itself, or no torque loads; the mean must be < 1"
+        )
+    return Optimum((math.atan(mu1 / mu), math.atan(mu2 / mu)), ((1.0 - mu) / (1.0 + mu)) ** 2, mu)
+
+
+@dataclass(frozen=True)
+class EfficiencyMap:
+    """Efficiency over both lead angles."""
+
+    lead_angle: Array  # rad, shape (n,), of both axes
+    efficiency: Array  # shape (n, n): [i, j] at lambda_1 = lead_angle[j], lambda_2 = lead_angle[i]
+    friction: tuple[float, float]
+    radius: tuple[float, float]
+
+    def draw(self, axes: Axes) -> QuadContourSet:
+        """Contours with the optimum; grey where the spring cannot drive the mechanism back. What it returns
+        is for `figure.colorbar`."""
+        degrees = np.degrees(self.lead_angle)
+        driven = np.ma.masked_where(~(self.efficiency > 0.0), self.efficiency)
+        axes.set_facecolor("0.85")
+        best = optimum(self.friction, self.radius)
+        levels = np.linspace(0.0, best.efficiency, 13)
+        filled = axes.contourf(degrees, degrees, driven, levels=levels, cmap="viridis", extend="max")
+        axes.contour(degrees, degrees, driven, levels=levels, colors="w", linewidths=0.4)
+        place = np.degrees(best.lead_angle)
+        axes.plot(*place, "r+", ms=12, mew=2)
+        text = f"{best.efficiency:.4f} at\n{place[0]:.1f}, {place[1]:.1f} deg"
+        axes.annotate(text, (place[0], place[1]), (7, 7), textcoords="offset points", color="w")
+        axes.set_xlabel("lead angle of groove 1 [deg]")
+        axes.set_ylabel("lead angle of groove 2 [deg]")
+        return filled
+
+
+def efficiency_map(
+    friction: tuple[float, float], radius: tuple[float, float] = (1.0, 1.0), points: int = 201
+) -> EfficiencyMap:
+    """Over all lead angles, 0 and 90 deg left out."""
+    angle = np.linspace(0.0, 0.5 * np.pi, points + 2)[1:-1]
+    return EfficiencyMap(
+        angle, efficiency((angle[None, :], angle[:, None]), friction, radius), friction, radius
+    )

@@ -1,0 +1,207 @@
+"""Can the grooves be made, and do they carry their load.
+
+The pin of radius p runs in a groove that a cutter of its radius made: the flanks are the curves parallel
+to the path of the pin's centre at distance p on either side. With the signed curvature k of the unwrapped
+path (+ where the groove steepens) their radii are 1/|k| - p inside the bend and 1/|k| + p outside of it.
+Where p |k| >= 1 the inner flank is undercut.
+
+The flank that supports the spring lies below the path, outside of a bend that steepens, where it is hollow
+and the contact is closer: 1/R = 1/p - k/(1 + k p), so R = p (1 + k p). On the other flank R = p (1 - k p).
+Line contact (Hertz) over the width w of the flank:
+
+    p_max = sqrt((N/w) E*/(pi R))     1/E* = (1 - nu_pin^2)/E_pin + (1 - nu_cam^2)/E_cam
+
+The flank counts as the cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.design.mechanism import POINTS, Mechanism
+from dualcam.design.statics import Array, DesignError, band
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A pin and the flanks that it bears on; steel unless said otherwise."""
+
+    radius: float  # m
+    width: float  # m, of the flank along the pin
+    modulus: float = 210e9  # Pa, of the pin
+    poisson: float = 0.3
+    cam_modulus: float = 210e9
+    cam_poisson: float = 0.3
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "width", "modulus", "cam_modulus"):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise DesignError(f"{name} = {getattr(self, name)}: allowed is a finite number > 0")
+        for name in ("poisson", "cam_poisson"):
+            if not 0.0 <= getattr(self, name) <= 0.5:
+                raise DesignError(f"{name} = {getattr(self, name)}: allowed is 0 to 0.5")
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa]"""
+        return 1.0 / ((1.0 - self.poisson**2) / self.modulus + (1.0 - self.cam_poisson**2) / self.cam_modulus)
+
+
+def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
+    """Largest pressure [Pa] under a normal force [N] on the flank below a path of that signed curvature
+    [1/m]; for the flank above change the curvature's sign. Infinite where the flank is undercut."""
+    radius = pin.radius * (1.0 + pin.radius * np.asarray(curvature, dtype=float))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        square = np.asarray(load, dtype=float) / pin.width * pin.contact_modulus / (math.pi * radius)
+        return np.where(radius > 0.0, np.sqrt(square), np.inf)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What is allowed."""
+
+    lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))  # rad
+    pressure: float = 1.5e9  # Pa
+    self_locking: bool = False  # whether a contact may lock itself
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The first place where something is not as allowed."""
+
+    what: str
+    theta: float  # rad
+    value: float
+    text: str  # a sentence with place, value and what is allowed
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, eq=False)
+class Strength:
+    """Properties at angles theta, shape (n,); pairs have shape (2, n)."""
+
+    theta: Array  # rad
+    force: Array  # N, of the spring
+    rho: Array  # m, torque of loading per spring force, infinite in a jam
+    lead_angle: Array  # rad
+    curvature: Array  # 1/m, signed
+    load: Array  # N per contact: the larger one of slow loading and releasing
+    pressure: Array  # Pa, likewise
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment(Strength):
+    """Properties over the range and what is wrong with them."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def good(self) -> bool:
+        return not self.findings
+
+    def require(self) -> Assessment:
+        """Itself, or DesignError with all that is wrong."""
+        if self.findings:
+            raise DesignError("; ".join(map(str, self.findings)))
+        return self
+
+
+def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points: int = POINTS) -> Assessment:
+    """Looks at `points` angles evenly over the range. Each kind of failure is reported once for each groove,
+    at the first angle where it occurs."""
+    found = strength(mechanism, pin, mechanism.angles(points))
+    checks = _checks(mechanism, pin, limits or Limits())
+    failures = (check.first(mechanism, pin, found) for check in checks)
+    return Assessment(**vars(found), findings=tuple(failure for failure in failures if failure))
+
+
+def strength(mechanism: Mechanism, pin: Pin, theta: Array) -> Strength:
+    """Properties at angles theta [rad], shape (n,)."""
+    course = mechanism.course(theta)
+    bends = mechanism.curvature(theta)
+    (_, rho), reaction = band(course.slope, mechanism.friction, mechanism.radius)
+    force = mechanism.spring.force(course.z)
+    # [releasing or loading, groove, theta]; where it does not move that way there is no load of motion
+    reactions = np.where(np.isfinite(reaction), reaction, 0.0) * force / mechanism.contacts
+    loads = np.abs(reactions)
+    # a pin that bears on the other flank has a negative reaction
+    flank = np.where(reactions < 0.0, -1.0, 1.0)
+    pressures = hertz_pressure(loads, pin, flank * bends)
+    lead = np.arctan(course.slope / np.array(mechanism.radius)[:, None])
+    return Strength(theta, force, rho, lead, bends, loads.max(axis=0), pressures.max(axis=0))
+
+
+@dataclass(frozen=True)
+class _Check:
+    """One thing that may fail."""
+
+    what: str
+    value: Callable[[Strength], Array]  # in the unit of `allowed`
+    good: Callable[[Strength], NDArray[np.bool_]]
+    allowed: str
+
+    def first(self, mechanism: Mechanism, pin: Pin, found: Strength) -> Finding | None:
+        """The first angle where it fails, sought between the angles that were looked at."""
+        good = self.good(found)
+        while not good.all():
+            k = int(np.argmin(good))
+            low, high = float(found.theta[max(k - 1, 0)]), float(found.theta[k])
+            if high - low <= 1e-9:
+                value = float(self.value(found)[k])
+                text = f"{self.what} at theta = {high:.6g} rad is {value:.6g} {self.allowed}"
+                return Finding(self.what, high, value, text)
+            found = strength(mechanism, pin, np.linspace(low, high, 33))
+            good = self.good(found)
+        return None
+
+
+def _checks(mechanism: Mechanism, pin: Pin, limits: Limits) -> list[_Check]:
+    checks = [
+        _Check("spring force", lambda s: s.force, lambda s: s.force > 0.0, "N: allowed is > 0"),
+        _Check(
+            "jam: torque of loading per spring force",
+            lambda s: s.rho,
+            lambda s: np.isfinite(s.rho),
+            "m: it must be finite",
+        ),
+    ]
+    for i in range(2):
+        checks += _checks_of_groove(i, math.atan(mechanism.friction[i]), pin, limits)
+    return checks
+
+
+def _checks_of_groove(i: int, locking: float, pin: Pin, limits: Limits) -> list[_Check]:
+    name, (low, high) = f"of groove {i + 1}", limits.lead_angle
+    return [
+        _Check(
+            f"lead angle {name}",
+            lambda s: np.degrees(s.lead_angle[i]),
+            lambda s: (s.lead_angle[i] >= low) & (s.lead_angle[i] <= high),
+            f"deg: allowed is {math.degrees(low):.6g} to {math.degrees(high):.6g}",
+        ),
+        _Check(
+            f"self-locking: lead angle {name}",
+            lambda s: np.degrees(s.lead_angle[i]),
+            lambda s: (s.lead_angle[i] > locking) | limits.self_locking,
+            f"deg: allowed is more than the angle of friction, {math.degrees(locking):.6g}",
+        ),
+        _Check(
+            f"undercut: curvature {name}",
+            lambda s: np.abs(s.curvature[i]),
+            lambda s: pin.radius * np.abs(s.curvature[i]) < 1.0,
+            f"1/m: allowed is less than 1/(pin radius) = {1.0 / pin.radius:.6g}",
+        ),
+        _Check(
+            f"contact pressure {name}",
+            lambda s: s.pressure[i] / 1e6,
+            lambda s: s.pressure[i] <= limits.pressure,
+            f"MPa: allowed is {limits.pressure / 1e6:.6g}",
+        ),
+    ]

@@ -1,0 +1,288 @@
+"""Grooves designed for a wanted torque, run in the FMU: an arm that its spring lifts, and a constant torque.
+
+The arm. 1.5 kg at 0.5 m lean 10 deg from upright and fall to the horizontal while cam 2 turns by 80 deg and
+loads a linear spring. On the way up the cam must give all of
+
+    T_release(theta) = m g l sin(10 deg + theta),
+
+its friction included, so that the hand that lifts the arm needs no force at all; letting it down slowly needs
+T_load - T_release. Groove 2 is a helix at 45 deg, groove 1 is what is sought.
+
+The constant torque. 4 N.m over 80 deg, loading, from a linear spring whose force grows threefold: with equal
+grooves, which must be steep while the spring is slack and flat when it is tight.
+
+Each groove is written as a table, which DualCamInverse reads and turns through slowly. Wanted and obtained
+torque are compared at angles that are no samples of the table. Whether the groove can be made and carries its
+load (pin of 3 mm radius, flank 8 mm wide, steel) is read off curvature and pressure.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from dualcam import Fmu
+from dualcam.design import Assessment, Design, Helix, Limits, Pin, Spring, assess, optimum, synthesize
+from dualcam.design.statics import Array
+
+UPPER = math.radians(80.0)
+FRICTION = (0.14, 0.14)  # of the paper's first grease
+WEIGHT = 1.5 * 9.81 * 0.5  # N.m, of the arm when it is level
+LEAN = math.radians(10.0)
+PIN = Pin(radius=0.003, width=0.008)
+LIMITS = Limits()
+SPEED = 1e-3  # rad/s: nothing but spring and friction counts (inertia is 0 here)
+ANGLES = 997  # at which wanted and obtained torque are compared
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked for."""
+
+    name: str
+    colour: str
+    direction: str
+    torque: Callable[[Array], Array]
+    spring: Spring
+    groove2: Helix | None
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What came of it."""
+
+    task: Task
+    design: Design
+    theta: Array  # rad
+    obtained: Array  # N.m, of the FMU in the wanted direction
+    other: Array  # N.m, the other edge of the stick band
+    assessment: Assessment
+
+    @property
+    def error(self) -> Array:
+        """Relative."""
+        return self.obtained / self.task.torque(self.theta) - 1.0
+
+
+TASKS = (
+    Task(
+        "arm lifted by its spring (releasing)",
+        "tab:blue",
+        "releasing",
+        lambda theta: WEIGHT * np.sin(LEAN + theta),
+        Spring(preload=170.0, stiffness=45e3),
+        Helix(0.02, math.radians(45.0)),
+    ),
+    Task(
+        "constant torque (loading), equal grooves",
+        "tab:orange",
+        "loading",
+        lambda theta: np.full(np.shape(theta), 4.0),
+        Spring(preload=200.0, stiffness=38e3),
+        None,
+    ),
+)
+
+
+def slow_torque(fmu: Fmu, parameters: dict[str, float | int | str], theta: Array, speed: float) -> Array:
+    """tau [N.m] at theta [rad], in the order in which they are passed at that speed [rad/s]."""
+    fmu.start({**parameters, "inertia.shaft": 0.0, "theta": float(theta[0]), "omega": speed})
+    motion, torque, found = fmu.reals("theta", "omega"), fmu.reals("tau"), []
+    found.append(torque.read()[0])
+    for angle, step in zip(theta[1:], np.diff(theta) / speed, strict=True):
+        motion.values[:] = angle, speed
+        motion.write()
+        fmu.step(float(step))
+        found.append(torque.read()[0])
+    return np.array(found)
+
+
+def solve(task: Task, fmu: Fmu) -> Result:
+    """Design the groove and turn the FMU through it, both ways."""
+    design = synthesize(
+        task.torque,
+        UPPER,
+        task.spring,
+        direction=task.direction,
+        groove2=task.groove2,
+        friction=FRICTION,
+        radius=0.02,
+    )
+    theta = np.linspace(0.0, UPPER, ANGLES)
+    with tempfile.TemporaryDirectory() as directory:
+        parameters = design.mechanism.parameters(directory)
+        loading = slow_torque(fmu, parameters, theta, SPEED)
+        releasing = slow_torque(fmu, parameters, theta[::-1], -SPEED)[::-1]
+    obtained, other = (releasing, loading) if task.direction == "releasing" else (loading, releasing)
+    return Result(task, design, theta, obtained, other, assess(design.mechanism, PIN, LIMITS))
+
+
+def run(fmu: str | Path) -> list[Result]:
+    """All tasks with the inverse FMU at that path."""
+    with Fmu(fmu) as handle:
+        return [solve(task, handle) for task in TASKS]
+
+
+def report(results: Sequence[Result]) -> str:
+    """What came of it, in words."""
+    lines = []
+    for result in results:
+        seen, table = result.assessment, result.design.table
+        leads = np.degrees(seen.lead_angle)
+        release, load = result.design.mechanism.band(result.theta)
+        sharpest = 1e3 / np.abs(seen.curvature).max()
+        lines += [
+            f"{result.task.name}",
+            f"  groove 1: {len(table.psi)} samples, {math.degrees(table.psi[-1]):.1f} deg,"
+            f" {1e3 * table.z[-1]:.2f} mm, lead angles {leads[0].min():.1f} to {leads[0].max():.1f} deg",
+            f"  largest error in the FMU {np.abs(result.error).max():.1e} of the torque, at {ANGLES} angles",
+            f"  efficiency {np.min(release / load):.3f} to {np.max(release / load):.3f}, at best"
+            f" {optimum(FRICTION).efficiency:.3f}",
+            f"  sharpest bend {sharpest:.1f} mm (pin {1e3 * PIN.radius:.0f} mm), largest load"
+            f" {seen.load.max():.0f} N per contact, pressure {seen.pressure.max() / 1e6:.0f} MPa",
+        ]
+        lines += [f"  fails: {finding}" for finding in seen.findings] or ["  nothing fails"]
+    return "\n".join(lines)
+
+
+def picture(results: Sequence[Result], output: Path) -> None:
+    """Save the designs as an image."""
+    figure = Figure(figsize=(13.0, 12.0), layout="constrained")
+    axes = figure.subplots(3, 2)
+    worst = max(float(np.abs(result.error).max()) for result in results)
+    figure.suptitle(
+        "Grooves designed for a wanted torque, as tables in the FMU\n"
+        f"friction {FRICTION[0]} included, obtained within {worst:.0e} of what was wanted",
+        fontsize=14,
+    )
+    _draw_torque(axes[0, 0], results)
+    _draw_error(axes[0, 1], results)
+    _draw_grooves(axes[1, 0], results)
+    _draw_lead_angles(axes[1, 1], results)
+    _draw_bend(axes[2, 0], results)
+    _draw_pressure(axes[2, 1], results)
+    for one in axes.flat:
+        one.grid(color="0.9")
+    for one in (axes[0, 0], axes[0, 1], axes[1, 1], axes[2, 0], axes[2, 1]):
+        one.set_xlabel("theta [deg]")
+        one.set_xlim(0.0, 80.0)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(output, dpi=110)
+
+
+def _draw_torque(axes: Axes, results: Sequence[Result]) -> None:
+    for result in results:
+        degrees, colour = np.degrees(result.theta), result.task.colour
+        axes.plot(degrees, result.obtained, color=colour, lw=4, alpha=0.45, label=result.task.name)
+        axes.plot(degrees, result.task.torque(result.theta), "k--", lw=1.2)
+        axes.plot(degrees, result.other, color=colour, lw=1, ls=":")
+    axes.plot([], [], "k--", lw=1.2, label="wanted")
+    axes.plot([], [], "k:", lw=1, label="the way back")
+    axes.set_title("Torque of slow motion in DualCamInverse")
+    axes.set_ylabel("torque [N.m]")
+    axes.set_ylim(0.0, 17.0)
+    axes.legend(loc="upper left")
+
+
+def _draw_error(axes: Axes, results: Sequence[Result]) -> None:
+    for result in results:
+        error = np.maximum(np.abs(result.error), 1e-16)
+        axes.semilogy(np.degrees(result.theta), error, color=result.task.colour, lw=0.8)
+    axes.axhline(1e-6, color="tab:red", ls="--", lw=1)
+    axes.text(79.0, 1.3e-6, "asked for", color="tab:red", ha="right", va="bottom")
+    axes.set_title("Obtained against wanted torque")
+    axes.set_ylabel("relative error")
+    axes.set_ylim(1e-11, 1e-5)
+
+
+def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
+    theta = np.linspace(0.0, UPPER, 300)
+    for result in results:
+        mechanism, colour = result.design.mechanism, result.task.colour
+        course = mechanism.course(theta)
+        path = 1e3 * mechanism.radius[0] * course.psi[0]
+        axes.plot(path, 1e3 * course.z, color=colour, lw=2)
+        if result.task.groove2 is not None:
+            axes.plot(1e3 * mechanism.radius[1] * course.psi[1], 1e3 * course.z, color=colour, lw=1, ls="--")
+        _draw_flanks(axes, path, 1e3 * course.z, colour)
+    axes.plot([], [], "k-", lw=2, label="groove 1 (or both): path of the pin and flanks")
+    axes.plot([], [], "k--", lw=1, label="groove 2, given: a helix")
+    axes.set_xlim(-5.0, 42.0)
+    axes.set_ylim(-5.0, 21.0)
+    axes.set_aspect("equal")
+    axes.set_title("Unwrapped grooves")
+    axes.set_xlabel("along the circumference, r psi [mm]")
+    axes.set_ylabel("z [mm]")
+    axes.legend(loc="lower right", fontsize=9)
+
+
+def _draw_flanks(axes: Axes, x: Array, z: Array, colour: str) -> None:
+    dx, dz = np.gradient(x), np.gradient(z)
+    length = np.hypot(dx, dz) / (1e3 * PIN.radius)
+    left, right = ((x - side * dz / length, z + side * dx / length) for side in (1.0, -1.0))
+    outline = [np.concatenate([one, other[::-1]]) for one, other in zip(left, right, strict=True)]
+    axes.fill(*outline, color=colour, alpha=0.15, lw=0)
+
+
+def _draw_lead_angles(axes: Axes, results: Sequence[Result]) -> None:
+    for result in results:
+        seen, colour = result.assessment, result.task.colour
+        for lead, style in zip(np.degrees(seen.lead_angle), ("-", "--"), strict=True):
+            axes.plot(np.degrees(seen.theta), lead, color=colour, ls=style)
+    axes.plot([], [], "k-", label="groove 1")
+    axes.plot([], [], "k--", label="groove 2")
+    axes.axhline(math.degrees(math.atan(FRICTION[0])), color="tab:red", ls=":")
+    axes.text(79.0, 8.6, "below: locks itself", color="tab:red", ha="right", va="bottom")
+    axes.set_title("Lead angles")
+    axes.set_ylabel("lead angle [deg]")
+    axes.set_ylim(0.0, 80.0)
+    axes.legend(loc="upper right")
+
+
+def _draw_bend(axes: Axes, results: Sequence[Result]) -> None:
+    for result in results:
+        seen, colour = result.assessment, result.task.colour
+        axes.plot(np.degrees(seen.theta), PIN.radius * seen.curvature[0], color=colour)
+    for side in (-1.0, 1.0):
+        axes.axhline(side, color="tab:red", ls="--", lw=1)
+    axes.text(79.0, -0.97, "beyond: the inner flank is undercut", color="tab:red", ha="right", va="bottom")
+    axes.set_title("Bend of groove 1 (+ steepens)")
+    axes.set_ylabel("pin radius / radius of curvature")
+    axes.set_ylim(-1.1, 1.1)
+
+
+def _draw_pressure(axes: Axes, results: Sequence[Result]) -> None:
+    for result in results:
+        seen, colour = result.assessment, result.task.colour
+        for pressure, style in zip(seen.pressure / 1e6, ("-", "--"), strict=True):
+            axes.plot(np.degrees(seen.theta), pressure, color=colour, ls=style)
+    axes.axhline(LIMITS.pressure / 1e6, color="tab:red", ls="--", lw=1)
+    axes.text(79.0, LIMITS.pressure / 1e6 + 15.0, "allowed", color="tab:red", ha="right", va="bottom")
+    axes.set_title("Pressure between pin and flank (Hertz), the higher one of both ways")
+    axes.set_ylabel("largest pressure [MPa]")
+    axes.set_ylim(0.0, 1700.0)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Command line."""
+    build = Path(__file__).resolve().parent.parent / "build"
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--fmu", type=Path, default=build / "DualCamInverse.fmu")
+    parser.add_argument("--output", type=Path, default=build / "designed_groove.png", help="picture to write")
+    options = parser.parse_args(arguments)
+    results = run(options.fmu)
+    print(report(results))
+    picture(results, options.output)
+    print(f"Picture: {options.output}")
+
+
+if __name__ == "__main__":
+    main()
