@@ -232,10 +232,12 @@ def _pareto(
     x, y = columns[plot["x"]], columns[plot["y"]]
     best = plot.get("best", ("max", "max"))
     some = _some(len(x), DOTS)
-    colour = columns[plot["color"]][some] if "color" in plot else "0.6"
-    dots = axis.scatter(x[some], y[some], c=colour, s=4, cmap="viridis", linewidths=0, rasterized=True)
+    style = {"s": 4, "linewidths": 0, "rasterized": True}
     if "color" in plot:
+        dots = axis.scatter(x[some], y[some], c=columns[plot["color"]][some], cmap="viridis", **style)
         axis.figure.colorbar(dots, ax=axis, label=labels[plot["color"]])
+    else:
+        axis.scatter(x[some], y[some], color="0.6", **style)
     kept = front(x, y, best)
     axis.plot(
         x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=f"front: {len(kept)} of {len(x)}"

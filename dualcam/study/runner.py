@@ -14,6 +14,7 @@ import tempfile
 import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from dataclasses import dataclass, field
 from functools import partial
@@ -23,7 +24,7 @@ from typing import Any
 import numpy as np
 from fmpy.model_description import ScalarVariable
 
-from dualcam.fmu import OK_OR_WARNING, Array, Fmu, FmuError, Scalar
+from dualcam.fmu import OK_OR_WARNING, Array, Fmu, FmuError, FmuState, Scalar
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.scenario import Controller, Scenario, Step, instants, times_of
@@ -99,21 +100,24 @@ class Runner:
 
     BATCH = 1000  # runs whose buffers are laid out at once
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, saves_state: bool = True) -> None:
+        """`saves_state`: begin with a saved state where the FMU has that, which is faster than fmi2Reset."""
         self.job = job
+        self._saves_state = saves_state
         self._windows: dict[str, _Window] = {}
         self._open()
         self._tracks = [window.track() for window in self._windows.values()]
 
     def _open(self) -> None:
         self._fmu = _unpacked(self.job)
+        self._saves_state &= bool(self._fmu.description.coSimulation.canGetAndSetFMUstate)
         instance = self._fmu._instance
         # Not FMPy's functions, whose argument types are checked and converted at every call.
         self._library = ctypes.CDLL(instance._fmu.dll._name)
         self._component = c_void_p(instance.component)
         self._reads: list[tuple[_Window, list[int]]] = []  # with the places of its columns among the results
-        self._state: object = None
-        self._calls = self._layout()
+        self._state: FmuState | None = None
+        self.calls = self._layout()
 
     def close(self) -> None:
         self._fmu.close()
@@ -137,20 +141,21 @@ class Runner:
             fixed=not description.canHandleVariableCommunicationStepSize,
         )
         wanted = instants(job.results, job.scenario.stop)
-        calls = self._beginning()
+        calls = self._beginning(self._values(steps[0]))
         if control := job.scenario.controller:
             self._sensed, self._commands = self._fmu.reals(*control.reads), self._fmu.reals(*control.writes)
             calls.append(partial(self._control_start, control))
         calls += self._read([k for k, (_, time) in enumerate(wanted) if time == 0.0])
-        for step in steps:
-            calls += self._inputs(step)
+        for number, step in enumerate(steps):
+            calls += self._inputs(step, first=number == 0)
             calls.append(self._call("fmi2DoStep", c_double(step.time), c_double(step.size), c_int(1)))
             end = step.time + step.size
             margin = 1e-9 * step.size
             calls += self._read([k for k, (_, time) in enumerate(wanted) if abs(time - end) <= margin])
         return calls
 
-    def _beginning(self) -> list[Call]:
+    def _beginning(self, inputs: Sequence[Call]) -> list[Call]:
+        """Up to the first step. These inputs are there while the FMU initializes: it may depend on them."""
         fmu, scenario = self._fmu, self.job.scenario
         for name, value in self.job.parameters.items():  # one by one: what is refused is named
             fmu.set(name, value)
@@ -160,18 +165,16 @@ class Runner:
         defined = c_int(scenario.tolerance is not None)
         setup = self._call("fmi2SetupExperiment", defined, c_double(tolerance), nothing, none, nothing)
         enter, leave = self._call("fmi2EnterInitializationMode"), self._call("fmi2ExitInitializationMode")
-        if (
-            fmu.description.coSimulation.canGetAndSetFMUstate
-            and setup() <= OK_OR_WARNING
-            and enter() <= OK_OR_WARNING
-        ):
-            try:
+        if self._saves_state and setup() <= OK_OR_WARNING and enter() <= OK_OR_WARNING:
+            with suppress(FmuError):  # it says that it can, but cannot now: then without
                 self._state = fmu.take()
-            except FmuError:  # it says that it can, but cannot now: then without
-                pass
-            else:
-                return [self._call("fmi2SetFMUstate", c_void_p(self._state._address)), *varied, leave]
-        return [self._call("fmi2Reset"), *fixed, *varied, setup, enter, leave]
+                return [
+                    self._call("fmi2SetFMUstate", c_void_p(self._state._address)),
+                    *varied,
+                    *inputs,
+                    leave,
+                ]
+        return [self._call("fmi2Reset"), *fixed, *varied, setup, enter, *inputs, leave]
 
     def _window(self, key: str, kind: str, width: int) -> _Window:
         """The same one for an instance that replaces another one in the middle of a batch."""
@@ -202,11 +205,15 @@ class Runner:
             calls.append(self._call(f"fmi2Set{SUFFIX[kind]}", *self._references(names), window.pointer))
         return calls
 
-    def _inputs(self, step: Step) -> list[Call]:
+    def _values(self, step: Step) -> list[Call]:
+        if not step.values:
+            return []
+        values = (c_double * len(step.values))(*step.values.values())
+        return [self._call("fmi2SetReal", *self._references(list(step.values)), values)]
+
+    def _inputs(self, step: Step, first: bool) -> list[Call]:
         calls: list[Call] = [partial(self._control, step.time)] if step.control else []
-        if step.values:
-            values = (c_double * len(step.values))(*step.values.values())
-            calls.append(self._call("fmi2SetReal", *self._references(list(step.values)), values))
+        calls += [] if first else self._values(step)
         if step.rates:
             references, count = self._references([name for name, _ in step.rates])
             orders = (c_int * len(step.rates))(*(order for _, order in step.rates))
@@ -267,7 +274,7 @@ class Runner:
 
     def _go(self, place: int, stop: int) -> tuple[int, str]:
         """Runs from `place` on, up to the first that fails: its place and why; `stop` if none does."""
-        tracks, calls, messages = self._tracks, self._calls, self._fmu._instance.messages
+        tracks, calls, messages = self._tracks, self.calls, self._fmu._instance.messages
         try:
             for k in range(place, stop):
                 place = k

@@ -7,7 +7,7 @@ import importlib
 import math
 import os
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -70,8 +70,9 @@ class Study:
         form: str | None = None,
         chunk: int | None = None,
         console: Console | None = None,
+        each: Callable[[], None] = lambda: None,
     ) -> None:
-        """As `run`, without reading the results back."""
+        """As `run`, without reading the results back. `each` is called after every chunk that is written."""
         for name, number, least in (("workers", workers, 0), ("chunk", chunk, 1)):
             if number is not None and number < least:
                 raise StudyError(f"{name} = {number}: allowed is {least} or more")
@@ -93,6 +94,7 @@ class Study:
                 rows = self.plan.rows(runs.start, runs.stop)
                 store.write(runs, self.plan.names, rows, self.results, block)
                 advance(len(runs), len(block.messages))
+                each()
         runner.close()
 
     def facts(self) -> dict[str, Any]:
