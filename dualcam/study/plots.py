@@ -27,9 +27,10 @@ from dualcam.study.problem import StudyError
 from dualcam.study.store import read
 from dualcam.study.study import Study
 
+DPI = 90
 LEVELS = 12  # of a map
 LINES = 500  # of parallel coordinates: more hide each other
-DOTS = 20_000  # of a cloud, likewise
+DOTS = 6_000  # of a cloud, likewise
 RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
 SEED = 1  # of what is chosen at random here
 THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
@@ -59,7 +60,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
         for axis in axes.flat[len(panels) :]:
             axis.axis("off")
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=110)
+        figure.savefig(path, dpi=DPI)
     except OSError as error:
         raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
@@ -205,7 +206,7 @@ def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[
         bars = (("total", 0.35, found.total_order, ends[1]), ("first order", 1.0, found.first_order, ends[0]))
         for kind, alpha, values, (low, high) in bars:
             reach = np.maximum([values - low, high - values], 0.0)
-            style = {"color": f"C{k}", "alpha": alpha, "label": f"{result}, {kind}"}
+            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": f"{result}, {kind}"}
             axis.barh(places, values, width * 0.95, xerr=reach, error_kw=THIN, **style)
     axis.set_yticks(np.arange(len(names)), names)
     axis.invert_yaxis()
@@ -232,7 +233,7 @@ def _pareto(
     x, y = columns[plot["x"]], columns[plot["y"]]
     best = plot.get("best", ("max", "max"))
     some = _some(len(x), DOTS)
-    style = {"s": 4, "linewidths": 0, "rasterized": True}
+    style: dict[str, Any] = {"s": 4, "linewidths": 0, "rasterized": True}
     if "color" in plot:
         dots = axis.scatter(x[some], y[some], c=columns[plot["color"]][some], cmap="viridis", **style)
         axis.figure.colorbar(dots, ax=axis, label=labels[plot["color"]])
