@@ -18,6 +18,9 @@ usage: ./build.sh [command] [arguments]
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
+  study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
+           draws docs/study.png; arguments go to `dualcam study`
+  rate     build, then run benchmarks/study_rate.py (a minute); arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
@@ -105,6 +108,11 @@ case $command in
     loop) run_program . benchmarks/loop_cost.py "$@" ;;
     paper) run_program . system_examples/paper.py "$@" ;;
     coupling) run_program . benchmarks/coupling.py "$@" ;;
+    rate) run_program . benchmarks/study_rate.py "$@" ;;
+    study)
+        [ $# -gt 0 ] || set -- system_examples/study/*.toml --figure docs/study.png
+        run_program '.[study]' -m dualcam study "$@"
+        ;;
     stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
     masters) run_program . masters/run.py "$@" ;;
     all)

@@ -123,6 +123,13 @@ class Instance:
         self._fmu.freeInstance()
         shutil.rmtree(self._directory, ignore_errors=True)
 
+    def abandon(self) -> None:
+        """After fmi2Fatal nothing of it may be called, not even to free it: its memory is lost."""
+        self.states.clear()
+        self.is_open = False
+        self.get_real = self.set_real = self.do_step = _refuse_closed
+        shutil.rmtree(self._directory, ignore_errors=True)
+
 
 def _refuse_closed(*_: object) -> int:
     raise FmuError("this FMU is closed: open a new one")
@@ -222,6 +229,10 @@ class Handle:
     def close(self) -> None:
         """Free the instance, unload the library, delete the unpacked files. Any later call is an FmuError."""
         self._close()
+
+    def abandon(self) -> None:
+        """Instead of `close`, after fmi2Fatal: FMI allows no further call."""
+        self._instance.abandon()
 
     def _begin(self, parameters: Mapping[str, Scalar], time: float, tolerance: float | None) -> None:
         """Up to initialization mode."""

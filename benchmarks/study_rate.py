@@ -1,0 +1,206 @@
+"""Runs per second and core of a parameter study: load-and-release of 0.4 s with nine parameters that vary.
+
+    ./build.sh rate
+
+One core, one process. Timed in turns as in benchmarks/step_cost.py, reported as the median over the rounds
+with quartiles, all by dualcam.study unless it says otherwise:
+
+cam             the forward FMU, begun with a saved state: what a user has
+cam, reset      the same, begun with fmi2Reset
+null            an FMU that does nothing, whose runs begin with fmi2Reset: Python and ctypes
+cam, ramps      torque that rises and falls along ramps: driven oscillations instead of free ones
+naive           fmpy.simulate_fmu for each run
+
+Then where the time of a run of the cam goes, call by call, and how much memory a whole study with its results
+on disk takes from its first tenth to its end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from rich.console import Console
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / folder) for folder in (".", "fmu_src", "benchmarks")]
+import build_fmu  # noqa: E402
+import step_cost  # noqa: E402
+
+from dualcam.fmu import Array  # noqa: E402
+from dualcam.study import History, Plan, Scenario, Study, Vary  # noqa: E402
+from dualcam.study.runner import Runner  # noqa: E402
+
+RUNS = 4000  # in a timed block
+NAIVE_RUNS = 10
+MEMORY_MARGIN = 8.0  # MiB that the allocator may keep
+TARGET_RATE, TARGET_NULL, TARGET_NAIVE = 20_000.0, 0.7, 1000.0
+VARY = {
+    "cam1.radius": Vary(0.015, 0.03),
+    "cam2.radius": Vary(0.015, 0.03),
+    "cam1.lead_angle": Vary(0.55, 1.0),
+    "cam2.lead_angle": Vary(0.55, 1.0),
+    "cam1.friction": Vary(0.05, 0.2),
+    "cam2.friction": Vary(0.05, 0.2),
+    "spring.preload": Vary(20.0, 100.0),
+    "spring.stiffness": Vary(1e4, 8e4, log=True),
+    "inertia.shaft": Vary(0.001, 0.02, log=True),
+}
+RESULTS = (
+    "energy.spring@0.2",
+    "energy.heat_cam1",
+    "energy.heat_cam2",
+    "peak.omega",
+    "peak.reaction1",
+    "efficiency",
+)
+PIECES = History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])
+RAMPS = History([0.0, 0.2, 0.4], [0.0, 8.0, 0.0])
+
+
+def study(identifier: str, history: History = PIECES, runs: int = RUNS) -> Study:
+    plan = Plan("sobol", VARY, runs, seed=1)
+    scenario = Scenario(0.4, {"tau": history}, step=0.2)  # the step that the do-nothing FMU asks for
+    return Study(build_fmu.BUILD / f"{identifier}.fmu", plan, scenario, RESULTS)
+
+
+def block(runner: Runner, rows: Array) -> float:
+    start = time.perf_counter()
+    made = runner.run(rows)
+    seconds = time.perf_counter() - start
+    assert not made.messages, made.messages
+    return seconds / len(rows)
+
+
+def naive(rows: Array) -> float:
+    names = [(name, float) for name in ("time", "tau", "F_ext")]
+    torque = np.array([(0.0, 8.0, 0.0), (0.2, 8.0, 0.0), (0.2, 0.0, 0.0)], dtype=names)
+    start = time.perf_counter()
+    for row in rows[:NAIVE_RUNS]:
+        fmpy.simulate_fmu(
+            str(build_fmu.BUILD / "DualCamForward.fmu"),
+            stop_time=0.4,
+            step_size=0.2,
+            output_interval=0.2,
+            start_values=dict(zip(VARY, row.tolist(), strict=True)),
+            input=torque,
+            output=[name.partition("@")[0] for name in RESULTS],
+        )
+    return (time.perf_counter() - start) / NAIVE_RUNS
+
+
+def profile(runner: Runner, rows: Array) -> dict[str, float]:
+    """Microseconds of a run by FMI function; the clock's own time is taken off."""
+    clock = time.perf_counter
+    totals: dict[str, float] = {}
+    plain = list(runner.calls)
+
+    def timed(call: Callable[[], int], name: str) -> int:
+        start = clock()
+        status = call()
+        totals[name] += clock() - start
+        return status
+
+    for k, call in enumerate(plain):
+        assert isinstance(call, partial)
+        totals[call.func.__name__] = 0.0
+        runner.calls[k] = partial(timed, call, call.func.__name__)
+    runner.run(rows)
+    runner.calls[:] = plain
+    start = clock()
+    for _ in rows:
+        clock()
+    tick = (clock() - start) / len(rows)
+    names = [call.func.__name__ for call in plain if isinstance(call, partial)]
+    return {name: 1e6 * (total / len(rows) - names.count(name) * tick) for name, total in totals.items()}
+
+
+def resident() -> float:
+    """MiB of this process that are in memory."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * 4096 / 2**20
+
+
+def memory(runs: int) -> tuple[float, float, float]:
+    """MiB after a tenth of the chunks and at the end, and runs per second, of a study in this process."""
+    whole = study("DualCamForward", runs=runs)
+    whole.plan.rows(0, 1)  # the plan's own table is there from the start
+    seen: list[float] = []
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        whole.make(
+            folder, workers=0, form="csv", chunk=max(runs // 100, 1), each=lambda: seen.append(resident())
+        )
+    return seen[len(seen) // 10], seen[-1], runs / (time.perf_counter() - start)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rounds", type=int, default=21)
+    parser.add_argument("--runs", type=int, default=100_000, help="of the study whose memory is watched")
+    parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/study_rate.csv")
+    arguments = parser.parse_args()
+    console = Console()
+    rows = study("DualCamForward").plan.rows(0, RUNS)
+    cam = Runner(study("DualCamForward").job())
+    blocks: dict[str, Callable[[], float]] = {
+        "cam": partial(block, cam, rows),
+        "cam, reset": partial(block, Runner(study("DualCamForward").job(), saves_state=False), rows),
+        "null": partial(block, Runner(study("NullFmu").job()), rows),
+        "cam, ramps": partial(block, Runner(study("DualCamForward", RAMPS).job()), rows),
+        "naive": partial(naive, rows),
+    }
+    times = step_cost.in_turns(blocks, arguments.rounds, "runs", console)
+    parts = profile(cam, rows)
+    early, late, rate = memory(arguments.runs)
+
+    facts = step_cost.circumstances() | {
+        "command": "./build.sh rate" + "".join(f" {word}" for word in sys.argv[1:])
+    }
+    table = step_cost.table(
+        "Load and release, one core", "way", "us per run", "runs per second", "rate / cam's"
+    )
+    lines = []
+    ratios = {name: step_cost.Ratio.of(times["cam"], seconds) for name, seconds in times.items()}
+    for name, seconds in times.items():
+        median = statistics.median(seconds)
+        table.add_row(name, f"{1e6 * median:.1f}", f"{1.0 / median:,.0f}", str(ratios[name]))
+        numbers = {"us_per_run": f"{1e6 * median:.2f}", "runs_per_second": f"{1.0 / median:.0f}"}
+        lines.append({"way": name, **numbers, "rate_over_cam": f"{ratios[name].median:.4g}", **facts})
+    console.print(table)
+    calls = ", ".join(f"{name[4:]} {value:.1f}" for name, value in parts.items())
+    console.print(f"A run of the cam, us: {calls}", highlight=False)
+    console.print(
+        f"{arguments.runs:,} runs with results on disk as CSV: {rate:,.0f} a second in one process; "
+        f"{early:.1f} MiB after a tenth of them, {late:.1f} at the end",
+        highlight=False,
+    )
+    goals = {
+        f"{TARGET_RATE:,.0f} runs a second": 1.0 / statistics.median(times["cam"]) / TARGET_RATE,
+        f"{TARGET_NULL} of the do-nothing FMU's rate": 1.0 / ratios["null"].median / TARGET_NULL,
+        f"{TARGET_NAIVE:,.0f} times naive": 1.0 / ratios["naive"].median / TARGET_NAIVE,
+        "no growth of memory": 1.0 if late - early < MEMORY_MARGIN else 0.0,
+    }
+    for goal, share in goals.items():
+        console.print(f"{goal}: {'met' if share >= 1.0 else 'MISSED'} ({share:.0%})", highlight=False)
+    for name, value in facts.items():
+        console.print(f"{name}: {value}", highlight=False, markup=False)
+    with arguments.output.open("w", newline="") as file:
+        writer = csv.DictWriter(file, lines[0].keys())
+        writer.writeheader()
+        writer.writerows(lines)
+    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    return 0 if all(share >= 1.0 for share in goals.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

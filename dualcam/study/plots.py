@@ -1,0 +1,299 @@
+"""Pictures of a finished study: efficiency maps, Sobol's indices, Pareto fronts, parallel coordinates.
+
+A plot is a table with `kind` and, for that kind:
+
+    map       x, y, z            colours over two varying quantities, the highest marked; of a plan that is
+                                 no grid, means over hexagons
+    sobol     of = [...]         first and total indices of results, of a plan of kind "indices"
+    pareto    x, y, best, color  results against each other; best = ["max", "min"]: what is wanted of x and y
+    parallel  axes, color, keep  a line for each run over these columns; the share `keep` (0.1) of the runs
+                                 with the highest color is drawn over the rest
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
+
+from dualcam.fmu import Array, Fmu
+from dualcam.study.problem import StudyError
+from dualcam.study.store import read
+from dualcam.study.study import Study
+
+DPI = 90
+LEVELS = 12  # of a map
+LINES = 500  # of parallel coordinates: more hide each other
+DOTS = 6_000  # of a cloud, likewise
+RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
+SEED = 1  # of what is chosen at random here
+THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
+KEYS = {
+    "map": {"x", "y", "z"},
+    "sobol": {"of"},
+    "pareto": {"x", "y", "best", "color"},
+    "parallel": {"axes", "color", "keep"},
+}
+OPTIONAL = {"title", "keep", "color", "best"}
+
+
+def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
+    """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
+    if one cannot be drawn."""
+    panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
+    if not panels:
+        raise StudyError("these plans have no plots: add [[plots]] to one")
+    columns = min(2, len(panels))
+    lines = -(-len(panels) // columns)
+    figure, axes = plt.subplots(
+        lines, columns, figsize=(7.2 * columns, 5.2 * lines), layout="constrained", squeeze=False
+    )
+    try:
+        for axis, (study, folder, plot) in zip(axes.flat, panels, strict=False):
+            _draw_one(axis, study, folder, plot)
+        for axis in axes.flat[len(panels) :]:
+            axis.axis("off")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=DPI)
+    except OSError as error:
+        raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        plt.close(figure)
+
+
+def check(study: Study) -> None:
+    """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
+    known = [*study.plan.names, *study.results]
+    for plot in study.plots:
+        kind = plot.get("kind", "")
+        if kind not in KEYS:
+            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KEYS)}")
+        if unknown := set(plot) - KEYS[kind] - {"kind", "title"}:
+            raise StudyError(
+                f"plot {kind} has {', '.join(sorted(unknown))}: allowed are {', '.join(KEYS[kind])}"
+            )
+        if lacking := KEYS[kind] - OPTIONAL - set(plot):
+            raise StudyError(f"plot {kind} lacks {', '.join(sorted(lacking))}")
+        for name in _columns(plot):
+            if name not in known:
+                raise StudyError(f"plot {kind}: {name!r} is no column: allowed are {', '.join(known)}")
+        if kind == "sobol" and study.plan.kind != "indices":
+            raise StudyError(
+                f"plot sobol needs a plan of kind indices, this one is of kind {study.plan.kind}"
+            )
+        if set(plot.get("best", ["max"])) - {"max", "min"} or len(plot.get("best", "xy")) != 2:
+            raise StudyError(f"plot pareto: best = {plot['best']}: allowed are two of max, min")
+
+
+def _columns(plot: Mapping[str, Any]) -> list[str]:
+    single = [plot[key] for key in ("x", "y", "z", "color") if key in plot]
+    return [*single, *plot.get("of", []), *plot.get("axes", [])]
+
+
+def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -> None:
+    columns = {name: np.asarray(values, float) for name, values in read(folder, _columns(plot)).items()}
+    with Fmu(study.fmu) as fmu:
+        labels = {name: _label(fmu, name) for name in columns}
+    if plot["kind"] == "sobol":
+        _sobol(axis, study, columns, plot["of"])
+    else:
+        whole = np.all([np.isfinite(values) for values in columns.values()], axis=0)
+        if not whole.any():
+            raise StudyError(f"{folder}: every run failed, there is nothing to draw: see column message")
+        sound = {name: values[whole] for name, values in columns.items()}
+        {"map": _map, "pareto": _pareto, "parallel": _parallel}[plot["kind"]](
+            axis, study, sound, labels, plot
+        )
+    axis.set_title(plot.get("title", ""), loc="left")
+
+
+def _label(fmu: Fmu, name: str) -> str:
+    """Name and unit; a dimensionless quantity has no unit."""
+    variable, at, time = name.partition("@")
+    unit = fmu.variable(variable).unit
+    return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
+
+
+# ---- map ----
+
+
+def _map(
+    axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
+) -> None:
+    x, y, z = (columns[plot[key]] for key in "xyz")
+    if study.plan.kind == "grid" and {plot["x"], plot["y"]} <= set(study.plan.vary):
+        across, along, mean = _means(x, y, z)
+        shades = axis.contourf(across, along, mean, LEVELS, cmap="viridis")
+        lines = axis.contour(across, along, mean, LEVELS, colors="white", linewidths=0.5)
+        axis.clabel(lines, fontsize=7)
+        line, column = np.unravel_index(np.nanargmax(mean), mean.shape)
+        axis.plot(across[column], along[line], "w+", markersize=9)
+        axis.annotate(f"{mean[line, column]:.4g}", (across[column], along[line]), (5, 5),
+                      textcoords="offset points", color="black", fontsize=8)  # fmt: skip
+        axis.figure.colorbar(shades, ax=axis, label=labels[plot["z"]])
+    else:
+        cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1)
+        axis.figure.colorbar(cells, ax=axis, label=f"mean of {labels[plot['z']]}")
+    axis.set(xlabel=labels[plot["x"]], ylabel=labels[plot["y"]])
+
+
+def _means(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Over what else varies; NaN where no run succeeded."""
+    across, column = np.unique(x, return_inverse=True)
+    along, line = np.unique(y, return_inverse=True)
+    total, count = np.zeros((len(along), len(across))), np.zeros((len(along), len(across)))
+    np.add.at(total, (line, column), z)
+    np.add.at(count, (line, column), 1.0)
+    with np.errstate(invalid="ignore"):
+        return across, along, total / count
+
+
+# ---- Sobol's indices ----
+
+
+def indices(study: Study, values: Array) -> Any:  # noqa: ANN401
+    """Sobol's indices of one result over all runs of a plan of kind "indices": SciPy's SobolResult, with
+    first_order and total_order, shape (variables,), and bootstrap."""
+    from scipy.stats import sobol_indices
+
+    failed = int(np.sum(~np.isfinite(values)))
+    if failed:
+        raise StudyError(
+            f"{failed} of {len(values)} runs have no value: Sobol's indices need all. See column message, "
+            "and narrow the ranges so that every run can be made"
+        )
+    blocks = values.reshape(len(study.plan.vary) + 2, study.plan.runs)
+    parts = {"f_A": blocks[:1], "f_B": blocks[1:2], "f_AB": blocks[2:, None, :]}
+    return sobol_indices(func=parts, n=study.plan.runs)
+
+
+def spread(study: Study, values: Array) -> tuple[Array, Array]:
+    """Ends of the 95 % intervals of first and total indices, shape (2, variables) each: percentiles over
+    RESAMPLES resamplings of the runs. (SciPy's own bootstrap does the same by copying all runs, minutes
+    instead of a blink.)"""
+    blocks = values.reshape(len(study.plan.vary) + 2, study.plan.runs)
+    first, second, mixed = blocks[0], blocks[1], blocks[2:]
+    middle = (first.mean() + second.mean()) / 2.0
+    first, second, mixed = first - middle, second - middle, mixed - middle
+    count = len(first)
+    random = np.random.default_rng(SEED)
+    weights = random.multinomial(count, np.full(count, 1.0 / count), size=RESAMPLES) / count
+    mean = weights @ (first + second) / 2.0
+    variance = weights @ (first**2 + second**2) / 2.0 - mean**2
+    # Saltelli et al. 2010, table 2, rows (b) and (f): as scipy.stats.sobol_indices
+    of_first = weights @ (second * (mixed - first)).T
+    of_total = weights @ ((first - mixed) ** 2).T / 2.0
+    ends = [2.5, 97.5]
+    return (
+        np.percentile(of_first / variance[:, None], ends, axis=0),
+        np.percentile(of_total / variance[:, None], ends, axis=0),
+    )
+
+
+def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[str]) -> None:
+    names = list(study.plan.vary)
+    width = 0.8 / len(of)
+    for k, result in enumerate(of):
+        found = indices(study, columns[result])
+        ends = spread(study, columns[result])
+        places = np.arange(len(names)) + (k - (len(of) - 1) / 2) * width
+        bars = (("total", 0.35, found.total_order, ends[1]), ("first order", 1.0, found.first_order, ends[0]))
+        for kind, alpha, values, (low, high) in bars:
+            reach = np.maximum([values - low, high - values], 0.0)
+            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": f"{result}, {kind}"}
+            axis.barh(places, values, width * 0.95, xerr=reach, error_kw=THIN, **style)
+    axis.set_yticks(np.arange(len(names)), names)
+    axis.invert_yaxis()
+    axis.set_xlabel("share of the variance (lines: 95 %)")
+    axis.set_xlim(left=0.0)
+    axis.legend(fontsize=8, loc="best")
+
+
+# ---- Pareto ----
+
+
+def front(x: Array, y: Array, best: Sequence[str] = ("max", "max")) -> NDArray[np.intp]:
+    """Places of the runs that no other beats in one of the two without losing in the other, by growing x."""
+    gain_x, gain_y = (x if best[0] == "max" else -x), (y if best[1] == "max" else -y)
+    order = np.lexsort((-gain_y, -gain_x))  # the best x first, and of equals the best y
+    before = np.concatenate([[-np.inf], np.maximum.accumulate(gain_y[order])[:-1]])
+    kept = order[gain_y[order] > before]
+    return kept[np.argsort(x[kept])]
+
+
+def _pareto(
+    axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
+) -> None:
+    x, y = columns[plot["x"]], columns[plot["y"]]
+    best = plot.get("best", ("max", "max"))
+    some = _some(len(x), DOTS)
+    style: dict[str, Any] = {"s": 4, "linewidths": 0, "rasterized": True}
+    if "color" in plot:
+        dots = axis.scatter(x[some], y[some], c=columns[plot["color"]][some], cmap="viridis", **style)
+        axis.figure.colorbar(dots, ax=axis, label=labels[plot["color"]])
+    else:
+        axis.scatter(x[some], y[some], color="0.6", **style)
+    kept = front(x, y, best)
+    axis.plot(
+        x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=f"front: {len(kept)} of {len(x)}"
+    )
+    axis.set(xlabel=f"{labels[plot['x']]}: {best[0]}", ylabel=f"{labels[plot['y']]}: {best[1]}")
+    axis.legend(fontsize=8)
+
+
+# ---- parallel coordinates ----
+
+
+def _parallel(
+    axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
+) -> None:
+    names = list(plot["axes"])
+    scaled = np.column_stack([_scaled(columns[name]) for name in names])
+    shade = columns[plot["color"]] if "color" in plot else columns[names[-1]]
+    ranks = np.argsort(np.argsort(shade)) / max(len(shade) - 1, 1)
+    chosen = ranks >= 1.0 - plot.get("keep", 0.1)
+    styles: tuple[tuple[NDArray[np.intp], dict[str, Any]], ...] = (
+        (np.flatnonzero(~chosen), {"colors": "0.8", "alpha": 0.3}),
+        (np.flatnonzero(chosen), {"cmap": "viridis", "alpha": 0.6}),
+    )
+    for places, style in styles:
+        some = places[_some(len(places), LINES)]
+        some = some[np.argsort(shade[some])]
+        paths = np.stack(
+            [np.broadcast_to(np.arange(len(names)), (len(some), len(names))), scaled[some]], axis=-1
+        )
+        lines = LineCollection(list(paths), linewidths=0.6, rasterized=True, **style)
+        if "cmap" in style:
+            lines.set_array(shade[some])
+        axis.add_collection(lines)
+    axis.figure.colorbar(lines, ax=axis, label=labels[plot.get("color", names[-1])])
+    axis.set(xlim=(-0.2, len(names) - 0.8), ylim=(-0.06, 1.06), yticks=[])
+    axis.set_xticks(
+        range(len(names)), [labels[name].replace(" [", "\n[") for name in names], rotation=35, ha="right"
+    )
+    axis.tick_params(axis="x", labelsize=7)
+    for k, name in enumerate(names):
+        axis.axvline(k, color="0.5", linewidth=0.6)
+        for height, value, place in (
+            (-0.01, columns[name].min(), "top"),
+            (1.01, columns[name].max(), "bottom"),
+        ):
+            axis.text(k, height, f"{value:.3g}", fontsize=7, ha="center", va=place)
+
+
+def _scaled(values: Array) -> Array:
+    spread = np.ptp(values)
+    return (values - values.min()) / spread if spread > 0.0 else np.full(len(values), 0.5)
+
+
+def _some(count: int, most: int) -> NDArray[np.intp]:
+    """Places of as many as can be seen, the same every time."""
+    if count <= most:
+        return np.arange(count)
+    return np.sort(np.random.default_rng(SEED).choice(count, most, replace=False))

@@ -1,0 +1,628 @@
+"""Parameter studies. The runs must be those of the FMU driven by hand, and the closed forms; the plans those
+of SciPy; and no interruption, killed worker or full disk may lose or repeat a run."""
+
+import itertools
+import json
+import math
+import os
+import resource
+import signal
+import time
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pytest
+from driver import ROOT, models
+from scipy.interpolate import CubicSpline
+from scipy.stats import qmc, sobol_indices
+
+from dualcam import Fmu
+from dualcam.__main__ import main
+from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, load, plots, read
+from dualcam.study.execution import DIED
+from dualcam.study.runner import Runner
+from dualcam.study.store import RECORD
+
+FORWARD, INVERSE = (model.fmu for model in models.values())
+NULL = ROOT / "build/NullFmu.fmu"
+DESIGN = {
+    "cam1.radius": Vary(0.015, 0.03),
+    "cam2.lead_angle": Vary(0.55, 1.0),
+    "cam1.friction": Vary(0.05, 0.2),
+    "spring.stiffness": Vary(1e4, 8e4, log=True),
+}
+PUSH = Scenario(0.4, {"tau": History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])})
+RESULTS = ["theta@0.2", "efficiency", "energy.work_in", "events", "theta", "peak.reaction1"]
+BALANCE = ["spring", "kinetic", "heat_cam1", "heat_cam2", "heat_damper", "heat_shaft", "heat_stop"]
+
+
+def study(plan=None, scenario=PUSH, results=RESULTS, fmu=FORWARD, **more):
+    return Study(fmu, plan or Plan("latin", DESIGN, runs=64), scenario, results, **more)
+
+
+def runs_of(one, rows=None):
+    runner = Runner(one.job())
+    block = runner.run(one.plan.rows(0, one.plan.count) if rows is None else rows)
+    runner.close()
+    return block
+
+
+def by_hand(names, rows):
+    """The scenario PUSH and RESULTS, through the handle of one instance that is opened for each row anew."""
+    found = []
+    for row in rows:
+        with Fmu(FORWARD) as fmu:
+            fmu.start(dict(zip(names, row.tolist(), strict=True)) | {"tau": 8.0})
+            fmu.step(0.2)
+            middle = fmu.real("theta")
+            fmu.set("tau", 0.0)
+            fmu.step(0.2)
+            found.append([middle, *(fmu.get(name) for name in RESULTS[1:])])
+    return np.array(found, float)
+
+
+def refused(*mentions):
+    return pytest.raises(StudyError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
+
+
+# ---- plans ----
+
+
+def test_grid_is_the_product_last_fastest():
+    plan = Plan(
+        "grid", {"a": Vary(1.0, 3.0, count=3), "b": Vary(values=(5, 7)), "c": Vary(1, 100, count=3, log=True)}
+    )
+    expected = list(itertools.product([1.0, 2.0, 3.0], [5.0, 7.0], [1.0, 10.0, 100.0]))
+    assert plan.count == 18
+    assert np.allclose(plan.rows(0, 18), expected, rtol=1e-15)
+
+
+def test_latin_hypercube_meets_every_stratum_once():
+    shares = (Plan("latin", {"a": Vary(2.0, 4.0), "b": Vary(-1.0, 0.0)}, runs=50).rows(0, 50) - [2, -1]) / [
+        2,
+        1,
+    ]
+    assert all(sorted(np.floor(column * 50)) == list(range(50)) for column in shares.T)
+
+
+def test_sobol_sequence_is_scipys():
+    expected = qmc.Sobol(2, rng=3).random_base2(6)[:50] * [2, 1] + [2, -1]
+    plan = Plan("sobol", {"a": Vary(2.0, 4.0), "b": Vary(-1.0, 0.0)}, runs=50, seed=3)
+    assert np.allclose(plan.rows(0, 50), expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("kind", ["grid", "latin", "sobol", "indices", "table"])
+def test_rows_do_not_depend_on_how_they_are_cut(kind):
+    vary = {"a": Vary(1.0, 2.0, count=4), "b": Vary(3.0, 4.0, count=4)}
+    plan = Plan(kind, vary, runs=16, table=np.random.default_rng(1).random((30, 2)), same={"c": "b"})
+    whole = plan.rows(0, plan.count)
+    assert whole.shape == (plan.count, 3)
+    assert np.array_equal(whole[:, 2], whole[:, 1])
+    pieces = [plan.rows(start, start + 7) for start in range(0, plan.count, 7)]
+    assert np.array_equal(np.concatenate(pieces), whole)
+    lows, highs = np.array(list(plan.limits().values())).T
+    assert np.all((lows <= whole) & (whole <= highs))
+
+
+def ishigami(x):
+    return np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+
+
+def test_sobol_indices_of_ishigamis_function():
+    """Closed form: Ishigami and Homma 1990."""
+    plan = Plan("indices", {name: Vary(-math.pi, math.pi) for name in "abc"}, runs=4096)
+    one = study(plan)
+    values = ishigami(plan.rows(0, plan.count))
+    v1, v2, v13 = (1 + 0.1 * math.pi**4 / 5) ** 2 / 2, 49 / 8, 0.01 * math.pi**8 * (1 / 18 - 1 / 50)
+    first = np.array([v1, v2, 0.0]) / (v1 + v2 + v13)
+    total = np.array([v1 + v13, v2, v13]) / (v1 + v2 + v13)
+    found, ends = plots.indices(one, values), plots.spread(one, values)
+    assert np.all(np.abs(found.first_order - first) < 0.01)
+    assert np.all(np.abs(found.total_order - total) < 0.01)
+    for (low, high), exact in zip(ends, (first, total), strict=True):
+        assert np.all((low - 0.01 < exact) & (exact < high + 0.01))
+
+
+def test_intervals_of_sobol_indices_are_as_wide_as_scipys():
+    plan = Plan("indices", {name: Vary(-math.pi, math.pi) for name in "abc"}, runs=512)
+    values = ishigami(plan.rows(0, plan.count))
+    parts = values.reshape(5, 512)
+    exact = sobol_indices(func={"f_A": parts[:1], "f_B": parts[1:2], "f_AB": parts[2:, None]}, n=512)
+    scipys = exact.bootstrap(n_resamples=500, confidence_level=0.95)
+    for ends, other in zip(
+        plots.spread(study(plan), values), (scipys.first_order, scipys.total_order), strict=True
+    ):
+        wide = np.ravel(other.confidence_interval.high - other.confidence_interval.low)
+        assert np.all(np.abs(ends[1] - ends[0] - wide) < 0.3 * wide)  # 200 and 500 resamples of the same runs
+
+
+# ---- scenarios ----
+
+
+def test_constant_pieces_are_one_step_each_and_readings_cut_them():
+    assert [(s.time, s.size) for s in PUSH.steps([], True, False)] == [(0.0, 0.2), (0.2, 0.2)]
+    assert [s.values["tau"] for s in PUSH.steps([0.2, 0.3], False, False)] == [8.0, 0.0, 0.0]
+    assert all(not s.rates for s in PUSH.steps([], True, False))
+
+
+def test_polynomials_of_the_steps_are_the_spline_and_its_derivatives():
+    knots, values = [0.0, 0.1, 0.3, 0.7], [0.1, 0.4, 0.2, 0.9]
+    inputs = {
+        "omega": History(derivative_of="theta"),
+        "theta": History(knots, values, "smooth"),
+        "alpha": History(derivative_of="omega"),
+    }
+    spline = CubicSpline(knots, values, bc_type="clamped")
+    for step in Scenario(0.7, inputs).steps([0.05, 0.4], True, False):
+        for time_in in np.linspace(0.0, step.size, 5):
+            for order, name in enumerate(inputs := ("theta", "omega", "alpha")):
+                rates = [step.rates.get((name, k), 0.0) for k in (1, 2, 3)]
+                value = step.values[name] + sum(
+                    r * time_in**k / math.factorial(k) for k, r in enumerate(rates, 1)
+                )
+                assert value == pytest.approx(spline(step.time + time_in, order), abs=1e-11)
+    assert inputs
+
+
+def test_without_input_derivatives_values_are_held_from_the_middle():
+    ramp = Scenario(0.4, {"tau": History([0.1, 0.3], [0.0, 4.0])}, step=0.1)
+    steps = ramp.steps([], False, False)
+    assert [s.values["tau"] for s in steps] == pytest.approx([0.0, 1.0, 3.0, 4.0])
+    with refused("step"):
+        Scenario(0.4, ramp.inputs).steps([], False, False)
+    with refused("0.25", "multiple"):
+        ramp.steps([0.25], False, True)
+    with refused("stop", "multiple"):
+        Scenario(0.45, step=0.1).steps([], False, True)
+
+
+# ---- runs ----
+
+
+def test_runs_are_those_of_the_fmu_driven_by_hand():
+    one = study()
+    block = runs_of(one)
+    assert not block.messages
+    rows = one.plan.rows(0, 8)
+    assert np.array_equal(block.values[:8], by_hand(one.plan.names, rows))
+
+
+@pytest.mark.parametrize("saves_state", [True, False])
+def test_a_run_does_not_depend_on_those_before_it(saves_state):
+    """Integers, Booleans and fixed parameters of every type; both ways to begin; more runs than a batch."""
+    vary = {
+        "contacts": Vary(values=(1, 2)),
+        "ledger": Vary(values=(0, 1)),
+        "cam1.friction": Vary(0.1, 0.2, count=300),
+    }
+    fixed = {"cam2.profile": 2, "cam1.table": "unused.csv", "spring.preload": 60.0}
+    one = study(
+        Plan("grid", vary), results=["peak.reaction1", "theta", "contacts", "ledger"], parameters=fixed
+    )
+    rows = one.plan.rows(0, one.plan.count)
+    runner = Runner(one.job(), saves_state)
+    forward, backward = runner.run(rows), runner.run(rows[::-1])
+    assert not forward.messages
+    assert np.array_equal(forward.values, backward.values[::-1])
+    assert np.array_equal(forward.values[:, 2:], rows[:, :2])
+    assert np.all(forward.values[rows[:, 1] == 0.0, 0] == 0.0)  # no peaks without accounts
+    assert np.all(forward.values[rows[:, 1] == 1.0, 0] > 0.0)
+
+
+def test_energy_balances_in_every_run():
+    names = ["energy.work_in", *(f"energy.{part}" for part in BALANCE)]
+    values = runs_of(study(results=[*names, "energy.spring@0"])).values
+    stored = values[:, 1:8].sum(axis=1) - values[:, 8]
+    assert np.all(np.abs(values[:, 0] - stored) < 1e-10 * np.abs(values[:, 0]))
+
+
+def test_efficiency_is_best_at_45_degrees():
+    """Closed form: ((1 - mu)/(1 + mu))^2 at pi/4 for both, whatever the radii."""
+    angles = tuple(math.pi / 4 + step for step in (-0.2, -0.1, 0.0, 0.1, 0.2))
+    vary = {f"cam{k}.lead_angle": Vary(values=angles) for k in (1, 2)}
+    fixed = {"cam1.radius": 0.017, "cam2.radius": 0.025, "initial.theta": 0.5}
+    one = study(Plan("grid", vary), Scenario(1e-3), ["efficiency"], parameters=fixed)
+    values = runs_of(one).values[:, 0]
+    assert np.argmax(values) == 12
+    assert values[12] == pytest.approx((0.86 / 1.14) ** 2, rel=1e-13)
+
+
+def test_a_ramp_by_derivatives_is_the_limit_of_small_steps():
+    ramp = {"tau": History([0.0, 0.2, 0.4], [0.0, 8.0, 0.0])}
+    reads = [f"theta@{0.4 * k / 400:.17g}" for k in range(1, 400)]
+    plan = Plan("latin", DESIGN, runs=4)
+    few = runs_of(study(plan, Scenario(0.4, ramp), ["theta", "energy.work_in"])).values
+    many = runs_of(study(plan, Scenario(0.4, ramp), [*reads, "theta", "energy.work_in"])).values[:, -2:]
+    assert np.allclose(few, many, rtol=1e-9)
+
+
+def test_the_inverse_fmu_follows_a_motion():
+    """Moving up by helices at pi/4: tau = (F0 + k z)/(2 kappa) + J alpha, z = r theta/2, section 3 and 6."""
+    motion = History([0.0, 0.5, 1.0], [0.0, 0.6, 1.0], "smooth")
+    inputs = {
+        "theta": motion,
+        "omega": History(derivative_of="theta"),
+        "alpha": History(derivative_of="omega"),
+    }
+    plan = Plan("grid", {"cam1.friction": Vary(0.05, 0.2, count=4)}, same={"cam2.friction": "cam1.friction"})
+    one = study(plan, Scenario(1.0, inputs), ["tau@0.3", "tau@0.8"], INVERSE)
+    spline = CubicSpline(motion.time, motion.value, bc_type="clamped")
+    for mu, row in zip(np.linspace(0.05, 0.2, 4), runs_of(one).values, strict=True):
+        for at, tau in zip((0.3, 0.8), row, strict=True):
+            kappa = (1 - mu) / (0.02 * (1 + mu))
+            force = 50.0 + 50_000.0 * 0.01 * spline(at)
+            assert tau == pytest.approx(force / (2 * kappa) + 0.002 * spline(at, 2), rel=1e-12)
+
+
+def test_any_fmu_even_one_without_states_and_input_derivatives():
+    plan = Plan("latin", {"cam1.radius": Vary(0.01, 0.02)}, runs=1100)
+    one = study(
+        plan, Scenario(0.4, {"tau": History([0.0, 0.4], [0.0, 4.0])}, step=0.1), ["tau", "cam1.radius"], NULL
+    )
+    block = runs_of(one)
+    assert np.allclose(block.values[:, 0], 3.5, rtol=1e-15)
+    assert np.array_equal(block.values[:, 1:], plan.rows(0, 1100))
+
+
+def test_a_failed_run_is_a_row_with_the_fmus_message():
+    """An ellipse that is too small for the stroke, between good ones."""
+    table = [[0.05, 0.1], [0.001, 0.1], [0.05, 0.1]]
+    vary = {"cam1.ellipse_a": Vary(), "cam1.friction": Vary()}
+    for state in (True, False):
+        runner = Runner(study(Plan("table", vary, table=table), parameters={"cam1.profile": 2}).job(), state)
+        block = runner.run(np.array(table))
+        runner.close()
+        assert set(block.messages) == {1}
+        assert "cam1.ellipse_a = 0.001" in block.messages[1]
+        assert np.all(np.isnan(block.values[1]))
+        assert np.array_equal(block.values[0], block.values[2])
+
+
+# ---- closed loop ----
+
+
+def proportional():
+    return lambda now, seen: [20.0 * (0.5 - seen[0]) - 0.05 * seen[1]]
+
+
+def moody():
+    def law(now, seen):
+        if seen[0] > 0.7:
+            raise RuntimeError("too far")
+        return [0.0]
+
+    return law
+
+
+def deadly():
+    def law(now, seen):
+        if now == 0.0 and 0.35 < seen[0] < 0.45:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return [0.0]
+
+    return law
+
+
+def slow():
+    def law(now, seen):
+        time.sleep(0.02)
+        return [8.0]
+
+    return law
+
+
+def closed(make, stop=0.05, period=1e-3):
+    return Scenario(stop, controller=Controller(make, period, ["theta", "omega"], ["tau"]))
+
+
+STARTS = Plan("grid", {"initial.theta": Vary(0.1, 1.0, count=10)})
+
+
+def test_a_controller_closes_the_loop():
+    found = runs_of(study(STARTS, closed(proportional), ["theta", "tau"])).values
+    for start, row in zip(STARTS.rows(0, 10)[:, 0], found, strict=True):
+        with Fmu(FORWARD) as fmu:
+            fmu.start({"initial.theta": start})
+            for k in range(50):
+                fmu.set("tau", proportional()(0.0, [fmu.real("theta"), fmu.real("omega")])[0])
+                fmu.time = k * 1e-3
+                fmu.step(1e-3)
+            assert row == pytest.approx([fmu.real("theta"), fmu.real("tau")], rel=1e-9)
+
+
+def test_a_controller_that_fails_concerns_its_run_alone():
+    block = runs_of(study(STARTS, closed(moody), ["theta"]))
+    assert set(block.messages) == {7, 8, 9}
+    assert block.messages[9] == "controller: RuntimeError: too far"
+    assert np.all(np.isfinite(block.values[:7]))
+
+
+# ---- folders, processes, interruptions ----
+
+
+def every_run_once(folder, one):
+    table = read(folder)
+    assert np.array_equal(table["run"], np.arange(one.plan.count))
+    rows = np.column_stack([table[name] for name in one.plan.names])
+    assert np.array_equal(rows, one.plan.rows(0, one.plan.count))
+    return np.column_stack([table[name] for name in one.results])
+
+
+class Stop(Exception):
+    pass
+
+
+def after(chunks, action):
+    """To be called after each chunk; acts after that many."""
+    count = itertools.count(1)
+    return lambda: action() if next(count) == chunks else None
+
+
+def stop():
+    raise Stop
+
+
+without_pyarrow = pytest.mark.skipif(find_spec("pyarrow") is None, reason="pyarrow is not installed")
+FORMATS = ["csv", pytest.param("parquet", marks=without_pyarrow)]
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_an_interrupted_study_goes_on_where_it_was(tmp_path, form):
+    one = study()
+    with pytest.raises(Stop):
+        one.make(tmp_path, workers=0, form=form, chunk=10, each=after(3, stop))
+    made = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs-*")}
+    assert len(made) == 3
+    (tmp_path / "runs-000000030.unfinished").write_bytes(b"half a chunk")
+    table = one.run(tmp_path, workers=0, form="csv", chunk=7)
+    assert all(path.stat().st_mtime_ns == when for path, when in made.items())
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+    assert set(table["message"]) == {""}
+
+
+def test_processes_make_the_same_runs(tmp_path):
+    one = study()
+    one.run(tmp_path, workers=2, chunk=5)
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+
+
+def test_an_interrupted_study_of_processes_ends_at_once_and_goes_on(tmp_path):
+    one = study()
+    with pytest.raises(Stop):
+        one.make(tmp_path, workers=2, chunk=2, each=after(2, stop))
+    assert len(list(tmp_path.glob("runs-*"))) == 2
+    one.run(tmp_path, workers=0)
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+
+
+def test_a_run_that_kills_its_process_is_a_failed_row(tmp_path):
+    one = study(STARTS, closed(deadly), ["theta"])
+    table = one.run(tmp_path, workers=2, chunk=5)
+    every_run_once(tmp_path, one)
+    assert dict(enumerate(table["message"])) == dict.fromkeys(range(10), "") | {3: DIED}
+    assert np.sum(np.isfinite(table["theta"])) == 9
+
+
+def test_another_study_in_the_folder_is_refused(tmp_path):
+    study().run(tmp_path, workers=0)
+    with refused("another study", "plan"):
+        study(Plan("latin", DESIGN, runs=65)).run(tmp_path, workers=0)
+    (tmp_path / RECORD).write_text("{")
+    with refused("cannot be read"):
+        study().run(tmp_path, workers=0)
+
+
+def test_a_full_disk_loses_nothing(tmp_path):
+    """The limit on a file's size gives the same OSError from the same call as a disk without room."""
+    one, limits = study(), resource.getrlimit(resource.RLIMIT_FSIZE)
+    fill = after(3, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1])))
+    try:
+        with refused("cannot write", "kept"):
+            one.make(tmp_path, workers=0, form="csv", chunk=10, each=fill)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert len(list(tmp_path.iterdir())) == 4
+    one.run(tmp_path, workers=0)
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+
+
+# ---- a cluster ----
+
+
+def test_a_cluster_whose_worker_is_killed_loses_no_run(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    plan = Plan("latin", DESIGN, runs=60)
+    one = study(plan, closed(slow, 0.1, 0.02), ["theta", "energy.work_in"])
+    with distributed.LocalCluster(
+        n_workers=3, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        worker = next(iter(cluster.workers.values()))
+        kill = after(2, lambda: os.kill(worker.pid, signal.SIGKILL))
+        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=3, each=kill)
+    found = every_run_once(tmp_path, one)
+    still = study(plan, Scenario(0.1, {"tau": History([0.0], [8.0])}), ["theta", "energy.work_in"])
+    assert np.allclose(found, runs_of(still).values, rtol=1e-12)
+
+
+def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    dask = pytest.importorskip("dask")
+    one = study(STARTS, closed(deadly), ["theta"])
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+    ):
+        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=5)
+    every_run_once(tmp_path, one)
+    table = read(tmp_path)
+    assert list(table["message"][table["message"] != ""]) == [DIED]
+
+
+def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
+    pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    monkeypatch.setattr("dualcam.study.execution.UNREACHABLE_AFTER", "1s")
+    with refused("no Dask scheduler", "127.0.0.1:9"):
+        study().run(tmp_path, scheduler="tcp://127.0.0.1:9")
+    assert not list(tmp_path.glob("runs-*"))
+
+
+# ---- what is wrong is told before any run ----
+
+
+@pytest.mark.parametrize(
+    "wrong, mentions",
+    [
+        (lambda: Plan("latin", DESIGN, runs=0), ["0 runs"]),
+        (lambda: Plan("table", {"a": Vary()}, table=np.empty((0, 1))), ["0 runs"]),
+        (lambda: Plan("hexagon", DESIGN), ["hexagon", "latin"]),
+        (lambda: Plan("grid", DESIGN), ["cam1.radius", "count"]),
+        (lambda: Plan("grid", {}), ["vary"]),
+        (lambda: Plan("latin", {"a": Vary(2.0, 1.0)}, runs=3), ["a:", "below"]),
+        (lambda: Plan("latin", {"a": Vary(-1.0, 1.0, log=True)}, runs=3), ["logarithmic"]),
+        (lambda: Plan("indices", DESIGN, runs=100), ["power of 2"]),
+        (lambda: Plan("latin", DESIGN, runs=4, same={"b": "c"}), ["the same as c"]),
+        (lambda: Plan("table", {"a": Vary()}, table=[[math.nan]]), ["finite"]),
+        (lambda: Scenario(0.0), ["stop"]),
+        (lambda: Scenario(1.0, {"tau": History([1.0, 0.0], [0.0, 1.0])}), ["tau", "increase"]),
+        (lambda: Scenario(1.0, {"tau": History([1.0], [0.0, 1.0])}), ["tau", "2 values"]),
+        (lambda: Scenario(1.0, {"omega": History(derivative_of="theta")}), ["theta"]),
+        (lambda: closed(proportional, period=0.0), ["period"]),
+    ],
+)
+def test_plans_and_scenarios_that_make_no_sense(wrong, mentions):
+    with refused(*mentions):
+        wrong()
+
+
+@pytest.mark.parametrize(
+    "wrong, mentions",
+    [
+        (
+            lambda: study(Plan("latin", {"cam1.radios": Vary(0.1, 0.2)}, runs=4)),
+            ["cam1.radios", "cam1.radius"],
+        ),
+        (
+            lambda: study(Plan("latin", {"cam1.friction": Vary(-0.5, 0.2)}, runs=4)),
+            ["cam1.friction", "-0.5", "allows 0"],
+        ),
+        (lambda: study(Plan("latin", {"contacts": Vary(1, 2)}, runs=4)), ["contacts", "whole"]),
+        (lambda: study(Plan("latin", {"efficiency": Vary(0, 1)}, runs=4)), ["efficiency", "cannot be set"]),
+        (lambda: study(results=["thetta"]), ["thetta", "theta"]),
+        (lambda: study(results=[]), ["result"]),
+        (lambda: study(results=["theta", "theta"]), ["twice"]),
+        (lambda: study(results=["theta@0.5"]), ["theta@0.5", "0.4"]),
+        (lambda: study(results=["cam1.table"]), ["cam1.table", "String"]),
+        (lambda: study(parameters={"cam1.radius": 0.02}), ["cam1.radius", "fixed too"]),
+        (lambda: study(parameters={"cam2.radius": -1.0}), ["cam2.radius", "-1"]),
+        (lambda: study(parameters={"tau": 1.0}), ["tau", "history"]),
+        (lambda: study(scenario=Scenario(1.0, {"theta": History([0], [0])})), ["theta", "inputs"]),
+        (lambda: study(fmu="nowhere.fmu"), ["nowhere.fmu"]),
+    ],
+)
+def test_what_the_fmu_does_not_have_or_allow(tmp_path, wrong, mentions):
+    with pytest.raises(ValueError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions)):
+        wrong().run(tmp_path / "out", workers=0)
+    assert not (tmp_path / "out").exists()
+
+
+# ---- pictures and the command line ----
+
+
+def test_the_front_is_that_of_brute_force():
+    x, y = np.random.default_rng(5).integers(0, 30, (2, 400)).astype(float)
+    for best in itertools.product(("max", "min"), repeat=2):
+        gain = np.column_stack([x if best[0] == "max" else -x, y if best[1] == "max" else -y])
+        kept = {tuple(g) for g in gain if not np.any(np.all(gain >= g, axis=1) & np.any(gain > g, axis=1))}
+        found = plots.front(x, y, best)
+        assert {tuple(gain[k]) for k in found} == kept
+        assert len(found) == len(kept)
+
+
+PLAN = """
+fmu = "{fmu}"
+results = ["efficiency", "theta"]
+[plan]
+kind = "indices"
+runs = 64
+[plan.vary]
+"cam1.lead_angle" = {{ from = 0.6, to = 0.9 }}
+"cam1.friction" = {{ from = 0.1, to = 0.2 }}
+"cam2.friction" = {{ same = "cam1.friction" }}
+[scenario]
+stop = 0.1
+inputs.tau = {{ time = [0.0, 0.05, 0.05], value = [8.0, 8.0, 0.0] }}
+[[plots]]
+kind = "sobol"
+of = ["efficiency"]
+[[plots]]
+kind = "map"
+x = "cam1.lead_angle"
+y = "cam1.friction"
+z = "efficiency"
+[[plots]]
+kind = "pareto"
+x = "efficiency"
+y = "theta"
+[[plots]]
+kind = "parallel"
+axes = ["cam1.lead_angle", "cam1.friction", "efficiency"]
+"""
+
+
+def test_the_command_runs_draws_and_goes_on(tmp_path, capsys):
+    plan, out = tmp_path / "small.toml", tmp_path / "out"
+    plan.write_text(PLAN.format(fmu=FORWARD))
+    words = ["study", str(plan), "--out", str(out), "--workers", "0", "--format", "csv"]
+    assert main(words) == 0
+    assert "256 runs" in capsys.readouterr().out
+    picture = out / "small/small.png"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    made = {path: path.stat().st_mtime_ns for path in (out / "small").glob("runs-*")}
+    assert main([*words, "--figure", str(tmp_path / "all.png")]) == 0
+    assert all(path.stat().st_mtime_ns == when for path, when in made.items())
+    assert (tmp_path / "all.png").exists()
+
+
+@pytest.mark.parametrize(
+    "old, new, mentions",
+    [
+        ("runs = 64", "runs = 0", ["small.toml", "power of 2"]),
+        ("runs = 64", "run = 64", ["has run", "runs"]),
+        ("stop = 0.1", "", ["lacks stop"]),
+        ("stop = 0.1", 'stop = "soon"', ["small.toml"]),
+        ('of = ["efficiency"]', 'of = ["eficiency"]', ["eficiency", "column"]),
+        ('kind = "map"', 'kind = "globe"', ["globe", "map"]),
+        ("[plan]", "[plan", ["TOML"]),
+        ("{fmu}", "nowhere.fmu", ["nowhere.fmu"]),
+    ],
+)
+def test_the_command_says_what_is_wrong(tmp_path, capsys, old, new, mentions):
+    plan = tmp_path / "small.toml"
+    plan.write_text(PLAN.replace(old, new).format(fmu=FORWARD))
+    assert main(["study", str(plan), "--out", str(tmp_path / "out"), "--workers", "0"]) == 1
+    said = capsys.readouterr().err
+    assert all(mention in said for mention in mentions), said
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "plan", sorted((ROOT / "system_examples/study").glob("*.toml")), ids=lambda path: path.stem
+)
+def test_the_examples_can_be_run(plan):
+    one = load(plan)
+    plots.check(one)
+    assert not runs_of(one, one.plan.rows(0, 2000)).messages
+    assert json.dumps(one.facts())
+
+
+def test_a_table_from_a_file(tmp_path):
+    path = tmp_path / "designs.csv"
+    path.write_text("cam1.radius,contacts\n0.02,1\n0.03,2\n")
+    plan = Plan.from_csv(path)
+    assert plan.names == ["cam1.radius", "contacts"]
+    assert plan.rows(0, 2).tolist() == [[0.02, 1.0], [0.03, 2.0]]
+    assert not runs_of(study(plan)).messages
+    path.write_text("cam1.radius\nlarge\n")
+    with refused("designs.csv"):
+        Plan.from_csv(Path(path))
