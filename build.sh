@@ -102,7 +102,7 @@ case $command in
     door) run_program . system_examples/car_door.py "$@" ;;
     design) run_program . system_examples/designed_groove.py "$@" ;;
     ssp) run_program . system_examples/ssp_run.py "$@" ;;
-    test) run_program '.[test]' -m pytest -n 2 "$@" ;;
+    test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;
     bench) run_program . benchmarks/step_cost.py "$@" ;;
     loop) run_program . benchmarks/loop_cost.py "$@" ;;
