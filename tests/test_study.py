@@ -415,6 +415,14 @@ def test_another_study_in_the_folder_is_refused(tmp_path):
         study().run(tmp_path, workers=0)
 
 
+def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with refused("pyarrow", "csv"):
+        study().run(tmp_path, workers=0, form="parquet")
+    study().run(tmp_path, workers=0, form="csv")
+    every_run_once(tmp_path, study())
+
+
 def test_a_full_disk_loses_nothing(tmp_path):
     """The limit on a file's size gives the same OSError from the same call as a disk without room."""
     one, limits = study(), resource.getrlimit(resource.RLIMIT_FSIZE)
@@ -461,8 +469,9 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
     assert list(table["message"][table["message"] != ""]) == [DIED]
 
 
-def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path):
+def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    monkeypatch.setattr("dualcam.study.execution.UNREACHABLE_AFTER", "2s")
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
@@ -609,7 +618,7 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
     ) as process:
-        while len(list(out.glob("small/runs-*"))) < 5:
+        while len(list(out.glob("small/runs-*.csv"))) < 5:
             assert process.poll() is None
             time.sleep(0.005)
         process.send_signal(signal_number)
