@@ -45,7 +45,7 @@ class Store:
             begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form or default_format()}
             if begun["format"] not in FORMATS:
                 raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
-            _check_writer(begun["format"])
+            _check_writer(begun["format"])  # before the folder is made
             self._write(self.folder / RECORD, json.dumps(begun, indent=1).encode())
         elif begun["study"] != facts:
             differing = [key for key in facts if begun["study"].get(key) != facts[key]]
