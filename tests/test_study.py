@@ -7,6 +7,8 @@ import math
 import os
 import resource
 import signal
+import subprocess
+import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
@@ -398,7 +400,7 @@ def test_an_interrupted_study_of_processes_ends_at_once_and_goes_on(tmp_path):
 
 def test_a_run_that_kills_its_process_is_a_failed_row(tmp_path):
     one = study(STARTS, closed(deadly), ["theta"])
-    table = one.run(tmp_path, workers=2, chunk=5)
+    table = one.run(tmp_path, workers=1, chunk=2)
     every_run_once(tmp_path, one)
     assert dict(enumerate(table["message"])) == dict.fromkeys(range(10), "") | {3: DIED}
     assert np.sum(np.isfinite(table["theta"])) == 9
@@ -411,6 +413,14 @@ def test_another_study_in_the_folder_is_refused(tmp_path):
     (tmp_path / RECORD).write_text("{")
     with refused("cannot be read"):
         study().run(tmp_path, workers=0)
+
+
+def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with refused("pyarrow", "csv"):
+        study().run(tmp_path, workers=0, form="parquet")
+    study().run(tmp_path, workers=0, form="csv")
+    every_run_once(tmp_path, study())
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
@@ -453,10 +463,24 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
     ):
-        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=5)
+        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=2)
     every_run_once(tmp_path, one)
     table = read(tmp_path)
     assert list(table["message"][table["message"] != ""]) == [DIED]
+
+
+def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
+    monkeypatch.setattr("dualcam.study.execution.UNREACHABLE_AFTER", "2s")
+    one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        refused("does not answer any more", "kept"),
+    ):
+        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=3, each=after(2, cluster.close))
+    assert len(list(tmp_path.glob("runs-*"))) >= 2
+    one.make(tmp_path, workers=0)
+    every_run_once(tmp_path, one)
 
 
 def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
@@ -582,6 +606,28 @@ def test_the_command_runs_draws_and_goes_on(tmp_path, capsys):
     assert main([*words, "--figure", str(tmp_path / "all.png")]) == 0
     assert all(path.stat().st_mtime_ns == when for path, when in made.items())
     assert (tmp_path / "all.png").exists()
+
+
+@pytest.mark.parametrize("signal_number, code", [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_number, code):
+    plan, out = tmp_path / "small.toml", tmp_path / "out"
+    plan.write_text(PLAN.replace("runs = 64", "runs = 8192").format(fmu=FORWARD))
+    words = ["study", str(plan), "--out", str(out), "--workers", "2", "--format", "csv", "--chunk", "50"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "dualcam", *words]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+    ) as process:
+        while len(list(out.glob("small/runs-*.csv"))) < 5:
+            assert process.poll() is None
+            time.sleep(0.005)
+        process.send_signal(signal_number)
+        process.communicate(timeout=20)  # waits for the pipes, which the workers have too
+    assert process.returncode == code
+    one, made = load(plan), set((out / "small").glob("runs-*.csv"))
+    assert 5 <= len(made) < 32768 / 50
+    one.make(out / "small", workers=0)
+    assert np.array_equal(every_run_once(out / "small", one), runs_of(one).values)
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import importlib
 import multiprocessing
+import os
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -52,7 +54,20 @@ def _alone(attempt: Callable[[Array], Block], rows: Array, width: int) -> Block:
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    """In a worker: it would wait for work for ever if the study's process is killed."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def locally(job: Job, plan: Plan, chunks: list[range], workers: int) -> Blocks:
@@ -135,8 +150,9 @@ def on_cluster(job: Job, plan: Plan, chunks: list[range], scheduler: str) -> Blo
             "written before are kept: give the same command again"
         ) from error
     finally:
-        with suppress(Exception):  # the cluster may be gone: nothing is left to tidy up then
-            client.unregister_worker_plugin(name)
+        if client.status == "running":  # else the cluster is gone, and nothing is left to tidy up
+            with suppress(Exception):
+                client.unregister_worker_plugin(name)
         client.close(timeout=2)
 
 

@@ -45,7 +45,7 @@ class Store:
             begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form or default_format()}
             if begun["format"] not in FORMATS:
                 raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
-            self.form = str(begun["format"])
+            _check_writer(begun["format"])  # before the folder is made
             self._write(self.folder / RECORD, json.dumps(begun, indent=1).encode())
         elif begun["study"] != facts:
             differing = [key for key in facts if begun["study"].get(key) != facts[key]]
@@ -54,6 +54,7 @@ class Store:
                 "folder, or delete it"
             )
         self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
+        _check_writer(self.form)
 
     def missing(self) -> list[range]:
         """Runs not yet made, chunk by chunk."""
@@ -97,6 +98,12 @@ class Store:
                 f"cannot write {path}: {error.strerror or error}. The runs written before are kept: make "
                 "room, or whatever it takes, and give the same command again"
             ) from error
+
+
+def _check_writer(form: str) -> None:
+    """StudyError if what writes this format is not installed."""
+    if form == "parquet":
+        _pyarrow()
 
 
 def _parquet(names: Sequence[str], columns: Sequence[Any]) -> bytes:
