@@ -160,7 +160,8 @@ def main() -> int:
         ("helical grooves, linear forces", EVERYTHING),
         ("elliptical grooves, all forces", CURVED),
     ):
-        made = {variant.name: Stepped(variant) for variant in variants(base)}
+        made: dict[str, Stepped | Nothing] = {v.name: Stepped(v) for v in variants(base)}
+        made["(the null FMU)"] = Nothing()
         blocks: dict[str, Callable[[], float]] = {name: stepped.seconds for name, stepped in made.items()}
         times = step_cost.in_turns(blocks, arguments.rounds, title, console)
         table = step_cost.table(title, "without", "ns", "ratio (quartiles)", "verdict")
