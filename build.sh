@@ -13,7 +13,7 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
-  precision build, then run benchmarks/work_precision.py (ten minutes): run time against error beside other
+  precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
            solvers, which draws docs/work_precision.png; arguments go to it
   skipping build, then run benchmarks/skipping.py (seconds): what each thing saves where it is absent
   growth   build, then run benchmarks/growth.py (a minute): many instances, steps, table points, threads

@@ -862,7 +862,7 @@ def circumstances(command: str) -> dict[str, str]:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--rounds", type=int, default=7, help="rounds in which every setting runs once (7)")
+    parser.add_argument("--rounds", type=int, default=5, help="rounds in which every setting runs once (5)")
     parser.add_argument("--only", help="scenes whose name contains this; nothing is written")
     parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/work_precision.csv")
     parser.add_argument("--picture", type=Path, default=PICTURE)
