@@ -14,6 +14,10 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run benchmarks/step_cost.py; arguments go to it
+  precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
+           solvers, which draws docs/work_precision.png; arguments go to it
+  skipping build, then run benchmarks/skipping.py (seconds): what each thing saves where it is absent
+  growth   build, then run benchmarks/growth.py (a minute): many instances, steps, table points, threads
   loop     build, then run benchmarks/loop_cost.py (seconds); arguments go to it
   stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
@@ -105,6 +109,9 @@ case $command in
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;
     bench) run_program . benchmarks/step_cost.py "$@" ;;
+    precision) run_program '.[bench]' benchmarks/work_precision.py "$@" ;;
+    skipping) run_program . benchmarks/skipping.py "$@" ;;
+    growth) run_program . benchmarks/growth.py "$@" ;;
     loop) run_program . benchmarks/loop_cost.py "$@" ;;
     paper) run_program . system_examples/paper.py "$@" ;;
     coupling) run_program . benchmarks/coupling.py "$@" ;;

@@ -1,32 +1,11 @@
-/* The timed loops of step_cost.py, and nothing else. Functions come in as pointers, so that neither the
- * compiler nor the linker can hoist, merge or vectorise their calls; every loop calls all of them alike.
+/* The timed loops of step_cost.py, and nothing else. exp and sincos come in as pointers as well (see slave.h);
+ * every loop calls all of them alike.
  */
 #define _POSIX_C_SOURCE 199309L
-#include <stddef.h>
-#include <time.h>
-
-#include "fmi2FunctionTypes.h"
-
-#define EXPORT __attribute__((visibility("default")))
+#include "slave.h"
 
 typedef double Exp(double x);
 typedef void Sincos(double x, double *sine, double *cosine);
-
-typedef struct {
-    fmi2SetRealTYPE *set_real;
-    fmi2DoStepTYPE *do_step;
-    fmi2GetRealTYPE *get_real;
-    fmi2SetFMUstateTYPE *set_state;
-    fmi2Component component;
-    fmi2ValueReference input;      /* tau */
-    fmi2ValueReference outputs[2]; /* theta, omega */
-} Slave;
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Seconds for n times one exp and one sincos: inputs from memory, results summed. The calls do not
  * wait for each other. */
@@ -54,17 +33,6 @@ EXPORT double seconds_dependent(Exp *exp_, Sincos *sincos_, const double x[], si
     }
     *sum = last;
     return now() - start;
-}
-
-/* One step: set the input, step, get both outputs, whose sum is added to `sum`. */
-static fmi2Status step_once(const Slave *s, double time, double step, double tau, double *sum) {
-    double out[2];
-    const fmi2Status set = s->set_real(s->component, &s->input, 1, &tau);
-    const fmi2Status done = s->do_step(s->component, time, step, fmi2True);
-    const fmi2Status got = s->get_real(s->component, s->outputs, 2, out);
-    *sum += out[0] + out[1];
-    if (set != fmi2OK) return set;
-    return done != fmi2OK ? done : got;
 }
 
 /* Seconds for n steps. Leaves the status other than fmi2OK, if there was any, in `status`, and the sum of the

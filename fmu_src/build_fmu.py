@@ -26,7 +26,7 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -191,7 +191,8 @@ def core_sources(identifier: str, version: int = 2) -> list[Path]:
 
 
 def headers() -> list[Path]:
-    return [*(ROOT / "fmu_src").glob("*.h"), *(ROOT / "fmu_src").glob("*.def")]
+    bare = ROOT / "benchmarks/null_fmu/bare.h"
+    return [*(ROOT / "fmu_src").glob("*.h"), *(ROOT / "fmu_src").glob("*.def"), bare]
 
 
 def fingerprint(files: Iterable[Path], *words: str) -> str:
@@ -314,25 +315,52 @@ def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
     return Fmu(identifier, sources, description, guid, extra, texts, defines, version)
 
 
-def null_fmu(like: Fmu) -> Fmu:
-    """The do-nothing FMU: `like`'s variables, plain co-simulation without any capability."""
-    identifier = "NullFmu"
+def bare_fmu(
+    like: Fmu, identifier: str, source: Path, what: str, settings: Mapping[str, float] | None = None
+) -> Fmu:
+    """An FMU for comparison: `like`'s variables and some more, plain co-simulation without any capability.
+    Its value references are handed to the compiler as VR_group_name."""
     guid = hashlib.sha256(like.description.encode()).hexdigest()[:32]
     root = ET.fromstring(like.description)
-    root.attrib.update(modelName=identifier, guid=guid, description="Does nothing: what FMI itself costs")
+    root.attrib.update(modelName=identifier, guid=guid, description=what)
     for kind in [*root.findall("ModelExchange"), *root.findall("CoSimulation")]:
         position = list(root).index(kind)
         root.remove(kind)
     root.insert(position, ET.Element("CoSimulation", modelIdentifier=identifier))
+    references = {v.attrib["name"]: int(v.attrib["valueReference"]) for v in root.iter("ScalarVariable")}
+    for name, start in (settings or {}).items():
+        references[name] = 1 + max(references.values())
+        variable = ET.Element("ScalarVariable", name=name, valueReference=str(references[name]))
+        variable.attrib.update(causality="parameter", variability="fixed")
+        ET.SubElement(variable, "Real", start=repr(start))
+        next(root.iter("ModelVariables")).append(variable)
     ET.indent(root)
-    count = 1 + max(int(v.attrib["valueReference"]) for v in root.iter("ScalarVariable"))
     return Fmu(
         identifier,
-        [ROOT / "benchmarks/null_fmu/null_fmu.c"],
+        [source],
         '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n",
         guid,
-        defines=[f"-DVALUE_COUNT={count}"],
+        defines=[
+            f"-DVALUE_COUNT={1 + max(references.values())}",
+            *(
+                f"-DVR_{name.replace('.', '_')}={v}"
+                for name, v in references.items()
+                if name.isascii() and name.replace(".", "_").isidentifier()
+            ),
+        ],
     )
+
+
+def null_fmu(like: Fmu) -> Fmu:
+    source = ROOT / "benchmarks/null_fmu/null_fmu.c"
+    return bare_fmu(like, "NullFmu", source, "Does nothing: what FMI itself costs")
+
+
+def hand_written_fmu(like: Fmu) -> Fmu:
+    """A peer of benchmarks/work_precision.py, built by it."""
+    source = ROOT / "benchmarks/hand_written/hand_written.c"
+    settings = {"solver.step": 1e-4, "solver.threshold": 1e-3}
+    return bare_fmu(like, "HandWritten", source, "Fixed steps of semi-implicit Euler", settings)
 
 
 def check_glibc(library: Path) -> None:
