@@ -125,9 +125,22 @@ static bool has_extremum(const Track *a, const Track *b) {
     return (a->rate > 0.0) != (b->rate > 0.0) || fabs(b->rate) < DEAD_RATE * fabs(a->rate);
 }
 
+/* Is the track above zero between a and b for sure? Its rate is monotone: it lies above its chord or, where the
+ * rate grows, above both tangents, which cross at x. Not looked for: an extremum that cannot matter. */
+static bool clear_of_zero(const Track *a, const Track *b) {
+    double least = fmin(a->value, b->value);
+    if (a->rate < b->rate) {
+        const double length = b->t - a->t;
+        const double x = (b->value - a->value - b->rate * length) / (a->rate - b->rate);
+        least = fmin(least, a->value + a->rate * fmin(fmax(x, 0.0), length));
+    }
+    return least > a->noise + b->noise;
+}
+
 /* Descent where the rate is monotone between a and b. */
 static double descent_in_bow(const Probe *probe, const Track *a, const Track *b) {
     if (!has_extremum(a, b)) return descent_in_piece(probe, a, b);
+    if (clear_of_zero(a, b)) return INFINITY;
     const Track m = track_at(probe, root(probe, 1, a->t, a->rate, b->t));
     const double t = descent_in_piece(probe, a, &m);
     return t < INFINITY ? t : descent_in_piece(probe, &m, b);
