@@ -84,12 +84,22 @@ static double dot(const double a[RADAU_MAX], const double b[RADAU_MAX], int n) {
     return sum;
 }
 
-/* Columns times y: integrals of y up to the nodes, if those are the method's. */
+/* Columns times y, as far as `width`: a constant where this is inlined, so that the loops have a fixed length. */
+static inline void combine_to(int width, const double columns[RADAU_MAX][RADAU_WIDTH], const double y[RADAU_MAX], int n,
+                              double out[RADAU_WIDTH]) {
+    for (int i = 0; i < width; i++) out[i] = 0.0;
+    for (int j = 0; j < n; j++)
+        for (int i = 0; i < width; i++) out[i] += columns[j][i] * y[j];
+}
+
+/* Integrals of y up to the n nodes, if the columns are the method's. Three stages, the usual number, need half the width. */
 static inline void combine(const double columns[RADAU_MAX][RADAU_WIDTH], const double y[RADAU_MAX], int n,
                            double out[RADAU_WIDTH]) {
-    for (int i = 0; i < RADAU_WIDTH; i++) out[i] = 0.0;
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < RADAU_WIDTH; i++) out[i] += columns[j][i] * y[j];
+    if (n <= RADAU_WIDTH / 2) {
+        combine_to(RADAU_WIDTH / 2, columns, y, n, out);
+    } else {
+        combine_to(RADAU_WIDTH, columns, y, n, out);
+    }
 }
 
 /* theta_i - theta_0 and omega_i from y. */
