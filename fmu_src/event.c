@@ -125,16 +125,16 @@ static bool has_extremum(const Track *a, const Track *b) {
     return (a->rate > 0.0) != (b->rate > 0.0) || fabs(b->rate) < DEAD_RATE * fabs(a->rate);
 }
 
-/* Is the track above zero between a and b for sure? Its rate is monotone: it lies above its chord or, where the
- * rate grows, above both tangents, which cross at x. Not looked for: an extremum that cannot matter. */
+/* Where the tangents at a and b cross: with a monotone rate the track in between lies between that and its chord. */
+static double tangents_cross(const Track *a, const Track *b) {
+    const double length = b->t - a->t;
+    const double x = (b->value - a->value - b->rate * length) / (a->rate - b->rate);
+    return a->value + a->rate * fmin(fmax(x, 0.0), length);
+}
+
+/* Is the track above zero between a and b for sure? Then an extremum cannot matter, and is not looked for. */
 static bool clear_of_zero(const Track *a, const Track *b) {
-    double least = fmin(a->value, b->value);
-    if (a->rate < b->rate) {
-        const double length = b->t - a->t;
-        const double x = (b->value - a->value - b->rate * length) / (a->rate - b->rate);
-        least = fmin(least, a->value + a->rate * fmin(fmax(x, 0.0), length));
-    }
-    return least > a->noise + b->noise;
+    return fmin(fmin(a->value, b->value), tangents_cross(a, b)) > a->noise + b->noise;
 }
 
 /* Descent where the rate is monotone between a and b. */
@@ -294,21 +294,20 @@ bool event_quiet(const Stretch *s, const Ends *ends) {
     return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
 }
 
-/* Largest |track| between a and b, rate monotone between them. */
-static double peak_in_bow(const Probe *probe, const Track *a, const Track *b) {
-    double peak = fmax(fabs(a->value), fabs(b->value));
-    if (has_extremum(a, b))
-        peak = fmax(peak, fabs(track_at(probe, root(probe, 1, a->t, a->rate, b->t)).value));
-    return peak;
+/* Largest |track| between a and b, rate monotone between them, as far as it is more than `known`. */
+static double peak_in_bow(const Probe *probe, const Track *a, const Track *b, double known) {
+    const double ends = fmax(fabs(a->value), fabs(b->value));
+    if (!has_extremum(a, b) || fabs(tangents_cross(a, b)) <= fmax(ends, known)) return ends;
+    return fmax(ends, fabs(track_at(probe, root(probe, 1, a->t, a->rate, b->t)).value));
 }
 
 /* Largest |track| over `bows` bows from the zero of the curvature at or after `from`, up to t_end. */
-static double peak_in_bows(const Probe *probe, double from, double next, double t_end, int bows) {
+static double peak_in_bows(const Probe *probe, double from, double next, double t_end, int bows, double known) {
     double peak = 0.0;
     Track a = track_at(probe, from);
     for (int bow = 0; bow < bows && a.t < t_end; bow++) {
         const Track b = track_at(probe, fmin(next, t_end));
-        peak = fmax(peak, peak_in_bow(probe, &a, &b));
+        peak = fmax(peak, peak_in_bow(probe, &a, &b, fmax(peak, known)));
         a = b;
         next += probe->stretch->slip->oscillator.half_period;
     }
@@ -317,16 +316,16 @@ static double peak_in_bows(const Probe *probe, double from, double next, double 
 
 /* A line plus a decaying oscillation: successive maxima form a convex sequence, so the largest is
  * among the first or the last ones. */
-static double peak_of(const Probe *probe, double t_end) {
+static double peak_of(const Probe *probe, double t_end, double known) {
     enum { BOWS = 4 };
     const Oscillator *osc = &probe->stretch->slip->oscillator;
     const Track start = track_at(probe, 0.0);
     const double first = oscillator_zero(osc, start.curvature, start.third);
-    double peak = peak_in_bows(probe, 0.0, first, t_end, BOWS);
+    double peak = peak_in_bows(probe, 0.0, first, t_end, BOWS, known);
     const double late = floor((t_end - first) / osc->half_period) - (BOWS - 2);
     if (late > 0.0) {
         const double from = first + late * osc->half_period;
-        peak = fmax(peak, peak_in_bows(probe, from, from + osc->half_period, t_end, BOWS));
+        peak = fmax(peak, peak_in_bows(probe, from, from + osc->half_period, t_end, BOWS, fmax(peak, known)));
     }
     return peak;
 }
@@ -337,15 +336,17 @@ static bool peaks_at_end(const Stretch *s, const Contact *start, const Contact *
     return !may_turn(start->rate, end->rate);
 }
 
-void event_peaks(const Stretch *s, const Ends *ends, double *omega, double reaction[2]) {
+void event_peaks(const Stretch *s, const Ends *ends, const Peaks *known, double *omega, double reaction[2]) {
     const bool long_step = !(ends->arc.t < s->slip->oscillator.half_period);
     *omega = fmax(fabs(s->launch.omega), fabs(ends->arc.omega));
     if ((long_step || may_turn(s->launch.alpha, ends->arc.alpha)) && !alpha_is_noise(s, ends))
-        *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t));
+        *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t,
+                                     known->omega));
     for (int i = 0; i < 2; i++) {
         double x = fmax(fabs(ends->start[i].value), fabs(ends->end[i].value));
         if ((long_step || !peaks_at_end(s, &ends->start[i], &ends->end[i])) && !alpha_is_noise(s, ends))
-            x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t));
+            x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t,
+                                known->reaction[i] / s->slip->reaction[i]));
         reaction[i] = x * s->slip->reaction[i];
     }
 }

@@ -47,7 +47,7 @@ bool event_quiet(const Stretch *stretch, const Ends *ends);
 /* The first event in [0, t_end], or EVENT_NONE. */
 Event event_first(const Stretch *stretch, double t_end);
 
-/* Largest |omega| and |R_i| on [0, ends->arc.t] into *omega and reaction[2]. */
-void event_peaks(const Stretch *stretch, const Ends *ends, double *omega, double reaction[2]);
+/* Largest |omega| and |R_i| on [0, ends->arc.t] into *omega and reaction[2]; below `known` not looked for closely. */
+void event_peaks(const Stretch *stretch, const Ends *ends, const Peaks *known, double *omega, double reaction[2]);
 
 #endif

@@ -243,7 +243,7 @@ static Slip *present_slip(Mechanism *m) {
 static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
     Peaks *peak = &m->state.ledger.peak;
     double omega, reaction[2];
-    event_peaks(s, ends, &omega, reaction);
+    event_peaks(s, ends, peak, &omega, reaction);
     peak_raise(&peak->omega, omega);
     peak_raise(&peak->torque, s->launch.tau);
     peak_raise(&peak->torque, s->launch.tau + s->launch.tau_rate * ends->arc.t);

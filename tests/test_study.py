@@ -616,7 +616,12 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "dualcam", *words]
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+        # a shell's background jobs ignore SIGINT, and what they start inherits that
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as process:
         while len(list(out.glob("small/runs-*.csv"))) < 5:
             assert process.poll() is None
