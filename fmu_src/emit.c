@@ -130,18 +130,9 @@ void put_types(Sink *sink, void (*put_type)(Sink *sink, const Unit *unit)) {
 /* ---- variables ---- */
 
 static const char *const DESCRIPTIONS[] = {
-#define UNIT(...)
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text) \
     IN_##model([VR_##id] = text,)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
 };
 
 static const char *const CAUSALITIES[] = {[CAUSALITY_PARAMETER] = "parameter",
@@ -164,12 +155,20 @@ const char *start_of(const Variable *variable, Digits *room) {
     return room->text;
 }
 
-void put_range(Sink *sink, const Variable *variable) {
+static void put_range(Sink *sink, const Variable *variable) {
     if (variable->type != TYPE_REAL && variable->type != TYPE_INTEGER) return;
     if (isfinite(variable->min)) put_number(sink, "min", variable->min);
     if (isfinite(variable->max)) put_number(sink, "max", variable->max);
     if (variable->type == TYPE_REAL && variable->causality != CAUSALITY_PARAMETER)
         put_number(sink, "nominal", variable->nominal);
+}
+
+void put_unit_and_range(Sink *sink, const Variable *variable) {
+    if (variable->unit != UNIT_NONE) {
+        put_attribute(sink, "declaredType", UNITS[variable->unit].quantity);
+        put_attribute(sink, "unit", UNITS[variable->unit].name); /* for masters that do not look types up */
+    }
+    put_range(sink, variable);
 }
 
 void put_variable_attributes(Sink *sink, unsigned reference) {
@@ -202,28 +201,8 @@ void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsi
     put(sink, "\"");
 }
 
-unsigned state_of(unsigned reference) {
-    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
-        if (row->rate == reference) return row->state;
-    return VARIABLE_COUNT;
-}
-
 bool is_output(unsigned reference) {
     return VARIABLES[reference].causality == CAUSALITY_OUTPUT;
-}
-
-bool is_rate(unsigned reference) {
-    return state_of(reference) != VARIABLE_COUNT;
-}
-
-bool is_state(unsigned reference) {
-    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
-        if (row->state == reference) return true;
-    return false;
-}
-
-bool is_output_or_rate(unsigned reference) {
-    return is_output(reference) || is_rate(reference);
 }
 
 /* ---- program ---- */

@@ -32,18 +32,14 @@ void put_categories_and_experiment(Sink *sink);
 /* name, value reference, causality, variability, initial, description. `initial` is spelt out only where FMI has a
  * choice: inputs and time must not have it. */
 void put_variable_attributes(Sink *sink, unsigned reference);
-void put_range(Sink *sink, const Variable *variable); /* min, max, nominal */
+void put_unit_and_range(Sink *sink, const Variable *variable); /* declaredType, unit; min, max, nominal */
 bool has_start(const Variable *variable);
 const char *start_of(const Variable *variable, Digits *room); /* less that of a String, which is "" */
 
 /* ` dependencies="..." dependenciesKind="..."` of what `list` has on `unknown`; `place` tells how a known is written. */
 void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*place)(unsigned reference));
 
-unsigned state_of(unsigned reference); /* the continuous state that it is the derivative of, or VARIABLE_COUNT */
 bool is_output(unsigned reference);
-bool is_rate(unsigned reference);
-bool is_state(unsigned reference);
-bool is_output_or_rate(unsigned reference);
 
 extern const char *const IDENTIFIER;
 

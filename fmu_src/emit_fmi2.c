@@ -41,20 +41,12 @@ static unsigned index_of_known(unsigned reference) {
     return index_of(reference);
 }
 
-static void put_type_and_range(Sink *sink, const Variable *variable) {
-    print(sink, ">\n      <%s", type_name(variable->type));
-    if (variable->unit != UNIT_NONE) {
-        put_attribute(sink, "declaredType", UNITS[variable->unit].quantity);
-        put_attribute(sink, "unit", UNITS[variable->unit].name); /* for masters that do not look types up */
-    }
-    put_range(sink, variable);
-}
-
 static void put_variable(Sink *sink, unsigned reference) {
     const Variable *variable = &VARIABLES[reference];
     put(sink, "    <ScalarVariable");
     put_variable_attributes(sink, reference);
-    put_type_and_range(sink, variable);
+    print(sink, ">\n      <%s", type_name(variable->type));
+    put_unit_and_range(sink, variable);
     Digits room;
     if (has_start(variable))
         put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(variable, &room));
@@ -69,7 +61,8 @@ static void put_second_name(Sink *sink, unsigned reference, const char *format, 
     put_number(sink, "valueReference", reference);
     print(sink, " causality=\"local\" variability=\"continuous\" initial=\"calculated\"");
     print(sink, " description=\"Of model exchange: another name of %s\"", VARIABLES[reference].name);
-    put_type_and_range(sink, &VARIABLES[reference]);
+    put(sink, ">\n      <Real");
+    put_unit_and_range(sink, &VARIABLES[reference]);
 }
 
 static void put_states(Sink *sink) {
@@ -137,17 +130,22 @@ static void put_sources(Sink *sink, char *const *sources) {
     put(sink, "    </SourceFiles>\n");
 }
 
-static void put_exchange(Sink *sink, char *const *sources) {
-    put(sink, "  <ModelExchange\n   ");
-    put_attribute(sink, "modelIdentifier", IDENTIFIER);
+/* The end of the attributes, and the sources. */
+static void put_common_capabilities(Sink *sink, char *const *sources) {
     put(sink,
-        "\n    completedIntegratorStepNotNeeded=\"false\""
         "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
         "\n    canNotUseMemoryManagementFunctions=\"true\""
         "\n    canGetAndSetFMUstate=\"true\""
         "\n    canSerializeFMUstate=\"true\""
         "\n    providesDirectionalDerivative=\"true\">\n");
     put_sources(sink, sources);
+}
+
+static void put_exchange(Sink *sink, char *const *sources) {
+    put(sink, "  <ModelExchange\n   ");
+    put_attribute(sink, "modelIdentifier", IDENTIFIER);
+    put(sink, "\n    completedIntegratorStepNotNeeded=\"false\"");
+    put_common_capabilities(sink, sources);
     put(sink, "  </ModelExchange>\n");
 }
 
@@ -158,14 +156,8 @@ static void put_co_simulation(Sink *sink, char *const *sources) {
         "\n    canHandleVariableCommunicationStepSize=\"true\""
         "\n    canInterpolateInputs=\"true\"");
     print(sink, "\n    maxOutputDerivativeOrder=\"%d\"", (int)MAX_OUTPUT_ORDER);
-    put(sink,
-        "\n    canRunAsynchronuously=\"false\""
-        "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
-        "\n    canNotUseMemoryManagementFunctions=\"true\""
-        "\n    canGetAndSetFMUstate=\"true\""
-        "\n    canSerializeFMUstate=\"true\""
-        "\n    providesDirectionalDerivative=\"true\">\n");
-    put_sources(sink, sources);
+    put(sink, "\n    canRunAsynchronuously=\"false\"");
+    put_common_capabilities(sink, sources);
     put(sink, "  </CoSimulation>\n");
 }
 

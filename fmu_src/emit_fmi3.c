@@ -18,16 +18,33 @@ static bool is_intermediate(const Variable *variable) {
     return variable->causality == CAUSALITY_OUTPUT || (SAMPLES_INPUTS && variable->causality == CAUSALITY_INPUT);
 }
 
+/* The continuous state that it is the derivative of, or VARIABLE_COUNT. */
+static unsigned state_of(unsigned reference) {
+    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
+        if (row->rate == reference) return row->state;
+    return VARIABLE_COUNT;
+}
+
+static bool is_rate(unsigned reference) {
+    return state_of(reference) != VARIABLE_COUNT;
+}
+
+static bool is_state(unsigned reference) {
+    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
+        if (row->state == reference) return true;
+    return false;
+}
+
+static bool is_output_or_rate(unsigned reference) {
+    return is_output(reference) || is_rate(reference);
+}
+
 static void put_variable(Sink *sink, unsigned reference) {
     const Variable *variable = &VARIABLES[reference];
     print(sink, "    <%s", type_name(variable->type));
     put_variable_attributes(sink, reference);
     if (is_intermediate(variable)) put_attribute(sink, "intermediateUpdate", "true");
-    if (variable->unit != UNIT_NONE) {
-        put_attribute(sink, "declaredType", UNITS[variable->unit].quantity);
-        put_attribute(sink, "unit", UNITS[variable->unit].name); /* for masters that do not look types up */
-    }
-    put_range(sink, variable);
+    put_unit_and_range(sink, variable);
     if (is_rate(reference)) put_number(sink, "derivative", state_of(reference));
     if (is_state(reference)) put_attribute(sink, "reinit", "true"); /* end stops, and what friction stops */
     Digits room;

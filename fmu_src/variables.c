@@ -15,16 +15,7 @@ const Unit UNITS[UNIT_COUNT] = {
                    .quantity = quantity_,                                    \
                    .display = display_,                                      \
                    .factor = factor_},
-#define VARIABLE(...)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
 };
 
 /* Where each group is in Values. */
@@ -51,19 +42,10 @@ typedef int64_t TypeOf_COUNT;
 typedef bool TypeOf_BOOLEAN;
 typedef char *TypeOf_TEXT;
 
-#define UNIT(...)
 #define VARIABLE(model, kind, id, group, field, ...)                                                    \
     IN_##model(_Static_assert(_Generic(((Values *)0)->PATH_##group.field, TypeOf_##kind: 1, default: 0), \
                               #id ": field of another type");)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
 
 enum {
     TYPE_OF_REAL = TYPE_REAL,
@@ -75,7 +57,6 @@ enum {
 };
 
 const Variable VARIABLES[VARIABLE_COUNT] = {
-#define UNIT(...)
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
                  max_, nominal_, text)                                                                   \
     IN_##model_([VR_##id] = {.offset = offsetof(Values, PATH_##group_.field),                            \
@@ -90,15 +71,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .nominal = nominal_,                                                        \
                              .name = name_,                                                              \
                              .unit = UNIT_##unit_},)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
 };
 
 const char *type_name(Type type) {

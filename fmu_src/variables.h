@@ -71,32 +71,14 @@ typedef enum SMALL {
 typedef enum SMALL {
     UNIT_NONE,
 #define UNIT(id, ...) UNIT_##id,
-#define VARIABLE(...)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
     UNIT_COUNT
 } UnitId;
 
 /* Value references: 0, 1, 2, ... over the variables that this FMU has. */
 typedef enum {
-#define UNIT(...)
 #define VARIABLE(model, kind, id, ...) IN_##model(VR_##id,)
-#define FOLLOWS(...)
-#define STARTS_FROM(...)
-#define RATE_OF(...)
 #include "variables.def"
-#undef UNIT
-#undef VARIABLE
-#undef FOLLOWS
-#undef STARTS_FROM
-#undef RATE_OF
     VARIABLE_COUNT
 } VariableId;
 
