@@ -43,9 +43,7 @@ wind, the drive's own consumption, the follower's mass. Nothing but friction slo
 
 from __future__ import annotations
 
-import argparse
 import math
-import textwrap
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -57,6 +55,7 @@ from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, hinged_load
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from robot_joint import AK80_6, CURRENT_BANDWIDTH, CURRENT_RATE, TICK, with_friction
+from story import bullets, command_line
 
 from dualcam import Fmu
 
@@ -608,11 +607,7 @@ def findings(results: Results) -> str:
         f" {slow_pin_load(hold) / 1e3:.1f} kN. The stroke is a millimetre: play in the grooves, not modelled,"
         " would eat into it.",
     ]
-    lines = []
-    for title, points in (("Where the cam helps", helps), ("Where it hurts", hurts)):
-        lines.append(title)
-        lines += [textwrap.fill(point, 105, initial_indent="- ", subsequent_indent="  ") for point in points]
-    return "\n".join(lines)
+    return bullets({"Where the cam helps": helps, "Where it hurts": hurts})
 
 
 def slow_pin_load(hold: HoldOpen) -> float:
@@ -769,18 +764,14 @@ def _draw_energy(axes: Axes, results: Results) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    build = Path(__file__).resolve().parent.parent / "build"
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--fmu", type=Path, default=build / "DualCamForward.fmu")
-    parser.add_argument("--output", type=Path, default=build / "car_door.png", help="picture to write")
-    options = parser.parse_args(arguments)
-    results = run(options.fmu)
+    fmu, output = command_line(__doc__, "car_door.png", arguments)
+    results = run(fmu)
     print(table(results))
     print()
     print(findings(results))
     print(f"\nReal-time factor of the 1 kHz loop: {results.real_time_factor:.0f}")
-    picture(results, options.output)
-    print(f"Picture: {options.output}")
+    picture(results, output)
+    print(f"Picture: {output}")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ load (pin of 3 mm radius, flank 8 mm wide, steel) is read off curvature and pres
 
 from __future__ import annotations
 
-import argparse
 import math
 import tempfile
 from collections.abc import Callable, Sequence
@@ -28,6 +27,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from story import command_line
 
 from dualcam import Fmu
 from dualcam.design import Assessment, Design, Helix, Limits, Pin, Spring, assess, optimum, synthesize
@@ -273,15 +273,11 @@ def _draw_pressure(axes: Axes, results: Sequence[Result]) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    build = Path(__file__).resolve().parent.parent / "build"
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--fmu", type=Path, default=build / "DualCamInverse.fmu")
-    parser.add_argument("--output", type=Path, default=build / "designed_groove.png", help="picture to write")
-    options = parser.parse_args(arguments)
-    results = run(options.fmu)
+    fmu, output = command_line(__doc__, "designed_groove.png", arguments, model="DualCamInverse")
+    results = run(fmu)
     print(report(results))
-    picture(results, options.output)
-    print(f"Picture: {options.output}")
+    picture(results, output)
+    print(f"Picture: {output}")
 
 
 if __name__ == "__main__":

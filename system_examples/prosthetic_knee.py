@@ -47,9 +47,7 @@ follower's mass, the ankle, and what the prosthesis does to hip and thigh, whose
 
 from __future__ import annotations
 
-import argparse
 import math
-import textwrap
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -61,6 +59,7 @@ from blocks import CurrentLoop, EllipseCam, HingedPendulum, HingeMotion, Impedan
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import least_squares, minimize_scalar
+from story import bullets, command_line
 
 from dualcam import Fmu
 
@@ -647,11 +646,7 @@ def findings(results: Results) -> str:
         f" {slow_passive.impact_speed:.0f} deg/s, at the fast one it is still bent {late:.0f} deg too far at"
         " heel strike.",
     ]
-    lines = []
-    for title, points in (("Where the cam helps", helps), ("Where it does not", hurts)):
-        lines.append(title)
-        lines += [textwrap.fill(point, 105, initial_indent="- ", subsequent_indent="  ") for point in points]
-    return "\n".join(lines)
+    return bullets({"Where the cam helps": helps, "Where it does not": hurts})
 
 
 def real_time(results: Results) -> str:
@@ -816,19 +811,15 @@ def _draw_bars(axes: Axes, results: Results, what: str, title: str, joints: Sequ
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    build = Path(__file__).resolve().parent.parent / "build"
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--fmu", type=Path, default=build / "DualCamForward.fmu")
-    parser.add_argument("--output", type=Path, default=build / "prosthetic_knee.png", help="picture to write")
-    options = parser.parse_args(arguments)
-    results = run(options.fmu)
-    print(table(results, run_stiffness(options.fmu)))
+    fmu, output = command_line(__doc__, "prosthetic_knee.png", arguments)
+    results = run(fmu)
+    print(table(results, run_stiffness(fmu)))
     print()
     print(findings(results))
     print()
     print(real_time(results))
-    picture(results, options.output)
-    print(f"\nPicture: {options.output}")
+    picture(results, output)
+    print(f"\nPicture: {output}")
 
 
 if __name__ == "__main__":

@@ -39,9 +39,7 @@ the cam has no friction at all and is better than any real one.
 
 from __future__ import annotations
 
-import argparse
 import math
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -59,6 +57,7 @@ from blocks import (
 )
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from story import bullets, command_line
 
 from dualcam import Fmu
 
@@ -469,11 +468,7 @@ def findings(results: dict[tuple[float, str], Result]) -> str:
         f" ({1e3 * naive.max_error:.1f} mrad) and rests with {naive.hold_current:.1f} A against the stick"
         f" band for nothing: {naive.joule_heat:.0f} J instead of {cam.joule_heat:.0f} J.",
     ]
-    lines = []
-    for title, points in (("Where the cam helps", helps), ("Where it hurts", hurts)):
-        lines.append(title)
-        lines += [textwrap.fill(point, 105, initial_indent="- ", subsequent_indent="  ") for point in points]
-    return "\n".join(lines)
+    return bullets({"Where the cam helps": helps, "Where it hurts": hurts})
 
 
 COLOURS = {BARE: "tab:orange", CAM: "tab:blue", NAIVE: "0.6"}
@@ -608,17 +603,13 @@ def _draw_heats(axes: Axes, results: dict[tuple[float, str], Result]) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    build = Path(__file__).resolve().parent.parent / "build"
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--fmu", type=Path, default=build / "DualCamForward.fmu")
-    parser.add_argument("--output", type=Path, default=build / "robot_joint.png", help="picture to write")
-    options = parser.parse_args(arguments)
-    results = run(options.fmu)
+    fmu, output = command_line(__doc__, "robot_joint.png", arguments)
+    results = run(fmu)
     print(table(results))
     print()
     print(findings(results))
-    picture(results, options.output)
-    print(f"\nPicture: {options.output}")
+    picture(results, output)
+    print(f"\nPicture: {output}")
 
 
 if __name__ == "__main__":
