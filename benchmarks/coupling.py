@@ -577,8 +577,7 @@ def main() -> int:
     with Fmu(FMU) as slave:
         studies = [study(slave, scene, console) for scene in SCENES]
     report(studies, console)
-    facts = step_cost.circumstances()
-    facts["command"] = "./build.sh coupling" + "".join(f" {word}" for word in sys.argv[1:])
+    facts = step_cost.circumstances("coupling")
     facts["versions"] += f", numpy {version('numpy')}, scipy {version('scipy')}"
     for name, value in facts.items():
         console.print(f"{name}: {value}", highlight=False, markup=False)

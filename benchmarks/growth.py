@@ -10,7 +10,6 @@ is what the process gained (resident). What does not rise per unit grows linearl
 from __future__ import annotations
 
 import argparse
-import csv
 import ctypes
 import math
 import statistics
@@ -276,14 +275,7 @@ def main() -> int:
             }
         )
     console.print(table)
-    for name, value in facts.items():
-        console.print(f"{name}: {value}", highlight=False, markup=False)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.output.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    step_cost.publish(rows, facts, arguments.output, console)
     return 0
 
 

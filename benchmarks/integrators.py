@@ -566,7 +566,7 @@ def main() -> None:
     fit = float(candidates.library.fit_error(ctypes.byref(cast[0].struct)))
     console.print(f"Polynomials of the geometry: relative error {fit:.1e}; Taylor uses the closed form.")
     words = " ".join(["benchmarks/integrators.py", *sys.argv[1:]])
-    facts = step_cost.circumstances() | {"command": words}
+    facts = step_cost.circumstances("") | {"command": words}
     facts["versions"] += f", scipy {version('scipy')}"
     for name, value in facts.items():
         console.print(f"{name}: {value}", highlight=False, markup=False)

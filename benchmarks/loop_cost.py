@@ -14,7 +14,6 @@ null, FMPy         the same calls by FMPy's own methods with lists of values
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import statistics
 import sys
@@ -117,9 +116,7 @@ def main() -> int:
         times = step_cost.in_turns(blocks, arguments.rounds, "loops", console)
         changes = cam.get("events")
 
-    facts = step_cost.circumstances() | {
-        "command": "./build.sh loop" + "".join(f" {word}" for word in sys.argv[1:])
-    }
+    facts = step_cost.circumstances("loop")
     table = step_cost.table(
         f"{TURNS} turns of {1e3 * STEP:g} ms: set a torque, step, read angle and speed",
         "through", "s", "us per turn", "share of cam",
@@ -137,14 +134,7 @@ def main() -> int:
         f"The cam changed its mode {changes} times. 10 s take {whole:.3f} s:", highlight=False, end=" "
     )
     console.print(f"target {step_cost.verdict(whole, TARGET)}.", highlight=False)
-    for name, value in facts.items():
-        console.print(f"{name}: {value}", highlight=False, markup=False)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.output.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows(rows)
-    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    step_cost.publish(rows, facts, arguments.output, console)
     return 0 if whole <= TARGET else 1
 
 

@@ -12,7 +12,6 @@ number instead of another.
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -189,14 +188,7 @@ def main() -> int:
         " theta and omega, as in all that follow, whose cost is a ratio to it.",
         highlight=False,
     )
-    for name, value in facts.items():
-        console.print(f"{name}: {value}", highlight=False, markup=False)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.output.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    step_cost.publish(rows, facts, arguments.output, console)
     return 0
 
 

@@ -30,7 +30,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -519,9 +519,10 @@ def commit() -> str:
     return (revision or "none yet") + (" with changes" if changed else "")
 
 
-def circumstances() -> dict[str, str]:
+def circumstances(command: str) -> dict[str, str]:
+    """Of this run of `./build.sh command`."""
     return {
-        "command": "./build.sh bench" + "".join(f" {word}" for word in sys.argv[1:]),
+        "command": f"./build.sh {command}" + "".join(f" {word}" for word in sys.argv[1:]),
         "date": time.strftime("%Y-%m-%d"),
         "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
         "versions": f"Python {platform.python_version()}, FMPy {version('fmpy')}, zig {version('ziglang')}",
@@ -579,6 +580,20 @@ def share(value: float, target: float | None) -> str:
     return "" if target is None else f"{value / target:.0%}"
 
 
+def publish(
+    rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], output: Path, console: Console
+) -> None:
+    """Prints the circumstances of a benchmark and writes its rows as CSV."""
+    for name, value in facts.items():
+        console.print(f"{name}: {value}", highlight=False, markup=False)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    with output.open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    console.print(f"written: {output}", highlight=False, markup=False)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=301, help="rounds of blocks in C (default 301)")
@@ -619,7 +634,7 @@ def main() -> None:
         console,
     )
 
-    facts = circumstances()
+    facts = circumstances("bench")
     rows: list[dict[str, str]] = []
     in_c = table("One step in C", "scene", "ns", "/(exp+sincos)", "limit", "share", "/null", "events")
     in_fmpy = table("One step through FMPy", "scene", "/null", "target <=")
@@ -679,15 +694,7 @@ def main() -> None:
     console.print(
         f"A step of the null FMU through FMPy takes {fmpy_null:.2f} us.", highlight=False, markup=False
     )
-    for name, value in facts.items():
-        console.print(f"{name}: {value}", highlight=False, markup=False)
-
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.output.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys())
-        writer.writeheader()
-        writer.writerows(rows)
-    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    publish(rows, facts, arguments.output, console)
 
 
 if __name__ == "__main__":

@@ -1204,8 +1204,7 @@ def markdown(rows: Sequence[Row], seconds: float) -> str:
         if len(wrong) > 60:
             lines.append(f"- and {len(wrong) - 60} more")
         lines.append("")
-    facts = step_cost.circumstances()
-    facts["command"] = "./build.sh stress" + "".join(f" {word}" for word in sys.argv[1:])
+    facts = step_cost.circumstances("stress")
     facts["versions"] += f", SciPy {version('scipy')}, NumPy {version('numpy')}"
     facts["took"] = f"{seconds / 60:.0f} min"
     return "\n".join([*lines, "---", "", *(f"{name}: {value}  " for name, value in facts.items())]) + "\n"

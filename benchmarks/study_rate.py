@@ -18,7 +18,6 @@ on disk takes from its first tenth to its end.
 from __future__ import annotations
 
 import argparse
-import csv
 import statistics
 import sys
 import tempfile
@@ -163,9 +162,7 @@ def main() -> int:
     parts = profile(cam, rows)
     early, late, rate = memory(arguments.runs)
 
-    facts = step_cost.circumstances() | {
-        "command": "./build.sh rate" + "".join(f" {word}" for word in sys.argv[1:])
-    }
+    facts = step_cost.circumstances("rate")
     table = step_cost.table(
         "Load and release, one core", "way", "us per run", "runs per second", "rate / cam's"
     )
@@ -192,13 +189,7 @@ def main() -> int:
     }
     for goal, share in goals.items():
         console.print(f"{goal}: {'met' if share >= 1.0 else 'MISSED'} ({share:.0%})", highlight=False)
-    for name, value in facts.items():
-        console.print(f"{name}: {value}", highlight=False, markup=False)
-    with arguments.output.open("w", newline="") as file:
-        writer = csv.DictWriter(file, lines[0].keys())
-        writer.writeheader()
-        writer.writerows(lines)
-    console.print(f"written: {arguments.output}", highlight=False, markup=False)
+    step_cost.publish(lines, facts, arguments.output, console)
     return 0 if all(share >= 1.0 for share in goals.values()) else 1
 
 

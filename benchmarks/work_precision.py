@@ -854,8 +854,7 @@ def versions() -> str:
 
 
 def circumstances(command: str) -> dict[str, str]:
-    facts = step_cost.circumstances()
-    facts["command"] = f"./build.sh {command}" + "".join(f" {word}" for word in sys.argv[1:])
+    facts = step_cost.circumstances(command)
     facts["versions"] += f", {versions()}"
     return facts
 
