@@ -73,7 +73,7 @@ static inline const Form *form_at(const Way *w, double theta, Form *here, double
         *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];
         return &w->form;
     }
-    const Spot spot = w->heavy ? piece_spot(piece, theta, true) : piece_spot(piece, theta, false);
+    const Spot spot = w->heavy ? piece_spot(piece, theta, SPOT_TWISTS) : piece_spot(piece, theta, SPOT_BENDS);
     *z = spot.z;
     form_of(w, spot, here);
     return here;
@@ -89,19 +89,21 @@ static FlowKind kind_of_way(const Way *w) {
 Way way_of(const Params *p, const Course *course, const Inputs *inputs, double theta, int direction,
            const int flank[2]) {
     const DamperParams *d = &p->damper;
-    Way way = {
-        .params = p,
-        .course = course,
-        .piece = course_piece(course, theta, direction),
-        .inputs = inputs,
-        .direction = direction,
-        .flank = {flank[0], flank[1]},
-        .mu = {direction * flank[0] * p->cam[0].friction, direction * flank[1] * p->cam[1].friction},
-        .c = direction > 0 ? d->c_load : d->c_release,
-        .q = direction > 0 ? d->q_load : d->q_release,
-        .heavy = p->inertia.follower_mass + p->inertia.follower > 0.0,
-        .steady = inputs_constant(inputs),
-    };
+    Way way; /* its form is set where it is used */
+    way.params = p;
+    way.course = course;
+    way.piece = course_piece(course, theta, direction);
+    way.inputs = inputs;
+    way.direction = direction;
+    for (int i = 0; i < 2; i++) {
+        way.flank[i] = flank[i];
+        way.mu[i] = direction * flank[i] * p->cam[i].friction;
+    }
+    way.c = direction > 0 ? d->c_load : d->c_release;
+    way.q = direction > 0 ? d->q_load : d->q_release;
+    way.heavy = p->inertia.follower_mass + p->inertia.follower > 0.0;
+    way.steady = inputs_constant(inputs);
+    way.to_rounding = false;
     way.kind = kind_of_way(&way);
     if (course->straight) form_of(&way, straight_spot(way.piece), &way.form);
     return way;

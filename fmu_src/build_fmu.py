@@ -62,7 +62,7 @@ OFF_THE_WAY = {
     *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity", "snapshot"),
     *("state_access", "step_sensitivity", "taylor", "variables"),
 }
-WITH_LOOPS = {"balance", "bernstein", "flow", "instance", "mechanism", "passage", "radau"}
+WITH_LOOPS = {"balance", "bernstein", "flow", "glide", "instance", "mechanism", "passage", "radau"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 # On Windows, where the binary holds its own exp and sin, and on macOS, whose linker knows no -flto, only
 # these are compiled for speed.

@@ -8,7 +8,6 @@ Geometry cam_geometry(const CamParams cam[2], const double slope[2]) {
         g.radius[i] = cam[i].radius;
         g.friction[i] = cam[i].friction;
         g.slope[i] = fmax(slope[i], 0.0); /* level, but for rounding */
-        g.length[i] = hypot(g.radius[i], g.slope[i]);
     }
     const double sum = g.slope[0] + g.slope[1];
     g.turn[0] = g.slope[1] / sum;

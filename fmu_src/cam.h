@@ -6,18 +6,24 @@
 #ifndef DUALCAM_CAM_H
 #define DUALCAM_CAM_H
 
+#include <math.h>
+
 #include "params.h"
 
 typedef struct {
     double radius[2];   /* m, r_i */
     double friction[2]; /* mu_i */
     double slope[2];    /* m/rad, a_i = r_i tan(lambda_i) */
-    double length[2];   /* m, hypot(r_i, a_i): groove length per angle */
     double turn[2];     /* gamma' and phi': share of theta turned in cam i */
     double lift;        /* m/rad, z' */
 } Geometry;
 
 /* The geometry where the grooves have these slopes. */
 Geometry cam_geometry(const CamParams cam[2], const double slope[2]);
+
+/* Groove length per angle of cam i, m: hypot(r_i, a_i). */
+static inline double cam_length(const Geometry *g, int i) {
+    return hypot(g->radius[i], g->slope[i]);
+}
 
 #endif

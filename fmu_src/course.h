@@ -71,13 +71,17 @@ static inline Both slopes_of(const Piece *piece, int k) {
     return (Both){piece->slope[0][k], piece->slope[1][k]};
 }
 
+/* How many derivatives of the slopes are wanted. */
+typedef enum { SPOT_SLOPES, SPOT_BENDS, SPOT_TWISTS } SpotDepth;
+
 /* Values of the piece's polynomials; also slightly outside the piece (analytic continuation).
  *
  * p(x) = E(y) + x O(y) with y = x^2: Horner's rule for the even and the odd part, each with its first
  * derivative (e1, o1) and half its second by y (e2, o2), is half as long a chain as Horner's rule in x and
- * takes fewer operations. All chains are independent, so the processor runs them side by side. Without
- * `twist` that one is left 0. */
-static inline Spot piece_spot(const Piece *piece, double theta, bool twist) {
+ * takes fewer operations. All chains are independent, so the processor runs them side by side. What is
+ * deeper than wanted is left 0. */
+static inline Spot piece_spot(const Piece *piece, double theta, SpotDepth depth) {
+    const bool bend = depth >= SPOT_BENDS, twist = depth >= SPOT_TWISTS;
     const double x = (theta - piece->middle) * piece->scale, y = x * x;
     const Both none = {0.0, 0.0};
     Both e = slopes_of(piece, COURSE_DEGREE), e1 = none, e2 = none;
@@ -85,20 +89,20 @@ static inline Spot piece_spot(const Piece *piece, double theta, bool twist) {
     double ze = piece->z[COURSE_DEGREE], zo = piece->z[COURSE_DEGREE - 1];
     for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2) {
         if (twist) e2 = e2 * y + e1;
-        e1 = e1 * y + e;
+        if (bend) e1 = e1 * y + e;
         e = e * y + slopes_of(piece, k);
         ze = ze * y + piece->z[k];
         if (twist) o2 = o2 * y + o1;
-        o1 = o1 * y + o;
+        if (bend) o1 = o1 * y + o;
         o = o * y + slopes_of(piece, k - 1);
         zo = zo * y + piece->z[k - 1];
     }
     if (twist) e2 = e2 * y + e1;
-    e1 = e1 * y + e;
+    if (bend) e1 = e1 * y + e;
     e = e * y + slopes_of(piece, 0);
     ze = ze * y + piece->z[0];
     const Both value = e + x * o;
-    const Both first = (o + 2.0 * (x * e1 + y * o1)) * piece->scale;
+    const Both first = bend ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
     const Both half_second = twist ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
     const double square = 2.0 * piece->scale * piece->scale;
     return (Spot){
@@ -110,7 +114,7 @@ static inline Spot piece_spot(const Piece *piece, double theta, bool twist) {
 }
 
 static inline Spot piece_at(const Piece *piece, double theta) {
-    return piece_spot(piece, theta, true);
+    return piece_spot(piece, theta, SPOT_TWISTS);
 }
 
 #endif

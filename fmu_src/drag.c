@@ -114,7 +114,7 @@ static void look(const void *scene, double x, Reading *out) {
     out->size[SIZE_TORQUE] = fabs(tau);
     for (int i = 0; i < 2 && b.finite; i++) {
         out->rate[RATE_HEAT_CAM1 + i] = e->direction * station_heat(&b.station, &b.bearing, i);
-        out->size[SIZE_REACTION1 + i] = fabs(b.bearing.x[i]) * b.station.geometry.length[i] / p->contacts;
+        out->size[SIZE_REACTION1 + i] = fabs(b.bearing.x[i]) * cam_length(&b.station.geometry, i) / p->contacts;
     }
 }
 
@@ -364,7 +364,7 @@ static void describe(const Drag *d, double theta, double omega, Dragged *out) {
     const Geometry *g = &b.station.geometry;
     for (int i = 0; i < 2; i++) {
         const double frictionless = b.F_0 * g->turn[i] / g->radius[i];
-        out->reaction[i] = (moves && b.finite ? b.bearing.x[i] : frictionless) * g->length[i] / p->contacts;
+        out->reaction[i] = (moves && b.finite ? b.bearing.x[i] : frictionless) * cam_length(g, i) / p->contacts;
     }
 }
 

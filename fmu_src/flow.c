@@ -56,8 +56,8 @@ void slip_build(Slip *slip, const Params *p, const Geometry *g, int direction, c
     for (int i = 0; i < 2; i++) {
         slip->speed[i] = t.axial[i] * c * g->lift;
         slip->acceleration[i] = t.axial[i] * follower + t.twist[i] * twist;
-        slip->reaction[i] = g->length[i] / p->contacts;
-        slip->heat[i] = direction * flank[i] * g->friction[i] * g->length[i] * g->length[i] * g->turn[i];
+        slip->reaction[i] = cam_length(g, i) / p->contacts;
+        slip->heat[i] = direction * flank[i] * g->friction[i] * cam_length(g, i) * cam_length(g, i) * g->turn[i];
     }
     slip->kind = kind_of(p, slip->damping);
     slip->possible = is_possible(slip);

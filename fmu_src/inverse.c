@@ -117,7 +117,7 @@ bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault) {
     }
     out->tau = effort.tau;
     for (int i = 0; i < 2; i++)
-        out->reaction[i] = effort.bearing.x[i] * effort.station.geometry.length[i] / m->params.contacts;
+        out->reaction[i] = effort.bearing.x[i] * cam_length(&effort.station.geometry, i) / m->params.contacts;
     return true;
 }
 
@@ -148,7 +148,7 @@ bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault) {
         .gamma = course_gamma(&m->course, now.theta),
         .spring_force = spring,
         .damper_force = has_elastic_shaft(m) ? 0.0 : damping_of(m, g->lift * now.omega),
-        .sliding_speed = {g->turn[0] * fabs(now.omega) * g->length[0], g->turn[1] * fabs(now.omega) * g->length[1]},
+        .sliding_speed = {g->turn[0] * fabs(now.omega) * cam_length(g, 0), g->turn[1] * fabs(now.omega) * cam_length(g, 1)},
         .torque_load = edge(load, F_0),
         .torque_release = edge(release, F_0),
         .efficiency = efficiency(&m->params, load, release, F_0),

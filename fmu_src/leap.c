@@ -444,25 +444,33 @@ static double kinetic_energy(const Params *p, const Balance *b) {
 /* Many steps may take energy back and forth: each may miss this share of what the tolerance allows. */
 static const double ENERGY_SHARE = 0.1;
 
-/* What the balance of the step misses, over what the tolerance allows of the energies that pass. It checks the
- * integrals of the ledger, which the defect of the motion does not see, and the motion once more. `angle_noise`: how far rounding moves
- * theta, rad. */
-static void check_energy(const System *s, Leap *leap, double angle_noise) {
-    const Params *p = s->way->params;
-    const Balance *start = s->start, *end = &leap->node[s->method->stages - 1];
-    const Booking *b = &leap->booking;
-    const double spring[2] = {spring_energy(&p->spring, start->z), spring_energy(&p->spring, end->z)};
-    const double kinetic[2] = {kinetic_energy(p, start), s->way->kind == FLOW_INERTIAL ? kinetic_energy(p, end) : 0.0};
-    const double stored = (spring[1] - spring[0]) + (kinetic[1] - (s->way->kind == FLOW_INERTIAL ? kinetic[0] : 0.0));
+double leap_energy_error(const Way *way, const Booking *b, const EnergyEnds *e) {
+    const Params *p = way->params;
+    const double spring[2] = {spring_energy(&p->spring, e->z[0]), spring_energy(&p->spring, e->z[1])};
+    const double stored = (spring[1] - spring[0]) + (e->kinetic[1] - e->kinetic[0]);
     const double heat = b->heat_cam[0] + b->heat_cam[1] + b->heat_damper + b->heat_shaft;
     const double missed = fabs(b->work_in - b->work_ext - heat - stored);
     const double passed = fabs(b->work_in) + fabs(b->work_ext) + fabs(b->heat_cam[0]) + fabs(b->heat_cam[1]) +
                           b->heat_damper + b->heat_shaft + fabs(spring[1] - spring[0]);
-    const double z = fabs(s->way->piece->z[0]) + fabs(s->way->piece->z[1]); /* what the polynomial's rounding is of */
-    const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(start->force - start->F_ext) * z;
+    const double z = fabs(way->piece->z[0]) + fabs(way->piece->z[1]); /* what the polynomial's rounding is of */
+    const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(e->spring_force) * z;
     const double rounding =
-        32.0 * DBL_EPSILON * (passed + at_rest + kinetic[0] + kinetic[1]) + angle_noise * fabs(end->tau);
-    leap->energy_error = fmax(missed - rounding, 0.0) / (ENERGY_SHARE * p->tolerance * (passed + kinetic[1]) + DBL_MIN);
+        32.0 * DBL_EPSILON * (passed + at_rest + e->kinetic[0] + e->kinetic[1]) + e->angle_noise * fabs(e->tau);
+    return fmax(missed - rounding, 0.0) / (ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN);
+}
+
+static void check_energy(const System *s, Leap *leap) {
+    const Way *way = s->way;
+    const Balance *start = s->start, *end = &leap->node[s->method->stages - 1];
+    const bool inertial = way->kind == FLOW_INERTIAL;
+    const EnergyEnds ends = {
+        .z = {start->z, end->z},
+        .kinetic = {inertial ? kinetic_energy(way->params, start) : 0.0, inertial ? kinetic_energy(way->params, end) : 0.0},
+        .spring_force = start->force - start->F_ext,
+        .tau = end->tau,
+        .angle_noise = leap->noise,
+    };
+    leap->energy_error = leap_energy_error(way, &leap->booking, &ends);
 }
 
 /* ---- the step ---- */
@@ -479,7 +487,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     if (way->kind == FLOW_QUASISTATIC) {
         if (!solve_quasistatic(&s, leap)) return false;
         leap->booking = booking_of(way, leap);
-        check_energy(&s, leap, leap->noise);
+        check_energy(&s, leap);
         return true;
     }
     leap->noise = 0.0;
@@ -491,7 +499,7 @@ bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap
     leap->domega = way->kind == FLOW_INERTIAL ? h * dot(s.method->weight, s.y, s.method->stages) : 0.0;
     estimate(&s, leap);
     leap->booking = booking_of(way, leap);
-    check_energy(&s, leap, 0.0);
+    check_energy(&s, leap);
     return true;
 }
 

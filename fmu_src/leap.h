@@ -33,6 +33,18 @@ typedef struct {
  * does not converge or a node leaves where the way is possible: then a shorter step is to be tried. */
 bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap *leap);
 
+/* The ends of a step, as far as its energy balance needs them. */
+typedef struct {
+    double z[2], kinetic[2]; /* m, J: at the start and at the end; without inertia no kinetic energy counts */
+    double spring_force;     /* N, at the start */
+    double tau;              /* N.m, at the end */
+    double angle_noise;      /* rad, how far rounding moves theta */
+} EnergyEnds;
+
+/* What the balance of the step misses, over what the tolerance allows of the energies that pass: up to 1 is good. It
+ * checks the integrals of the ledger, which the defect of the motion does not see, and the motion once more. */
+double leap_energy_error(const Way *way, const Booking *booking, const EnergyEnds *ends);
+
 /* A small change of angle and speed, and what it becomes. Without inertia the angle alone is a state. */
 typedef struct {
     double theta, omega; /* rad, rad/s */

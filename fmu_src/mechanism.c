@@ -9,6 +9,7 @@
 #include "check.h"
 #include "decide.h"
 #include "event.h"
+#include "glide.h"
 #include "leg.h"
 #include "play.h"
 #include "rare.h"
@@ -88,10 +89,8 @@ static void arrive(Mechanism *m) {
         place->z = place->geometry.lift * m->state.theta.hi;
         return;
     }
-    const Spot spot = piece_spot(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi, false);
+    const Spot spot = piece_spot(course_piece(course, m->state.theta.hi, 0), m->state.theta.hi, SPOT_SLOPES);
     place->geometry = cam_geometry(m->params.cam, spot.slope);
-    const double *turn = place->geometry.turn;
-    place->lift_rate = spot.bend[0] * turn[0] * turn[0] + spot.bend[1] * turn[1] * turn[1];
     place->z = spot.z;
 }
 
@@ -359,7 +358,7 @@ static void jam(Mechanism *m) {
     const double energy = kinetic_energy(m);
     double share[2];
     for (int i = 0; i < 2; i++)
-        share[i] = g->friction[i] * g->length[i] * g->length[i] * g->turn[i] * g->turn[i] / g->radius[i];
+        share[i] = g->friction[i] * cam_length(g, i) * cam_length(g, i) * g->turn[i] * g->turn[i] / g->radius[i];
     stand_still(m);
     if (!m->params.ledger || energy == 0.0) return;
     const double sum = share[0] + share[1]; /* 0 where only a contact without friction slides */
@@ -380,6 +379,19 @@ static void record_passage(Mechanism *m, const Way *way, Passage *passage) {
     for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], passage->reaction[i] / m->params.contacts);
 }
 
+/* To where a step of h seconds along `way` ends. */
+static void move_to(Mechanism *m, const Way *way, double h, double dtheta, double domega) {
+    turn(m, dtheta);
+    if (way->kind == FLOW_INERTIAL) {
+        sum_add(&m->state.omega, domega);
+    } else {
+        /* the law's own speed where it has got to, not where the last iteration was, or beyond a border of its piece */
+        const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
+        m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, h).value);
+    }
+    inputs_advance(&m->inputs, h);
+}
+
 /* Moves along the leap to its end; false if a value would not be finite. */
 static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
     const Leap *leap = &passage->leap;
@@ -390,15 +402,7 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
         ledger_book(&m->state.ledger, &leap->booking);
         record_passage(m, way, passage);
     }
-    turn(m, leap->dtheta);
-    if (way->kind == FLOW_INERTIAL) {
-        sum_add(&m->state.omega, leap->domega);
-    } else {
-        /* the law's own speed where it has got to, not where the last iteration was, or beyond a border of its piece */
-        const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
-        m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
-    }
-    inputs_advance(&m->inputs, leap->h);
+    move_to(m, way, leap->h, leap->dtheta, leap->domega);
     return true;
 }
 
@@ -538,24 +542,71 @@ static bool is_firm(const Mechanism *m, const Way *way, const Balance *b) {
     return true;
 }
 
+/* Without inertia it starts from rest at any time: is it still driven, and on the spring's flanks, which are then the
+ * damper's too? */
+static bool is_driven(const Mechanism *m, const Way *way) {
+    const double load = stick_axial_load(m);
+    const bool springs = way->flank[0] * load > 0.0 && way->flank[1] * load > 0.0;
+    return (springs || !has_friction(&m->params)) && stick_pressed(m) == way->direction;
+}
+
 /* Would decide() find the motion along `way` again? A short answer, for the common case. */
 static bool goes_on(const Mechanism *m, const Way *way, const Balance *start) {
     if (!start->pace.possible || !(way->direction * start->omega > 0.0)) return false;
     if (has_friction(&m->params) && !is_firm(m, way, start)) return false;
     if (way->kind == FLOW_INERTIAL) return true;
-    /* without inertia it starts from rest at any time: with the spring's flanks, if they hold the damper's load too */
-    const double load = stick_axial_load(m);
-    const bool springs = way->flank[0] * load > 0.0 && way->flank[1] * load > 0.0;
-    return way->kind == FLOW_VISCOUS && start->pace.stable && stick_pressed(m) == way->direction &&
-           (springs || !has_friction(&m->params));
+    return way->kind == FLOW_VISCOUS && start->pace.stable && is_driven(m, way);
 }
 
-/* Slips on for as much of h seconds as nothing happens: the common case. Returns how much is left, or NAN if a value is
- * not finite. */
-static double leap_on(Mechanism *m, double h) {
+/* The largest values in between, by way of a leap. */
+static void record_inside(Mechanism *m, const Way *way, double h) {
+    const Balance start = balance_from_here(m, way);
+    Passage passage;
+    if (leap_solve(way, &start, h, RADAU_MAX, &passage.leap)) record_passage(m, way, &passage);
+}
+
+static void record_glide(Mechanism *m, const Way *way, const Glide *glide) {
+    Peaks *peak = &m->state.ledger.peak;
+    ledger_book(&m->state.ledger, &glide->booking);
+    peak_raise(&peak->omega, glide->peak_omega);
+    peak_raise(&peak->torque, m->inputs.tau[0]);
+    peak_raise(&peak->torque, glide->tau);
+    record_input_peaks(m, glide->h);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], glide->peak_reaction[i]);
+    if (glide->peaks_inside) record_inside(m, way, glide->h);
+}
+
+static void commit_glide(Mechanism *m, const Way *way, const Glide *glide) {
+    if (m->params.ledger) record_glide(m, way, glide);
+    move_to(m, way, glide->h, glide->dtheta, glide->domega);
+}
+
+/* Is it moving, in a mode in which it should? */
+static bool slips_on(const Mechanism *m) {
+    return is_slip(m->state.mode) && direction_of(m->state.mode) == sign_of(m->state.omega.hi);
+}
+
+/* An easy step of at most `left` seconds in which nothing happens, see glide_along(). */
+static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *glide) {
+    const State *s = &m->state;
+    if (way->kind == FLOW_QUASISTATIC || (way->kind == FLOW_VISCOUS && !is_driven(m, way))) return false;
+    const Launchpad from = {s->theta.hi, s->omega.hi, m->place.z, &m->place.geometry, room_ahead(m, way->direction),
+                            &s->ledger.peak};
+    return glide_along(way, &from, left, glide);
+}
+
+/* Slips on through grooves of any shape for as much of h seconds as nothing happens. Returns how much is left, or NAN if
+ * a value is not finite. `refused`: the first stretch is known to be no glide. */
+static double leap_on(Mechanism *m, double h, bool refused) {
     double left = h;
-    while (left > 0.0 && is_slip(m->state.mode) && direction_of(m->state.mode) == sign_of(m->state.omega.hi)) {
+    for (; left > 0.0 && slips_on(m); refused = false) {
         const Way way = way_from_here(m, present_index(m));
+        Glide glide;
+        if (!refused && find_glide(m, &way, left, &glide)) {
+            commit_glide(m, &way, &glide);
+            left -= glide.h;
+            continue;
+        }
         const Balance start = balance_from_here(m, &way);
         Passage passage;
         if (!goes_on(m, &way, &start)) break;
@@ -690,12 +741,30 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
     return report(m, watcher, 0.0);
 }
 
+/* A whole step in which nothing happens: the common case. With it in curved grooves goes a glide that covers a part of
+ * the step only: its h is left in *glide, else 0. */
+static bool advance_easily(Mechanism *m, double h, Way *way, Glide *glide) {
+    glide->h = 0.0;
+    if (hold_again(m)) return true;
+    if (is_closed_form(m)) return slip_on(m, h);
+    if (!slips_on(m)) return false;
+    *way = way_from_here(m, present_index(m));
+    if (!find_glide(m, way, h, glide)) glide->h = 0.0;
+    if (glide->h != h) return false;
+    commit_glide(m, way, glide);
+    return true;
+}
+
 static bool advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+    Way way;
+    Glide glide;
     m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
-    if (hold_again(m) || (is_closed_form(m) && slip_on(m, h))) return true;
+    if (advance_easily(m, h, &way, &glide)) return true;
     const State state = m->state;
     const Inputs inputs = m->inputs;
-    double left = is_closed_form(m) ? h : leap_on(m, h);
+    double left = h - glide.h;
+    if (glide.h > 0.0) commit_glide(m, &way, &glide);
+    if (!is_closed_form(m)) left = leap_on(m, left, glide.h == 0.0);
     int jams = 0;
     if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
     if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);
@@ -880,7 +949,7 @@ void mechanism_loads(const Mechanism *m, Loads *out) {
         .events = m->state.events,
     };
     for (int i = 0; i < 2; i++) {
-        out->sliding_speed[i] = g->turn[i] * fabs(m->state.omega.hi) * g->length[i];
+        out->sliding_speed[i] = g->turn[i] * fabs(m->state.omega.hi) * cam_length(g, i);
         out->reaction[i] = stick_reaction(m, i);
     }
     if (is_slip(now.mode) && is_closed_form(m)) slip_loads(m, &m->model.slip[now.slip], out);

@@ -106,7 +106,6 @@ typedef struct {
 typedef struct {
     Geometry geometry;
     double z;         /* m */
-    double lift_rate; /* m/rad^2, z'' */
     BandFactors band; /* T_load / F_0 and T_release / F_0; in straight grooves only, see stick_band() */
 } Place;
 

@@ -49,11 +49,6 @@ static double ballistic_time(const Way *way, const Balance *start, double distan
     return sum > 0.0 ? 2.0 * distance / sum : INFINITY;
 }
 
-/* The end of the piece ahead, rad from the start on, and how far a leap may go beyond. */
-typedef struct {
-    double distance, beyond;
-} Border;
-
 static double width_of_next(const Way *way) {
     const Piece *piece = way->piece, *first = way->course->piece, *last = first + way->course->count - 1;
     if (piece == (way->direction > 0 ? last : first)) return INFINITY;
@@ -61,7 +56,7 @@ static double width_of_next(const Way *way) {
     return next->upper - next->lower;
 }
 
-static Border border_of(const Way *way, const Balance *start) {
+Border passage_border(const Way *way, double theta) {
     if (way->course->straight) return (Border){INFINITY, 0.0};
     const Piece *piece = way->piece;
     const bool up = way->direction > 0, knot = up ? piece->knot_upper : piece->knot_lower;
@@ -70,7 +65,7 @@ static Border border_of(const Way *way, const Balance *start) {
     const double share = knot ? by_knot : BORDER_PASSED;
     const double next = width_of_next(way);
     return (Border){
-        .distance = fmax(way->direction * ((up ? piece->upper : piece->lower) - start->theta), 0.0),
+        .distance = fmax(way->direction * ((up ? piece->upper : piece->lower) - theta), 0.0),
         .beyond = share * fmin(piece->upper - piece->lower, next),
     };
 }
@@ -462,7 +457,7 @@ static Search find_event(const Guard *g, Passage *passage, double *good) {
 
 bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
     Leap *leap = &passage->leap;
-    const Border border = border_of(way, start);
+    const Border border = passage_border(way, start->theta);
     const Guard g = guard_of(way, start, room, &border);
     const double to_border = time_to_border(way, start, &border), shortest = SHORTEST * left;
     double length = first, good = 0.0;
@@ -480,7 +475,7 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
 
 bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage) {
     Leap *leap = &passage->leap;
-    const Border border = border_of(way, start);
+    const Border border = passage_border(way, start->theta);
     const double h = fmin(left, time_to_border(way, start, &border));
     if (!leap_solve(way, start, h, stages_for(way, start, h), leap)) return false;
     if (leap->error > 1.0 || leap->energy_error > 1.0) return false;

@@ -14,6 +14,13 @@ typedef struct {
     double omega;       /* rad/s, largest |omega| on the way */
 } Passage;
 
+/* The end of the piece ahead, rad from the start on, and how far a step may go beyond. */
+typedef struct {
+    double distance, beyond;
+} Border;
+
+Border passage_border(const Way *way, double theta);
+
 /* The longest passage of at most `left` seconds from `start`. `room` is the way to the end stop ahead, rad; `first`
  * the length to try first, s, or infinity. Returns false where the contacts jam it on the spot. */
 bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage);

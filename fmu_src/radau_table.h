@@ -1,4 +1,4 @@
-/* Written by make_radau.py, which says what these numbers are. */
+/* Written by make_collocation.py, which says what these numbers are. */
 
 static const Radau RADAU_3 = {
     .stages = 3,

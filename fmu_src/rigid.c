@@ -115,7 +115,7 @@ static void look(const void *scene, double s, Reading *out) {
     out->size[SIZE_TORQUE] = fabs(effort.tau);
     out->size[SIZE_OMEGA] = fabs(now.omega);
     for (int i = 0; i < 2; i++)
-        out->size[SIZE_REACTION1 + i] = fabs(effort.bearing.x[i]) * g->length[i] / p->contacts;
+        out->size[SIZE_REACTION1 + i] = fabs(effort.bearing.x[i]) * cam_length(g, i) / p->contacts;
 }
 
 typedef struct {

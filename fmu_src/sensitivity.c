@@ -4,6 +4,7 @@
 
 #include "decide.h"
 #include "rates.h"
+#include "station.h"
 
 /* z(theta), v = z' omega */
 void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
@@ -13,7 +14,9 @@ void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
         out->by[KNOB_THETA] = lift;
         return;
     }
-    out->by[KNOB_THETA] = m->place.lift_rate * m->state.omega.hi;
+    const double theta = m->state.theta.hi;
+    const Station station = station_at(&m->params, course_piece(&m->model.course, theta, 0), theta);
+    out->by[KNOB_THETA] = station.lift_rate * m->state.omega.hi;
     out->by[KNOB_OMEGA] = lift;
 }
 

@@ -177,7 +177,7 @@ double stick_hold_time(const Mechanism *m, double left) {
 
 double stick_sharing(const Mechanism *m, int i) {
     const Geometry *g = &m->place.geometry;
-    return g->turn[i] * g->length[i] / g->radius[i] / m->params.contacts;
+    return g->turn[i] * cam_length(g, i) / g->radius[i] / m->params.contacts;
 }
 
 double stick_reaction(const Mechanism *m, int i) {

@@ -1,7 +1,9 @@
 """The numbers and the polynomials that the integrator of general grooves rests on."""
 
 import ctypes
+import json
 import math
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -12,6 +14,7 @@ import pytest
 from driver import ROOT, Structure
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import cumulative_simpson
 
 MOST, WIDTH = 7, 8  # stages; entries of a column
 
@@ -52,7 +55,7 @@ def library(core):
 
 
 def test_table_is_what_its_script_computes():
-    command = [sys.executable, str(ROOT / "fmu_src" / "make_radau.py"), "--check"]
+    command = [sys.executable, str(ROOT / "fmu_src" / "make_collocation.py"), "--check"]
     assert subprocess.run(command, capture_output=True, text=True).returncode == 0
 
 
@@ -74,6 +77,46 @@ def test_order_conditions(library, stages):
         np.testing.assert_allclose(once @ c**k, c ** (k + 1) / (k + 1), atol=2e-15)
         np.testing.assert_allclose(twice @ c**k, c ** (k + 2) / (k + 1) / (k + 2), atol=2e-15)
         assert np.array(r.at_start[:stages]) @ c**k == pytest.approx(float(k == 0), abs=1e-14)
+
+
+def lobatto() -> dict[str, np.ndarray]:
+    """The numbers of lobatto_table.h; of a matrix those that belong to one node are a row."""
+    text = (ROOT / "fmu_src" / "lobatto_table.h").read_text()
+    found = re.findall(r"\.(\w+) = ([{}\d.,e\s-]+),\n", text)
+    return {name: np.array(json.loads(value.translate(str.maketrans("{}", "[]")))) for name, value in found}
+
+
+def test_order_conditions_of_lobatto():
+    """Exact integrals of monomials: at the end to degree 5, inside to degree 3, once and twice."""
+    table = lobatto()
+    c, once, twice, weight = (table[name] for name in ("node", "once", "twice", "weight"))
+    assert c[0] == 0
+    assert c[3] == 1
+    np.testing.assert_allclose(c[1:3], [0.5 - math.sqrt(0.05), 0.5 + math.sqrt(0.05)], atol=1e-16)
+    np.testing.assert_array_equal(once[:, 3], weight)
+    for k in range(6):
+        assert weight @ c**k == pytest.approx(1 / (k + 1), abs=1e-15)
+    for k in range(5):
+        assert twice[:, 3] @ c**k == pytest.approx(1 / (k + 1) / (k + 2), abs=1e-15)
+    for k in range(4):
+        np.testing.assert_allclose(c**k @ once, c ** (k + 1) / (k + 1), atol=1e-15)
+        np.testing.assert_allclose(c**k @ twice, c ** (k + 2) / (k + 1) / (k + 2), atol=1e-15)
+
+
+def test_cubic_and_what_a_parabola_misses():
+    table = lobatto()
+    c = table["node"]
+    x = np.linspace(0, 1, 10001)
+    cubic = np.random.default_rng(3).normal(size=4)
+    coefficients = np.polyval(cubic, c) @ table["bernstein"]
+    basis = [math.comb(3, i) * x**i * (1 - x) ** (3 - i) for i in range(4)]
+    np.testing.assert_allclose(coefficients @ basis, np.polyval(cubic, x), atol=1e-14)
+    parabola = np.polyfit(c[1:], c[1:] ** 3, 2)  # of the monomial c^3, whose coefficient is 1
+    assert table["missed"] == pytest.approx(abs(parabola[-1]), rel=1e-13)
+    shape = np.prod([1 - x / node for node in c[1:]], axis=0)
+    sweep = cumulative_simpson(shape, x=x, initial=0)
+    assert table["missed_once"] == pytest.approx(abs(sweep).max(), rel=1e-4)
+    assert table["missed_twice"] == pytest.approx(abs(cumulative_simpson(sweep, x=x)).max(), rel=1e-4)
 
 
 @pytest.mark.parametrize("stages", [3, 5, 7])
