@@ -7,7 +7,6 @@ build/ssp/parts.
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import sys
 import xml.etree.ElementTree as ET
@@ -370,7 +369,8 @@ def fmu(part: Part) -> PartFmu:
     """The part, its header written. All that a binary is made of and that is no C file is in the GUID."""
     sources = [SOURCES / name for name in ("fmi2.c", *part.sources)]
     variables = header(part)
-    included = [path.read_text() for path in sorted(SOURCES.glob("*.h"))]
+    headers = [*sorted(SOURCES.glob("*.h")), build_fmu.BARE / "incapable.h"]
+    included = [path.read_text() for path in headers]
     guid = hashlib.sha256("\0".join([description(part, ""), variables, *included]).encode()).hexdigest()[:32]
     folder = FOLDER / "include" / part.identifier
     folder.mkdir(parents=True, exist_ok=True)
@@ -388,7 +388,6 @@ def fmu(part: Part) -> PartFmu:
 def build() -> None:
     """Builds what is not there or not fresh."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with (build_fmu.BUILD / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with build_fmu.locked():
         for part in PARTS:
             build_fmu.build(fmu(part))
