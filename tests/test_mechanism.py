@@ -361,7 +361,7 @@ def test_ledger_after_a_million_steps(fmu):
     turned_over = 0.0
     for n in range(1_000_000):
         tau.value = 5 + 5 * math.sin(0.031 * n) + 2 * math.sin(0.0017 * n)
-        if set_real(fmu.component, reference, 1, ctypes.byref(tau)) or do_step(fmu.component, n * h, h, 1):
+        if set_real(fmu.instance, reference, 1, ctypes.byref(tau)) or do_step(fmu.instance, n * h, h, 1):
             pytest.fail(fmu.messages[-1].text)
     turned_over = fmu.get("energy.work_in")
     assert turned_over > 1000.0
