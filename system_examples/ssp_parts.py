@@ -92,7 +92,7 @@ START = (
     parameter("initial.theta", "rad", 0.0, "theta at the start"),
     parameter("initial.omega", "rad/s", 0.0, "omega at the start"),
 )
-TICK = parameter("tick", "s", 1e-3, "time between two commands")
+TICKING = (THETA, OMEGA, COMMAND, REFERENCE, parameter("tick", "s", 1e-3, "time between two commands"))
 LIMIT = parameter("limit", "N.m", 12.0, "largest torque to ask for")
 INERTIA = parameter("inertia", "kg.m2", 0.2, "believed inertia of the output, rotor included")
 GRAVITY = parameter("gravity", "m/s2", 9.81, "gravity")
@@ -223,11 +223,7 @@ JOINT_CONTROLLER = Part(
     "Position controller of the robot's elbow",
     ("joint_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         INERTIA,
         LIMIT,
         parameter("gain.angle", "1/s2", 0.0, "feedback of the angle's error"),
@@ -249,11 +245,7 @@ DOOR_CONTROLLER = Part(
     "Controller of the car door's motor",
     ("door_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         INERTIA,
         LIMIT,
         parameter("gain.speed", "1/s", 0.0, "feedback of the speed's error"),
@@ -275,11 +267,7 @@ KNEE_CONTROLLER = Part(
     "Impedance controller of the prosthetic knee",
     ("knee_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         parameter("stiffness", "N.m/rad", 100.0, "torque over the angle's error"),
         parameter("damping", "N.m.s/rad", 5.0, "torque over the speed's error"),
         *SWING,
