@@ -219,6 +219,30 @@ def test_acceleration_by_the_quadratic_part_of_a_linear_damper(make_model):
     assert expected == pytest.approx(math.fsum(weights * found) / 0.05, rel=1e-6)
 
 
+def test_unknowns_may_come_twice_and_in_any_order(make_model):
+    values = {"initial.theta": 0.5, "initial.omega": 2.0, "tau": 3.0}
+    fmu = make_model(FORWARD).start(MASSES | FORCES | GROOVES["mixed"] | values)
+    unknowns, knowns = ["v", "alpha", "theta", "alpha", "z", "omega", "v"], ["tau", "theta", "omega"]
+    seed = [0.5, -2.0, 3.0]
+    references, found = fmu.model.references, (c_double * len(unknowns))()
+    fmu.ok(
+        "fmi2GetDirectionalDerivative",
+        *(references(unknowns), len(unknowns), references(knowns), len(knowns), to_c("Real", seed), found),
+    )
+    for unknown, value in zip(unknowns, found, strict=True):
+        terms = [partial(fmu, unknown, known, by) for known, by in zip(knowns, seed, strict=True)]
+        assert value == pytest.approx(math.fsum(terms), rel=1e-15)
+
+
+def test_where_one_row_does_not_exist_none_is_written(make_model):
+    fmu = make_model(FORWARD).start({"inertia.shaft": 0.0, "initial.theta": 0.5, "tau": 4.0})
+    result = to_c("Real", [7.0, 7.0])
+    references = fmu.model.references
+    arguments = references(["z", "alpha"]), 2, references(["theta"]), 1, to_c("Real", [1.0]), result
+    fmu.refused("fmi2GetDirectionalDerivative", *arguments, mentions=("alpha",))
+    assert list(result) == [7.0, 7.0]
+
+
 def test_where_the_angle_follows_the_torque_it_is_no_state(make_model):
     fmu = make_model(FORWARD).start({"inertia.shaft": 0.0, "initial.theta": 0.5, "tau": 4.0})
     result = (c_double * 1)()
