@@ -20,15 +20,18 @@ two and not used in any ratio.
 from __future__ import annotations
 
 import argparse
+import atexit
 import csv
 import ctypes
 import functools
 import math
 import platform
 import random
+import shutil
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -75,21 +78,24 @@ class SlaveStruct(ctypes.Structure):
 
 @functools.cache
 def unpacked(path: Path) -> str:
-    """An FMU is unpacked once, however many instances there are: they run from the same file."""
-    return str(extract(str(path), unzipdir=str(build_fmu.BUILD / "step_cost" / path.stem)))
+    """An FMU is unpacked once, however many instances there are: they run from the same file. Each process
+    has its own, since unpacking over a library in use crashes whoever runs it."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return str(extract(str(path), unzipdir=folder))
 
 
 class Slave:
     """An instance of one of the FMUs with its variables by name."""
 
     def __init__(self, identifier: str) -> None:
-        path = build_fmu.BUILD / f"{identifier}.fmu"
-        description = read_model_description(str(path))
-        self.references = {v.name: v.valueReference for v in description.modelVariables}
-        self.types = {v.name: v.type for v in description.modelVariables}
+        folder = unpacked(build_fmu.BUILD / f"{identifier}.fmu")
+        self.description = read_model_description(folder)
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.types = {v.name: v.type for v in self.description.modelVariables}
         self.fmu = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=unpacked(path),
+            guid=self.description.guid,
+            unzipDirectory=folder,
             modelIdentifier=identifier,
             instanceName=identifier,
         )

@@ -57,7 +57,6 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from fmpy import read_model_description
 from fmpy.fmi2 import FMU2Model
 from fmpy.sundials import CVodeSolver
 from matplotlib.axes import Axes
@@ -350,7 +349,6 @@ class Exchange:
 
     def __init__(self, scene: Scene, tolerance: float) -> None:
         self.scene, self.tolerance = scene, tolerance
-        self.description = read_model_description(str(build_fmu.BUILD / "DualCamForward.fmu"))
         self.slave = step_cost.Slave("DualCamForward")
         old = self.slave.fmu
         self.model = FMU2Model(
@@ -381,8 +379,8 @@ class Exchange:
             pass
         model.enterContinuousTimeMode()
         solver = CVodeSolver(
-            nx=self.description.numberOfContinuousStates,
-            nz=self.description.numberOfEventIndicators,
+            nx=self.slave.description.numberOfContinuousStates,
+            nz=self.slave.description.numberOfEventIndicators,
             get_x=model.getContinuousStates,
             set_x=model.setContinuousStates,
             get_dx=model.getDerivatives,
@@ -561,7 +559,8 @@ def lines_of(scene: Scene, console: Console) -> dict[str, Line]:
 
 @cache
 def build_hand_written() -> None:
-    build_fmu.build(build_fmu.hand_written_fmu(build_fmu.dual_cam("DualCamForward", False)))
+    with build_fmu.locked():
+        build_fmu.build(build_fmu.hand_written_fmu(build_fmu.dual_cam("DualCamForward", False)))
 
 
 @cache

@@ -303,7 +303,7 @@ bool access_get_output_derivatives(Instance *instance, const char *function, con
 static bool is_unknown(const Instance *instance, const char *function, ValueReference reference) {
     const Variable *variable = find(instance, function, reference, TYPE_REAL);
     if (variable == NULL) return false;
-    return model_has_partials(reference) ||
+    return model_row(reference) >= 0 ||
            instance_refuse(instance, "%s: unknown %s: allowed are outputs and derivatives of states", function,
                            variable->name);
 }
@@ -326,14 +326,30 @@ static bool are_seeds(const Instance *instance, const char *function, const Valu
     return true;
 }
 
-static bool row_of(const Instance *instance, const char *function, ValueReference unknown, Partials *row) {
-    Fault fault;
-    return model_partials(&instance->values.machine, unknown, row, &fault) ||
-           instance_refuse(instance, "%s: %s", function, fault.text);
+/* By model_row(): each is computed once, also one that is asked for several times. */
+typedef struct {
+    Partials row[MODEL_ROWS];
+} Rows;
+
+static bool compute_rows(const Instance *instance, const char *function, const Jacobian *j, Rows *rows) {
+    unsigned done = 0;
+    for (size_t i = 0; i < j->unknowns; i++) {
+        const int row = model_row(j->unknown[i]);
+        Fault fault;
+        if (done >> row & 1u) continue;
+        if (!model_partials(&instance->values.machine, j->unknown[i], &rows->row[row], &fault))
+            return instance_refuse(instance, "%s: %s", function, fault.text);
+        done |= 1u << row;
+    }
+    return true;
 }
 
-/* All of the matrix exists; its last row is tried as the others. Nothing is written unless this is so. */
-static bool is_jacobian(Instance *instance, const char *function, const Jacobian *j) {
+static double entry(const Jacobian *j, const Rows *rows, size_t unknown, size_t known) {
+    return rows->row[model_row(j->unknown[unknown])].by[model_knob(j->known[known])];
+}
+
+/* All of the matrix exists. Nothing is written unless this is so. */
+static bool is_jacobian(Instance *instance, const char *function, const Jacobian *j, Rows *rows) {
     if (!instance_is_in(instance, function, PHASE_INITIALIZATION | PHASES_RUNNING) ||
         !instance_has_array(instance, function, j->unknowns, j->unknown, "unknowns") ||
         !instance_has_array(instance, function, j->knowns, j->known, "knowns"))
@@ -342,37 +358,31 @@ static bool is_jacobian(Instance *instance, const char *function, const Jacobian
         if (!is_unknown(instance, function, j->unknown[i])) return false;
     for (size_t i = 0; i < j->knowns; i++)
         if (!is_known(instance, function, j->known[i])) return false;
-    if (!instance_provide(instance, function, GROUP_STATE)) return false;
-    Partials row;
-    for (size_t i = 0; i < j->unknowns; i++)
-        if (!row_of(instance, function, j->unknown[i], &row)) return false;
-    return true;
+    return instance_provide(instance, function, GROUP_STATE) && compute_rows(instance, function, j, rows);
 }
 
 bool access_directional(Instance *instance, const char *function, const Jacobian *j, const double seed[],
                         double product[]) {
-    if (!is_jacobian(instance, function, j) || !are_seeds(instance, function, j->known, j->knowns, seed) ||
+    Rows rows;
+    if (!is_jacobian(instance, function, j, &rows) || !are_seeds(instance, function, j->known, j->knowns, seed) ||
         !instance_has_array(instance, function, j->unknowns, product, "sensitivity"))
         return false;
     for (size_t i = 0; i < j->unknowns; i++) {
-        Partials row;
-        (void)row_of(instance, function, j->unknown[i], &row);
         product[i] = 0.0;
-        for (size_t k = 0; k < j->knowns; k++) product[i] += row.by[model_knob(j->known[k])] * seed[k];
+        for (size_t k = 0; k < j->knowns; k++) product[i] += entry(j, &rows, i, k) * seed[k];
     }
     return true;
 }
 
 bool access_adjoint(Instance *instance, const char *function, const Jacobian *j, const double seed[],
                     double product[]) {
-    if (!is_jacobian(instance, function, j) || !are_seeds(instance, function, j->unknown, j->unknowns, seed) ||
+    Rows rows;
+    if (!is_jacobian(instance, function, j, &rows) || !are_seeds(instance, function, j->unknown, j->unknowns, seed) ||
         !instance_has_array(instance, function, j->knowns, product, "sensitivity"))
         return false;
-    for (size_t k = 0; k < j->knowns; k++) product[k] = 0.0;
-    for (size_t i = 0; i < j->unknowns; i++) {
-        Partials row;
-        (void)row_of(instance, function, j->unknown[i], &row);
-        for (size_t k = 0; k < j->knowns; k++) product[k] += seed[i] * row.by[model_knob(j->known[k])];
+    for (size_t k = 0; k < j->knowns; k++) {
+        product[k] = 0.0;
+        for (size_t i = 0; i < j->unknowns; i++) product[k] += seed[i] * entry(j, &rows, i, k);
     }
     return true;
 }

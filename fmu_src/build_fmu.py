@@ -26,8 +26,9 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -38,6 +39,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"
 LIFECYCLE = ROOT / "tests/native/lifecycle.c"
+BARE = ROOT / "benchmarks/null_fmu"  # FMI 2.0 as small as it can be, also for FMUs that are built elsewhere
 
 NEWEST_GLIBC = (2, 17)
 GLIBC = "gnu.{}.{}".format(*NEWEST_GLIBC)
@@ -191,8 +193,8 @@ def core_sources(identifier: str, version: int = 2) -> list[Path]:
 
 
 def headers() -> list[Path]:
-    bare = ROOT / "benchmarks/null_fmu/bare.h"
-    return [*(ROOT / "fmu_src").glob("*.h"), *(ROOT / "fmu_src").glob("*.def"), bare]
+    core = ROOT / "fmu_src"
+    return [*core.glob("*.h"), *core.glob("*.def"), *BARE.glob("*.h")]
 
 
 def fingerprint(files: Iterable[Path], *words: str) -> str:
@@ -209,6 +211,15 @@ def fingerprint(files: Iterable[Path], *words: str) -> str:
 def is_fresh(product: Path, stamp: str) -> bool:
     stamp_file = product.with_name(product.name + ".stamp")
     return product.exists() and stamp_file.exists() and stamp_file.read_text() == stamp
+
+
+@contextmanager
+def locked() -> Iterator[None]:
+    """Nobody else builds meanwhile: parallel test workers may ask at the same time."""
+    BUILD.mkdir(exist_ok=True)
+    with (BUILD / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def set_stamp(product: Path, stamp: str) -> None:
@@ -352,8 +363,7 @@ def bare_fmu(
 
 
 def null_fmu(like: Fmu) -> Fmu:
-    source = ROOT / "benchmarks/null_fmu/null_fmu.c"
-    return bare_fmu(like, "NullFmu", source, "Does nothing: what FMI itself costs")
+    return bare_fmu(like, "NullFmu", BARE / "null_fmu.c", "Does nothing: what FMI itself costs")
 
 
 def hand_written_fmu(like: Fmu) -> Fmu:
@@ -500,10 +510,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="fail if the committed XML is not fresh")
     parser.add_argument("--sanitize", action="store_true", help="build the native test drivers instead")
     arguments = parser.parse_args()
-    BUILD.mkdir(exist_ok=True)
     try:
-        with (BUILD / "lock").open("w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # parallel test workers may ask at the same time
+        with locked():
             fmus = [dual_cam(name, arguments.check, version) for version in ALL for name in MODELS]
             if arguments.sanitize:
                 for fmu in fmus:

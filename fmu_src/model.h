@@ -32,6 +32,7 @@ typedef State MachineState;
 typedef Outputs MachineOutputs;
 enum { RETURNS_EARLY = 1 };    /* can a step end at a mode change? */
 enum { SAMPLES_INPUTS = 1 };   /* can inputs be given inside a step? */
+enum { MODEL_ROWS = 5 };       /* variables that can be differentiated */
 enum { CONTINUOUS_STATES = EXCHANGE_STATES, EVENT_INDICATORS = EXCHANGE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse.h"
@@ -40,6 +41,7 @@ typedef InverseInputs MachineInputs;
 typedef InverseState MachineState;
 typedef InverseOutputs MachineOutputs;
 enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion to the end of the step is imposed */
+enum { MODEL_ROWS = 3 };
 enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 #else
 #error "MODEL_BUILT must be MODEL_FORWARD or MODEL_INVERSE"
@@ -79,8 +81,8 @@ double model_output_derivative(const Machine *m, unsigned reference, int order);
 /* The knob that a variable is, or -1: nothing is differentiated by it. */
 int model_knob(unsigned reference);
 
-/* Can that variable be differentiated: is it an output, or the derivative of a state? */
-bool model_has_partials(unsigned reference);
+/* Place among MODEL_ROWS of a variable that can be differentiated, an output or the derivative of a state; or -1. */
+int model_row(unsigned reference);
 
 /* Its partial derivatives, in the present state and with the present inputs. */
 bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault);

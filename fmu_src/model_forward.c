@@ -68,14 +68,14 @@ int model_knob(unsigned reference) {
     }
 }
 
-bool model_has_partials(unsigned reference) {
+int model_row(unsigned reference) {
     switch (reference) {
-        case VR_THETA:
-        case VR_OMEGA:
-        case VR_ALPHA:
-        case VR_Z:
-        case VR_V: return true;
-        default: return false;
+        case VR_THETA: return 0;
+        case VR_OMEGA: return 1;
+        case VR_ALPHA: return 2;
+        case VR_Z: return 3;
+        case VR_V: return 4;
+        default: return -1;
     }
 }
 

@@ -70,8 +70,13 @@ int model_knob(unsigned reference) {
     }
 }
 
-bool model_has_partials(unsigned reference) {
-    return reference == VR_TAU || reference == VR_Z || reference == VR_V;
+int model_row(unsigned reference) {
+    switch (reference) {
+        case VR_TAU: return 0;
+        case VR_Z: return 1;
+        case VR_V: return 2;
+        default: return -1;
+    }
 }
 
 bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {

@@ -15,6 +15,18 @@ from typing import NamedTuple
 import control
 import numpy as np
 
+# The accounts of the FMU that the examples keep
+LEDGER = (
+    "energy.work_in",
+    "energy.spring",
+    "energy.kinetic",
+    "energy.heat_cam1",
+    "energy.heat_cam2",
+    "energy.heat_damper",
+    "energy.heat_stop",
+    "energy.residual",
+)
+
 
 @dataclass(frozen=True)
 class Motor:
@@ -47,6 +59,16 @@ class Motor:
     def electrical_time(self) -> float:
         """L/R, s."""
         return self.inductance / self.resistance
+
+    def behind(self, ratio: float) -> Motor:
+        """The same motor behind another gear, which turns `ratio` times as slowly and loses nothing."""
+        return replace(
+            self,
+            gear=self.gear * ratio,
+            peak_torque=self.peak_torque * ratio,
+            rated_torque=self.rated_torque * ratio,
+            peak_speed=self.peak_speed / ratio,
+        )
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,16 @@ from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
-from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, hinged_load, holding_torque, up_in_car
+from blocks import (
+    LEDGER,
+    CurrentLoop,
+    GravityLoad,
+    HelixCam,
+    PickAndPlace,
+    hinged_load,
+    holding_torque,
+    up_in_car,
+)
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from robot_joint import AK80_6, CURRENT_BANDWIDTH, CURRENT_RATE, TICK, with_friction
@@ -94,13 +103,7 @@ PUSH = 60.0 * HANDLE  # N.m, a hand that keeps pushing
 
 # The actuator of the robot's elbow behind another 8:1, of which the last 2:1 is the cam's: 48:1 in all.
 GEAR_AFTER = 8.0
-MOTOR = replace(
-    AK80_6,
-    gear=AK80_6.gear * GEAR_AFTER,
-    peak_torque=AK80_6.peak_torque * GEAR_AFTER,
-    rated_torque=AK80_6.rated_torque * GEAR_AFTER,
-    peak_speed=AK80_6.peak_speed / GEAR_AFTER,
-)
+MOTOR = AK80_6.behind(GEAR_AFTER)
 INERTIA = DOOR_INERTIA + MOTOR.inertia  # kg.m2 about the hinge, rotor included
 # The cycle: open in 3 s, hold 4 s, close in 3 s. The latch pulls the door in over the last degree.
 MOTION = PickAndPlace(start=math.radians(1.0), end=math.radians(65.0), move=3.0, dwell=4.0)
@@ -211,18 +214,6 @@ def handle_force(hold: HoldOpen, attitudes: Sequence[str]) -> float:
             closes, opens = hold.band(angle)
             largest = max(largest, opens - load.torque(angle), load.torque(angle) - closes)
     return largest / HANDLE
-
-
-LEDGER = (
-    "energy.work_in",
-    "energy.spring",
-    "energy.kinetic",
-    "energy.heat_cam1",
-    "energy.heat_cam2",
-    "energy.heat_damper",
-    "energy.heat_stop",
-    "energy.residual",
-)
 
 
 class Door:

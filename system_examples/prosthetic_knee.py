@@ -55,17 +55,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from blocks import CurrentLoop, EllipseCam, HingedPendulum, HingeMotion, Impedance, Motor, Periodic
+from blocks import LEDGER, CurrentLoop, EllipseCam, HingedPendulum, HingeMotion, Impedance, Periodic
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from robot_joint import AK80_6, CURRENT_BANDWIDTH, CURRENT_RATE, TICK
 from scipy.optimize import least_squares, minimize_scalar
 from story import bullets, command_line
 
 from dualcam import Fmu
 
-TICK = 1e-3  # s, period of the impedance loop and the FMU's step
-CURRENT_RATE = 20e3  # Hz, samples of the current loop
-CURRENT_BANDWIDTH = 1e3  # Hz
 SWING = (0.65, 1.0)  # toe-off to heel strike, in strides
 CADENCES = (0.8, 1.0, 1.2)  # of the self-selected one
 NATURAL_FREQUENCY = 3.0  # Hz, of the shank on the impedance's spring: 2.6 N.m/deg for the first subject
@@ -73,19 +71,7 @@ OTHER_FREQUENCIES = (2.0, 5.0, 8.0)  # Hz, what a softer and stiffer impedance m
 DAMPING_RATIO = 0.7
 RANGE = math.radians(80.0)  # between the stops; the measured swings take 60 and 71 deg
 
-# T-Motor AK80-6. Source: dfki-ric-underactuated-lab/torque_limited_simple_pendulum,
-# hardware/testbench_description.md, BSD-3-Clause. Here a 2:1 belt follows its 6:1 gear: torques double.
-AK80_6_BELT = Motor(
-    resistance=0.170,
-    inductance=57e-6,
-    torque_constant=0.091,
-    rotor_inertia=6.0719e-5,
-    gear=12.0,
-    voltage=24.0,
-    peak_torque=24.0,
-    rated_torque=12.0,
-    peak_speed=19.1,
-)
+AK80_6_BELT = AK80_6.behind(2.0)  # the motor of the robot's elbow: a 2:1 belt follows its 6:1 gear
 
 # Segment fractions from D. A. Winter, Biomechanics and Motor Control of Human Movement, the table of
 # anthropometric data: mass over body mass; centre and radius of gyration over the segment's length.
@@ -296,18 +282,6 @@ def best_valve(cam: EllipseCam, motion: Swing) -> float:
         return share(valve(cam, factor), motion)
 
     return float(minimize_scalar(cost, bounds=(0.2, 5.0), method="bounded").x)
-
-
-LEDGER = (
-    "energy.work_in",
-    "energy.spring",
-    "energy.kinetic",
-    "energy.heat_cam1",
-    "energy.heat_cam2",
-    "energy.heat_damper",
-    "energy.heat_stop",
-    "energy.residual",
-)
 
 
 @dataclass(frozen=True)

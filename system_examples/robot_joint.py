@@ -46,6 +46,7 @@ from pathlib import Path
 
 import numpy as np
 from blocks import (
+    LEDGER,
     CurrentLoop,
     GravityLoad,
     HelixCam,
@@ -192,17 +193,6 @@ class JointController:
         release, load = self.cam.band(theta)
         margin = HOLD_MARGIN * 0.5 * (load - release)
         return holding_torque((release, load), self.load.torque(theta), margin)
-
-
-LEDGER = (
-    "energy.work_in",
-    "energy.spring",
-    "energy.kinetic",
-    "energy.heat_cam1",
-    "energy.heat_cam2",
-    "energy.heat_stop",
-    "energy.residual",
-)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ build/ssp/parts.
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import sys
 import xml.etree.ElementTree as ET
@@ -93,7 +92,7 @@ START = (
     parameter("initial.theta", "rad", 0.0, "theta at the start"),
     parameter("initial.omega", "rad/s", 0.0, "omega at the start"),
 )
-TICK = parameter("tick", "s", 1e-3, "time between two commands")
+TICKING = (THETA, OMEGA, COMMAND, REFERENCE, parameter("tick", "s", 1e-3, "time between two commands"))
 LIMIT = parameter("limit", "N.m", 12.0, "largest torque to ask for")
 INERTIA = parameter("inertia", "kg.m2", 0.2, "believed inertia of the output, rotor included")
 GRAVITY = parameter("gravity", "m/s2", 9.81, "gravity")
@@ -224,11 +223,7 @@ JOINT_CONTROLLER = Part(
     "Position controller of the robot's elbow",
     ("joint_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         INERTIA,
         LIMIT,
         parameter("gain.angle", "1/s2", 0.0, "feedback of the angle's error"),
@@ -250,11 +245,7 @@ DOOR_CONTROLLER = Part(
     "Controller of the car door's motor",
     ("door_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         INERTIA,
         LIMIT,
         parameter("gain.speed", "1/s", 0.0, "feedback of the speed's error"),
@@ -276,11 +267,7 @@ KNEE_CONTROLLER = Part(
     "Impedance controller of the prosthetic knee",
     ("knee_controller.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        COMMAND,
-        REFERENCE,
-        TICK,
+        *TICKING,
         parameter("stiffness", "N.m/rad", 100.0, "torque over the angle's error"),
         parameter("damping", "N.m.s/rad", 5.0, "torque over the speed's error"),
         *SWING,
@@ -370,7 +357,8 @@ def fmu(part: Part) -> PartFmu:
     """The part, its header written. All that a binary is made of and that is no C file is in the GUID."""
     sources = [SOURCES / name for name in ("fmi2.c", *part.sources)]
     variables = header(part)
-    included = [path.read_text() for path in sorted(SOURCES.glob("*.h"))]
+    headers = [*sorted(SOURCES.glob("*.h")), build_fmu.BARE / "incapable.h"]
+    included = [path.read_text() for path in headers]
     guid = hashlib.sha256("\0".join([description(part, ""), variables, *included]).encode()).hexdigest()[:32]
     folder = FOLDER / "include" / part.identifier
     folder.mkdir(parents=True, exist_ok=True)
@@ -388,7 +376,6 @@ def fmu(part: Part) -> PartFmu:
 def build() -> None:
     """Builds what is not there or not fresh."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with (build_fmu.BUILD / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with build_fmu.locked():
         for part in PARTS:
             build_fmu.build(fmu(part))

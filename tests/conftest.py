@@ -63,7 +63,7 @@ def make_model(libraries):
 
     def make_one(model, **options):
         made.append(Driver(libraries[model.identifier], model=model, **options))
-        assert made[-1].component
+        assert made[-1].instance
         return made[-1]
 
     yield make_one

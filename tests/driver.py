@@ -58,13 +58,16 @@ def _variable(element: ET.Element, index: int) -> Variable:
     )
 
 
-class Model:
+class Description:
     """One of the FMUs, as its modelDescription.xml describes it."""
+
+    FOLDER = ""  # below that of the builds and that of the XML
+    TOKEN = "guid"
 
     def __init__(self, identifier: str) -> None:
         self.identifier = identifier
-        self.fmu = ROOT / "build" / f"{identifier}.fmu"
-        self.xml = ROOT / "modelDescription" / f"{identifier}.xml"
+        self.fmu = ROOT / "build" / self.FOLDER / f"{identifier}.fmu"
+        self.xml = ROOT / "modelDescription" / self.FOLDER / f"{identifier}.xml"
 
     def __repr__(self) -> str:
         return self.identifier
@@ -75,7 +78,25 @@ class Model:
 
     @cached_property
     def guid(self) -> str:
-        return self.document.attrib["guid"]
+        return self.document.attrib[self.TOKEN]
+
+    @cached_property
+    def variables(self) -> dict[str, Variable]:
+        raise NotImplementedError
+
+    def names(self, **wanted: list[str]) -> list[str]:
+        """Variables with these attributes."""
+        return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
+
+    def references(self, names):
+        """As a C array; a number is a reference already."""
+        return (c_uint * len(names))(
+            *(self.variables[n].reference if isinstance(n, str) else n for n in names)
+        )
+
+
+class Model(Description):
+    """That of FMI 2.0."""
 
     @cached_property
     def listed(self) -> list[Variable]:
@@ -96,16 +117,6 @@ class Model:
         """First name of the variable at that place of the XML."""
         first = {v.reference: v.name for v in self.variables.values()}
         return {v.index: first[v.reference] for v in self.listed}
-
-    def names(self, **wanted: list[str]) -> list[str]:
-        """Variables with these attributes."""
-        return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
-
-    def references(self, names):
-        """As a C array; a number is a reference already."""
-        return (c_uint * len(names))(
-            *(self.variables[n].reference if isinstance(n, str) else n for n in names)
-        )
 
 
 models = {name: Model(name) for name in ("DualCamForward", "DualCamInverse")}
@@ -214,9 +225,9 @@ def layout_code(structures: list[type[Structure]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def to_c(type_, values):
+def to_c(type_, values, types=VALUE):
     encoded = [v.encode() if isinstance(v, str) else v for v in values]
-    return (VALUE[type_] * len(encoded))(*encoded)
+    return (types[type_] * len(encoded))(*encoded)
 
 
 @dataclass(frozen=True)
@@ -227,98 +238,84 @@ class Message:
     text: str
 
 
-class Driver:
-    """One instance. `set`, `get`, `start`, `step` and the like insist on fmi2OK; `call` and the `try_` forms
-    return the status; `refused` insists on an fmi2Error that is what it should be."""
+class Calls:
+    """One instance, whatever the version of FMI. `set`, `get`, `start`, `step` and the like insist on OK;
+    `call` and the `try_` forms return the status; `refused` insists on an error that is what it should be.
+    Names of functions may lack their prefix."""
 
-    def __init__(
-        self,
-        library: ctypes.CDLL,
-        name: str | None = "dualcam",
-        guid: str | None = "",
-        kind: int = CO_SIMULATION,
-        resources: str | None = "file:///resources",
-        logging: int = 0,
-        model: Model = FORWARD,
-    ) -> None:
-        """`guid`: that of `model`, unless another one is given."""
-        self.library = library
-        self.model = model
-        self.variables = model.variables
+    PREFIX: str
+    VALUE: dict[str, type]  # of C, by type of variable
+    STATE: str  # as names of functions spell it
+    WITH_SIZE: bool  # is an array of values followed by its length?
+    REASONS: tuple[str, ...]  # the message of a refusal has one of these words
+
+    def __init__(self, library: ctypes.CDLL, model: Description) -> None:
+        self.library, self.model, self.variables = library, model, model.variables
+        self.instance: int | None = None
         self.messages: list[Message] = []
         self.time = 0.0
 
-        def log(_environment, instance, status, category, text):
-            self.messages.append(Message(instance.decode(), status, category.decode(), text.decode()))
-
-        self._logger = LOGGER(log)
-        callbacks = Callbacks(logger=self._logger)
-        guid = model.guid if guid == "" else guid
-        encoded = [None if text is None else text.encode() for text in (name, guid, resources)]
-        self.component = library.fmi2Instantiate(
-            encoded[0], kind, encoded[1], encoded[2], byref(callbacks), 0, logging
-        )
-        # The FMU has to have its own copy.
-        ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
+    def full(self, function: str) -> str:
+        return function if function.startswith(self.PREFIX) else f"{self.PREFIX}{function}"
 
     def free(self) -> None:
-        self.library.fmi2FreeInstance(self.component)
-        self.component = None
+        self.call("FreeInstance")
+        self.instance = None
 
     def call(self, function: str, *arguments) -> int:
-        return getattr(self.library, function)(self.component, *arguments)
+        return getattr(self.library, self.full(function))(self.instance, *arguments)
 
     def ok(self, function: str, *arguments) -> None:
         status = self.call(function, *arguments)
         assert status == OK, f"{function}: {status}, {self.messages[-1:]}"
 
     def refused(self, function: str, *arguments, mentions: tuple[str, ...] = ()) -> str:
-        """The call is an fmi2Error with exactly one message and has changed nothing."""
+        """The call is an error with exactly one message and has changed nothing."""
         before, count = self.everything(), len(self.messages)
         assert self.call(function, *arguments) == ERROR
         assert len(self.messages) == count + 1
         message = self.messages[-1]
         assert (message.status, message.category) == (ERROR, "logStatusError")
-        assert function in message.text
-        assert "allowed" in message.text or "must" in message.text or "jam" in message.text
+        assert self.full(function) in message.text
+        assert any(word in message.text for word in self.REASONS)
         for word in mentions:
             assert word in message.text
         assert self.everything() == before
         return message.text
 
-    def refused_start(self) -> str:
-        """The FMU cannot leave initialization mode; returns why."""
-        count = len(self.messages)
-        assert self.call("fmi2ExitInitializationMode") == ERROR
-        assert len(self.messages) == count + 1
-        assert self.messages[-1].status == ERROR
-        return self.messages[-1].text
-
     # variables
+
+    def type_of(self, names) -> str:
+        """What all of them are."""
+        (type_,) = {self.variables[n].type for n in names}
+        return type_
+
+    def access(self, names, values: ctypes.Array):
+        """What a call that reads or sets these gets."""
+        n = len(names)
+        return self.model.references(names), n, values, *([n] if self.WITH_SIZE else [])
+
+    def arguments(self, values: dict):
+        """What a call that sets `values` gets; they must be of one type."""
+        return self.access(list(values), to_c(self.type_of(values), list(values.values()), self.VALUE))
 
     def try_set(self, values: dict) -> int:
         """All in one call; they must be of one type."""
-        (type_,) = {self.variables[n].type for n in values}
-        return self.call(f"fmi2Set{type_}", *self.arguments(values))
-
-    def arguments(self, values: dict):
-        """vr, nvr, value of a call that sets `values`."""
-        type_ = self.variables[next(iter(values))].type
-        return self.model.references(list(values)), len(values), to_c(type_, list(values.values()))
+        return self.call(f"Set{self.type_of(values)}", *self.arguments(values))
 
     def set(self, values: dict) -> None:
         for name, value in values.items():
             assert self.try_set({name: value}) == OK, self.messages[-1:]
 
     def refused_set(self, values: dict, mentions: tuple[str, ...] = ()) -> str:
-        type_ = self.variables[next(iter(values))].type
-        return self.refused(f"fmi2Set{type_}", *self.arguments(values), mentions=mentions)
+        function = f"Set{self.type_of(values)}"
+        return self.refused(function, *self.arguments(values), mentions=mentions)
 
     def try_get(self, names: list[str]):
         """Status and values; they must be of one type."""
-        (type_,) = {self.variables[n].type for n in names}
-        values = (VALUE[type_] * len(names))()
-        return self.call(f"fmi2Get{type_}", self.model.references(names), len(names), values), list(values)
+        type_ = self.type_of(names)
+        values = (self.VALUE[type_] * len(names))()
+        return self.call(f"Get{type_}", *self.access(names, values)), list(values)
 
     def get(self, name: str):
         status, (value,) = self.try_get([name])
@@ -333,11 +330,74 @@ class Driver:
         for name in self.variables:
             status, (value,) = self.try_get([name])
             values[name] = "refused" if status != OK else value.hex() if isinstance(value, float) else value
-        time = c_double()
-        self.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
-        values["time"] = time.value.hex()
         del self.messages[quiet:]
         return values
+
+    # states
+
+    def take(self) -> c_void_p:
+        state = c_void_p()
+        self.ok(f"Get{self.STATE}", byref(state))
+        return state
+
+    def restore(self, state: c_void_p) -> None:
+        self.ok(f"Set{self.STATE}", state)
+
+    def free_state(self, state: c_void_p) -> None:
+        self.ok(f"Free{self.STATE}", byref(state))
+
+    def to_bytes(self, state: c_void_p) -> bytes:
+        size = c_size_t()
+        self.ok(f"Serialized{self.STATE}Size", state, byref(size))
+        room = ctypes.create_string_buffer(size.value)
+        self.ok(f"Serialize{self.STATE}", state, room, size)
+        return room.raw
+
+
+class Driver(Calls):
+    """That of FMI 2.0."""
+
+    PREFIX, VALUE, STATE, WITH_SIZE = "fmi2", VALUE, "FMUstate", False
+    REASONS = ("allowed", "must", "jam")
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        name: str | None = "dualcam",
+        guid: str | None = "",
+        kind: int = CO_SIMULATION,
+        resources: str | None = "file:///resources",
+        logging: int = 0,
+        model: Model = FORWARD,
+    ) -> None:
+        """`guid`: that of `model`, unless another one is given."""
+        super().__init__(library, model)
+
+        def log(_environment, instance, status, category, text):
+            self.messages.append(Message(instance.decode(), status, category.decode(), text.decode()))
+
+        self._logger = LOGGER(log)
+        callbacks = Callbacks(logger=self._logger)
+        guid = model.guid if guid == "" else guid
+        encoded = [None if text is None else text.encode() for text in (name, guid, resources)]
+        self.instance = library.fmi2Instantiate(
+            encoded[0], kind, encoded[1], encoded[2], byref(callbacks), 0, logging
+        )
+        # The FMU has to have its own copy.
+        ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
+
+    def refused_start(self) -> str:
+        """The FMU cannot leave initialization mode; returns why."""
+        count = len(self.messages)
+        assert self.call("fmi2ExitInitializationMode") == ERROR
+        assert len(self.messages) == count + 1
+        assert self.messages[-1].status == ERROR
+        return self.messages[-1].text
+
+    def everything(self) -> dict:
+        values, time = super().everything(), c_double()
+        self.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
+        return values | {"time": time.value.hex()}
 
     # life
 
@@ -411,24 +471,6 @@ class Driver:
         return info
 
     # states
-
-    def take(self) -> c_void_p:
-        state = c_void_p()
-        self.ok("fmi2GetFMUstate", byref(state))
-        return state
-
-    def restore(self, state: c_void_p) -> None:
-        self.ok("fmi2SetFMUstate", state)
-
-    def free_state(self, state: c_void_p) -> None:
-        self.ok("fmi2FreeFMUstate", byref(state))
-
-    def to_bytes(self, state: c_void_p) -> bytes:
-        size = c_size_t()
-        self.ok("fmi2SerializedFMUstateSize", state, byref(size))
-        room = ctypes.create_string_buffer(size.value)
-        self.ok("fmi2SerializeFMUstate", state, room, size)
-        return room.raw
 
     def try_from_bytes(self, content: bytes):
         state = c_void_p()

@@ -19,7 +19,7 @@ from ctypes import (
 from functools import cached_property
 from pathlib import Path
 
-from driver import ERROR, OK, ROOT, Message, Variable
+from driver import Calls, Description, Message, Variable
 
 VALUE = {"Float64": c_double, "Int32": c_int32, "Boolean": c_bool, "String": c_char_p}
 # the types of which there is no variable
@@ -128,39 +128,18 @@ def _variable(element: ET.Element, index: int) -> Variable:
     )
 
 
-class Model:
-    """One of the FMI 3.0 FMUs, as its modelDescription.xml describes it."""
+class Model(Description):
+    """That of FMI 3.0."""
 
-    def __init__(self, identifier: str) -> None:
-        self.identifier = identifier
-        self.fmu = ROOT / "build/fmi3" / f"{identifier}.fmu"
-        self.xml = ROOT / "modelDescription/fmi3" / f"{identifier}.xml"
+    FOLDER, TOKEN = "fmi3", "instantiationToken"
 
     def __repr__(self) -> str:
         return f"{self.identifier}-3"
 
     @cached_property
-    def document(self) -> ET.Element:
-        return ET.parse(self.xml).getroot()
-
-    @cached_property
-    def guid(self) -> str:
-        return self.document.attrib["instantiationToken"]
-
-    @cached_property
     def variables(self) -> dict[str, Variable]:
         listed = enumerate(self.document.find("ModelVariables"), start=1)
         return {v.name: v for v in (_variable(element, index) for index, element in listed)}
-
-    def names(self, **wanted: list[str]) -> list[str]:
-        """Variables with these attributes."""
-        return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
-
-    def references(self, names):
-        """As a C array; a number is a reference already."""
-        return (c_uint * len(names))(
-            *(self.variables[n].reference if isinstance(n, str) else n for n in names)
-        )
 
 
 models = {name: Model(name) for name in ("DualCamForward", "DualCamInverse")}
@@ -171,9 +150,10 @@ def reals(values) -> ctypes.Array:
     return (c_double * len(values))(*values)
 
 
-class Driver:
-    """One instance. `set`, `get`, `start`, `step` and the like insist on fmi3OK; `call` and the `try_` forms
-    return the status; `refused` insists on an fmi3Error that is what it should be."""
+class Driver(Calls):
+    """That of FMI 3.0."""
+
+    PREFIX, VALUE, STATE, WITH_SIZE, REASONS = "fmi3", VALUE, "FMUState", True, ("allowed",)
 
     def __init__(
         self,
@@ -191,9 +171,8 @@ class Driver:
     ) -> None:
         """`update`: called with this driver, time, and the flags of fmi3IntermediateUpdateCallback; returns
         when the step is to end, or None."""
-        self.library, self.model, self.variables, self.events = library, model, model.variables, events
-        self.messages: list[Message] = []
-        self.time = 0.0
+        super().__init__(library, model)
+        self.events = events
         self.failures: list[BaseException] = []
 
         def on_message(_environment, status, category, text):
@@ -220,68 +199,10 @@ class Driver:
                 *texts, False, False, events, early, references, len(required), None, self._log, self._update
             )
 
-    def free(self) -> None:
-        self.library.fmi3FreeInstance(self.instance)
-        self.instance = None
-
-    def call(self, function: str, *arguments) -> int:
-        return getattr(self.library, f"fmi3{function}")(self.instance, *arguments)
-
     def ok(self, function: str, *arguments) -> None:
-        status = self.call(function, *arguments)
-        assert status == OK, f"{function}: {status}, {self.messages[-1:]}"
+        super().ok(function, *arguments)
         if self.failures:
             raise self.failures[0]
-
-    def refused(self, function: str, *arguments, mentions: tuple[str, ...] = ()) -> str:
-        """The call is an fmi3Error with exactly one message and has changed nothing."""
-        before, count = self.everything(), len(self.messages)
-        assert self.call(function, *arguments) == ERROR
-        assert len(self.messages) == count + 1
-        message = self.messages[-1]
-        assert (message.status, message.category) == (ERROR, "logStatusError")
-        assert f"fmi3{function}" in message.text and "allowed" in message.text
-        for word in mentions:
-            assert word in message.text
-        assert self.everything() == before
-        return message.text
-
-    # variables
-
-    def arguments(self, values: dict):
-        """What a call that sets `values` gets; they must be of one type."""
-        (type_,) = {self.variables[n].type for n in values}
-        encoded = [v.encode() if isinstance(v, str) else v for v in values.values()]
-        n = len(values)
-        return self.model.references(list(values)), n, (VALUE[type_] * n)(*encoded), n
-
-    def try_set(self, values: dict) -> int:
-        type_ = self.variables[next(iter(values))].type
-        return self.call(f"Set{type_}", *self.arguments(values))
-
-    def set(self, values: dict) -> None:
-        for name, value in values.items():
-            assert self.try_set({name: value}) == OK, self.messages[-1:]
-
-    def try_get(self, names: list[str]):
-        (type_,) = {self.variables[n].type for n in names}
-        values, n = (VALUE[type_] * len(names))(), len(names)
-        return self.call(f"Get{type_}", self.model.references(names), n, values, n), list(values)
-
-    def get(self, name: str):
-        status, (value,) = self.try_get([name])
-        assert status == OK, f"{name}: {self.messages[-1:]}"
-        return value.decode() if self.variables[name].type == "String" else value
-
-    def everything(self) -> dict:
-        """All that can be read, exactly; where reading is refused, that."""
-        quiet = len(self.messages)
-        values: dict = {}
-        for name in self.variables:
-            status, (value,) = self.try_get([name])
-            values[name] = "refused" if status != OK else value.hex() if isinstance(value, float) else value
-        del self.messages[quiet:]
-        return values
 
     # life
 
@@ -329,26 +250,6 @@ class Driver:
         flags = self.settle()
         self.ok("EnterStepMode")
         return flags
-
-    # states
-
-    def take(self) -> c_void_p:
-        state = c_void_p()
-        self.ok("GetFMUState", byref(state))
-        return state
-
-    def restore(self, state: c_void_p) -> None:
-        self.ok("SetFMUState", state)
-
-    def free_state(self, state: c_void_p) -> None:
-        self.ok("FreeFMUState", byref(state))
-
-    def to_bytes(self, state: c_void_p) -> bytes:
-        size = c_size_t()
-        self.ok("SerializedFMUStateSize", state, byref(size))
-        room = ctypes.create_string_buffer(size.value)
-        self.ok("SerializeFMUState", state, room, size)
-        return room.raw
 
     # derivatives
 

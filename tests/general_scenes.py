@@ -85,6 +85,22 @@ def scales(points: Sequence[Point]) -> dict[str, float]:
     return {name: float(value) or 1.0 for name, value in found.items()}
 
 
+def wrong_modes(read: Sequence[Mapping[str, Any]], points: Sequence[Point]) -> list[str]:
+    """In words, what is wrong about the modes and counts of mode changes that were read at these points.
+    Where the reference has doubts neither is compared, nor the count after it."""
+    wrong, doubtful = [], False
+    counted, expected = 0, 0  # events at the end of the interval before
+    for number, (values, point) in enumerate(zip(read, points, strict=True)):
+        if not point.doubts:
+            if values["mode"] != point.mode:
+                wrong.append(f"interval {number}: mode {values['mode']}, not {point.mode}")
+            changes = values["events"] - counted, point.events - expected
+            if not doubtful and changes[0] != changes[1]:
+                wrong.append(f"interval {number}: {changes[0]} mode changes, not {changes[1]}")
+        counted, expected, doubtful = values["events"], point.events, bool(point.doubts)
+    return wrong
+
+
 def nudged(
     params: Mapping[str, Any], intervals: Sequence[Interval], rng: np.random.Generator, by: float = 2.0**-52
 ) -> tuple[dict[str, Any], list[Interval]]:

@@ -9,21 +9,18 @@ matter of rounding, and is not compared in that interval and the next; what is m
 """
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from driver import Driver
-from reference import ENERGIES, INTEGERS, PEAKS, Point, Refused, random_scene, simulate_exact
+from general_scenes import FADING, MEASURED, STILL, nudged, scales, wrong_modes
+from reference import INTEGERS, Point, Refused, random_scene, simulate_exact
 
 TOLERANCE = 1e-11
 WORST = 1e-7  # where the last digit of the data is amplified that much; see ulp_response
 CHUNKS, SCENES = 24, 10  # 240 scenes
-MEASURED = ["theta", "omega", "z", "v", *(f"energy.{n}" for n in ENERGIES), *(f"peak.{n}" for n in PEAKS)]
 AMBIGUOUS = "several flank pairs are consistent"  # no unique motion (Painleve's paradox)
-FADING = "bounces within rounding"
-STILL = "speed within rounding"
 
 
 def well_posed_scenes(chunk):
@@ -65,37 +62,14 @@ def drive(fmu: Driver, params, intervals, cut) -> list[dict]:
     return read
 
 
-def scales(exact: list[Point]) -> dict[str, float]:
-    """What counts as 1 for each variable: the largest angle, speed, account and load of the scene."""
-    last = exact[-1]
-    energy = max(abs(value) for p in exact for value in p.energy.values())
-    found = {f"energy.{name}": energy for name in ENERGIES}
-    found["theta"] = max(abs(p.theta) for p in exact)
-    found["omega"] = last.peak["omega"]
-    found["z"], found["v"] = max(abs(p.z) for p in exact), last.peak["omega"] * slope(exact)
-    found |= {f"peak.{name}": last.peak[name] for name in PEAKS}
-    return {name: value or 1.0 for name, value in found.items()}
-
-
-def slope(exact: list[Point]) -> float:
-    """dz/dtheta of the helices."""
-    return max((abs(p.z / p.theta) for p in exact if p.theta), default=1.0)
-
-
 def ulp_response(params, intervals, exact: list[Point]) -> list[dict[str, float]]:
     """How far each value moves, at each point, when the data change in their last digit: what no double
     precision program can beat. Large only where chance events (a graze, a long train of bounces) amplify."""
     rng = np.random.default_rng(1)
-    fixed = {"initial.theta", "stop.lower", "stop.upper", *INTEGERS}
-
-    def nudge(value: float) -> float:
-        return value * (1 + rng.choice([-1, 1]) * 2.0**-52)
-
     found = [dict.fromkeys(MEASURED, 0.0) for _ in exact]
     for _ in range(3):
-        nudged = {name: value if name in fixed else nudge(value) for name, value in params.items()}
-        inputs = [replace(i, tau=nudge(i.tau), F_ext=nudge(i.F_ext)) for i in intervals]
-        for response, point, other in zip(found, exact, simulate_exact(nudged, inputs), strict=True):
+        others = simulate_exact(*nudged(params, intervals, rng))
+        for response, point, other in zip(found, exact, others, strict=True):
             for name in MEASURED:
                 response[name] = max(response[name], abs(point.value(name) - other.value(name)))
     return found
@@ -103,8 +77,7 @@ def ulp_response(params, intervals, exact: list[Point]) -> list[dict[str, float]
 
 def errors(read: list[dict], exact: list[Point], response: list[dict[str, float]] | None = None) -> list[str]:
     """All that is wrong, in words."""
-    wrong, size, faded, still, doubtful = [], scales(exact), False, False, False
-    counted, expected = 0, 0  # events at the end of the interval before
+    wrong, size, faded, still = [], scales(exact), False, False
     for number, (values, point) in enumerate(zip(read, exact, strict=True)):
         faded = faded or FADING in point.doubts
         still = still or STILL in point.doubts  # then contacts may carry what they do at rest
@@ -116,14 +89,7 @@ def errors(read: list[dict], exact: list[Point], response: list[dict[str, float]
             allowed += min(10 * response[number][name], WORST * size[name]) if response else 0.0
             if not abs(values[name] - point.value(name)) <= allowed:
                 wrong.append(f"interval {number}: {name} {values[name]!r}, not {point.value(name)!r}")
-        if not point.doubts:
-            if values["mode"] != point.mode:
-                wrong.append(f"interval {number}: mode {values['mode']}, not {point.mode}")
-            changes = values["events"] - counted, point.events - expected
-            if not doubtful and changes[0] != changes[1]:
-                wrong.append(f"interval {number}: {changes[0]} mode changes, not {changes[1]}")
-        counted, expected, doubtful = values["events"], point.events, bool(point.doubts)
-    return wrong
+    return wrong + wrong_modes(read, exact)
 
 
 def verdict(fmu: Driver, params, intervals, exact: list[Point], rng) -> list[str]:

@@ -15,6 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from driver import models
+from mechanisms import ELLIPSES, FOLLOWER, FORCES, GROOVES, INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
 from numpy.polynomial import Chebyshev
 from scipy.integrate import quad
 
@@ -24,36 +25,14 @@ from dualcam import CamHysteresis, ContinuousFmu, Fmu, FmuError, OperatingPointE
 FORWARD, INVERSE = (model.fmu for model in models.values())
 PERIOD = 1e-3
 
-# The start values of the FMU: two helices at 45 deg, r = 20 mm, mu = 0.14, F0 = 50 N, k = 50 N/mm.
-INERTIA, PRELOAD, STIFFNESS, LIFT, UPPER = 0.002, 50.0, 50e3, 0.01, 1.3963
-ARM = {
-    +1: 0.01 * 1.14 / 0.86,
-    -1: 0.01 * 0.86 / 1.14,
-}  # rho, loading and releasing: torque per axial force, m
-
-ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "cam2.radius": 0.025, "cam2.lead_angle": 0.7}
-FORCES = {
-    "inertia.follower_mass": 0.3,
-    "inertia.follower": 3e-5,
-    "shaft.damping": 0.01,
-    "spring.stiffness2": 1e5,
-    "spring.stiffness3": 1e6,
-    "damper.c_load": 20.0,
-    "damper.q_load": 50.0,
-    "damper.c_release": 30.0,
-    "damper.q_release": 40.0,
-}
-GROOVES = {
-    "helices": {"cam1.lead_angle": 0.6, "cam2.lead_angle": 0.9},
-    "ellipses": ELLIPSES,
-    "mixed": ELLIPSES | {"cam1.profile": 1, "cam1.ellipse_curvature": 1},
-}
+UPPER = 1.3963  # rad, the upper stop of the start values
+ALL = FOLLOWER | FORCES
 LOCKING = {"cam1.lead_angle": 0.1, "cam2.lead_angle": 0.1}
 
 
 def edge(direction, theta, F_ext=0.0):
     """Of the default helices' stick band, N.m."""
-    return ARM[direction] * (PRELOAD + STIFFNESS * LIFT * theta + F_ext)
+    return RHO[direction] * (PRELOAD + STIFFNESS * LIFT * theta + F_ext)
 
 
 def refused(*mentions, error=FmuError):
@@ -143,7 +122,7 @@ MOTIONS = {
     "to the upper stop": ({}, 12.0, 0.5, 0.0),
     "to the lower stop": ({}, -3.0, 0.5, 0.0),
     "turns round": ({}, 6.0, 0.2, -8.0),
-    "ellipses": (GROOVES["mixed"] | FORCES, 6.0, 0.2, -8.0),
+    "ellipses": (GROOVES["mixed"] | ALL, 6.0, 0.2, -8.0),
 }
 
 
@@ -201,7 +180,7 @@ def torques(count, period):
 @pytest.mark.parametrize("period", [1e-4, 1e-3, 0.0123, 0.3])
 @pytest.mark.parametrize(
     "parameters",
-    [{}, {"stop.restitution": 0.5}, GROOVES["mixed"] | FORCES],
+    [{}, {"stop.restitution": 0.5}, GROOVES["mixed"] | ALL],
     ids=["helices", "bounces", "all"],
 )
 def test_a_sampled_plant_is_the_stepped_fmu(slave, parameters, period):
@@ -236,7 +215,7 @@ def test_without_inertia_it_is_the_play_of_the_torque():
     system = dualcam.to_nonlinear_io_system(FORWARD, "tau", "theta", {"inertia.shaft": 0.0}, 0.01)
     theta = 0.5
     for tau in (3.0, 4.5, 4.0, 3.0, 2.0, 6.0):
-        low, high = ((tau / ARM[sign] - PRELOAD) / (STIFFNESS * LIFT) for sign in (+1, -1))
+        low, high = ((tau / RHO[sign] - PRELOAD) / (STIFFNESS * LIFT) for sign in (+1, -1))
         theta, wanted = system.dynamics(0.0, [theta, 0.0], [tau])[0], min(max(theta, low), high)
         assert theta == pytest.approx(wanted, rel=1e-12)
 
@@ -259,7 +238,7 @@ def test_a_handle_gives_its_parameters(slave):
         dualcam.to_nonlinear_io_system(slave, outputs="torque_load"),
         dualcam.to_nonlinear_io_system(slave, outputs="torque_load", period=PERIOD),
     ):
-        assert system.output(0.0, [0.5, 0.0], [3.0, 0.0]) == pytest.approx(ARM[+1] * (80.0 + 250.0))
+        assert system.output(0.0, [0.5, 0.0], [3.0, 0.0]) == pytest.approx(RHO[+1] * (80.0 + 250.0))
     assert slave.get("theta") == 1.0  # itself it stays as it is
     with ContinuousFmu(FORWARD) as fmu:
         fmu.start({"inertia.shaft": 0.004})
@@ -341,7 +320,7 @@ def compare(model, found, alpha):
 @pytest.mark.parametrize("omega", [3.0, -3.0])
 @pytest.mark.parametrize("F_ext", [10.0, -400.0])
 def test_a_linear_model_of_slip_is_that_of_differences(reader, groove, omega, F_ext):
-    parameters = GROOVES[groove] | FORCES
+    parameters = GROOVES[groove] | ALL
     model = dualcam.linearize(FORWARD, 0.6, omega, 2.0, F_ext, parameters=parameters)
     read = reader(parameters)
     point = (0.6, omega, 2.0, F_ext)
@@ -357,7 +336,7 @@ def test_a_linear_model_of_slip_is_that_of_differences(reader, groove, omega, F_
 def test_a_linear_model_of_slip_about_to_begin(reader, groove, at_rest, direction):
     """At the edge of the band slip goes on to one side only: differences by the speed are one-sided, those by
     theta and tau at a speed that is as good as none."""
-    parameters = GROOVES[groove] | FORCES
+    parameters = GROOVES[groove] | ALL
     model = dualcam.linearize(FORWARD, 0.6, F_ext=10.0, at_rest=at_rest, parameters=parameters)
     at = model.operating_point
     read = reader(parameters)
@@ -374,9 +353,9 @@ def test_a_linear_model_of_slip_about_to_begin(reader, groove, at_rest, directio
 
 def test_the_torque_that_keeps_a_speed(reader):
     for groove, omega in ((groove, omega) for groove in GROOVES for omega in (4.0, -4.0)):
-        parameters = GROOVES[groove] | FORCES
+        parameters = GROOVES[groove] | ALL
         point = dualcam.linearize(FORWARD, 0.6, omega, parameters=parameters).operating_point
-        size = FORCES["shaft.damping"] / INERTIA
+        size = ALL["shaft.damping"] / INERTIA
         assert reader(parameters)(0.6, omega, point.tau, 0.0)[0] == pytest.approx(0.0, abs=1e-9 * size)
         assert point.mode == (2 if omega > 0.0 else 3)
 
@@ -419,7 +398,7 @@ def test_a_sampled_model_of_helices_is_exact(slave):
 
 def test_elsewhere_a_sampled_model_is_right_to_first_order(slave):
     """Its error is a share of what a period does that is proportional to the period."""
-    parameters = ELLIPSES | FORCES
+    parameters = ELLIPSES | ALL
     errors = []
     for period in (4e-3, 2e-3, 1e-3):
         model = dualcam.linearize(FORWARD, 0.6, 5.0, 4.0, parameters=parameters, period=period)
@@ -454,7 +433,7 @@ def test_bode_of_the_linear_model_is_an_oscillator():
     """theta = tau/(J s^2 + rho k z'), and z = z' theta."""
     model = dualcam.linearize(FORWARD, 0.5, at_rest="loading", inputs="tau", outputs=["theta", "z"])
     omega = np.array([1.0, 10.0, 40.0, 100.0, 1000.0])
-    expected = 1.0 / (ARM[+1] * STIFFNESS * LIFT - INERTIA * omega**2)
+    expected = 1.0 / (RHO[+1] * STIFFNESS * LIFT - INERTIA * omega**2)
     response = control.frequency_response(model, omega)
     assert response.complex[0, 0] == pytest.approx(expected, rel=1e-9)
     assert response.complex[1, 0] == pytest.approx(LIFT * expected, rel=1e-9)
@@ -556,7 +535,7 @@ def test_a_continuous_lqr_loop_follows_its_linear_model():
 
 def test_describing_function_of_straight_edges():
     """Against the integrals of its definition, piece by piece."""
-    rise = {sign: ARM[sign] * STIFFNESS * LIFT for sign in ARM}  # N.m/rad
+    rise = {sign: RHO[sign] * STIFFNESS * LIFT for sign in RHO}  # N.m/rad
     hysteresis = CamHysteresis(FORWARD, 0.7, tau=4.2)
     for amplitude in (1.5, 2.5, 3.5):
         top, bottom = (
@@ -623,7 +602,7 @@ def test_in_the_dead_band_nothing_moves():
     assert hysteresis(0.5) == 0.0
     assert hysteresis(3.0) > 0.0
     assert hysteresis.natural_frequency(INERTIA) == pytest.approx(
-        math.sqrt(ARM[+1] * STIFFNESS * LIFT / INERTIA), rel=1e-9
+        math.sqrt(RHO[+1] * STIFFNESS * LIFT / INERTIA), rel=1e-9
     )
     with pytest.raises(ValueError, match="amplitude"):
         hysteresis.describing_function(-1.0)

@@ -159,7 +159,7 @@ def test_any_resource_location(make, location):
 )
 def test_refuses_to_instantiate(library, model, wrong, word):
     fmu = Driver(library, model=model, **wrong)
-    assert not fmu.component
+    assert not fmu.instance
     (message,) = fmu.messages
     assert (message.status, message.category) == (ERROR, "logStatusError")
     assert "fmi2Instantiate" in message.text
@@ -169,7 +169,7 @@ def test_refuses_to_instantiate(library, model, wrong, word):
 
 @pytest.mark.parametrize(("model", "other"), [(FORWARD, INVERSE), (INVERSE, FORWARD)], indirect=["model"])
 def test_one_fmu_is_not_the_other(library, model, other):
-    assert not Driver(library, guid=other.guid, model=model).component
+    assert not Driver(library, guid=other.guid, model=model).instance
 
 
 @pytest.mark.parametrize("callbacks", [None, Callbacks()])

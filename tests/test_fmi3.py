@@ -18,12 +18,13 @@ import pytest
 from driver import ERROR, OK, ROOT
 from driver3 import CONSTANT, DEPENDENT, FORWARD, INVERSE, OTHER, Driver, models
 from lxml import etree
+from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
+from reference import LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
 
 sys.path.insert(0, str(ROOT / "fmu_src"))
 import build_fmu
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema/fmi3"
-STICK, LOADING, RELEASING, LOWER, UPPER = 1, 2, 3, 4, 5
 MODE_CHANGES_MEET = 1e-9  # s: to the default tolerance, times of order 1 s
 
 each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
@@ -72,20 +73,15 @@ FORCES = {
 GENERAL = ELLIPSES | FORCES
 BOUNCING = {"stop.restitution": 0.6}
 
-# The default mechanism, by hand: kappa = (1 - sigma mu s) / (r (s + sigma mu)) with s = 1, two equal cams.
-MU, R, K, F0, J = 0.14, 0.02, 5e4, 50.0, 0.002
-LIFT = R / 2
-RHO = {sigma: R * (1 + sigma * MU) / (1 - sigma * MU) / 2 for sigma in (1, -1)}
-
 
 def frequency(sigma: int) -> float:
     """Of the oscillation about the balance, rad/s."""
-    return math.sqrt(RHO[sigma] * K * LIFT / J)
+    return math.sqrt(RHO[sigma] * STIFFNESS * LIFT / INERTIA)
 
 
 def balance(sigma: int, tau: float) -> float:
     """rad, where spring and friction hold tau."""
-    return (tau / RHO[sigma] - F0) / (K * LIFT)
+    return (tau / RHO[sigma] - PRELOAD) / (STIFFNESS * LIFT)
 
 
 def wave(t: float) -> float:
@@ -110,7 +106,7 @@ def test_co_simulation_is_bit_for_bit_that_of_fmi2(make_model, make3, scene):
             if k % 20 == 0 or name in ("theta", "omega", "mode", "energy.residual"):
                 assert new.get(name) == old.get(name), (name, k)
         modes.add(new.get("mode"))
-    assert (modes & {LOWER, UPPER} or new.get("energy.heat_stop") > 0) and len(modes) >= 2
+    assert (modes & {LOWER_STOP, UPPER_STOP} or new.get("energy.heat_stop") > 0) and len(modes) >= 2
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 20.0])
@@ -203,14 +199,14 @@ def test_early_return_is_at_the_time_of_the_closed_form(make3):
     low = balance(-1, 0.0)
     fall = math.acos(low / (low - top)) / frequency(-1)
     assert fmu.time - start == pytest.approx(fall, rel=1e-12)
-    assert (fmu.get("mode"), fmu.get("theta"), fmu.get("omega")) == (LOWER, 0.0, 0.0)
+    assert (fmu.get("mode"), fmu.get("theta"), fmu.get("omega")) == (LOWER_STOP, 0.0, 0.0)
     assert abs(fmu.get("energy.residual")) < 1e-14
 
 
 def test_a_change_brought_about_by_the_input_is_none_of_the_step(make3):
     """Stick to loading at the very start; the step goes on to the change after it."""
     fmu = make3(events=True, early=True).start()
-    assert fmu.get("mode") == LOWER
+    assert fmu.get("mode") == LOWER_STOP
     fmu.step(1e-3, tau=2.0)
     assert (fmu.get("mode"), fmu.time) == (LOADING, 1e-3)
 
@@ -440,11 +436,11 @@ def test_a_sampled_step_with_events_ends_early(make3):
     assert fmu.step(1.0) == (True, True)
     # on the lower stop the torque first comes into the stick band, then leaves it
     assert fmu.get("mode") == STICK
-    assert fmu.time == pytest.approx(RHO[-1] * F0 / slope, rel=1e-12)
+    assert fmu.time == pytest.approx(RHO[-1] * PRELOAD / slope, rel=1e-12)
     assert fmu.get("tau") == pytest.approx(slope * fmu.time, rel=1e-12)
     fmu.handle_event()
     fmu.step(1.0)
-    assert fmu.get("mode") == LOADING and fmu.time == pytest.approx(RHO[1] * F0 / slope, rel=1e-12)
+    assert fmu.get("mode") == LOADING and fmu.time == pytest.approx(RHO[1] * PRELOAD / slope, rel=1e-12)
 
 
 def test_what_is_not_allowed_inside_a_step_is_refused(make3):
@@ -568,7 +564,7 @@ def test_states_rates_and_indicators(make3):
     fmu.ok("GetNominalsOfContinuousStates", nominals, 2)
     fmu.ok("GetEventIndicators", indicators, 7)
     assert list(states) == [0.31, 2.0] and list(nominals) == [1.0, 10.0]
-    alpha = (4.0 - RHO[1] * (F0 + K * LIFT * 0.31)) / J
+    alpha = (4.0 - RHO[1] * (PRELOAD + STIFFNESS * LIFT * 0.31)) / INERTIA
     assert list(rates) == [2.0, pytest.approx(alpha, rel=1e-13)]
     assert fmu.get("alpha") == pytest.approx(alpha, rel=1e-13)
     listed = [u.attrib["valueReference"] for u in FORWARD.document.iter("EventIndicator")]

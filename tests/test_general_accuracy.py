@@ -11,14 +11,13 @@ largest speed is infinite, and is not compared either.
 """
 
 import math
-from ctypes import c_int
 from functools import partial
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from driver import STEP, Driver, references, to_c
-from general_scenes import FADING, FADING_SHARE, MEASURED, STILL, WANTED, Scene, load, scales
+from driver import Driver
+from general_scenes import FADING, FADING_SHARE, MEASURED, STILL, WANTED, Scene, load, scales, wrong_modes
 from reference import HEATS, INTEGERS, simulate
 
 TOLERANCES = [1e-4, 1e-6, None, 1e-11]  # None: none is given, and the FMU takes 1e-9
@@ -40,18 +39,7 @@ def title(scene: Scene) -> str:
 def start(fmu: Driver, scene: Scene, tolerance: float | None) -> None:
     given = {name: int(v) if name in INTEGERS else v for name, v in scene.params.items() if v != ""}
     first = scene.intervals[0]
-    fmu.set(given | {"tau": first.tau, "F_ext": first.F_ext})
-    fmu.ok("fmi2SetupExperiment", int(tolerance is not None), tolerance or 0.0, 0.0, 0, 0.0)
-    fmu.time = 0.0
-    fmu.enter(STEP)
-
-
-def set_derivatives(fmu: Driver, rates: dict[str, list[float]]) -> None:
-    names = [name for name, values in rates.items() for _ in values]
-    orders = [order for values in rates.values() for order in range(1, len(values) + 1)]
-    values = to_c("Real", [value for values in rates.values() for value in values])
-    arguments = references(names), len(names), (c_int * len(names))(*orders), values
-    fmu.ok("fmi2SetRealInputDerivatives", *arguments)
+    fmu.start(given | {"tau": first.tau, "F_ext": first.F_ext}, tolerance=tolerance)
 
 
 def energy_held(fmu: Driver) -> tuple[float, float]:
@@ -72,7 +60,7 @@ def drive(fmu: Driver, scene: Scene, tolerance: float | None, cut) -> tuple[list
             fmu.set({name: u[0] for name, u in inputs.items()})
             rates = {name: u[1:] for name, u in inputs.items() if any(u[1:])}
             if rates:
-                set_derivatives(fmu, rates)
+                fmu.set_derivatives(rates)
             fmu.step(float(b - a))
             gains.append(energy_held(fmu)[0] - before)
         read.append({name: fmu.get(name) for name in READ})
@@ -100,8 +88,7 @@ def allowed_errors(scene: Scene, tolerance: float) -> dict[str, float]:
 def errors(read: list[dict], scene: Scene, tolerance: float) -> list[str]:
     """All that is wrong, in words."""
     wrong, allowed, size = [], allowed_errors(scene, tolerance), scales(scene.points)
-    faded, still, doubtful = False, False, False
-    counted, expected = 0, 0  # events at the end of the interval before
+    faded, still = False, False
     for number, (values, point) in enumerate(zip(read, scene.points, strict=True)):
         faded, still = faded or FADING in point.doubts, still or STILL in point.doubts
         for name in MEASURED:
@@ -114,14 +101,7 @@ def errors(read: list[dict], scene: Scene, tolerance: float) -> list[str]:
                 wrong.append(
                     f"interval {number}: {name} {values[name]!r}, not {point.value(name)!r} ({error:.1e})"
                 )
-        if not point.doubts and tolerance <= DEFAULT:
-            if values["mode"] != point.mode:
-                wrong.append(f"interval {number}: mode {values['mode']}, not {point.mode}")
-            changes = values["events"] - counted, point.events - expected
-            if not doubtful and changes[0] != changes[1]:
-                wrong.append(f"interval {number}: {changes[0]} mode changes, not {changes[1]}")
-        counted, expected, doubtful = values["events"], point.events, bool(point.doubts)
-    return wrong
+    return wrong + (wrong_modes(read, scene.points) if tolerance <= DEFAULT else [])
 
 
 def verdict(fmu: Driver, scene: Scene, given: float | None, cut) -> list[str]:

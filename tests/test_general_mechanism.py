@@ -16,12 +16,21 @@ import mpmath
 import numpy as np
 import pytest
 from driver import FORWARD, Driver, load, models
-from reference import INTEGERS, random_scene
+from mechanisms import RHO
+from reference import (
+    INTEGERS,
+    LOADING,
+    LOWER_STOP,
+    RELEASING,
+    STICK,
+    UPPER_STOP,
+    WEDGED,
+    random_scene,
+)
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 HELIX, ELLIPSE, TABLE = 1, 2, 3
-STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 HEATS = [f"energy.heat_{name}" for name in ("cam1", "cam2", "damper", "shaft", "stop")]
 ACCOUNTS = [
     *HEATS,
@@ -867,8 +876,6 @@ def test_section_6_motion_against_an_integrator(make, tmp_path, seed):
             assert fmu.get("omega") == pytest.approx(omega, abs=10 * (tolerance or 1e-9) * size)
 
 
-RHO_LOAD = 0.01 * 1.14 / 0.86  # helices of pi/4, r = 20 mm, mu = 0.14: see test_mechanism
-RHO_RELEASE = 0.01 * 0.86 / 1.14
 RIGHT_ANGLED = {"stop.lower": -40.0, "stop.upper": 40.0}
 
 
@@ -881,7 +888,7 @@ def test_section_6_viscous_linear_and_quadratic_damper(make, direction, tau):
     values = RIGHT_ANGLED | {"inertia.shaft": 0.0, f"damper.c_{way}": c, f"damper.q_{way}": q}
     start = 0.0 if direction > 0 else 0.6
     fmu = make().start(values | {"initial.theta": start})
-    rho = RHO_LOAD if direction > 0 else RHO_RELEASE
+    rho = RHO[direction]
     with mpmath.workdps(30):
         push = direction * (mpmath.mpf(tau) / rho - preload - k * mpmath.mpf(start) * 0.01)
         x0 = mpmath.sqrt(1 + 4 * q * push / c**2) - 1  # 2 q v/c of q v^2 + c v = push
@@ -898,7 +905,7 @@ def test_section_6_viscous_linear_and_quadratic_damper(make, direction, tau):
 
 
 @pytest.mark.parametrize("inertia", [0.0, 0.002])
-@pytest.mark.parametrize(("tau", "rho"), [(0.1, RHO_RELEASE), (0.0, RHO_RELEASE), (-0.3, RHO_LOAD)])
+@pytest.mark.parametrize(("tau", "rho"), [(0.1, RHO[-1]), (0.0, RHO[-1]), (-0.3, RHO[1])])
 def test_section_6_braking_return_through_the_damper(make, inertia, tau, rho):
     """The paper's (4) with a spring force that does not change: released, it ends at the speed at which
     c |v| + q v^2 = F_0 - tau/rho. With tau < 0 the total F is negative, the pins bear on their other
@@ -929,8 +936,8 @@ def test_section_6_quadratic_damper_riccati(make, stiffness):
     inertia, q, tau = 0.002, 3e4, 3.0
     values = RIGHT_ANGLED | {"damper.q_load": q, "spring.stiffness": stiffness}
     fmu = make().start(values, tolerance=1e-11)
-    p = RHO_LOAD * q * 1e-4 / inertia
-    net, rate = (tau - RHO_LOAD * 50.0) / inertia, RHO_LOAD * stiffness * 0.01 / inertia
+    p = RHO[1] * q * 1e-4 / inertia
+    net, rate = (tau - RHO[1] * 50.0) / inertia, RHO[1] * stiffness * 0.01 / inertia
     for h in (1e-3, 1e-2, 0.04, 0.05):
         fmu.step(h, tau=tau)
         assert fmu.get("mode") == LOADING

@@ -10,17 +10,14 @@ from itertools import pairwise
 
 import pytest
 from driver import ERROR, OK, models
+from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
+from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
 from scipy.optimize import brentq
-from test_mechanism import STATICS
+from test_mechanism import STATICS, geometry
 
 INVERSE, FORWARD = models["DualCamInverse"], models["DualCamForward"]
-STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
-
-MU, LIFT, PRELOAD, STIFFNESS, INERTIA = 0.14, 0.01, 50.0, 50e3, 0.002
-RHO = {1: LIFT * (1 + MU) / (1 - MU), -1: LIFT * (1 - MU) / (1 + MU)}
 WIDE = {"stop.lower": -10.0, "stop.upper": 10.0}
 MASSLESS = {"inertia.shaft": 0.0}
-HEATS = ["heat_cam1", "heat_cam2", "heat_damper", "heat_shaft", "heat_stop"]
 ACCOUNTS = ["work_in", "work_ext", "work_tuning", "spring", "kinetic", "shaft", *HEATS]
 
 
@@ -46,18 +43,8 @@ def tau_at(fmu, **inputs):
 # ---- torque ----
 
 
-def helices(r1, r2, lambda1, lambda2, mu1, mu2, force):
-    return WIDE | {
-        "cam1.radius": r1,
-        "cam2.radius": r2,
-        "cam1.lead_angle": lambda1,
-        "cam2.lead_angle": lambda2,
-        "cam1.friction": mu1,
-        "cam2.friction": mu2,
-        "spring.preload": force,
-        "spring.stiffness": 0.0,
-        "contacts": 1,
-    }
+def helices(*case):
+    return geometry(*case) | WIDE
 
 
 @pytest.mark.parametrize("name", STATICS)

@@ -9,12 +9,8 @@ import math
 
 import pytest
 from driver import OK
-
-STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
-
-MU, LIFT, PRELOAD, STIFFNESS, INERTIA = 0.14, 0.01, 50.0, 50e3, 0.002
-RHO_LOAD = 0.01 * (1 + MU) / (1 - MU)
-RHO_RELEASE = 0.01 * (1 - MU) / (1 + MU)
+from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
+from reference import LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP, WEDGED
 
 # The twelve cases of the mechanism's statics (section 3) solved with 60 digits; R are totals, F > 0.
 # name: r1, r2, lambda1, lambda2, mu1, mu2, F, then (R1, R2, T) loading and releasing, None where the pair of
@@ -167,13 +163,13 @@ def test_stick_band_is_mirrored_for_negative_load(make):
     """Section 3, flank rule: for F < 0 the band is [-T_load(|F|), -T_release(|F|)]."""
     fmu = make().start({"spring.stiffness": 0.0, "stop.lower": -1.0})
     fmu.set({"F_ext": -150.0})  # F_0 = -100 N
-    assert fmu.get("torque_load") == pytest.approx(-100 * RHO_RELEASE, rel=1e-14)
-    assert fmu.get("torque_release") == pytest.approx(-100 * RHO_LOAD, rel=1e-14)
+    assert fmu.get("torque_load") == pytest.approx(-100 * RHO[-1], rel=1e-14)
+    assert fmu.get("torque_release") == pytest.approx(-100 * RHO[1], rel=1e-14)
     fmu.step(0.1, tau=-1.0)
     assert (fmu.get("mode"), fmu.get("theta")) == (STICK, 0.0)
     fmu.step(1e-3, tau=-0.7)
     assert fmu.get("mode") == LOADING
-    assert fmu.get("alpha") == pytest.approx((-0.7 + 100 * RHO_RELEASE) / INERTIA, rel=1e-12)
+    assert fmu.get("alpha") == pytest.approx((-0.7 + 100 * RHO[-1]) / INERTIA, rel=1e-12)
     assert fmu.get("cam1.reaction") < 0
 
 
@@ -184,7 +180,7 @@ def test_modes_at_the_stops(make):
     fmu = make().start()  # theta = 0 is the lower stop: the spring presses into it
     fmu.step(0.1)
     assert (fmu.get("mode"), fmu.get("theta")) == (LOWER_STOP, 0.0)
-    fmu.step(0.1, tau=50 * RHO_RELEASE + 1e-9)  # now friction holds it
+    fmu.step(0.1, tau=50 * RHO[-1] + 1e-9)  # now friction holds it
     assert fmu.get("mode") == STICK
     fmu.step(1.0, tau=20.0)
     assert (fmu.get("mode"), fmu.get("theta"), fmu.get("omega")) == (UPPER_STOP, 1.3963, 0.0)
@@ -233,7 +229,7 @@ def test_breakaway_under_a_torque_ramp(make):
     (150 rho_+ - 1.5)/0.5 s. From there J alpha + K theta = ramp: theta - theta0 = r/K (t - sin(w t)/w) with
     r = 0.5 N.m/s, K = rho_+ k z', w^2 = K/J."""
     fmu = make().start({"initial.theta": 0.2})
-    edge = 150 * RHO_LOAD
+    edge = 150 * RHO[1]
     assert edge == pytest.approx(1.98837209302, rel=1e-11)
     breakaway = (edge - 1.5) / 0.5
     fmu.set({"tau": 1.5})
@@ -242,7 +238,7 @@ def test_breakaway_under_a_torque_ramp(make):
     assert (fmu.get("mode"), fmu.get("theta")) == (STICK, 0.2)
     fmu.set({"tau": edge})
     fmu.set_rates(tau=0.5)
-    stiffness = RHO_LOAD * STIFFNESS * LIFT
+    stiffness = RHO[1] * STIFFNESS * LIFT
     w = math.sqrt(stiffness / INERTIA)
     t = 0.03  # within the first swing, 2 pi/w = 0.109 s
     fmu.step(t)
@@ -255,9 +251,9 @@ def test_half_oscillation_between_two_sticks(make):
     """Constant tau past the upper edge, no damping: half a cosine about the angle where T_load = tau, of
     length pi/w, that ends as far beyond; there tau is inside the band, and it sticks."""
     fmu = make().start({"initial.theta": 0.2})
-    stiffness = RHO_LOAD * STIFFNESS * LIFT
+    stiffness = RHO[1] * STIFFNESS * LIFT
     w = math.sqrt(stiffness / INERTIA)
-    tau = 150 * RHO_LOAD + 1.0
+    tau = 150 * RHO[1] + 1.0
     swing = 1.0 / stiffness
     quarter = 0.5 * math.pi / w
     fmu.step(quarter, tau=tau)
@@ -281,7 +277,7 @@ def test_viscous_motion(make):
     """Without inertia, linear damper: z - z_s = (z0 - z_s) exp(-k t/c), z_s = (tau/rho_+ - F0)/k."""
     fmu = make().start({"inertia.shaft": 0.0, "damper.c_load": 3000.0})
     tau, t = 5.0, 0.04
-    z_s = (tau / RHO_LOAD - PRELOAD) / STIFFNESS
+    z_s = (tau / RHO[1] - PRELOAD) / STIFFNESS
     fmu.step(t, tau=tau)
     left = math.exp(-STIFFNESS * t / 3000.0)
     assert fmu.get("z") == pytest.approx(z_s * (1 - left), rel=1e-13)
@@ -296,7 +292,7 @@ def test_braking_return_at_steady_speed(make):
     values = {"inertia.shaft": 0.0, "damper.c_release": 2000.0, "spring.stiffness": 0.0, "initial.theta": 1.0}
     fmu = make().start(values)
     fmu.step(0.01, tau=0.1)
-    assert fmu.get("v") == pytest.approx(-(PRELOAD - 0.1 / RHO_RELEASE) / 2000.0, rel=1e-13)
+    assert fmu.get("v") == pytest.approx(-(PRELOAD - 0.1 / RHO[-1]) / 2000.0, rel=1e-13)
     assert fmu.get("mode") == RELEASING
 
 
@@ -307,8 +303,8 @@ def test_play(make):
     def angle(tau, rho):
         return (tau / rho - PRELOAD) / STIFFNESS / LIFT
 
-    history = [(5.0, angle(5.0, RHO_LOAD)), (4.0, angle(5.0, RHO_LOAD)), (6.0, angle(6.0, RHO_LOAD))]
-    history += [(3.0, angle(3.0, RHO_RELEASE)), (3.5, angle(3.0, RHO_RELEASE)), (20.0, 1.3963), (-1.0, 0.0)]
+    history = [(5.0, angle(5.0, RHO[1])), (4.0, angle(5.0, RHO[1])), (6.0, angle(6.0, RHO[1]))]
+    history += [(3.0, angle(3.0, RHO[-1])), (3.5, angle(3.0, RHO[-1])), (20.0, 1.3963), (-1.0, 0.0)]
     for tau, theta in history:
         fmu.step(0.1, tau=tau)
         assert fmu.get("theta") == pytest.approx(theta, rel=1e-13, abs=1e-16)
@@ -317,15 +313,15 @@ def test_play(make):
     fmu.set({"tau": 1.0})
     fmu.set_rates(tau=10.0)  # and follows a ramp along the edge
     fmu.step(0.2)
-    assert fmu.get("theta") == pytest.approx(angle(3.0, RHO_LOAD), rel=1e-13)
-    assert fmu.get("omega") == pytest.approx(10.0 / (RHO_LOAD * STIFFNESS * LIFT), rel=1e-13)
+    assert fmu.get("theta") == pytest.approx(angle(3.0, RHO[1]), rel=1e-13)
+    assert fmu.get("omega") == pytest.approx(10.0 / (RHO[1] * STIFFNESS * LIFT), rel=1e-13)
 
 
 def test_follower_mass_is_felt_more_when_loading(make):
     """Section 6: M = J + rho m z' + rho kappa_1 I gamma', here with gamma' = 1/2, rho kappa_1 = 1/2."""
     values = {"inertia.follower_mass": 0.5, "inertia.follower": 2e-4, "initial.theta": 0.5}
     values |= {"spring.stiffness": 0.0}
-    for tau, rho in ((2.0, RHO_LOAD), (0.2, RHO_RELEASE)):
+    for tau, rho in ((2.0, RHO[1]), (0.2, RHO[-1])):
         fmu = make().start(values)
         fmu.step(1e-4, tau=tau)
         mass = INERTIA + rho * 0.5 * LIFT + 0.5 * 2e-4 * 0.5
@@ -361,7 +357,7 @@ def test_ledger_after_a_million_steps(fmu):
     turned_over = 0.0
     for n in range(1_000_000):
         tau.value = 5 + 5 * math.sin(0.031 * n) + 2 * math.sin(0.0017 * n)
-        if set_real(fmu.component, reference, 1, ctypes.byref(tau)) or do_step(fmu.component, n * h, h, 1):
+        if set_real(fmu.instance, reference, 1, ctypes.byref(tau)) or do_step(fmu.instance, n * h, h, 1):
             pytest.fail(fmu.messages[-1].text)
     turned_over = fmu.get("energy.work_in")
     assert turned_over > 1000.0

@@ -7,10 +7,10 @@ from ctypes import c_double, c_int
 import numpy as np
 import pytest
 from driver import Driver, models
+from reference import LOADING, LOWER_STOP, RELEASING, STICK
 from test_general_mechanism import run_on, step, write_table
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
-STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 MOTION = ("theta", "omega", "z", "v")
 AROUND, AHEAD = np.arange(-4.0, 5.0), np.arange(1.0, 10.0)
 KNOTS = np.linspace(-0.1, 0.8, 10)  # rad, of the table: in both cams, so at twice that theta

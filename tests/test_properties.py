@@ -10,7 +10,16 @@ import pytest
 from driver import ERROR, OK, VARIABLES, Driver
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from reference import Grooves, groove_of, write_table
+from reference import (
+    LOADING,
+    LOWER_STOP,
+    RELEASING,
+    STICK,
+    UPPER_STOP,
+    Grooves,
+    groove_of,
+    write_table,
+)
 
 FIXTURE = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -22,7 +31,6 @@ EPS = 2.0**-52
 TOLERANCE = 1e-9  # the FMU's, where none is given
 ENERGY_ERROR = 10 * TOLERANCE  # of what is turned over, where motion is integrated step by step
 FLOWS = [*HEATS, "energy.work_in", "energy.work_ext", "energy.spring", "energy.kinetic"]
-STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)
 REALS = [v.name for v in VARIABLES.values() if v.type == "Real"]
 
 

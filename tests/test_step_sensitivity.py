@@ -7,21 +7,12 @@ from typing import NamedTuple
 
 import pytest
 from driver import OK, Driver, models
+from mechanisms import ELLIPSES, FOLLOWER, FORCES
 
 FORWARD = models["DualCamForward"]
 NAMES = ("step.dtheta_dtau", "step.domega_dtau")
 TIGHT = 1e-12  # tolerance of the integration: differences of it are divided by the shift
-ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "cam2.radius": 0.025, "cam2.lead_angle": 0.7}
 FLAT = {"cam1.profile": 2, "cam1.ellipse_a": 0.08, "cam1.ellipse_b": 0.05, "cam2.lead_angle": 0.5}
-FORCES = {
-    "spring.stiffness2": 1e5,
-    "spring.stiffness3": 1e6,
-    "damper.c_load": 20.0,
-    "damper.q_load": 50.0,
-    "damper.c_release": 30.0,
-    "damper.q_release": 40.0,
-}
-FOLLOWER = {"inertia.follower_mass": 0.3, "inertia.follower": 3e-5, "shaft.damping": 0.01}
 MASSLESS = {"inertia.shaft": 0.0}
 VISCOUS = MASSLESS | {"damper.c_load": 2000.0, "damper.c_release": 3000.0}
 ROOT = MASSLESS | {"damper.q_load": 1e3, "damper.q_release": 1e3}  # its speed is a root of the torque

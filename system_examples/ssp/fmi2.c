@@ -1,7 +1,7 @@
 /* A part (part.h) as an FMU: FMI 2.0 co-simulation with real variables only.
  *
  * Parameters are set before the end of initialization, inputs at any time, finite numbers both. What the XML does
- * not promise (states, derivatives, asynchronous steps) is refused; all functions are there, since masters insist.
+ * not promise (states, derivatives, asynchronous steps) is refused.
  */
 #include <math.h>
 #include <stdarg.h>
@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2Functions.h"
-
+#include "../../benchmarks/null_fmu/incapable.h"
 #include "part.h"
 
 typedef enum { PARAMETER, INPUT, OUTPUT, LOCAL } Causality;
@@ -135,41 +134,14 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t n,
     return fmi2OK;
 }
 
-/* The rest: success without effect, or fmi2Error where the XML promises no such thing. */
-#define SUCCEED(name, ...) fmi2Status name(__VA_ARGS__) { return fmi2OK; }
-#define REFUSE(name, ...) fmi2Status name(__VA_ARGS__) { return fmi2Error; }
+/* Variables of other types: there are none. */
 #define NONE(name, ...) fmi2Status name(__VA_ARGS__) { return n == 0 ? fmi2OK : fmi2Error; }
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-parameter"
-typedef fmi2Component C;
-typedef const fmi2ValueReference *References;
-
-SUCCEED(fmi2SetDebugLogging, C c, fmi2Boolean on, size_t n, const fmi2String categories[])
-SUCCEED(fmi2SetupExperiment, C c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start,
-        fmi2Boolean stop_defined, fmi2Real stop)
-SUCCEED(fmi2Terminate, C c)
-
 NONE(fmi2GetInteger, C c, References vr, size_t n, fmi2Integer value[])
 NONE(fmi2GetBoolean, C c, References vr, size_t n, fmi2Boolean value[])
 NONE(fmi2GetString, C c, References vr, size_t n, fmi2String value[])
 NONE(fmi2SetInteger, C c, References vr, size_t n, const fmi2Integer value[])
 NONE(fmi2SetBoolean, C c, References vr, size_t n, const fmi2Boolean value[])
 NONE(fmi2SetString, C c, References vr, size_t n, const fmi2String value[])
-
-REFUSE(fmi2GetFMUstate, C c, fmi2FMUstate *state)
-REFUSE(fmi2SetFMUstate, C c, fmi2FMUstate state)
-REFUSE(fmi2FreeFMUstate, C c, fmi2FMUstate *state)
-REFUSE(fmi2SerializedFMUstateSize, C c, fmi2FMUstate state, size_t *size)
-REFUSE(fmi2SerializeFMUstate, C c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-REFUSE(fmi2DeSerializeFMUstate, C c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
-REFUSE(fmi2GetDirectionalDerivative, C c, References unknown, size_t n_unknown, References known, size_t n_known,
-       const fmi2Real dv_known[], fmi2Real dv_unknown[])
-REFUSE(fmi2SetRealInputDerivatives, C c, References vr, size_t n, const fmi2Integer order[], const fmi2Real value[])
-REFUSE(fmi2GetRealOutputDerivatives, C c, References vr, size_t n, const fmi2Integer order[], fmi2Real value[])
-REFUSE(fmi2CancelStep, C c)
-REFUSE(fmi2GetStatus, C c, const fmi2StatusKind kind, fmi2Status *value)
-REFUSE(fmi2GetRealStatus, C c, const fmi2StatusKind kind, fmi2Real *value)
-REFUSE(fmi2GetIntegerStatus, C c, const fmi2StatusKind kind, fmi2Integer *value)
-REFUSE(fmi2GetBooleanStatus, C c, const fmi2StatusKind kind, fmi2Boolean *value)
-REFUSE(fmi2GetStringStatus, C c, const fmi2StatusKind kind, fmi2String *value)
 #pragma GCC diagnostic pop
