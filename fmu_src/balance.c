@@ -63,7 +63,7 @@ static inline void form_of(const Way *w, Spot s, Form *form) {
 }
 
 static Spot straight_spot(const Piece *piece) {
-    return (Spot){.slope = {piece->slope[0][0], piece->slope[1][0]}};
+    return (Spot){.slope = {piece->slope[0][0], piece->slope[0][1]}};
 }
 
 /* The form at theta, in *here unless the way has it, and z. */
@@ -216,7 +216,8 @@ static inline Pace pace_of_quasistatic(const Way *w, const Form *f, double z, co
     };
 }
 
-static inline Pace pace_of(const Way *w, const Form *f, double z, const Drive *in, double omega) {
+/* Apart, for it is large and has two callers. */
+__attribute__((noinline)) static Pace pace_of(const Way *w, const Form *f, double z, const Drive *in, double omega) {
     switch (w->kind) {
         case FLOW_INERTIAL: return pace_of_inertial(w, f, z, in, omega);
         case FLOW_VISCOUS: return pace_of_viscous(w, f, z, in);

@@ -68,7 +68,7 @@ WITH_LOOPS = {"balance", "bernstein", "flow", "glide", "instance", "mechanism", 
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 # On Windows, where the binary holds its own exp and sin, and on macOS, whose linker knows no -flto, only
 # these are compiled for speed.
-NUMERIC = {"balance", "bernstein", "event", "flow", "leap", "mechanism", "oscillator", "passage", "radau"}
+NUMERIC = {"flow", "oscillator"}
 
 
 @dataclass(frozen=True)

@@ -52,7 +52,7 @@ static bool loads_at(const Params *p, const Piece *piece, double theta) {
 
 /* Straight grooves are the same everywhere, however far the stops are. */
 static bool loads_in_straight(const Params *p, const Piece *piece) {
-    const double slope[2] = {piece->slope[0][0], piece->slope[1][0]};
+    const double slope[2] = {piece->slope[0][0], piece->slope[0][1]};
     return load_margin(p, slope) > 0.0;
 }
 

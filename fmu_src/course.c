@@ -384,11 +384,13 @@ static bool look_at_nodes(Builder *b, const Piece *piece, Nodes *nodes) {
     return true;
 }
 
-/* False if the last two Chebyshev coefficients are so large that there is no need to look between nodes. */
-static bool set_polynomial(const Basis *basis, const double f[N + 1], double allowed, double out[N + 1]) {
-    double c[N + 1];
+/* The slope of cam i's groove. False if the last two Chebyshev coefficients are so large that there is no need to look
+ * between nodes. */
+static bool set_slope(const Basis *basis, const double f[N + 1], double allowed, int i, Piece *piece) {
+    double c[N + 1], monomial[N + 1];
     interpolate(basis, f, c);
-    to_monomials(basis, c, out);
+    to_monomials(basis, c, monomial);
+    for (int k = 0; k <= N; k++) piece->slope[k][i] = monomial[k];
     return fabs(c[N]) + fabs(c[N - 1]) <= 100.0 * allowed;
 }
 
@@ -409,8 +411,8 @@ static bool set_height(const Basis *basis, const Nodes *nodes, Piece *piece) {
 static void set_helix(const Course *course, Piece *piece) {
     for (int i = 0; i < 2; i++) {
         if (course->groove[i].profile != PROFILE_HELIX) continue;
-        memset(piece->slope[i], 0, sizeof piece->slope[i]);
-        piece->slope[i][0] = course->groove[i].gain;
+        for (int k = 1; k <= N; k++) piece->slope[k][i] = 0.0;
+        piece->slope[0][i] = course->groove[i].gain;
     }
 }
 
@@ -454,7 +456,7 @@ static Verdict fit(Builder *b, Piece *piece) {
     if (!look_at_nodes(b, piece, &nodes)) return UNDETERMINED;
     bool good = set_height(&b->basis, &nodes, piece);
     for (int i = 0; i < 2; i++)
-        good = set_polynomial(&b->basis, nodes.value[i], nodes.allowed[i], piece->slope[i]) && good;
+        good = set_slope(&b->basis, nodes.value[i], nodes.allowed[i], i, piece) && good;
     set_helix(b->course, piece);
     good = good && meets_neighbours(piece, &nodes) && is_true_between_nodes(b, piece, &nodes);
     return good ? FITS : TOO_COARSE;
@@ -521,7 +523,7 @@ static bool build_straight(Course *course, const CamParams cam[2], Fault *fault)
         .lower = course->lower,
         .upper = course->upper,
         .scale = 1.0,
-        .slope = {{slope[0]}, {slope[1]}},
+        .slope = {{slope[0], slope[1]}},
         .z = {0.0, lift_of(slope)},
     };
     return true;

@@ -10,6 +10,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #include "fault.h"
 #include "groove.h"
@@ -18,12 +19,15 @@
 enum { COURSE_DEGREE = 12 };
 _Static_assert(COURSE_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");
 
+/* Where a vector may be loaded at once; a 32-bit malloc knows of no larger alignment. */
+enum { PIECE_ALIGNMENT = sizeof(void *) == 8 ? 16 : 8 };
+
 /* Monomials in x = (theta - middle) scale, lowest first. x runs through [-1, 1]; only two helices have
  * x = theta (middle 0, scale 1), which makes every value exact. */
 typedef struct {
     double lower, upper;  /* rad */
     double middle, scale; /* rad, 1/rad */
-    double slope[2][COURSE_DEGREE + 1];
+    _Alignas(PIECE_ALIGNMENT) double slope[COURSE_DEGREE + 1][2]; /* [k][i] of cam i: both are wanted at once */
     double z[COURSE_DEGREE + 1];
     bool knot_lower, knot_upper; /* a table knot (a third derivative jumps), not just another polynomial */
 } Piece;
@@ -68,7 +72,9 @@ double course_z(const Course *course, double theta);
 typedef double Both __attribute__((vector_size(2 * sizeof(double))));
 
 static inline Both slopes_of(const Piece *piece, int k) {
-    return (Both){piece->slope[0][k], piece->slope[1][k]};
+    Both both;
+    memcpy(&both, piece->slope[k], sizeof both);
+    return both;
 }
 
 /* How many derivatives of the slopes are wanted. */

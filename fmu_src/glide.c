@@ -3,228 +3,236 @@
 #include <float.h>
 #include <math.h>
 
-/* Vectors are passed to and from static functions only: how, is nobody else's business. */
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-/* One value per node: the start and three more, of which the last is the end. */
-enum { LANES = 4, END = LANES - 1 };
-typedef double Four __attribute__((vector_size(LANES * sizeof(double))));
+/* One value per node: the start and three more, of which the last is the end. Two of them share a vector, and one piece of
+ * code serves both halves: that is as fast as all in a row, and half the size. */
+enum { NODES = 4, END = NODES - 1, HALVES = 2 };
+typedef union {
+    double at[NODES];
+    Both half[HALVES];
+} Nodes;
 
 typedef struct {
-    Four node;
-    Four once[LANES], twice[LANES]; /* [j]: the integrals, up to each node, of what is 1 at node j and 0 at the others */
-    Four weight;                    /* the integral over the step */
-    double missed;                  /* what a parabola through the last three nodes misses at the start, of c^3 */
+    Nodes node;
+    Nodes once[NODES], twice[NODES]; /* [j]: the integrals, up to each node, of what is 1 at node j and 0 at the others */
+    Nodes weight;                    /* the integral over the step */
+    double missed;                   /* what a parabola through the last three nodes misses at the start, of c^3 */
     double missed_once, missed_twice; /* largest single and double integral of prod(1 - c/c_i), the shape of that */
-    Four bernstein[LANES];            /* [j]: Bernstein coefficients of the cubic that is 1 at node j */
+    Nodes bernstein[NODES];           /* [j]: Bernstein coefficients of the cubic that is 1 at node j */
 } Lobatto;
 
 #include "lobatto_table.h"
 
-/* More are for the leaps of passage.h: they solve by Newton's method. */
+/* A step that needs more is for the leaps of passage.h: they solve by Newton's method. */
 enum { MAX_SWEEPS = 8 };
 
 /* Each sweep is to bring it nearer by this factor at least. */
 static const double CONTRACTION = 0.1;
 
-/* ---- lanes ---- */
+/* Not drawn into every place that calls it. */
+#define APART __attribute__((noinline))
 
-static inline Four all(double x) {
-    return (Four){x, x, x, x};
+/* ---- four values ---- */
+
+static inline Nodes all(double x) {
+    return (Nodes){{x, x, x, x}};
 }
-
-static const Four NONE = {0.0, 0.0, 0.0, 0.0};
-
-static inline double lowest(Four v) {
-    const double a = v[1] < v[0] ? v[1] : v[0], b = v[3] < v[2] ? v[3] : v[2];
-    return b < a ? b : a;
-}
-
-static inline double highest(Four v) {
-    const double a = v[1] > v[0] ? v[1] : v[0], b = v[3] > v[2] ? v[3] : v[2];
-    return b > a ? b : a;
-}
-
-static inline double largest(Four v) {
-    return fmax(highest(v), -lowest(v));
-}
-
-static inline double total(Four v) {
-    return (v[0] + v[3]) + (v[1] + v[2]);
-}
-
-/* Columns times the lanes of y. */
-static inline Four combine(const Four columns[LANES], Four y) {
-    return (columns[0] * y[0] + columns[1] * y[1]) + (columns[2] * y[2] + columns[3] * y[3]);
-}
-
-/* Is it surely above zero throughout? A cubic through its lanes leaves their range by less than this share of it (the
- * Lebesgue constant of the nodes is below 2.2). */
-static const double SURE = 0.6;
-
-static inline bool is_positive(Four v) {
-    const double low = lowest(v);
-    return low > SURE * (highest(v) - low);
-}
-
-/* ---- the balance at the nodes, see balance.h ---- */
 
 typedef struct {
-    Four slope[2], turn[2], lift;
-    Four lift_rate, turn_rate; /* only where the follower is heavy */
-    Four rn[2], d[2], p, q, delta;
-    Four z;
-} Shapes;
+    double low, high;
+} Range;
+
+static inline Range range_of(const Nodes *v) {
+    const double *x = v->at;
+    const double low[2] = {x[2] < x[0] ? x[2] : x[0], x[3] < x[1] ? x[3] : x[1]};
+    const double high[2] = {x[2] > x[0] ? x[2] : x[0], x[3] > x[1] ? x[3] : x[1]};
+    return (Range){low[1] < low[0] ? low[1] : low[0], high[1] > high[0] ? high[1] : high[0]};
+}
+
+static inline double size_of(Range r) {
+    return fmax(r.high, -r.low);
+}
+
+/* Columns times y. */
+static inline Nodes combine(const Nodes column[NODES], const Nodes *y) {
+    Nodes sum;
+    for (int k = 0; k < HALVES; k++)
+        sum.half[k] = (column[0].half[k] * y->at[0] + column[1].half[k] * y->at[1]) +
+                      (column[2].half[k] * y->at[2] + column[3].half[k] * y->at[3]);
+    return sum;
+}
+
+/* A cubic through values in [low, high] leaves that range by less than this share of its width (the Lebesgue constant of
+ * the nodes is below 2.2). */
+static const double SURE = 0.6;
+
+/* Is it surely above zero throughout, times `sign`? */
+static bool keeps_sign(const Nodes *v, int sign) {
+    const Range r = range_of(v);
+    const double low = sign > 0 ? r.low : -r.high;
+    return low > SURE * (r.high - r.low);
+}
+
+/* ---- the balance, see balance.h, at two nodes ---- */
+
+typedef struct {
+    Both slope[2], turn[2], lift;
+    Both lift_rate, turn_rate; /* only where the follower is heavy */
+    Both rn[2], d[2], p, q, delta;
+    Both z, force, damper;
+    Both mass; /* J Delta + P m z' + Q I gamma', or without inertia what resists the speed */
+} Pair;
 
 typedef struct {
     const Way *way;
     double theta, omega, h; /* at the start, and the length of the step */
-    Four tau, F_ext;
-    Four turned, speed;  /* rad, rad/s: theta less that of the start, omega */
+    Nodes tau, F_ext;
+    Nodes turned, speed; /* rad, rad/s: theta less that of the start, omega */
+    Nodes y;             /* alpha, or omega without inertia */
     double lag;          /* rad, from where the balance was taken last to where the end is: what the last sweep changed */
-    Four y;              /* alpha, or omega without inertia */
-    Shapes shapes;
-    Four force, damper;
-    Four mass; /* J Delta + P m z' + Q I gamma', or without inertia what resists the speed */
-} Lanes;
+    Pair pair[HALVES];
+} Step4;
 
-/* Half the lanes at a time: more would not stay in the registers. Horner's rule for even and odd parts, see piece_spot(). */
-static inline void spots_of_half(const Piece *piece, Both theta, bool bends, Both slope[2], Both bend[2], Both *z) {
-    const Both x = (theta - piece->middle) * piece->scale, y = x * x, none = {0.0, 0.0};
-    const double *const c[3] = {piece->slope[0], piece->slope[1], piece->z};
-    Both even[3], odd[3], even_rate[2] = {none, none}, odd_rate[2] = {none, none};
-    for (int i = 0; i < 3; i++) {
-        even[i] = none + c[i][COURSE_DEGREE];
-        odd[i] = none + c[i][COURSE_DEGREE - 1];
-    }
-    for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2) {
-        for (int i = 0; bends && i < 2; i++) {
-            even_rate[i] = even_rate[i] * y + even[i];
-            odd_rate[i] = odd_rate[i] * y + odd[i];
-        }
-        for (int i = 0; i < 3; i++) {
-            even[i] = even[i] * y + c[i][k];
-            odd[i] = odd[i] * y + c[i][k - 1];
-        }
-    }
-    for (int i = 0; bends && i < 2; i++) {
-        even_rate[i] = even_rate[i] * y + even[i];
-        bend[i] = (odd[i] + 2.0 * (x * even_rate[i] + y * odd_rate[i])) * piece->scale;
-    }
-    for (int i = 0; i < 3; i++) even[i] = even[i] * y + c[i][0];
-    for (int i = 0; i < 2; i++) slope[i] = even[i] + x * odd[i];
-    *z = even[2] + x * odd[2];
+/* Horner's rule for even and odd parts, see piece_spot(): in one vector those of both slopes, in one those of z. */
+typedef struct {
+    Both even, odd, even_rate, odd_rate; /* of both slopes; their derivatives by y */
+    Both z;                              /* odd and even part */
+    double x, y;
+} Horner;
+
+static inline Horner horner_start(const Piece *piece, double theta) {
+    const Both none = {0.0, 0.0};
+    const double x = (theta - piece->middle) * piece->scale;
+    return (Horner){
+        .even = slopes_of(piece, COURSE_DEGREE),
+        .odd = slopes_of(piece, COURSE_DEGREE - 1),
+        .even_rate = none,
+        .odd_rate = none,
+        .z = {piece->z[COURSE_DEGREE - 1], piece->z[COURSE_DEGREE]},
+        .x = x,
+        .y = x * x,
+    };
 }
 
-static inline Four join(Both low, Both high) {
-    return (Four){low[0], low[1], high[0], high[1]};
+static inline void horner_step(const Piece *piece, int k, bool rates, Horner *h) {
+    if (rates) h->even_rate = h->even_rate * h->y + h->even;
+    if (rates) h->odd_rate = h->odd_rate * h->y + h->odd;
+    h->even = h->even * h->y + slopes_of(piece, k);
+    h->odd = h->odd * h->y + slopes_of(piece, k - 1);
+    h->z = h->z * h->y + (Both){piece->z[k - 1], piece->z[k]};
 }
 
-static inline void spots_at(const Piece *piece, Four theta, bool bends, Four bend[2], Shapes *s) {
-    Both slopes[2][2], bent[2][2], z[2];
-    for (int half = 0; half < 2; half++) {
-        const Both here = {theta[2 * half], theta[2 * half + 1]};
-        spots_of_half(piece, here, bends, slopes[half], bent[half], &z[half]);
+/* What the polynomials give at two nodes. */
+typedef struct {
+    Both slope[2], bend[2], z;
+} Spots;
+
+/* Both nodes side by side, so that none waits for the other. */
+static inline void follow_polynomials(const Piece *piece, Both theta, bool bends, Spots *out) {
+    Horner h[2] = {horner_start(piece, theta[0]), horner_start(piece, theta[1])};
+    for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2)
+        for (int j = 0; j < 2; j++) horner_step(piece, k, bends, &h[j]);
+    Both slope[2], rate[2];
+    for (int j = 0; j < 2; j++) {
+        if (bends) h[j].even_rate = h[j].even_rate * h[j].y + h[j].even;
+        if (bends) rate[j] = (h[j].odd + 2.0 * (h[j].x * h[j].even_rate + h[j].y * h[j].odd_rate)) * piece->scale;
+        slope[j] = h[j].even * h[j].y + slopes_of(piece, 0) + h[j].x * h[j].odd;
+        out->z[j] = piece->z[0] + h[j].z[1] * h[j].y + h[j].x * h[j].z[0];
     }
-    for (int i = 0; i < 2; i++) s->slope[i] = join(slopes[0][i], slopes[1][i]);
-    for (int i = 0; bends && i < 2; i++) bend[i] = join(bent[0][i], bent[1][i]);
-    s->z = join(z[0], z[1]);
+    for (int i = 0; i < 2; i++) out->slope[i] = (Both){slope[0][i], slope[1][i]};
+    for (int i = 0; bends && i < 2; i++) out->bend[i] = (Both){rate[0][i], rate[1][i]};
+}
+
+APART static void find_slopes(const Piece *piece, Both theta, Spots *out) {
+    follow_polynomials(piece, theta, false, out);
+}
+
+APART static void find_slopes_and_bends(const Piece *piece, Both theta, Spots *out) {
+    follow_polynomials(piece, theta, true, out);
 }
 
 /* Less than zero is rounding of the polynomial of a level groove. */
-static inline Four not_negative(Four v) {
-    for (int k = 0; k < LANES; k++) v[k] = v[k] > 0.0 ? v[k] : 0.0;
-    return v;
+static inline Both not_negative(Both v) {
+    return (Both){v[0] > 0.0 ? v[0] : 0.0, v[1] > 0.0 ? v[1] : 0.0};
 }
 
-static inline void follow_grooves(const Way *w, Four theta, Shapes *s) {
-    Four bend[2];
+static inline Spots spots_at(const Way *w, Both theta) {
     const Piece *piece = w->piece;
+    Spots spots;
     if (w->course->straight) {
-        for (int i = 0; i < 2; i++) s->slope[i] = all(piece->slope[i][0]);
-        for (int i = 0; i < 2; i++) bend[i] = NONE;
-        s->z = piece->z[0] + theta * piece->z[1];
+        const Both none = {0.0, 0.0};
+        spots = (Spots){.slope = {none + piece->slope[0][0], none + piece->slope[0][1]}};
+        spots.z = piece->z[0] + theta * piece->z[1];
     } else if (w->heavy) {
-        spots_at(piece, theta, true, bend, s);
+        find_slopes_and_bends(piece, theta, &spots);
     } else {
-        spots_at(piece, theta, false, bend, s);
+        find_slopes(piece, theta, &spots);
     }
-    for (int i = 0; i < 2; i++) s->slope[i] = not_negative(s->slope[i]);
-    const Four inverse = 1.0 / (s->slope[0] + s->slope[1]);
-    s->turn[0] = s->slope[1] * inverse;
-    s->turn[1] = s->slope[0] * inverse;
-    s->lift = s->slope[0] * s->turn[0];
-    if (!w->heavy) return;
-    s->turn_rate = (bend[1] * s->turn[1] - bend[0] * s->turn[0]) * inverse;
-    s->lift_rate = bend[0] * s->turn[0] * s->turn[0] + bend[1] * s->turn[1] * s->turn[1];
+    return spots;
 }
 
-static inline void rub(const Way *w, Shapes *s) {
+static inline void follow_grooves(const Way *w, Both theta, Pair *n) {
+    const Spots spots = spots_at(w, theta);
+    for (int i = 0; i < 2; i++) n->slope[i] = not_negative(spots.slope[i]);
+    const Both inverse = 1.0 / (n->slope[0] + n->slope[1]);
+    n->z = spots.z;
+    n->turn[0] = n->slope[1] * inverse;
+    n->turn[1] = n->slope[0] * inverse;
+    n->lift = n->slope[0] * n->turn[0];
+    if (!w->heavy) return;
+    n->turn_rate = (spots.bend[1] * n->turn[1] - spots.bend[0] * n->turn[0]) * inverse;
+    n->lift_rate = spots.bend[0] * n->turn[0] * n->turn[0] + spots.bend[1] * n->turn[1] * n->turn[1];
+}
+
+/* All that depends on theta, and F_0. */
+static inline void shape_pair(const Way *w, Both theta, Both F_ext, Pair *n) {
+    const SpringParams *spring = &w->params->spring;
+    follow_grooves(w, theta, n);
     for (int i = 0; i < 2; i++) {
         const double r = w->params->cam[i].radius;
-        s->rn[i] = r * (s->slope[i] + w->mu[i] * r);
-        s->d[i] = r - w->mu[i] * s->slope[i];
+        n->rn[i] = r * (n->slope[i] + w->mu[i] * r);
+        n->d[i] = r - w->mu[i] * n->slope[i];
     }
-    s->q = s->d[0] * s->rn[1];
-    s->p = s->rn[0] * s->rn[1];
-    s->delta = s->q + s->rn[0] * s->d[1];
+    n->q = n->d[0] * n->rn[1];
+    n->p = n->rn[0] * n->rn[1];
+    n->delta = n->q + n->rn[0] * n->d[1];
+    n->force = spring->preload + n->z * (spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3)) + F_ext;
 }
 
-static inline Four spring_at(const SpringParams *spring, Four z) {
-    if (spring->stiffness2 == 0.0 && spring->stiffness3 == 0.0) return spring->preload + z * spring->stiffness;
-    return spring->preload + z * (spring->stiffness + z * (spring->stiffness2 + z * spring->stiffness3));
+static inline Both damper_at(const Way *w, Both v) {
+    return v * (w->c + w->q * w->direction * v);
 }
 
-static inline Four damper_at(const Way *w, Four v) {
-    return w->q == 0.0 ? w->c * v : v * (w->c + w->q * w->direction * v);
-}
-
-static inline Four inertial_pace(Lanes *l) {
-    const Way *w = l->way;
-    const Shapes *s = &l->shapes;
+static inline Both inertial_pace(const Way *w, Both tau, Both omega, Pair *n) {
     const InertiaParams *in = &w->params->inertia;
-    const Four omega = l->speed;
-    l->damper = w->c + w->q > 0.0 ? damper_at(w, s->lift * omega) : NONE;
-    Four net = s->delta * (l->tau - w->params->shaft.damping * omega) - s->p * (l->force + l->damper);
-    l->mass = in->shaft * s->delta;
+    n->damper = damper_at(w, n->lift * omega);
+    Both net = n->delta * (tau - w->params->shaft.damping * omega) - n->p * (n->force + n->damper);
+    n->mass = in->shaft * n->delta;
     if (w->heavy) {
-        const Four m = s->p * in->follower_mass, I = s->q * in->follower;
-        l->mass += m * s->lift + I * s->turn[0];
-        net -= (m * s->lift_rate + I * s->turn_rate) * omega * omega;
+        const Both m = n->p * in->follower_mass, I = n->q * in->follower;
+        n->mass += m * n->lift + I * n->turn[0];
+        net -= (m * n->lift_rate + I * n->turn_rate) * omega * omega;
     }
-    return net / l->mass;
+    return net / n->mass;
 }
 
 /* B omega + C omega |omega| = N, see balance.c. */
-static inline Four viscous_pace(Lanes *l) {
-    const Way *w = l->way;
-    const Shapes *s = &l->shapes;
-    const Four grip = s->p * s->lift;
-    const Four net = s->delta * l->tau - s->p * l->force;
-    l->mass = w->params->shaft.damping * s->delta + w->c * grip;
-    Four sum = 2.0 * l->mass;
+static inline Both viscous_pace(const Way *w, Both tau, Pair *n) {
+    const Both grip = n->p * n->lift, net = n->delta * tau - n->p * n->force;
+    n->mass = w->params->shaft.damping * n->delta + w->c * grip;
+    Both sum = 2.0 * n->mass;
     if (w->q > 0.0) {
-        const Four square = l->mass * l->mass + (4.0 * w->q * w->direction) * grip * s->lift * net;
-        sum = l->mass;
-        for (int k = 0; k < LANES; k++) sum[k] += sqrt(square[k]);
+        const Both square = n->mass * n->mass + (4.0 * w->q * w->direction) * grip * n->lift * net;
+        sum = n->mass + (Both){sqrt(square[0]), sqrt(square[1])};
     }
-    l->speed = 2.0 * net / sum;
-    l->damper = damper_at(w, s->lift * l->speed);
-    return l->speed;
+    const Both omega = 2.0 * net / sum;
+    n->damper = damper_at(w, n->lift * omega);
+    return omega;
 }
 
-static inline void shape_nodes(Lanes *l) {
-    const Way *w = l->way;
-    follow_grooves(w, l->theta + l->turned, &l->shapes);
-    rub(w, &l->shapes);
-    l->force = spring_at(&w->params->spring, l->shapes.z) + l->F_ext;
-}
+/* ---- the collocation equations ---- */
 
-/* Is there a motion where the nodes are, and is it this one? */
-static inline bool is_possible(const Lanes *l) {
-    const Shapes *s = &l->shapes;
-    if (l->way->kind == FLOW_INERTIAL) return lowest(l->mass * s->delta) > 0.0;
-    return lowest(s->delta) > 0.0 && lowest(l->mass) >= 0.0 && lowest(s->p) > 0.0;
+static inline bool is_inertial(const Step4 *s) {
+    return s->way->kind == FLOW_INERTIAL;
 }
 
 /* Does the speed matter to the acceleration? */
@@ -232,52 +240,65 @@ static inline bool is_resisted(const Way *w) {
     return w->heavy || w->c + w->q + w->params->shaft.damping > 0.0;
 }
 
-/* ---- the collocation equations ---- */
-
-static inline void place_nodes(Lanes *l) {
-    const double h = l->h;
-    const Four once = combine(LOBATTO.once, l->y);
-    if (l->way->kind == FLOW_INERTIAL) {
-        l->turned = h * (LOBATTO.node * l->omega + h * combine(LOBATTO.twice, l->y));
-        l->speed = l->omega + h * once;
-    } else {
-        l->turned = h * once;
-    }
-}
-
-static inline Four input_at(const double u[INPUT_ORDER + 1], Four t) {
-    return u[0] + t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
+static void set_speed(Step4 *s) {
+    const Nodes once = combine(LOBATTO.once, &s->y);
+    for (int k = 0; k < HALVES; k++) s->speed.half[k] = s->omega + s->h * once.half[k];
 }
 
 /* The balance where the nodes are. A change of speed needs no new look at the grooves. */
-static inline void balance_nodes(Lanes *l) {
-    shape_nodes(l);
-    if (l->way->kind != FLOW_INERTIAL) {
-        l->y = viscous_pace(l);
+static inline void balance_nodes(Step4 *s) {
+    const Way *w = s->way;
+    for (int k = 0; k < HALVES; k++) {
+        shape_pair(w, s->theta + s->turned.half[k], s->F_ext.half[k], &s->pair[k]);
+        if (!is_inertial(s)) s->y.half[k] = s->speed.half[k] = viscous_pace(w, s->tau.half[k], &s->pair[k]);
+    }
+    for (int pass = 0; is_inertial(s) && pass < (is_resisted(w) ? 2 : 1); pass++) {
+        if (pass > 0) set_speed(s);
+        for (int k = 0; k < HALVES; k++)
+            s->y.half[k] = inertial_pace(w, s->tau.half[k], s->speed.half[k], &s->pair[k]);
+    }
+}
+
+/* Is there a motion where the nodes are, and is it this one? */
+static inline bool is_possible(const Step4 *s) {
+    bool possible = true;
+    for (int k = 0; k < NODES; k++) {
+        const Pair *n = &s->pair[k / 2];
+        const double mass = n->mass[k % 2], delta = n->delta[k % 2];
+        possible &= is_inertial(s) ? mass * delta > 0.0 : delta > 0.0 && mass >= 0.0 && n->p[k % 2] > 0.0;
+    }
+    return possible;
+}
+
+static inline void place_nodes(Step4 *s) {
+    const double h = s->h;
+    if (!is_inertial(s)) {
+        const Nodes once = combine(LOBATTO.once, &s->y);
+        for (int k = 0; k < HALVES; k++) s->turned.half[k] = h * once.half[k];
         return;
     }
-    l->y = inertial_pace(l);
-    if (!is_resisted(l->way)) return;
-    l->speed = l->omega + l->h * combine(LOBATTO.once, l->y);
-    l->y = inertial_pace(l);
+    const Nodes twice = combine(LOBATTO.twice, &s->y);
+    for (int k = 0; k < HALVES; k++)
+        s->turned.half[k] = h * (LOBATTO.node.half[k] * s->omega + h * twice.half[k]);
+    set_speed(s);
 }
 
-/* What the next sweep would change, nearly, if y grew with theta in the same way everywhere. */
-static inline Four foresee(const Lanes *l, Four change) {
-    const double slope = (l->y[END] - l->y[0]) / l->turned[END];
-    const bool inertial = l->way->kind == FLOW_INERTIAL;
-    return slope * l->h * (inertial ? l->h * combine(LOBATTO.twice, change) : combine(LOBATTO.once, change));
+/* What the next sweep would change, nearly, if y grew with theta in the same way everywhere, is added at once. */
+static inline void add_next_change(Step4 *s, const Nodes *change) {
+    const double slope = (s->y.at[END] - s->y.at[0]) / s->turned.at[END];
+    const Nodes next = combine(is_inertial(s) ? LOBATTO.twice : LOBATTO.once, change);
+    const double factor = slope * s->h * (is_inertial(s) ? s->h : 1.0);
+    for (int k = 0; k < HALVES; k++) s->y.half[k] += factor * next.half[k];
 }
 
-static inline void drive_nodes(Lanes *l) {
-    const Inputs *in = l->way->inputs;
-    if (l->way->steady) {
-        l->tau = all(in->tau[0]);
-        l->F_ext = all(in->F_ext[0]);
-    } else {
-        const Four t = l->h * LOBATTO.node;
-        l->tau = input_at(in->tau, t);
-        l->F_ext = input_at(in->F_ext, t);
+static inline void drive_nodes(Step4 *s) {
+    const Inputs *in = s->way->inputs;
+    s->tau = all(in->tau[0]);
+    s->F_ext = all(in->F_ext[0]);
+    for (int k = 1; k < NODES && !s->way->steady; k++) {
+        const double t = s->h * LOBATTO.node.at[k];
+        s->tau.at[k] = input_value(in->tau, t);
+        s->F_ext.at[k] = input_value(in->F_ext, t);
     }
 }
 
@@ -293,8 +314,8 @@ static inline double first_pace(const Way *w, const Launchpad *from) {
     const double rho = rn[0] * rn[1] / (d[0] * rn[1] + rn[0] * d[1]);
     const double drag = p->shaft.damping + rho * g->lift * (w->c + w->q * fabs(g->lift * from->omega));
     const double net = w->inputs->tau[0] - rho * (spring_force(&p->spring, from->z) + w->inputs->F_ext[0]);
-    if (w->kind != FLOW_INERTIAL) return net / drag;
-    return (net - drag * from->omega) / (p->inertia.shaft + rho * p->inertia.follower_mass * g->lift);
+    const bool inertial = w->kind == FLOW_INERTIAL;
+    return inertial ? (net - drag * from->omega) / (p->inertia.shaft + rho * p->inertia.follower_mass * g->lift) : net / drag;
 }
 
 /* Where the step must end: at `distance`, rad from the start on, give or take `slack`. */
@@ -304,29 +325,29 @@ typedef struct {
 } Goal;
 
 /* Sweeps until the equations hold to a share of the tolerance. With a goal, h is sought along with them. */
-static bool sweep(Lanes *l, const Goal *goal) {
+static bool sweep(Step4 *s, const Goal *goal) {
     static const double SHARE = 0.05, ON_GOAL = 1e-8;
-    const Way *w = l->way;
-    const bool inertial = w->kind == FLOW_INERTIAL;
-    const double wanted = SHARE * w->params->tolerance * fabs(l->omega) / (inertial ? l->h : 1.0);
+    const Way *w = s->way;
+    const double wanted = SHARE * w->params->tolerance * fabs(s->omega) / (is_inertial(s) ? s->h : 1.0);
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < MAX_SWEEPS; n++) {
-        const Four guess = l->y;
-        const double end = l->turned[END];
-        drive_nodes(l);
-        balance_nodes(l);
-        if (!is_possible(l)) return false;
-        Four change = l->y - guess;
-        l->y += foresee(l, change);
-        place_nodes(l);
+        Nodes change = s->y;
+        const double end = s->turned.at[END];
+        if (n == 0 || (goal->given && !w->steady)) drive_nodes(s);
+        balance_nodes(s);
+        if (!is_possible(s)) return false;
+        for (int k = 0; k < HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
+        const double rounding = 8.0 * DBL_EPSILON * size_of(range_of(&s->y));
+        add_next_change(s, &change);
+        place_nodes(s);
         if (goal->given) {
-            missed = goal->distance - w->direction * l->turned[END];
-            l->h += w->direction * missed / l->speed[END];
-            place_nodes(l);
+            missed = goal->distance - w->direction * s->turned.at[END];
+            s->h += w->direction * missed / s->speed.at[END];
+            place_nodes(s);
         }
-        l->lag = l->turned[END] - end;
-        change[0] = 0.0; /* the start's is not solved for */
-        const double size = largest(change), rounding = 8.0 * DBL_EPSILON * largest(l->y);
+        s->lag = s->turned.at[END] - end;
+        change.at[0] = 0.0; /* the start's is not solved for */
+        const double size = size_of(range_of(&change));
         const bool there = !goal->given || fabs(missed) <= fmin(goal->slack, ON_GOAL * goal->distance);
         /* the next change is about size^2/before */
         if (n > 0 && there && (size <= rounding || size * size <= wanted * before)) return true;
@@ -342,110 +363,120 @@ static bool sweep(Lanes *l, const Goal *goal) {
  * between the integrals of prod(1 - c/c_i) times that. Where that term happens to be small, the decay of the lower ones
  * stands for it. The cubic itself misses far less: the power of what the parabola misses, relative to speed and way, is
  * set so that of 5000 random steps that just pass all are within the tolerance, and 99 of 100 within half of it. */
-static bool is_accurate(const Lanes *l) {
+static bool is_accurate(const Step4 *s) {
     static const double DECAY = 0.3;
-    const Four b = combine(LOBATTO.bernstein, l->y);
+    const Nodes c = combine(LOBATTO.bernstein, &s->y);
+    const double *b = c.at, tolerance = s->way->params->tolerance;
     const double rise = 3.0 * fabs(b[1] - b[0]), bend = 3.0 * fabs(b[0] - 2.0 * b[1] + b[2]);
     const double cubic = fmax(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])), DECAY * bend * bend / (rise + bend + DBL_MIN));
-    const double missed = l->h * LOBATTO.missed * cubic;
-    const double way = fabs(l->turned[END]), noise = 64.0 * DBL_EPSILON * fabs(l->theta);
+    const double missed = s->h * LOBATTO.missed * cubic;
+    const double way = fabs(s->turned.at[END]), noise = 64.0 * DBL_EPSILON * fabs(s->theta);
     double by_speed = 0.0, by_angle = missed * LOBATTO.missed_once;
-    if (l->way->kind == FLOW_INERTIAL) {
-        by_speed = missed * LOBATTO.missed_once / highest(l->way->direction * l->speed);
-        by_angle = missed * LOBATTO.missed_twice * l->h;
+    if (is_inertial(s)) {
+        by_speed = missed * LOBATTO.missed_once / size_of(range_of(&s->speed));
+        by_angle = missed * LOBATTO.missed_twice * s->h;
     }
-    const double x = fmax(by_speed, fmax(by_angle - noise, 0.0) / (way + DBL_MIN)), tolerance = l->way->params->tolerance;
+    const double x = fmax(by_speed, fmax(by_angle - noise, 0.0) / (way + DBL_MIN));
     const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2); /* x^(11/8) <= tolerance */
 }
 
 /* ---- contacts and accounts ---- */
 
-/* x_i = R_i/hypot(r_i, a_i) */
-static inline void load_contacts(const Lanes *l, Four inverse, Four x[2]) {
-    const Shapes *s = &l->shapes;
-    const Way *w = l->way;
+/* Contacts, and what they and the rest do: integrals over half of the nodes. */
+typedef struct {
+    Nodes x[2];        /* R_i/hypot(r_i, a_i) */
+    Nodes reaction[2]; /* N, R_i, total */
+    Booking booking;
+} Loading;
+
+static inline double sum_of_pair(Both v) {
+    return v[0] + v[1];
+}
+
+static void load_pair(const Step4 *s, int k, Loading *out) {
+    const Way *w = s->way;
     const InertiaParams *in = &w->params->inertia;
-    Four axial = l->force + l->damper;
-    if (!w->heavy) {
-        for (int i = 0; i < 2; i++) x[i] = s->rn[1 - i] * axial * inverse;
-        return;
+    const Pair *n = &s->pair[k];
+    const Both omega = s->speed.half[k], v = n->lift * omega, inverse = 1.0 / n->delta;
+    const Both turns = s->h * LOBATTO.weight.half[k] * omega; /* of theta and z, by the rule of the integral */
+    const Both lifts = s->h * LOBATTO.weight.half[k] * v;
+    Both axial = n->force + n->damper, twist = {0.0, 0.0};
+    if (w->heavy) {
+        const Both y = s->y.half[k], spin2 = omega * omega;
+        axial += in->follower_mass * (n->lift * y + n->lift_rate * spin2);
+        twist = in->follower * (n->turn[0] * y + n->turn_rate * spin2);
     }
-    const Four spin2 = l->speed * l->speed;
-    axial += in->follower_mass * (s->lift * l->y + s->lift_rate * spin2);
-    const Four twist = in->follower * (s->turn[0] * l->y + s->turn_rate * spin2);
-    x[0] = (s->rn[1] * axial - s->d[1] * twist) * inverse;
-    x[1] = (s->rn[0] * axial + s->d[0] * twist) * inverse;
+    Booking *b = &out->booking;
+    b->work_in += sum_of_pair(s->tau.half[k] * turns);
+    b->work_ext += sum_of_pair(s->F_ext.half[k] * lifts);
+    b->heat_damper += sum_of_pair(n->damper * lifts);
+    b->heat_shaft += w->params->shaft.damping * sum_of_pair(omega * turns);
+    for (int i = 0; i < 2; i++) {
+        const double r = w->params->cam[i].radius;
+        const Both length2 = r * r + n->slope[i] * n->slope[i];
+        const Both arm = i == 0 ? -n->d[1] : n->d[0];
+        const Both x = (n->rn[1 - i] * axial + arm * twist) * inverse;
+        out->x[i].half[k] = x;
+        out->reaction[i].half[k] = x * (Both){sqrt(length2[0]), sqrt(length2[1])};
+        b->heat_cam[i] += w->mu[i] * sum_of_pair(x * length2 * n->turn[i] * turns);
+    }
 }
 
-static inline double integral(const Lanes *l, Four rate) {
-    return l->h * total(LOBATTO.weight * rate);
+static inline double kinetic_energy(const Step4 *s, const Pair *n, int lane, double omega) {
+    const InertiaParams *in = &s->way->params->inertia;
+    const double lift = n->lift[lane], turn = n->turn[0][lane];
+    return 0.5 * (in->shaft + in->follower_mass * lift * lift + in->follower * turn * turn) * omega * omega;
 }
 
-static inline void book(const Lanes *l, const Four x[2], const Four length2[2], Booking *b) {
-    const Way *w = l->way;
-    const Four omega = l->speed, v = l->shapes.lift * omega;
-    *b = (Booking){.work_in = integral(l, l->tau * omega)};
-    if (!w->steady || w->inputs->F_ext[0] != 0.0) b->work_ext = integral(l, l->F_ext * v);
-    if (w->c + w->q > 0.0) b->heat_damper = integral(l, l->damper * v);
-    if (w->params->shaft.damping > 0.0) b->heat_shaft = w->params->shaft.damping * integral(l, omega * omega);
-    for (int i = 0; i < 2; i++)
-        if (w->mu[i] != 0.0) b->heat_cam[i] = w->mu[i] * integral(l, x[i] * length2[i] * l->shapes.turn[i] * omega);
-}
-
-static inline double kinetic_energy(const Lanes *l, int k) {
-    const Shapes *s = &l->shapes;
-    const InertiaParams *in = &l->way->params->inertia;
-    const double inertia = in->shaft + in->follower_mass * s->lift[k] * s->lift[k] +
-                           in->follower * s->turn[0][k] * s->turn[0][k];
-    return 0.5 * inertia * l->speed[k] * l->speed[k];
-}
-
-static bool keeps_energy(const Lanes *l, const Booking *b) {
-    const bool inertial = l->way->kind == FLOW_INERTIAL;
+static bool keeps_energy(const Step4 *s, const Booking *b) {
+    const Pair *first = &s->pair[0], *last = &s->pair[1];
+    const bool inertial = is_inertial(s);
     const EnergyEnds ends = {
-        .z = {l->shapes.z[0], l->shapes.z[END] + l->shapes.lift[END] * l->lag},
-        .kinetic = {inertial ? kinetic_energy(l, 0) : 0.0, inertial ? kinetic_energy(l, END) : 0.0},
-        .spring_force = l->force[0] - l->F_ext[0],
-        .tau = l->tau[END],
+        .z = {first->z[0], last->z[1] + last->lift[1] * s->lag},
+        .kinetic = {inertial ? kinetic_energy(s, first, 0, s->speed.at[0]) : 0.0,
+                    inertial ? kinetic_energy(s, last, 1, s->speed.at[END]) : 0.0},
+        .spring_force = first->force[0] - s->F_ext.at[0],
+        .tau = s->tau.at[END],
     };
-    return leap_energy_error(l->way, b, &ends) <= 1.0;
+    return leap_energy_error(s->way, b, &ends) <= 1.0;
 }
 
 /* Each contact firmly on its flank, by more than rounding at the start, and throughout? */
-static bool stay_on_flanks(const Lanes *l, const Four x[2], Four inverse) {
+static bool stay_on_flanks(const Step4 *s, const Loading *loading) {
     static const double CLEAR = 1e-9; /* of the loads that add up to it */
-    const Way *w = l->way;
-    const double inertia = w->params->inertia.follower_mass * fabs(l->shapes.lift[0] * l->y[0]);
-    const double load = fabs(l->force[0]) + fabs(l->damper[0]) + inertia;
+    const Way *w = s->way;
+    const Pair *n = &s->pair[0];
+    const double inertia = w->params->inertia.follower_mass * fabs(n->lift[0] * s->y.at[0]);
+    const double load = fabs(n->force[0]) + fabs(n->damper[0]) + inertia;
     for (int i = 0; i < 2; i++) {
-        const Four on = w->flank[i] * x[i];
-        if (!(on[0] > CLEAR * fabs(l->shapes.rn[1 - i][0] * inverse[0]) * load) || !is_positive(on)) return false;
+        const Nodes *x = &loading->x[i];
+        if (!(w->flank[i] * x->at[0] > CLEAR * fabs(n->rn[1 - i][0] / n->delta[0]) * load)) return false;
+        if (!keeps_sign(x, w->flank[i])) return false;
     }
     return true;
 }
 
 /* Is |v|, where it exceeds what is known, largest at an end? */
-static bool peaks_at_end(Four v, double known) {
-    const double low = lowest(v), high = highest(v);
-    if (fmax(high, -low) + SURE * (high - low) <= known) return true;
-    const Four c = combine(LOBATTO.bernstein, v);
-    const double a = c[1] - c[0], b = c[2] - c[1], d = c[3] - c[2];
+static bool peaks_at_end(const Nodes *v, double known) {
+    const Range r = range_of(v);
+    if (size_of(r) + SURE * (r.high - r.low) <= known) return true;
+    const Nodes c = combine(LOBATTO.bernstein, v);
+    const double a = c.at[1] - c.at[0], b = c.at[2] - c.at[1], d = c.at[3] - c.at[2];
     return (a >= 0.0 && b >= 0.0 && d >= 0.0) || (a <= 0.0 && b <= 0.0 && d <= 0.0);
 }
 
-static double at_ends(Four v) {
-    return fmax(fabs(v[0]), fabs(v[END]));
+static inline double at_ends(const Nodes *v) {
+    return fmax(fabs(v->at[0]), fabs(v->at[END]));
 }
 
-static void find_peaks(const Lanes *l, const Four x[2], const Four length2[2], const Peaks *known, Glide *out) {
-    const double contacts = l->way->params->contacts;
-    const bool steady = l->way->kind == FLOW_INERTIAL && (is_positive(l->y) || is_positive(-l->y));
-    out->peaks_inside = !steady && !peaks_at_end(l->speed, known->omega);
-    out->peak_omega = at_ends(l->speed);
+static void find_peaks(const Step4 *s, const Loading *loading, const Peaks *known, Glide *out) {
+    const double contacts = s->way->params->contacts;
+    const bool steady = is_inertial(s) && keeps_sign(&s->y, s->y.at[0] > 0.0 ? 1 : -1);
+    out->peaks_inside = !steady && !peaks_at_end(&s->speed, known->omega);
+    out->peak_omega = at_ends(&s->speed);
     for (int i = 0; i < 2; i++) {
-        Four reaction = x[i];
-        for (int k = 0; k < LANES; k++) reaction[k] *= sqrt(length2[i][k]);
+        const Nodes *reaction = &loading->reaction[i];
         out->peaks_inside = out->peaks_inside || !peaks_at_end(reaction, known->reaction[i] * contacts);
         out->peak_reaction[i] = at_ends(reaction) / contacts;
     }
@@ -454,52 +485,55 @@ static void find_peaks(const Lanes *l, const Four x[2], const Four length2[2], c
 /* ---- the step ---- */
 
 /* Does nothing happen in it, and is it good enough? That does not depend on whether there is a ledger. */
-static bool is_quiet(const Lanes *l, const Launchpad *from, Glide *out) {
-    const Way *w = l->way;
-    if (!is_positive(w->direction * l->speed) || !(w->direction * l->turned[END] < from->room) || !is_accurate(l))
-        return false;
-    Four x[2], length2[2];
-    const Four inverse = 1.0 / l->shapes.delta;
-    load_contacts(l, inverse, x);
-    if (has_friction(w->params) && !stay_on_flanks(l, x, inverse)) return false;
-    for (int i = 0; i < 2; i++) {
-        const double r = w->params->cam[i].radius;
-        length2[i] = r * r + l->shapes.slope[i] * l->shapes.slope[i];
-    }
-    book(l, x, length2, &out->booking);
-    if (!keeps_energy(l, &out->booking)) return false;
-    if (w->params->ledger) find_peaks(l, x, length2, from->known, out);
+static bool is_quiet(const Step4 *s, const Launchpad *from, Glide *out) {
+    const Way *w = s->way;
+    const bool moves = keeps_sign(&s->speed, w->direction) && w->direction * s->turned.at[END] < from->room;
+    if (!moves || !is_accurate(s)) return false;
+    Loading loading;
+    loading.booking = (Booking){.work_in = 0.0};
+    for (int k = 0; k < HALVES; k++) load_pair(s, k, &loading);
+    if (has_friction(w->params) && !stay_on_flanks(s, &loading)) return false;
+    if (!keeps_energy(s, &loading.booking)) return false;
+    out->booking = loading.booking;
+    if (w->params->ledger) find_peaks(s, &loading, from->known, out);
     return true;
+}
+
+/* Under constant acceleration. */
+static void guess_nodes(Step4 *s, double pace) {
+    const double alpha = is_inertial(s) ? pace : 0.0;
+    s->y = all(pace);
+    for (int k = 0; k < HALVES; k++) {
+        const Both t = s->h * LOBATTO.node.half[k];
+        s->speed.half[k] = s->omega + alpha * t;
+        s->turned.half[k] = t * (s->omega + 0.5 * alpha * t);
+    }
 }
 
 bool glide_along(const Way *way, const Launchpad *from, double left, Glide *out) {
     const Border border = passage_border(way, from->theta);
     const double edge = border.distance + border.beyond, pace = first_pace(way, from);
-    Lanes l;
-    l.way = way;
-    l.theta = from->theta;
-    l.omega = way->kind == FLOW_INERTIAL ? from->omega : pace;
-    l.h = left;
-    const Four t = left * LOBATTO.node;
-    l.y = all(pace);
-    l.speed = all(l.omega);
-    if (way->kind == FLOW_INERTIAL) l.speed += pace * t;
-    l.turned = t * (l.omega + (way->kind == FLOW_INERTIAL ? 0.5 * pace : 0.0) * t);
     Goal goal = {.distance = border.distance + 0.5 * border.beyond, .slack = 0.25 * border.beyond};
-    for (int n = 0; n < 2; n++) {
-        if (way->direction * l.turned[END] > edge) {
+    Step4 s;
+    s.way = way;
+    s.theta = from->theta;
+    s.omega = way->kind == FLOW_INERTIAL ? from->omega : pace;
+    s.h = left;
+    guess_nodes(&s, pace);
+    do {
+        if (way->direction * s.turned.at[END] > edge) {
             goal.given = true;
-            l.h *= goal.distance / (way->direction * l.turned[END]);
-            place_nodes(&l);
+            s.h *= goal.distance / (way->direction * s.turned.at[END]);
+            place_nodes(&s);
         }
-        if (!sweep(&l, &goal)) return false;
-        if (goal.given || way->direction * l.turned[END] <= edge) break;
-    }
-    if (!(l.h > 0.0 && l.h <= left) || !is_quiet(&l, from, out)) return false;
-    out->h = l.h;
-    out->dtheta = l.turned[END];
-    out->domega = l.h * total(LOBATTO.weight * l.y);
-    out->omega = l.speed[END];
-    out->tau = l.tau[END];
+        if (!sweep(&s, &goal)) return false;
+    } while (!goal.given && way->direction * s.turned.at[END] > edge);
+    if (!(s.h > 0.0 && s.h <= left) || !is_quiet(&s, from, out)) return false;
+    const Both rise = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
+    out->h = s.h;
+    out->dtheta = s.turned.at[END];
+    out->domega = s.h * sum_of_pair(rise);
+    out->omega = s.speed.at[END];
+    out->tau = s.tau.at[END];
     return isfinite(out->dtheta + out->omega);
 }

@@ -92,9 +92,11 @@ def declaration(name: str, lines: Iterable[str]) -> str:
     return f"static const {name} = {{\n" + "\n".join(lines) + "\n};\n"
 
 
-def matrix(name: str, rows: Iterable[Iterable[Number]]) -> str:
+def matrix(
+    name: str, rows: Iterable[Iterable[Number]], write: Callable[[Iterable[Number]], str] = row
+) -> str:
     indent = ",\n" + " " * (len(name) + 9)
-    return f"    .{name} = {{{indent.join(row(numbers) for numbers in rows)}}},"
+    return f"    .{name} = {{{indent.join(write(numbers) for numbers in rows)}}},"
 
 
 def defects(name: str, c: list[Number]) -> list[str]:
@@ -130,6 +132,10 @@ def radau(s: int) -> str:
     )
 
 
+def union(numbers: Iterable[Number]) -> str:
+    return "{" + row(numbers) + "}"
+
+
 def lobatto() -> str:
     c = [MP.mpf(0), (5 - MP.sqrt(5)) / 10, (5 + MP.sqrt(5)) / 10, MP.mpf(1)]
     basis = [lagrange(c, j) for j in range(4)]
@@ -138,13 +144,13 @@ def lobatto() -> str:
     return declaration(
         "Lobatto LOBATTO",
         [
-            f"    .node = {row(c)},",
-            matrix("once", ([value(p, x) for x in c] for p in once)),
-            matrix("twice", ([value(p, x) for x in c] for p in twice)),
-            f"    .weight = {row(value(p, MP.mpf(1)) for p in once)},",
+            f"    .node = {union(c)},",
+            matrix("once", ([value(p, x) for x in c] for p in once), union),
+            matrix("twice", ([value(p, x) for x in c] for p in twice), union),
+            f"    .weight = {union(value(p, MP.mpf(1)) for p in once)},",
             f"    .missed = {MP.nstr(MP.fprod(c[1:]), 20)},",
             *defects("missed", c[1:]),
-            matrix("bernstein", (bernstein_of_monomials(3)(p) for p in basis)),
+            matrix("bernstein", (bernstein_of_monomials(3)(p) for p in basis), union),
         ],
     )
 

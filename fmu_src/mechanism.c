@@ -105,7 +105,7 @@ static void build_model(Mechanism *m) {
     const Course *course = &m->model.course;
     m->model.closed_form = USE_CLOSED_FORM && course->straight && is_linear(&m->params);
     if (course->straight) {
-        const double slope[2] = {course->piece->slope[0][0], course->piece->slope[1][0]};
+        const double slope[2] = {course->piece->slope[0][0], course->piece->slope[0][1]};
         m->place = (Place){.geometry = cam_geometry(m->params.cam, slope)};
         m->place.band = contact_band(&m->place.geometry);
     }
@@ -507,30 +507,34 @@ static bool pass_fold(Mechanism *m, const Way *way, const Balance *start, double
     return true;
 }
 
-/* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
-static double leap_to_event(Mechanism *m, double left, Leg *leg) {
-    const Way way = way_from_here(m, present_index(m));
-    const Balance start = balance_from_here(m, &way);
-    const double room = room_ahead(m, way.direction);
+/* Slips along `way` for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
+static double leap_along(Mechanism *m, const Way *way, const Balance *start, double left, Leg *leg) {
+    const double room = room_ahead(m, way->direction);
     Passage *passage = &leg->passage;
     if (room <= 0.0) {
-        land(m, way.direction, EVENT_STOP, leg);
+        land(m, way->direction, EVENT_STOP, leg);
         return 0.0;
     }
-    const bool found = passage_find(&way, &start, room, left, m->cache.leap, passage);
-    const bool folds = way.kind == FLOW_QUASISTATIC && (!found || is_at_fold(&way, passage, left));
+    const bool found = passage_find(way, start, room, left, m->cache.leap, passage);
+    const bool folds = way->kind == FLOW_QUASISTATIC && (!found || is_at_fold(way, passage, left));
     double took = 0.0;
-    if (folds && pass_fold(m, &way, &start, left, &took, leg)) return took;
+    if (folds && pass_fold(m, way, start, left, &took, leg)) return took;
     if (folds && !found) return hold(m, left, leg);
     if (!found) {
         jam(m);
         return 0.0;
     }
-    if (!commit_leap(m, &way, passage)) return NAN;
+    if (!commit_leap(m, way, passage)) return NAN;
     m->cache.leap = passage->next;
     leg->kind = LEG_LEAP;
-    land(m, way.direction, passage->kind, leg);
+    land(m, way->direction, passage->kind, leg);
     return passage->leap.h;
+}
+
+static double leap_to_event(Mechanism *m, double left, Leg *leg) {
+    const Way way = way_from_here(m, present_index(m));
+    const Balance start = balance_from_here(m, &way);
+    return leap_along(m, &way, &start, left, leg);
 }
 
 /* Is each contact on its flank by more than rounding? Else its rate tells, which decide() asks for. */
@@ -595,8 +599,8 @@ static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *g
     return glide_along(way, &from, left, glide);
 }
 
-/* Slips on through grooves of any shape for as much of h seconds as nothing happens. Returns how much is left, or NAN if
- * a value is not finite. `refused`: the first stretch is known to be no glide. */
+/* Slips on through grooves of any shape until something happens. Returns how much of h seconds is left, or NAN if a value
+ * is not finite. `refused`: the first stretch is known to be no glide. */
 static double leap_on(Mechanism *m, double h, bool refused) {
     double left = h;
     for (; left > 0.0 && slips_on(m); refused = false) {
@@ -608,11 +612,12 @@ static double leap_on(Mechanism *m, double h, bool refused) {
             continue;
         }
         const Balance start = balance_from_here(m, &way);
-        Passage passage;
         if (!goes_on(m, &way, &start)) break;
-        if (!passage_quiet(&way, &start, room_ahead(m, way.direction), left, &passage)) break;
-        if (!commit_leap(m, &way, &passage)) return NAN;
-        left -= passage.leap.h;
+        Leg leg;
+        leg.kind = LEG_NONE;
+        leg.end = EVENT_NONE;
+        left -= leap_along(m, &way, &start, left, &leg);
+        if (leg.kind != LEG_LEAP || leg.end != EVENT_NONE) break;
     }
     return left;
 }

@@ -25,9 +25,6 @@ Border passage_border(const Way *way, double theta);
  * the length to try first, s, or infinity. Returns false where the contacts jam it on the spot. */
 bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage);
 
-/* The same only if all of `left`, or the way to the end of the piece, is one step in which nothing happens. */
-bool passage_quiet(const Way *way, const Balance *start, double room, double left, Passage *passage);
-
 /* Fills in the largest speed and reactions; below `known` they are not looked for closely. */
 void passage_peaks(const Way *way, Passage *passage, double known_omega, const double known_reaction[2]);
 

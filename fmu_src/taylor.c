@@ -17,7 +17,9 @@ void taylor_place(const Way *w, Taylor *t) {
     const Piece *piece = w->piece;
     const Jet x = {.c = {plain((t->theta.c[0].value - piece->middle) * piece->scale), plain(piece->scale)}};
     for (int i = 0; i < 2; i++) {
-        around(piece->slope[i], &x, t->slope[i]);
+        double slope[COURSE_DEGREE + 1];
+        for (int k = 0; k <= COURSE_DEGREE; k++) slope[k] = piece->slope[k][i];
+        around(slope, &x, t->slope[i]);
         t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* level, but for the polynomial's rounding */
     }
     around(piece->z, &x, t->height);

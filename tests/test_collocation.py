@@ -83,7 +83,8 @@ def lobatto() -> dict[str, np.ndarray]:
     """The numbers of lobatto_table.h; of a matrix those that belong to one node are a row."""
     text = (ROOT / "fmu_src" / "lobatto_table.h").read_text()
     found = re.findall(r"\.(\w+) = ([{}\d.,e\s-]+),\n", text)
-    return {name: np.array(json.loads(value.translate(str.maketrans("{}", "[]")))) for name, value in found}
+    lists = {name: json.loads(value.translate(str.maketrans("{}", "[]"))) for name, value in found}
+    return {name: np.squeeze(np.array(numbers)) for name, numbers in lists.items()}
 
 
 def test_order_conditions_of_lobatto():

@@ -58,7 +58,7 @@ class Groove(Structure):
 class Piece(Structure):
     _fields_ = [
         *((n, c_double) for n in ("lower", "upper", "middle", "scale")),
-        ("slope", c_double * (DEGREE + 1) * 2),
+        ("slope", c_double * 2 * (DEGREE + 1)),
         ("z", c_double * (DEGREE + 1)),
         ("knot_lower", c_bool),
         ("knot_upper", c_bool),
@@ -492,7 +492,7 @@ def test_course_derivatives(library, courses, laws, first, second, lower):
             x = (theta - piece.middle) * piece.scale
             spot = library.spot(byref(piece), theta)
             for i in range(2):
-                p = np.polynomial.Polynomial(list(piece.slope[i]))
+                p = np.polynomial.Polynomial([both[i] for both in piece.slope])
                 size = sum(abs(p.coef)) * (1 + piece.scale) ** 2 * DEGREE**2
                 assert spot.slope[i] == pytest.approx(p(x), abs=1e-15 * size)
                 assert spot.bend[i] == pytest.approx(p.deriv()(x) * piece.scale, abs=1e-15 * size)
