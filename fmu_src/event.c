@@ -237,21 +237,37 @@ Event event_first(const Stretch *s, double t_end) {
     return event;
 }
 
+/* Might a quantity with at most one zero have it between start and end? Where it has all but died away, its
+ * last sign is rounding. */
+static inline bool may_turn(double start, double end) {
+    const double DEAD = 1e-12;
+    return !(end * start > DEAD * start * start) && (start != 0.0 || end != 0.0);
+}
+
+static bool constant_inputs(const Launch *l) {
+    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
+}
+
+/* Might the rate of x_i have more than one zero in a short stretch? Not if it is homogeneous (constant inputs) or
+ * monotone (no zero of the curvature). */
+static bool may_wind(const Stretch *s, const Arc *start, const Arc *end, int i) {
+    if (constant_inputs(&s->launch)) return false;
+    return may_turn(slip_contact(s->slip, s->params, s->geometry, &s->launch, start, i).curvature,
+                    slip_contact(s->slip, s->params, s->geometry, &s->launch, end, i).curvature);
+}
+
 void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *ends) {
     const Launch *l = &s->launch;
     const Arc start = slip_arc_start(s->slip, l);
     ends->arc = slip_arc(s->slip, l, kernel);
-    for (int i = 0; contacts && i < 2; i++) {
-        ends->start[i] = slip_contact(s->slip, s->params, s->geometry, l, &start, i);
-        ends->end[i] = slip_contact(s->slip, s->params, s->geometry, l, &ends->arc, i);
-    }
-}
-
-/* Might a quantity with at most one zero have it between start and end? Where it has all but died away, its
- * last sign is rounding. */
-static bool may_turn(double start, double end) {
-    const double DEAD = 1e-12;
-    return start == 0.0 ? end != 0.0 : !(end * start > DEAD * start * start);
+    ends->is_short = kernel->t < s->slip->oscillator.half_period;
+    ends->speed_may_turn = may_turn(start.alpha, ends->arc.alpha);
+    if (!contacts) return;
+    slip_contacts(s->slip, s->params, s->geometry, l, &start, &ends->start);
+    slip_contacts(s->slip, s->params, s->geometry, l, &ends->arc, &ends->end);
+    for (int i = 0; i < 2; i++)
+        ends->contact_may_turn[i] =
+            may_turn(ends->start.rate[i], ends->end.rate[i]) || may_wind(s, &start, &ends->arc, i);
 }
 
 /* Inertial slip at constant speed: is alpha at both ends no more than the rounding of the torques that make it? */
@@ -265,33 +281,30 @@ static bool alpha_is_noise(const Stretch *s, const Ends *ends) {
     return fmax(fabs(l->alpha), fabs(ends->arc.alpha)) * s->slip->mass <= ROUNDING * torque;
 }
 
-static bool constant_inputs(const Launch *l) {
-    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
-}
-
-/* Within half a period a homogeneous quantity has at most one zero. So if the rate is homogeneous (constant
- * inputs) or monotone (no zero of the curvature), a track that rises at the start is lowest at an end, and one
- * that falls is so unless its rate turns. */
+/* In a short stretch a track that rises at the start is lowest at an end, and one that falls is so unless its rate
+ * turns. */
 static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
     const double sign = s->slip->flank[i];
-    const Contact *start = &ends->start[i], *end = &ends->end[i];
-    if (!(sign * start->value >= 0.0 && sign * end->value >= 0.0)) return false;
-    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
-    return sign * start->rate >= 0.0 || !may_turn(start->rate, end->rate);
+    if (!(sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0)) return false;
+    if (!ends->contact_may_turn[i]) return true;
+    return constant_inputs(&s->launch) && sign * ends->start.rate[i] >= 0.0;
 }
 
 static bool speed_quiet(const Stretch *s, const Ends *ends) {
     const double sign = s->slip->direction;
     if (!(sign * ends->arc.omega > 0.0)) return false;
-    if (sign * s->launch.alpha >= 0.0 || !may_turn(s->launch.alpha, ends->arc.alpha)) return true;
-    return alpha_is_noise(s, ends);
+    return !ends->speed_may_turn || sign * s->launch.alpha >= 0.0 || alpha_is_noise(s, ends);
 }
 
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const Arc *arc = &ends->arc;
-    if (!(arc->t < s->slip->oscillator.half_period && arc->t <= s->slip->oscillator.horizon)) return false;
+    if (!(ends->is_short && arc->t <= s->slip->oscillator.horizon)) return false;
     if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends)) return false;
     return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
+}
+
+static inline double larger(double a, double b) {
+    return a > b ? a : b;
 }
 
 /* Largest |track| between a and b, rate monotone between them, as far as it is more than `known`. */
@@ -330,21 +343,14 @@ static double peak_of(const Probe *probe, double t_end, double known) {
     return peak;
 }
 
-/* Is |x_i| surely largest at an end? */
-static bool peaks_at_end(const Stretch *s, const Contact *start, const Contact *end) {
-    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
-    return !may_turn(start->rate, end->rate);
-}
-
 void event_peaks(const Stretch *s, const Ends *ends, const Peaks *known, double *omega, double reaction[2]) {
-    const bool long_step = !(ends->arc.t < s->slip->oscillator.half_period);
-    *omega = fmax(fabs(s->launch.omega), fabs(ends->arc.omega));
-    if ((long_step || may_turn(s->launch.alpha, ends->arc.alpha)) && !alpha_is_noise(s, ends))
+    *omega = larger(fabs(s->launch.omega), fabs(ends->arc.omega));
+    if ((!ends->is_short || ends->speed_may_turn) && !alpha_is_noise(s, ends))
         *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t,
                                      known->omega));
     for (int i = 0; i < 2; i++) {
-        double x = fmax(fabs(ends->start[i].value), fabs(ends->end[i].value));
-        if ((long_step || !peaks_at_end(s, &ends->start[i], &ends->end[i])) && !alpha_is_noise(s, ends))
+        double x = larger(fabs(ends->start.value[i]), fabs(ends->end.value[i]));
+        if ((!ends->is_short || ends->contact_may_turn[i]) && !alpha_is_noise(s, ends))
             x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t,
                                 known->reaction[i] / s->slip->reaction[i]));
         reaction[i] = x * s->slip->reaction[i];

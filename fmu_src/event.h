@@ -36,7 +36,10 @@ typedef struct {
 /* Reactions and speeds at both ends of a stretch of length arc.t: what tells that nothing happens. */
 typedef struct {
     Arc arc;
-    Contact start[2], end[2];
+    ContactPair start, end;
+    bool is_short;         /* less than half a period: a homogeneous quantity has at most one zero in it */
+    bool speed_may_turn;   /* if short: might omega, */
+    bool contact_may_turn[2]; /* might x_i be largest or smallest in between? */
 } Ends;
 
 void event_ends(const Stretch *stretch, const Kernel *kernel, bool contacts, Ends *ends);

@@ -157,18 +157,32 @@ Arc slip_arc_at(const Slip *slip, const Launch *l, double t) {
     return slip_arc(slip, l, &kernel);
 }
 
+/* x_i, or with the time derivatives of all three its own. */
+static inline double contact(const Slip *slip, int i, double force, double omega, double alpha) {
+    return slip->transfer.axial[i] * force + slip->speed[i] * omega + slip->acceleration[i] * alpha;
+}
+
 Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc, int i) {
-    const double axial = slip->transfer.axial[i];
     const double spring = p->spring.stiffness * g->lift;
     const double w2 = slip->oscillator.stiffness, decay2 = slip->oscillator.decay2;
     const double snap = -decay2 * arc->jerk - w2 * arc->alpha; /* d jerk/dt */
     const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
     return (Contact){
-        .value = axial * force + slip->speed[i] * arc->omega + slip->acceleration[i] * arc->alpha,
-        .rate = axial * (spring * arc->omega + l->F_ext_rate) + slip->speed[i] * arc->alpha +
-                slip->acceleration[i] * arc->jerk,
-        .curvature = axial * spring * arc->alpha + slip->speed[i] * arc->jerk + slip->acceleration[i] * snap,
+        .value = contact(slip, i, force, arc->omega, arc->alpha),
+        .rate = contact(slip, i, spring * arc->omega + l->F_ext_rate, arc->alpha, arc->jerk),
+        .curvature = contact(slip, i, spring * arc->alpha, arc->jerk, snap),
     };
+}
+
+void slip_contacts(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc,
+                   ContactPair *pair) {
+    const double spring = p->spring.stiffness * g->lift;
+    const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
+    const double force_rate = spring * arc->omega + l->F_ext_rate;
+    for (int i = 0; i < 2; i++) {
+        pair->value[i] = contact(slip, i, force, arc->omega, arc->alpha);
+        pair->rate[i] = contact(slip, i, force_rate, arc->alpha, arc->jerk);
+    }
 }
 
 Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, int i) {

@@ -81,6 +81,14 @@ typedef struct {
     double value, rate, curvature;
 } Contact;
 
+/* x_i and its first time derivative, of both contacts. */
+typedef struct {
+    double value[2], rate[2];
+} ContactPair;
+
+void slip_contacts(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch, const Arc *arc,
+                   ContactPair *pair);
+
 Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
                      const Arc *arc, int i);
 

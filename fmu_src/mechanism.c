@@ -207,6 +207,23 @@ static bool hold_again(Mechanism *m) {
     return true;
 }
 
+/* ---- the latest step ---- */
+
+static Step step_from_here(const Mechanism *m, double h) {
+    const State *s = &m->state;
+    return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
+}
+
+static void remember_step(Mechanism *m, const Step *step) {
+    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
+    m->state.step = *step;
+}
+
+static void remember_step_from_here(Mechanism *m, double h) {
+    const Step step = step_from_here(m, h);
+    remember_step(m, &step);
+}
+
 /* ---- slipping ---- */
 
 static int direction_of(Mode mode) {
@@ -259,13 +276,20 @@ static void turn(Mechanism *m, double dtheta) {
     arrive(m);
 }
 
-/* Moves along the stretch to its end; false if a value would not be finite. */
-static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *kernel) {
+/* Moves along the stretch to its end, and remembers the start of a communication step of `step` seconds that this is,
+ * unless it is 0. False, with nothing changed, if a value would not be finite. */
+static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *kernel, double step) {
     const Arc *arc = &ends->arc;
-    if (!isfinite(arc->dtheta + arc->omega)) return false;
-    if (m->params.ledger) {
-        const Booking booking = slip_booking(s->slip, s->params, s->geometry, &s->launch, arc, kernel);
-        if (!isfinite(booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper)) return false;
+    const bool keeps = m->params.ledger;
+    Booking booking;
+    double all = arc->dtheta + arc->omega;
+    if (keeps) {
+        booking = slip_booking(s->slip, s->params, s->geometry, &s->launch, arc, kernel);
+        all += booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper;
+    }
+    if (!isfinite(all)) return false;
+    if (step > 0.0) remember_step_from_here(m, step);
+    if (keeps) {
         ledger_book(&m->state.ledger, &booking);
         record_slip(m, s, ends);
     }
@@ -275,27 +299,23 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     } else {
         m->state.omega = sum_of(arc->omega);
     }
-    inputs_advance(&m->inputs, arc->t);
+    if (s->launch.tau_rate != 0.0 || s->launch.F_ext_rate != 0.0) inputs_advance(&m->inputs, arc->t);
     return true;
 }
 
-/* The kernel of a whole communication step is kept: an unchanged step needs no new transcendental. */
-static Kernel *kernel_of_step(Mechanism *m, const Slip *slip, double h) {
-    Kernel *kernel = &m->cache.kernel[slip_index(slip->direction, slip->flank)];
-    if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
-    return kernel;
-}
-
-/* A whole step of inertial slip in which nothing happens: the common case. */
+/* A whole step of inertial slip in which nothing happens: the common case. The kernel of the step is kept: an unchanged
+ * step needs no new transcendental. */
 static bool slip_on(Mechanism *m, double h) {
-    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0) return false;
-    const Slip *slip = present_slip(m);
-    if (slip->kind != FLOW_INERTIAL || slip->direction != sign_of(m->state.omega.hi)) return false;
+    if (!is_slip(m->state.mode)) return false;
+    const int index = present_index(m);
+    const Slip *slip = &m->model.slip[index];
+    if (slip->kind != FLOW_INERTIAL || !(slip->direction * m->state.omega.hi > 0.0)) return false;
+    Kernel *kernel = &m->cache.kernel[index];
+    if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
     const Stretch stretch = stretch_of(m, slip);
-    Kernel *kernel = kernel_of_step(m, slip, h);
     Ends ends;
     event_ends(&stretch, kernel, stretch.flanks || m->params.ledger, &ends);
-    return event_quiet(&stretch, &ends) && commit(m, &stretch, &ends, kernel);
+    return event_quiet(&stretch, &ends) && commit(m, &stretch, &ends, kernel, h);
 }
 
 static void stop_heat(Mechanism *m, double joule) {
@@ -339,7 +359,7 @@ static double slip_to_event(Mechanism *m, double left, Leg *leg) {
     Ends ends;
     oscillator_kernel(&slip->oscillator, t, &kernel);
     event_ends(&stretch, &kernel, stretch.flanks || m->params.ledger, &ends);
-    if (!commit(m, &stretch, &ends, &kernel)) return NAN;
+    if (!commit(m, &stretch, &ends, &kernel, 0.0)) return NAN;
     leg->kind = LEG_ARC;
     land(m, slip->direction, event.kind, leg);
     return t;
@@ -690,20 +710,34 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
     return report(m, watcher, 0.0);
 }
 
-static bool advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
-    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
-    if (hold_again(m) || (is_closed_form(m) && slip_on(m, h))) return true;
+bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+    if (hold_again(m)) {
+        remember_step_from_here(m, h);
+        return true;
+    }
+    const bool closed = is_closed_form(m);
+    if (closed && slip_on(m, h)) return true;
     const State state = m->state;
     const Inputs inputs = m->inputs;
-    double left = is_closed_form(m) ? h : leap_on(m, h);
+    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
+    Step step = step_from_here(m, h);
+    double left = closed ? h : leap_on(m, h);
     int jams = 0;
     if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
     if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);
-    if (left == 0.0) return true;
+    if (left == 0.0) {
+        if (watcher != NULL) step.h -= watcher->cut;
+        remember_step(m, &step);
+        return true;
+    }
     const char *const what = failure_of(m, left, jams);
     undo(m, &state, &inputs);
     describe_failure(fault, m, h, what);
     return false;
+}
+
+bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
+    return mechanism_advance_watched(m, h, NULL, fault);
 }
 
 /* ---- events without time ---- */
@@ -740,31 +774,6 @@ bool mechanism_settle(Mechanism *m, Fault *fault) {
 }
 
 /* ---- the latest step ---- */
-
-static Step step_from_here(const Mechanism *m, double h) {
-    const State *s = &m->state;
-    return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
-}
-
-static void remember_step(Mechanism *m, const Step *step) {
-    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
-    m->state.step = *step;
-}
-
-bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
-    const Step step = step_from_here(m, h);
-    if (!advance(m, h, NULL, fault)) return false;
-    remember_step(m, &step);
-    return true;
-}
-
-bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
-    Step step = step_from_here(m, h);
-    if (!advance(m, h, watcher, fault)) return false;
-    step.h -= watcher->cut;
-    remember_step(m, &step);
-    return true;
-}
 
 static Tunables tunables_of(const Params *p) {
     return (Tunables){{p->cam[0].friction, p->cam[1].friction}, p->spring, p->damper};
