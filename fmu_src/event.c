@@ -196,8 +196,11 @@ static double first_rest(const Stretch *s, double t_end) {
 /* Time at which the way `room` is used up; theta is monotone up to t_end, where it is used up. */
 static double time_of_way(const Stretch *s, double t_end) {
     const double sign = s->slip->direction;
-    double left = 0.0, right = t_end, t = 0.5 * t_end;
     if (s->room <= 0.0) return 0.0;
+    /* begins where the way would be used up with alpha as it is at the launch */
+    const double speed = sign * s->launch.omega, gain = 2.0 * sign * s->launch.alpha * s->room;
+    double left = 0.0, right = t_end, t = 2.0 * s->room / (speed + sqrt(speed * speed + gain));
+    if (!(t < t_end)) t = 0.5 * t_end;
     for (int n = 0; n < 200; n++) {
         const Arc arc = slip_arc_at(s->slip, &s->launch, t);
         const double f = s->room - sign * arc.dtheta;
@@ -215,33 +218,11 @@ static double time_of_way(const Stretch *s, double t_end) {
     return right;
 }
 
-static void keep_earlier(Event *event, EventKind kind, double t) {
-    if (t < event->t) *event = (Event){.kind = kind, .t = t};
-}
-
-Event event_first(const Stretch *s, double t_end) {
-    Event event = {.kind = EVENT_NONE, .t = INFINITY};
-    const double rest = first_rest(s, t_end);
-    const double t_monotone = fmin(rest, t_end);
-    const Arc arc = slip_arc_at(s->slip, &s->launch, t_monotone);
-    if (s->slip->direction * arc.dtheta >= s->room) keep_earlier(&event, EVENT_STOP, time_of_way(s, t_monotone));
-    keep_earlier(&event, EVENT_REST, rest);
-    if (s->slip->kind == FLOW_VISCOUS && s->edge != s->slip->transfer.rho) {
-        const Probe probe = {.stretch = s, .quantity = TRACK_EDGE, .sign = s->slip->direction};
-        keep_earlier(&event, EVENT_REST, first_descent(&probe, fmin(t_monotone, event.t)));
-    }
-    for (int i = 0; s->flanks && i < 2; i++) {
-        const Probe probe = {.stretch = s, .quantity = i, .sign = s->slip->flank[i]};
-        keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));
-    }
-    return event;
-}
-
-/* Might a quantity with at most one zero have it between start and end? Where it has all but died away, its
- * last sign is rounding. */
+/* Might a quantity with at most one zero have it between start and end? If it starts from zero it has had it; where
+ * it has all but died away, its last sign is rounding. */
 static inline bool may_turn(double start, double end) {
     const double DEAD = 1e-12;
-    return !(end * start > DEAD * start * start) && (start != 0.0 || end != 0.0);
+    return !(end * start > DEAD * start * start) && start != 0.0;
 }
 
 static bool constant_inputs(const Launch *l) {
@@ -256,13 +237,13 @@ static bool may_wind(const Stretch *s, const Arc *start, const Arc *end, int i) 
                     slip_contact(s->slip, s->params, s->geometry, &s->launch, end, i).curvature);
 }
 
-void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *ends) {
+void event_ends(const Stretch *s, const Kernel *kernel, Ends *ends) {
     const Launch *l = &s->launch;
     const Arc start = slip_arc_start(s->slip, l);
     ends->arc = slip_arc(s->slip, l, kernel);
     ends->is_short = kernel->t < s->slip->oscillator.half_period;
     ends->speed_may_turn = may_turn(start.alpha, ends->arc.alpha);
-    if (!contacts) return;
+    if (!s->flanks && !s->params->ledger) return;
     slip_contacts(s->slip, s->params, s->geometry, l, &start, &ends->start);
     slip_contacts(s->slip, s->params, s->geometry, l, &ends->arc, &ends->end);
     for (int i = 0; i < 2; i++)
@@ -296,11 +277,48 @@ static bool speed_quiet(const Stretch *s, const Ends *ends) {
     return !ends->speed_may_turn || sign * s->launch.alpha >= 0.0 || alpha_is_noise(s, ends);
 }
 
+/* Without inertia the pin can rest elsewhere than where its speed vanishes, see Stretch.edge. */
+static bool has_edge(const Stretch *s) {
+    return s->slip->kind == FLOW_VISCOUS && s->edge != s->slip->transfer.rho;
+}
+
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const Arc *arc = &ends->arc;
     if (!(ends->is_short && arc->t <= s->slip->oscillator.horizon)) return false;
-    if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends)) return false;
+    if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends) || has_edge(s)) return false;
     return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
+}
+
+typedef struct {
+    const Stretch *stretch;
+    Kernel *kernel;
+    Ends *ends;
+    Event event;
+} Search;
+
+/* The search goes on before t, unless that is INFINITY: there is no such event. */
+static void keep(Search *search, EventKind kind, double t) {
+    if (!(t < INFINITY)) return;
+    search->event = (Event){.kind = kind, .t = t};
+    oscillator_kernel(&search->stretch->slip->oscillator, t, search->kernel);
+    event_ends(search->stretch, search->kernel, search->ends);
+}
+
+static void keep_descent(Search *search, EventKind kind, int quantity, double sign) {
+    const Probe probe = {.stretch = search->stretch, .quantity = quantity, .sign = sign};
+    const double t = first_descent(&probe, search->event.t);
+    if (t < search->event.t || search->event.kind == EVENT_NONE) keep(search, kind, t);
+}
+
+Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
+    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {.kind = EVENT_NONE, .t = kernel->t}};
+    if (!ends->is_short || !speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
+    /* theta is monotone by now */
+    if (s->slip->direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(s, kernel->t));
+    if (has_edge(s)) keep_descent(&search, EVENT_REST, TRACK_EDGE, s->slip->direction);
+    for (int i = 0; s->flanks && i < 2; i++)
+        if (!ends->is_short || !contact_quiet(s, ends, i)) keep_descent(&search, EVENT_FLANK, i, s->slip->flank[i]);
+    return search.event;
 }
 
 static inline double larger(double a, double b) {

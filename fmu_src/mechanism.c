@@ -303,6 +303,20 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     return true;
 }
 
+/* Slips for the time of the kernel, or to the first event before; but if this is a whole communication step of `step`
+ * seconds, only if there is no event. False, with nothing changed, if there is, or a value would not be finite. */
+static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double step, EventKind *end) {
+    const Stretch stretch = stretch_of(m, slip);
+    Ends ends;
+    event_ends(&stretch, kernel, &ends);
+    *end = EVENT_NONE;
+    if (!event_quiet(&stretch, &ends)) {
+        if (step > 0.0) return false;
+        *end = event_first(&stretch, kernel, &ends).kind;
+    }
+    return commit(m, &stretch, &ends, kernel, step);
+}
+
 /* A whole step of inertial slip in which nothing happens: the common case. The kernel of the step is kept: an unchanged
  * step needs no new transcendental. */
 static bool slip_on(Mechanism *m, double h) {
@@ -312,10 +326,8 @@ static bool slip_on(Mechanism *m, double h) {
     if (slip->kind != FLOW_INERTIAL || !(slip->direction * m->state.omega.hi > 0.0)) return false;
     Kernel *kernel = &m->cache.kernel[index];
     if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
-    const Stretch stretch = stretch_of(m, slip);
-    Ends ends;
-    event_ends(&stretch, kernel, stretch.flanks || m->params.ledger, &ends);
-    return event_quiet(&stretch, &ends) && commit(m, &stretch, &ends, kernel, h);
+    EventKind none;
+    return slip_along(m, slip, kernel, h, &none);
 }
 
 static void stop_heat(Mechanism *m, double joule) {
@@ -350,19 +362,16 @@ static void land(Mechanism *m, int direction, EventKind kind, Leg *leg) {
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
 static double slip_to_event(Mechanism *m, double left, Leg *leg) {
-    const Slip *slip = present_slip(m);
-    const Stretch stretch = stretch_of(m, slip);
+    const int index = present_index(m);
+    const Slip *slip = &m->model.slip[index];
     const double horizon = fmin(left, slip->oscillator.horizon);
-    const Event event = event_first(&stretch, horizon);
-    const double t = event.kind == EVENT_NONE ? horizon : event.t;
-    Kernel kernel;
-    Ends ends;
-    oscillator_kernel(&slip->oscillator, t, &kernel);
-    event_ends(&stretch, &kernel, stretch.flanks || m->params.ledger, &ends);
-    if (!commit(m, &stretch, &ends, &kernel, 0.0)) return NAN;
+    Kernel kernel = m->cache.kernel[index];
+    if (kernel.t != horizon) oscillator_kernel(&slip->oscillator, horizon, &kernel);
+    EventKind end;
+    if (!slip_along(m, slip, &kernel, 0.0, &end)) return NAN;
     leg->kind = LEG_ARC;
-    land(m, slip->direction, event.kind, leg);
-    return t;
+    land(m, slip->direction, end, leg);
+    return kernel.t;
 }
 
 /* ---- jams ---- */
