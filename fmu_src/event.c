@@ -232,7 +232,6 @@ static bool constant_inputs(const Launch *l) {
 /* Might the rate of x_i have more than one zero in a short stretch? Not if it is homogeneous (constant inputs) or
  * monotone (no zero of the curvature). */
 static bool may_wind(const Stretch *s, const Arc *start, const Arc *end, int i) {
-    if (constant_inputs(&s->launch)) return false;
     return may_turn(slip_contact(s->slip, s->params, s->geometry, &s->launch, start, i).curvature,
                     slip_contact(s->slip, s->params, s->geometry, &s->launch, end, i).curvature);
 }
@@ -240,15 +239,16 @@ static bool may_wind(const Stretch *s, const Arc *start, const Arc *end, int i) 
 void event_ends(const Stretch *s, const Kernel *kernel, Ends *ends) {
     const Launch *l = &s->launch;
     const Arc start = slip_arc_start(s->slip, l);
-    ends->arc = slip_arc(s->slip, l, kernel);
+    slip_arc(s->slip, l, kernel, &ends->arc);
     ends->is_short = kernel->t < s->slip->oscillator.half_period;
     ends->speed_may_turn = may_turn(start.alpha, ends->arc.alpha);
     if (!s->flanks && !s->params->ledger) return;
-    slip_contacts(s->slip, s->params, s->geometry, l, &start, &ends->start);
-    slip_contacts(s->slip, s->params, s->geometry, l, &ends->arc, &ends->end);
+    ends->start = slip_contacts(s->slip, s->params, s->geometry, l, &start);
+    ends->end = slip_contacts(s->slip, s->params, s->geometry, l, &ends->arc);
+    const bool ramps = !constant_inputs(l);
     for (int i = 0; i < 2; i++)
         ends->contact_may_turn[i] =
-            may_turn(ends->start.rate[i], ends->end.rate[i]) || may_wind(s, &start, &ends->arc, i);
+            may_turn(ends->start.rate[i], ends->end.rate[i]) || (ramps && may_wind(s, &start, &ends->arc, i));
 }
 
 /* Inertial slip at constant speed: is alpha at both ends no more than the rounding of the torques that make it? */
@@ -321,10 +321,6 @@ Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
     return search.event;
 }
 
-static inline double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
 /* Largest |track| between a and b, rate monotone between them, as far as it is more than `known`. */
 static double peak_in_bow(const Probe *probe, const Track *a, const Track *b, double known) {
     const double ends = fmax(fabs(a->value), fabs(b->value));
@@ -361,16 +357,31 @@ static double peak_of(const Probe *probe, double t_end, double known) {
     return peak;
 }
 
-void event_peaks(const Stretch *s, const Ends *ends, const Peaks *known, double *omega, double reaction[2]) {
-    *omega = larger(fabs(s->launch.omega), fabs(ends->arc.omega));
-    if ((!ends->is_short || ends->speed_may_turn) && !alpha_is_noise(s, ends))
-        *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t,
-                                     known->omega));
+static void raise_to(double *peak, double size) {
+    *peak = size > *peak ? size : *peak;
+}
+
+/* Where it might not be at the ends. */
+static void look_for_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
+    if (alpha_is_noise(s, ends)) return;
+    const double t = ends->arc.t;
+    if (!ends->is_short || ends->speed_may_turn)
+        raise_to(&peak->omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, t, peak->omega));
     for (int i = 0; i < 2; i++) {
-        double x = larger(fabs(ends->start.value[i]), fabs(ends->end.value[i]));
-        if ((!ends->is_short || ends->contact_may_turn[i]) && !alpha_is_noise(s, ends))
-            x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t,
-                                known->reaction[i] / s->slip->reaction[i]));
-        reaction[i] = x * s->slip->reaction[i];
+        const double unit = s->slip->reaction[i];
+        if (!ends->is_short || ends->contact_may_turn[i])
+            raise_to(&peak->reaction[i],
+                     unit * peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, t, peak->reaction[i] / unit));
     }
+}
+
+void event_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
+    raise_to(&peak->omega, fabs(s->launch.omega));
+    raise_to(&peak->omega, fabs(ends->arc.omega));
+    for (int i = 0; i < 2; i++) {
+        raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->start.value[i]));
+        raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->end.value[i]));
+    }
+    const bool at_ends = !ends->speed_may_turn && !ends->contact_may_turn[0] && !ends->contact_may_turn[1];
+    if (!ends->is_short || !at_ends) look_for_peaks(s, ends, peak);
 }

@@ -52,7 +52,7 @@ bool event_quiet(const Stretch *stretch, const Ends *ends);
  * arc that ends with it. */
 Event event_first(const Stretch *stretch, Kernel *kernel, Ends *ends);
 
-/* Largest |omega| and |R_i| on [0, ends->arc.t] into *omega and reaction[2]; below `known` not looked for closely. */
-void event_peaks(const Stretch *stretch, const Ends *ends, const Peaks *known, double *omega, double reaction[2]);
+/* Raises the peaks of |omega| and |R_i| to the largest on [0, ends->arc.t]. */
+void event_peaks(const Stretch *stretch, const Ends *ends, Peaks *peak);
 
 #endif

@@ -132,14 +132,14 @@ Arc slip_arc_start(const Slip *slip, const Launch *l) {
     return (Arc){.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
 }
 
-Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
+void slip_arc(const Slip *slip, const Launch *l, const Kernel *k, Arc *arc) {
     const double decay2 = slip->oscillator.decay2, w2 = slip->oscillator.stiffness;
     const double b = base_speed(slip, l, k);
     const bool settles = k->lead != 0.0;
     const double alpha = l->alpha * k->ds + l->curvature * k->s;
     const double omega = settles ? b * (1.0 - w2 * k->p1) - k->lead * k->ds * l->alpha + l->drive * k->p1
                                  : l->omega + (l->alpha * k->s + l->curvature * k->p1);
-    return (Arc){
+    *arc = (Arc){
         .t = k->t,
         .dtheta = b * (k->s + decay2 * k->p1) + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 +
                   l->offset,
@@ -154,7 +154,9 @@ Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
 Arc slip_arc_at(const Slip *slip, const Launch *l, double t) {
     Kernel kernel;
     oscillator_kernel(&slip->oscillator, t, &kernel);
-    return slip_arc(slip, l, &kernel);
+    Arc arc;
+    slip_arc(slip, l, &kernel, &arc);
+    return arc;
 }
 
 /* x_i, or with the time derivatives of all three its own. */
@@ -174,15 +176,15 @@ Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const
     };
 }
 
-void slip_contacts(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc,
-                   ContactPair *pair) {
+ContactPair slip_contacts(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc) {
     const double spring = p->spring.stiffness * g->lift;
     const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
     const double force_rate = spring * arc->omega + l->F_ext_rate;
-    for (int i = 0; i < 2; i++) {
-        pair->value[i] = contact(slip, i, force, arc->omega, arc->alpha);
-        pair->rate[i] = contact(slip, i, force_rate, arc->alpha, arc->jerk);
-    }
+    return (ContactPair){
+        .value = {contact(slip, 0, force, arc->omega, arc->alpha), contact(slip, 1, force, arc->omega, arc->alpha)},
+        .rate = {contact(slip, 0, force_rate, arc->alpha, arc->jerk),
+                 contact(slip, 1, force_rate, arc->alpha, arc->jerk)},
+    };
 }
 
 Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, int i) {

@@ -73,7 +73,7 @@ Launch slip_launch(const Slip *slip, const Params *params, const Geometry *g, do
 double slip_net_torque(const Slip *slip, const Launch *launch);
 
 Arc slip_arc_start(const Slip *slip, const Launch *launch); /* the arc of length 0 */
-Arc slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel);
+void slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel, Arc *arc);
 Arc slip_arc_at(const Slip *slip, const Launch *launch, double t);
 
 /* State of contact i along the arc: x_i and its first and second time derivatives. */
@@ -86,8 +86,8 @@ typedef struct {
     double value[2], rate[2];
 } ContactPair;
 
-void slip_contacts(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch, const Arc *arc,
-                   ContactPair *pair);
+ContactPair slip_contacts(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
+                          const Arc *arc);
 
 Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
                      const Arc *arc, int i);

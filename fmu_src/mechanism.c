@@ -197,31 +197,37 @@ static double hold(Mechanism *m, double left, Leg *leg) {
     return t;
 }
 
-/* A step at rest, the hold known from before. */
+/* A step at rest under constant inputs, the hold known from before. */
 static bool hold_again(Mechanism *m) {
     const Hold *hold = &m->cache.hold;
     const double tau = m->inputs.tau[0];
-    if (!hold->valid || !(tau >= hold->lower && tau <= hold->upper)) return false;
-    if (!inputs_constant(&m->inputs) || m->inputs.F_ext[0] != hold->F_ext) return false;
+    if (!hold->valid || !(tau >= hold->lower && tau <= hold->upper) || m->inputs.F_ext[0] != hold->F_ext) return false;
     if (m->params.ledger) peak_raise(&m->state.ledger.peak.torque, tau);
     return true;
 }
 
 /* ---- the latest step ---- */
 
-static Step step_from_here(const Mechanism *m, double h) {
+/* A step of h seconds starts here. Member by member: a copy of the whole would go by way of the stack. */
+static inline void begin_step(const Mechanism *m, double h, Step *step) {
     const State *s = &m->state;
-    return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
+    step->theta = s->theta;
+    step->omega = s->omega;
+    step->inputs = m->inputs;
+    step->h = h;
+    step->mode = s->mode;
+    memcpy(step->flank, s->flank, sizeof step->flank);
+    step->retuned = 0;
 }
 
-static void remember_step(Mechanism *m, const Step *step) {
-    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
-    m->state.step = *step;
+static void forget_tunables(State *s) {
+    if (s->step.retuned) s->tunables = (Tunables){.friction = {0.0}};
 }
 
-static void remember_step_from_here(Mechanism *m, double h) {
-    const Step step = step_from_here(m, h);
-    remember_step(m, &step);
+/* For a step that changes no more from now on. */
+static void remember_step(Mechanism *m, double h) {
+    forget_tunables(&m->state);
+    begin_step(m, h, &m->state.step);
 }
 
 /* ---- slipping ---- */
@@ -259,12 +265,9 @@ static Slip *present_slip(Mechanism *m) {
 
 static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
     Peaks *peak = &m->state.ledger.peak;
-    double omega, reaction[2];
-    event_peaks(s, ends, peak, &omega, reaction);
-    peak_raise(&peak->omega, omega);
+    event_peaks(s, ends, peak);
     peak_raise(&peak->torque, s->launch.tau);
     peak_raise(&peak->torque, s->launch.tau + s->launch.tau_rate * ends->arc.t);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], reaction[i]);
 }
 
 /* theta is known to rounding, which must not carry it past a stop. */
@@ -288,7 +291,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
         all += booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper;
     }
     if (!isfinite(all)) return false;
-    if (step > 0.0) remember_step_from_here(m, step);
+    if (step > 0.0) remember_step(m, step);
     if (keeps) {
         ledger_book(&m->state.ledger, &booking);
         record_slip(m, s, ends);
@@ -720,23 +723,26 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
 }
 
 bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
-    if (hold_again(m)) {
-        remember_step_from_here(m, h);
+    const bool constant = inputs_constant(&m->inputs);
+    if (constant && hold_again(m)) {
+        remember_step(m, h);
         return true;
     }
-    const bool closed = is_closed_form(m);
+    const bool closed = constant ? m->model.closed_form : is_closed_form(m);
     if (closed && slip_on(m, h)) return true;
     const State state = m->state;
     const Inputs inputs = m->inputs;
     m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
-    Step step = step_from_here(m, h);
+    Step step;
+    begin_step(m, h, &step);
     double left = closed ? h : leap_on(m, h);
     int jams = 0;
     if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
     if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);
     if (left == 0.0) {
         if (watcher != NULL) step.h -= watcher->cut;
-        remember_step(m, &step);
+        forget_tunables(&m->state);
+        m->state.step = step;
         return true;
     }
     const char *const what = failure_of(m, left, jams);
