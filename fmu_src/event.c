@@ -218,37 +218,51 @@ static double time_of_way(const Stretch *s, double t_end) {
     return right;
 }
 
-/* Might a quantity with at most one zero have it between start and end? If it starts from zero it has had it; where
+/* Has a quantity with at most one zero between start and end none for sure? If it starts from zero it has had it; where
  * it has all but died away, its last sign is rounding. */
-static inline bool may_turn(double start, double end) {
+static inline bool keeps_sign(double start, double end) {
     const double DEAD = 1e-12;
-    return !(end * start > DEAD * start * start) && start != 0.0;
+    return end * start > DEAD * start * start || start == 0.0;
 }
 
 static bool constant_inputs(const Launch *l) {
     return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
 }
 
-/* Might the rate of x_i have more than one zero in a short stretch? Not if it is homogeneous (constant inputs) or
- * monotone (no zero of the curvature). */
-static bool may_wind(const Stretch *s, const Arc *start, const Arc *end, int i) {
-    return may_turn(slip_contact(s->slip, s->params, s->geometry, &s->launch, start, i).curvature,
-                    slip_contact(s->slip, s->params, s->geometry, &s->launch, end, i).curvature);
+/* Has a homogeneous quantity at most one zero on the arc? */
+static bool is_short(const Stretch *s, const Ends *ends) {
+    return ends->arc.t < s->slip->oscillator.half_period;
+}
+
+/* On a short arc the rate of x_i has at most one zero if it is homogeneous (constant inputs) or monotone (no zero of the
+ * curvature). */
+static bool bends_once(const Stretch *s, const Ends *ends, int i) {
+    if (constant_inputs(&s->launch)) return true;
+    const Arc start = slip_arc_start(s->slip, &s->launch);
+    return keeps_sign(slip_contact(s->slip, s->params, s->geometry, &s->launch, &start, i).curvature,
+                      slip_contact(s->slip, s->params, s->geometry, &s->launch, &ends->arc, i).curvature);
+}
+
+static bool contact_is_monotone(const Stretch *s, const Ends *ends, int i) {
+    return keeps_sign(ends->start.rate[i], ends->end.rate[i]) && bends_once(s, ends, i);
+}
+
+static bool speed_is_monotone(const Stretch *s, const Ends *ends) {
+    return keeps_sign(s->launch.alpha, ends->arc.alpha);
 }
 
 void event_ends(const Stretch *s, const Kernel *kernel, Ends *ends) {
     const Launch *l = &s->launch;
-    const Arc start = slip_arc_start(s->slip, l);
+    const Arc start = slip_arc_start(s->slip, l), *arc = &ends->arc;
     slip_arc(s->slip, l, kernel, &ends->arc);
-    ends->is_short = kernel->t < s->slip->oscillator.half_period;
-    ends->speed_may_turn = may_turn(start.alpha, ends->arc.alpha);
+    ends->monotone = is_short(s, ends) && speed_is_monotone(s, ends);
     if (!s->flanks && !s->params->ledger) return;
-    ends->start = slip_contacts(s->slip, s->params, s->geometry, l, &start);
-    ends->end = slip_contacts(s->slip, s->params, s->geometry, l, &ends->arc);
-    const bool ramps = !constant_inputs(l);
-    for (int i = 0; i < 2; i++)
-        ends->contact_may_turn[i] =
-            may_turn(ends->start.rate[i], ends->end.rate[i]) || (ramps && may_wind(s, &start, &ends->arc, i));
+    const double spring = s->params->spring.stiffness * s->geometry->lift, rate = l->F_ext_rate;
+    ends->start = slip_contacts(s->slip, l->force, spring * l->omega + rate, &start);
+    ends->end = slip_contacts(s->slip, l->force + spring * arc->dtheta + rate * arc->t, spring * arc->omega + rate, arc);
+    ends->monotone = ends->monotone && keeps_sign(ends->start.rate[0], ends->end.rate[0]) &&
+                     keeps_sign(ends->start.rate[1], ends->end.rate[1]) &&
+                     (constant_inputs(l) || (bends_once(s, ends, 0) && bends_once(s, ends, 1)));
 }
 
 /* Inertial slip at constant speed: is alpha at both ends no more than the rounding of the torques that make it? */
@@ -262,19 +276,24 @@ static bool alpha_is_noise(const Stretch *s, const Ends *ends) {
     return fmax(fabs(l->alpha), fabs(ends->arc.alpha)) * s->slip->mass <= ROUNDING * torque;
 }
 
-/* In a short stretch a track that rises at the start is lowest at an end, and one that falls is so unless its rate
- * turns. */
-static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
+static inline bool ends_on_flank(const Stretch *s, const Ends *ends, int i) {
     const double sign = s->slip->flank[i];
-    if (!(sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0)) return false;
-    if (!ends->contact_may_turn[i]) return true;
-    return constant_inputs(&s->launch) && sign * ends->start.rate[i] >= 0.0;
+    return sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0;
 }
 
+/* Does x_i never leave its flank? On a short arc one that rises at the start is lowest at an end, and one that falls is
+ * so unless its rate turns. */
+static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
+    if (!ends_on_flank(s, ends, i) || !is_short(s, ends)) return false;
+    const bool rises = s->slip->flank[i] * ends->start.rate[i] >= 0.0;
+    return (rises && constant_inputs(&s->launch)) || contact_is_monotone(s, ends, i);
+}
+
+/* Does omega never vanish? */
 static bool speed_quiet(const Stretch *s, const Ends *ends) {
     const double sign = s->slip->direction;
-    if (!(sign * ends->arc.omega > 0.0)) return false;
-    return !ends->speed_may_turn || sign * s->launch.alpha >= 0.0 || alpha_is_noise(s, ends);
+    if (!(sign * ends->arc.omega > 0.0) || !is_short(s, ends)) return false;
+    return sign * s->launch.alpha >= 0.0 || speed_is_monotone(s, ends) || alpha_is_noise(s, ends);
 }
 
 /* Without inertia the pin can rest elsewhere than where its speed vanishes, see Stretch.edge. */
@@ -284,9 +303,11 @@ static bool has_edge(const Stretch *s) {
 
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const Arc *arc = &ends->arc;
-    if (!(ends->is_short && arc->t <= s->slip->oscillator.horizon)) return false;
-    if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends) || has_edge(s)) return false;
-    return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
+    const double sign = s->slip->direction;
+    if (!(arc->t <= s->slip->oscillator.horizon && sign * arc->dtheta < s->room && sign * arc->omega > 0.0)) return false;
+    if (has_edge(s) || (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1)))) return false;
+    if (ends->monotone) return true;
+    return speed_quiet(s, ends) && (!s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1)));
 }
 
 typedef struct {
@@ -312,12 +333,12 @@ static void keep_descent(Search *search, EventKind kind, int quantity, double si
 
 Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
     Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {.kind = EVENT_NONE, .t = kernel->t}};
-    if (!ends->is_short || !speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
+    if (!speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
     /* theta is monotone by now */
     if (s->slip->direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(s, kernel->t));
     if (has_edge(s)) keep_descent(&search, EVENT_REST, TRACK_EDGE, s->slip->direction);
     for (int i = 0; s->flanks && i < 2; i++)
-        if (!ends->is_short || !contact_quiet(s, ends, i)) keep_descent(&search, EVENT_FLANK, i, s->slip->flank[i]);
+        if (!contact_quiet(s, ends, i)) keep_descent(&search, EVENT_FLANK, i, s->slip->flank[i]);
     return search.event;
 }
 
@@ -357,31 +378,33 @@ static double peak_of(const Probe *probe, double t_end, double known) {
     return peak;
 }
 
-static void raise_to(double *peak, double size) {
+static inline void raise_to(double *peak, double size) {
     *peak = size > *peak ? size : *peak;
 }
 
-/* Where it might not be at the ends. */
+/* Where it might not be at an end. */
 static void look_for_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
     if (alpha_is_noise(s, ends)) return;
     const double t = ends->arc.t;
-    if (!ends->is_short || ends->speed_may_turn)
+    if (!is_short(s, ends) || !speed_is_monotone(s, ends))
         raise_to(&peak->omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, t, peak->omega));
     for (int i = 0; i < 2; i++) {
         const double unit = s->slip->reaction[i];
-        if (!ends->is_short || ends->contact_may_turn[i])
+        if (!is_short(s, ends) || !contact_is_monotone(s, ends, i))
             raise_to(&peak->reaction[i],
                      unit * peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, t, peak->reaction[i] / unit));
     }
 }
 
+static inline void raise_reaction(const Stretch *s, const Ends *ends, int i, Peaks *peak) {
+    raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->start.value[i]));
+    raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->end.value[i]));
+}
+
 void event_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
     raise_to(&peak->omega, fabs(s->launch.omega));
     raise_to(&peak->omega, fabs(ends->arc.omega));
-    for (int i = 0; i < 2; i++) {
-        raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->start.value[i]));
-        raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->end.value[i]));
-    }
-    const bool at_ends = !ends->speed_may_turn && !ends->contact_may_turn[0] && !ends->contact_may_turn[1];
-    if (!ends->is_short || !at_ends) look_for_peaks(s, ends, peak);
+    raise_reaction(s, ends, 0, peak);
+    raise_reaction(s, ends, 1, peak);
+    if (!ends->monotone) look_for_peaks(s, ends, peak);
 }

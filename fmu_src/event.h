@@ -37,9 +37,7 @@ typedef struct {
 typedef struct {
     Arc arc;
     ContactPair start, end;
-    bool is_short;         /* less than half a period: a homogeneous quantity has at most one zero in it */
-    bool speed_may_turn;   /* if short: might omega, */
-    bool contact_may_turn[2]; /* might x_i be largest or smallest in between? */
+    bool monotone; /* omega and x_i are so for sure: largest and smallest at the ends */
 } Ends;
 
 /* Contacts only if they matter, to flanks or ledger. */

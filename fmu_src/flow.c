@@ -105,7 +105,7 @@ Launch slip_launch(const Slip *slip, const Params *p, const Geometry *g, double 
         .tau_rate = inputs->tau[1],
         .F_ext = inputs->F_ext[0],
         .F_ext_rate = inputs->F_ext[1],
-        .force = spring_force(&p->spring, g->lift * theta) + inputs->F_ext[0],
+        .force = p->spring.preload + p->spring.stiffness * (g->lift * theta) + inputs->F_ext[0], /* it is linear */
     };
     switch (slip->kind) {
         case FLOW_INERTIAL: launch_inertial(slip, &l); break;
@@ -176,10 +176,7 @@ Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const
     };
 }
 
-ContactPair slip_contacts(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc) {
-    const double spring = p->spring.stiffness * g->lift;
-    const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
-    const double force_rate = spring * arc->omega + l->F_ext_rate;
+ContactPair slip_contacts(const Slip *slip, double force, double force_rate, const Arc *arc) {
     return (ContactPair){
         .value = {contact(slip, 0, force, arc->omega, arc->alpha), contact(slip, 1, force, arc->omega, arc->alpha)},
         .rate = {contact(slip, 0, force_rate, arc->alpha, arc->jerk),

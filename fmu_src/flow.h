@@ -86,8 +86,8 @@ typedef struct {
     double value[2], rate[2];
 } ContactPair;
 
-ContactPair slip_contacts(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
-                          const Arc *arc);
+/* With F_s + F_ext and its rate, at the speed, alpha and jerk of the arc's end. */
+ContactPair slip_contacts(const Slip *slip, double force, double force_rate, const Arc *arc);
 
 Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
                      const Arc *arc, int i);

@@ -243,16 +243,17 @@ static double band_edge(const Mechanism *m, int direction) {
 }
 
 static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
-    const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
-    return (Stretch){
+    Stretch stretch = {
         .slip = slip,
         .params = &m->params,
         .geometry = &m->place.geometry,
         .launch = launch_of(m, slip),
-        .room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0),
         .flanks = has_friction(&m->params),
-        .edge = slip->kind == FLOW_VISCOUS ? band_edge(m, slip->direction) : slip->transfer.rho,
     };
+    const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    stretch.room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
+    stretch.edge = slip->kind == FLOW_VISCOUS ? band_edge(m, slip->direction) : slip->transfer.rho;
+    return stretch;
 }
 
 static int present_index(const Mechanism *m) {
@@ -290,7 +291,7 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
         booking = slip_booking(s->slip, s->params, s->geometry, &s->launch, arc, kernel);
         all += booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper;
     }
-    if (!isfinite(all)) return false;
+    if (!(fabs(all) <= DBL_MAX)) return false;
     if (step > 0.0) remember_step(m, step);
     if (keeps) {
         ledger_book(&m->state.ledger, &booking);
