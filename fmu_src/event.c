@@ -196,11 +196,8 @@ static double first_rest(const Stretch *s, double t_end) {
 /* Time at which the way `room` is used up; theta is monotone up to t_end, where it is used up. */
 static double time_of_way(const Stretch *s, double t_end) {
     const double sign = s->slip->direction;
+    double left = 0.0, right = t_end, t = 0.5 * t_end;
     if (s->room <= 0.0) return 0.0;
-    /* begins where the way would be used up with alpha as it is at the launch */
-    const double speed = sign * s->launch.omega, gain = 2.0 * sign * s->launch.alpha * s->room;
-    double left = 0.0, right = t_end, t = 2.0 * s->room / (speed + sqrt(speed * speed + gain));
-    if (!(t < t_end)) t = 0.5 * t_end;
     for (int n = 0; n < 200; n++) {
         const Arc arc = slip_arc_at(s->slip, &s->launch, t);
         const double f = s->room - sign * arc.dtheta;
