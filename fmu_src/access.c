@@ -18,7 +18,8 @@ static bool has_arrays(const Instance *instance, const char *function, size_t n,
     return false;
 }
 
-RARE static void refuse_reference(const Instance *instance, const char *function, ValueReference reference, Type type) {
+RARE static void refuse_reference(const Instance *instance, const char *function, ValueReference reference,
+                                  Type type) {
     const Variable *variable = variable_find(reference);
     if (variable == NULL)
         instance_refuse(instance,

@@ -215,8 +215,8 @@ static double time_of_way(const Stretch *s, double t_end) {
     return right;
 }
 
-/* Has a quantity with at most one zero between start and end none for sure? If it starts from zero it has had it; where
- * it has all but died away, its last sign is rounding. */
+/* Has a quantity with at most one zero between start and end none for sure? If it starts from zero it has had it;
+ * where it has all but died away, its last sign is rounding. */
 static inline bool keeps_sign(double start, double end) {
     const double DEAD = 1e-12;
     return end * start > DEAD * start * start || start == 0.0;
@@ -231,8 +231,8 @@ static bool is_short(const Stretch *s, const Ends *ends) {
     return ends->arc.t < s->slip->oscillator.half_period;
 }
 
-/* On a short arc the rate of x_i has at most one zero if it is homogeneous (constant inputs) or monotone (no zero of the
- * curvature). */
+/* Has the rate of x_i at most one zero on a short arc? It has if it is homogeneous (constant inputs) or monotone (no
+ * zero of the curvature). */
 static bool bends_once(const Stretch *s, const Ends *ends, int i) {
     if (constant_inputs(&s->launch)) return true;
     const Arc start = slip_arc_start(s->slip, &s->launch);
@@ -255,8 +255,9 @@ void event_ends(const Stretch *s, const Kernel *kernel, Ends *ends) {
     ends->monotone = is_short(s, ends) && speed_is_monotone(s, ends);
     if (!s->flanks && !s->params->ledger) return;
     const double spring = s->params->spring.stiffness * s->geometry->lift, rate = l->F_ext_rate;
+    const double force = l->force + spring * arc->dtheta + rate * arc->t;
     ends->start = slip_contacts(s->slip, l->force, spring * l->omega + rate, &start);
-    ends->end = slip_contacts(s->slip, l->force + spring * arc->dtheta + rate * arc->t, spring * arc->omega + rate, arc);
+    ends->end = slip_contacts(s->slip, force, spring * arc->omega + rate, arc);
     ends->monotone = ends->monotone && keeps_sign(ends->start.rate[0], ends->end.rate[0]) &&
                      keeps_sign(ends->start.rate[1], ends->end.rate[1]) &&
                      (constant_inputs(l) || (bends_once(s, ends, 0) && bends_once(s, ends, 1)));
@@ -278,15 +279,14 @@ static inline bool ends_on_flank(const Stretch *s, const Ends *ends, int i) {
     return sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0;
 }
 
-/* Does x_i never leave its flank? On a short arc one that rises at the start is lowest at an end, and one that falls is
- * so unless its rate turns. */
+/* Does x_i surely never leave its flank? If its rate has at most one zero, an x_i that rises at the start is lowest at
+ * an end; one that falls is so unless its rate turns. */
 static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
-    if (!ends_on_flank(s, ends, i) || !is_short(s, ends)) return false;
-    const bool rises = s->slip->flank[i] * ends->start.rate[i] >= 0.0;
-    return (rises && constant_inputs(&s->launch)) || contact_is_monotone(s, ends, i);
+    if (!is_short(s, ends) || !ends_on_flank(s, ends, i) || !bends_once(s, ends, i)) return false;
+    return s->slip->flank[i] * ends->start.rate[i] >= 0.0 || keeps_sign(ends->start.rate[i], ends->end.rate[i]);
 }
 
-/* Does omega never vanish? */
+/* Does omega surely never vanish? */
 static bool speed_quiet(const Stretch *s, const Ends *ends) {
     const double sign = s->slip->direction;
     if (!(sign * ends->arc.omega > 0.0) || !is_short(s, ends)) return false;
@@ -301,8 +301,9 @@ static bool has_edge(const Stretch *s) {
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const Arc *arc = &ends->arc;
     const double sign = s->slip->direction;
-    if (!(arc->t <= s->slip->oscillator.horizon && sign * arc->dtheta < s->room && sign * arc->omega > 0.0)) return false;
-    if (has_edge(s) || (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1)))) return false;
+    if (!(sign * arc->dtheta < s->room && sign * arc->omega > 0.0)) return false;
+    if (!(arc->t <= s->slip->oscillator.horizon) || has_edge(s)) return false;
+    if (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1))) return false;
     if (ends->monotone) return true;
     return speed_quiet(s, ends) && (!s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1)));
 }
@@ -329,7 +330,7 @@ static void keep_descent(Search *search, EventKind kind, int quantity, double si
 }
 
 Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
-    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {.kind = EVENT_NONE, .t = kernel->t}};
+    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {EVENT_NONE, kernel->t}};
     if (!speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
     /* theta is monotone by now */
     if (s->slip->direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(s, kernel->t));
@@ -375,32 +376,29 @@ static double peak_of(const Probe *probe, double t_end, double known) {
     return peak;
 }
 
-static inline void raise_to(double *peak, double size) {
-    *peak = size > *peak ? size : *peak;
-}
-
 /* Where it might not be at an end. */
 static void look_for_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
     if (alpha_is_noise(s, ends)) return;
     const double t = ends->arc.t;
-    if (!is_short(s, ends) || !speed_is_monotone(s, ends))
-        raise_to(&peak->omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, t, peak->omega));
+    const Probe speed = {.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0};
+    if (!is_short(s, ends) || !speed_is_monotone(s, ends)) peak_raise(&peak->omega, peak_of(&speed, t, peak->omega));
     for (int i = 0; i < 2; i++) {
+        const Probe contact = {.stretch = s, .quantity = i, .sign = 1.0};
         const double unit = s->slip->reaction[i];
         if (!is_short(s, ends) || !contact_is_monotone(s, ends, i))
-            raise_to(&peak->reaction[i],
-                     unit * peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, t, peak->reaction[i] / unit));
+            peak_raise(&peak->reaction[i], unit * peak_of(&contact, t, peak->reaction[i] / unit));
     }
 }
 
+/* Not as a loop, which would not be unrolled. */
 static inline void raise_reaction(const Stretch *s, const Ends *ends, int i, Peaks *peak) {
-    raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->start.value[i]));
-    raise_to(&peak->reaction[i], s->slip->reaction[i] * fabs(ends->end.value[i]));
+    peak_raise(&peak->reaction[i], s->slip->reaction[i] * ends->start.value[i]);
+    peak_raise(&peak->reaction[i], s->slip->reaction[i] * ends->end.value[i]);
 }
 
 void event_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
-    raise_to(&peak->omega, fabs(s->launch.omega));
-    raise_to(&peak->omega, fabs(ends->arc.omega));
+    peak_raise(&peak->omega, s->launch.omega);
+    peak_raise(&peak->omega, ends->arc.omega);
     raise_reaction(s, ends, 0, peak);
     raise_reaction(s, ends, 1, peak);
     if (!ends->monotone) look_for_peaks(s, ends, peak);

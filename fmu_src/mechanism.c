@@ -201,12 +201,13 @@ static double hold(Mechanism *m, double left, Leg *leg) {
 static bool hold_again(Mechanism *m) {
     const Hold *hold = &m->cache.hold;
     const double tau = m->inputs.tau[0];
-    if (!hold->valid || !(tau >= hold->lower && tau <= hold->upper) || m->inputs.F_ext[0] != hold->F_ext) return false;
+    if (!hold->valid || !(tau >= hold->lower && tau <= hold->upper)) return false;
+    if (m->inputs.F_ext[0] != hold->F_ext) return false;
     if (m->params.ledger) peak_raise(&m->state.ledger.peak.torque, tau);
     return true;
 }
 
-/* ---- the latest step ---- */
+/* ---- the start of the step ---- */
 
 /* A step of h seconds starts here. Member by member: a copy of the whole would go by way of the stack. */
 static inline void begin_step(const Mechanism *m, double h, Step *step) {
@@ -224,7 +225,7 @@ static void forget_tunables(State *s) {
     if (s->step.retuned) s->tunables = (Tunables){.friction = {0.0}};
 }
 
-/* For a step that changes no more from now on. */
+/* Before a step, of which nothing can fail any more, moves anything. */
 static void remember_step(Mechanism *m, double h) {
     forget_tunables(&m->state);
     begin_step(m, h, &m->state.step);
@@ -321,8 +322,8 @@ static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double st
     return commit(m, &stretch, &ends, kernel, step);
 }
 
-/* A whole step of inertial slip in which nothing happens: the common case. The kernel of the step is kept: an unchanged
- * step needs no new transcendental. */
+/* A whole step of inertial slip in which nothing happens: the common case. The kernel of the step is kept: an
+ * unchanged step needs no new transcendental. */
 static bool slip_on(Mechanism *m, double h) {
     if (!is_slip(m->state.mode)) return false;
     const int index = present_index(m);
