@@ -38,5 +38,5 @@ double ledger_residual(const Ledger *ledger, double stored) {
 
 void peak_raise(double *peak, double value) {
     const double size = fabs(value);
-    if (size > *peak) *peak = size;
+    *peak = size > *peak ? size : *peak; /* no branch: nothing foretells which */
 }
