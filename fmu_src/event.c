@@ -279,8 +279,8 @@ static inline bool ends_on_flank(const Stretch *s, const Ends *ends, int i) {
     return sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0;
 }
 
-/* Does x_i surely never leave its flank? If its rate has at most one zero, one that rises at the start is lowest at an
- * end; one that falls is so unless its rate turns. */
+/* Does x_i surely never leave its flank? If its rate has at most one zero, one that rises at the start is lowest
+ * at an end; one that falls is so unless its rate turns. */
 static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
     if (!is_short(s, ends) || !ends_on_flank(s, ends, i) || !bends_once(s, ends, i)) return false;
     return s->slip->flank[i] * ends->start.rate[i] >= 0.0 || keeps_sign(ends->start.rate[i], ends->end.rate[i]);
