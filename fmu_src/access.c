@@ -3,16 +3,24 @@
 #include <math.h>
 #include <string.h>
 
-static bool has_arrays(const Instance *instance, const char *function, size_t n, const ValueReference references[],
-                       const void *values) {
-    return instance_has_array(instance, function, n, references, "vr") &&
-           instance_has_array(instance, function, n, values, "value");
+#include "rare.h"
+
+RARE static void refuse_arrays(const Instance *instance, const char *function, size_t n,
+                               const ValueReference references[], const void *values) {
+    if (instance_has_array(instance, function, n, references, "vr"))
+        instance_has_array(instance, function, n, values, "value");
 }
 
-/* The variable with that reference and type, or NULL. */
-static const Variable *find(const Instance *instance, const char *function, ValueReference reference, Type type) {
+static bool has_arrays(const Instance *instance, const char *function, size_t n, const ValueReference references[],
+                       const void *values) {
+    if (n == 0 || (references != NULL && values != NULL)) return true;
+    refuse_arrays(instance, function, n, references, values);
+    return false;
+}
+
+RARE static void refuse_reference(const Instance *instance, const char *function, ValueReference reference,
+                                  Type type) {
     const Variable *variable = variable_find(reference);
-    if (variable != NULL && variable->type == type) return variable;
     if (variable == NULL)
         instance_refuse(instance,
                         "%s: no variable has value reference %u: allowed are those of %s variables in "
@@ -21,6 +29,13 @@ static const Variable *find(const Instance *instance, const char *function, Valu
     else
         instance_refuse(instance, "%s: %s (value reference %u) is %s: allowed are those of %s variables",
                         function, variable->name, reference, type_name(variable->type), type_name(type));
+}
+
+/* The variable with that reference and type, or NULL. */
+static const Variable *find(const Instance *instance, const char *function, ValueReference reference, Type type) {
+    const Variable *variable = variable_find(reference);
+    if (variable != NULL && variable->type == type) return variable;
+    refuse_reference(instance, function, reference, type);
     return NULL;
 }
 
@@ -174,7 +189,7 @@ double *access_input(Instance *instance, ValueReference reference) {
     return (double *)((char *)&instance->values + VARIABLES[reference].offset);
 }
 
-static bool set_reals_on_draft(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+RARE static bool set_reals_on_draft(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                const double value[]) {
     Draft draft = draft_of(instance);
     for (size_t i = 0; i < n; i++) {

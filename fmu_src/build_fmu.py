@@ -55,20 +55,25 @@ LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
 # Size is promised, and so is the time of a step. What is not on its way is compiled for size, and apart, so
 # that it is not drawn into what is; what is on it, for speed, with loops unrolled where that was measured to
-# matter; what only hands on, for size, but together with its callers.
+# matter; what only hands on, or is for steps with events (where unrolling was measured to gain nothing), for
+# size, but together with its callers.
 FOR_SIZE, FOR_SPEED = "-Os", "-O3"
 SMALL = "-fno-unroll-loops"
+OUTLINED = ("-mllvm", "-enable-machine-outliner=always")  # what functions have in common becomes one
 SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what nobody calls
 OFF_THE_WAY = {
     *("check", "dependencies", "exchange", "groove", "groove_csv", "groove_table", "inverse_rates"),
     *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity", "snapshot"),
     *("state_access", "step_sensitivity", "taylor", "variables"),
 }
-WITH_LOOPS = {"balance", "bernstein", "flow", "glide", "instance", "mechanism", "passage", "radau"}
+WITH_LOOPS = {"balance", "flow", "glide", "instance", "mechanism", "radau"}
+WITH_EVENTS = {"bernstein", "leap", "passage"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
-# On Windows, where the binary holds its own exp and sin, and on macOS, whose linker knows no -flto, only
-# these are compiled for speed.
-NUMERIC = {"flow", "oscillator"}
+# On macOS, whose linker knows no -flto, only these are compiled for speed.
+NUMERIC = {"balance", "event", "flow", "glide", "mechanism", "oscillator"}
+# On Windows the binary holds a part of the C library too: these for speed, the next for size, others outlined.
+NUMERIC_WINDOWS = {"flow", "glide", "oscillator"}
+IN_EVENTS_WINDOWS = {"balance", "bernstein", "event", "leap", "mechanism", "passage"}
 
 
 @dataclass(frozen=True)
@@ -85,14 +90,27 @@ class Platform:
         return place(self.version) / self.folder / f"{identifier}{self.suffix}"
 
     def compilation(self, source: Path) -> list[str]:
-        name, together = source.stem, self.suffix == ".so"
-        if name in OFF_THE_WAY or not (together or name in NUMERIC):
+        name = source.stem
+        if self.suffix == ".dll":
+            return self.compilation_for_windows(name)
+        if name in OFF_THE_WAY:
             return [FOR_SIZE, *SECTIONS]
-        if not together:
-            return [FOR_SPEED, SMALL, *SECTIONS]
-        if name in HANDING_ON:
+        if self.suffix == ".dylib":
+            return [*([FOR_SPEED, SMALL] if name in NUMERIC else [FOR_SIZE]), *SECTIONS]
+        if name in HANDING_ON | WITH_EVENTS:
             return [FOR_SIZE, LTO]
         return [FOR_SPEED, LTO] if name in WITH_LOOPS else [FOR_SPEED, SMALL, LTO]
+
+    @staticmethod
+    def compilation_for_windows(name: str) -> list[str]:
+        if name in NUMERIC_WINDOWS:
+            return [FOR_SPEED, SMALL, *SECTIONS]
+        return [FOR_SIZE, *(() if name in IN_EVENTS_WINDOWS else OUTLINED), *SECTIONS]
+
+    @property
+    def library_for(self) -> str:
+        """What the functions of the C library that a binary holds itself are compiled for."""
+        return FOR_SIZE if self.suffix == ".dll" else FOR_SPEED
 
     def linking(self, identifier: str) -> list[str]:
         if self.suffix == ".dylib":
@@ -276,7 +294,7 @@ def compile_library(
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         parts = list(pool.map(compile_one, sources))
-    options = ["-target", target, FOR_SPEED, "-shared", "-s", *platform.linking(product.stem)]
+    options = ["-target", target, platform.library_for, "-shared", "-s", *platform.linking(product.stem)]
     into_place([*ZIG, *options, *map(str, parts)], product, ["-lm"])
 
 

@@ -215,43 +215,52 @@ static double time_of_way(const Stretch *s, double t_end) {
     return right;
 }
 
-static void keep_earlier(Event *event, EventKind kind, double t) {
-    if (t < event->t) *event = (Event){.kind = kind, .t = t};
-}
-
-Event event_first(const Stretch *s, double t_end) {
-    Event event = {.kind = EVENT_NONE, .t = INFINITY};
-    const double rest = first_rest(s, t_end);
-    const double t_monotone = fmin(rest, t_end);
-    const Arc arc = slip_arc_at(s->slip, &s->launch, t_monotone);
-    if (s->slip->direction * arc.dtheta >= s->room) keep_earlier(&event, EVENT_STOP, time_of_way(s, t_monotone));
-    keep_earlier(&event, EVENT_REST, rest);
-    if (s->slip->kind == FLOW_VISCOUS && s->edge != s->slip->transfer.rho) {
-        const Probe probe = {.stretch = s, .quantity = TRACK_EDGE, .sign = s->slip->direction};
-        keep_earlier(&event, EVENT_REST, first_descent(&probe, fmin(t_monotone, event.t)));
-    }
-    for (int i = 0; s->flanks && i < 2; i++) {
-        const Probe probe = {.stretch = s, .quantity = i, .sign = s->slip->flank[i]};
-        keep_earlier(&event, EVENT_FLANK, first_descent(&probe, fmin(t_monotone, event.t)));
-    }
-    return event;
-}
-
-void event_ends(const Stretch *s, const Kernel *kernel, bool contacts, Ends *ends) {
-    const Launch *l = &s->launch;
-    const Arc start = slip_arc_start(s->slip, l);
-    ends->arc = slip_arc(s->slip, l, kernel);
-    for (int i = 0; contacts && i < 2; i++) {
-        ends->start[i] = slip_contact(s->slip, s->params, s->geometry, l, &start, i);
-        ends->end[i] = slip_contact(s->slip, s->params, s->geometry, l, &ends->arc, i);
-    }
-}
-
-/* Might a quantity with at most one zero have it between start and end? Where it has all but died away, its
- * last sign is rounding. */
-static bool may_turn(double start, double end) {
+/* Has a quantity with at most one zero between start and end none for sure? If it starts from zero it has had it;
+ * where it has all but died away, its last sign is rounding. */
+static inline bool keeps_sign(double start, double end) {
     const double DEAD = 1e-12;
-    return start == 0.0 ? end != 0.0 : !(end * start > DEAD * start * start);
+    return end * start > DEAD * start * start || start == 0.0;
+}
+
+static bool constant_inputs(const Launch *l) {
+    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
+}
+
+/* Has a homogeneous quantity at most one zero on the arc? */
+static bool is_short(const Stretch *s, const Ends *ends) {
+    return ends->arc.t < s->slip->oscillator.half_period;
+}
+
+/* Has the rate of x_i at most one zero on a short arc? It has if it is homogeneous (constant inputs) or monotone (no
+ * zero of the curvature). */
+static bool bends_once(const Stretch *s, const Ends *ends, int i) {
+    if (constant_inputs(&s->launch)) return true;
+    const Arc start = slip_arc_start(s->slip, &s->launch);
+    return keeps_sign(slip_contact(s->slip, s->params, s->geometry, &s->launch, &start, i).curvature,
+                      slip_contact(s->slip, s->params, s->geometry, &s->launch, &ends->arc, i).curvature);
+}
+
+static bool contact_is_monotone(const Stretch *s, const Ends *ends, int i) {
+    return keeps_sign(ends->start.rate[i], ends->end.rate[i]) && bends_once(s, ends, i);
+}
+
+static bool speed_is_monotone(const Stretch *s, const Ends *ends) {
+    return keeps_sign(s->launch.alpha, ends->arc.alpha);
+}
+
+void event_ends(const Stretch *s, const Kernel *kernel, Ends *ends) {
+    const Launch *l = &s->launch;
+    const Arc start = slip_arc_start(s->slip, l), *arc = &ends->arc;
+    slip_arc(s->slip, l, kernel, &ends->arc);
+    ends->monotone = is_short(s, ends) && speed_is_monotone(s, ends);
+    if (!s->flanks && !s->params->ledger) return;
+    const double spring = s->params->spring.stiffness * s->geometry->lift, rate = l->F_ext_rate;
+    const double force = l->force + spring * arc->dtheta + rate * arc->t;
+    ends->start = slip_contacts(s->slip, l->force, spring * l->omega + rate, &start);
+    ends->end = slip_contacts(s->slip, force, spring * arc->omega + rate, arc);
+    ends->monotone = ends->monotone && keeps_sign(ends->start.rate[0], ends->end.rate[0]) &&
+                     keeps_sign(ends->start.rate[1], ends->end.rate[1]) &&
+                     (constant_inputs(l) || (bends_once(s, ends, 0) && bends_once(s, ends, 1)));
 }
 
 /* Inertial slip at constant speed: is alpha at both ends no more than the rounding of the torques that make it? */
@@ -265,33 +274,70 @@ static bool alpha_is_noise(const Stretch *s, const Ends *ends) {
     return fmax(fabs(l->alpha), fabs(ends->arc.alpha)) * s->slip->mass <= ROUNDING * torque;
 }
 
-static bool constant_inputs(const Launch *l) {
-    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
-}
-
-/* Within half a period a homogeneous quantity has at most one zero. So if the rate is homogeneous (constant
- * inputs) or monotone (no zero of the curvature), a track that rises at the start is lowest at an end, and one
- * that falls is so unless its rate turns. */
-static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
+static inline bool ends_on_flank(const Stretch *s, const Ends *ends, int i) {
     const double sign = s->slip->flank[i];
-    const Contact *start = &ends->start[i], *end = &ends->end[i];
-    if (!(sign * start->value >= 0.0 && sign * end->value >= 0.0)) return false;
-    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
-    return sign * start->rate >= 0.0 || !may_turn(start->rate, end->rate);
+    return sign * ends->start.value[i] >= 0.0 && sign * ends->end.value[i] >= 0.0;
 }
 
+/* Does x_i surely never leave its flank? If its rate has at most one zero, one that rises at the start is lowest
+ * at an end; one that falls is so unless its rate turns. */
+static bool contact_quiet(const Stretch *s, const Ends *ends, int i) {
+    if (!is_short(s, ends) || !ends_on_flank(s, ends, i) || !bends_once(s, ends, i)) return false;
+    return s->slip->flank[i] * ends->start.rate[i] >= 0.0 || keeps_sign(ends->start.rate[i], ends->end.rate[i]);
+}
+
+/* Does omega surely never vanish? */
 static bool speed_quiet(const Stretch *s, const Ends *ends) {
     const double sign = s->slip->direction;
-    if (!(sign * ends->arc.omega > 0.0)) return false;
-    if (sign * s->launch.alpha >= 0.0 || !may_turn(s->launch.alpha, ends->arc.alpha)) return true;
-    return alpha_is_noise(s, ends);
+    if (!(sign * ends->arc.omega > 0.0) || !is_short(s, ends)) return false;
+    return sign * s->launch.alpha >= 0.0 || speed_is_monotone(s, ends) || alpha_is_noise(s, ends);
+}
+
+/* Without inertia the pin can rest elsewhere than where its speed vanishes, see Stretch.edge. */
+static bool has_edge(const Stretch *s) {
+    return s->slip->kind == FLOW_VISCOUS && s->edge != s->slip->transfer.rho;
 }
 
 bool event_quiet(const Stretch *s, const Ends *ends) {
     const Arc *arc = &ends->arc;
-    if (!(arc->t < s->slip->oscillator.half_period && arc->t <= s->slip->oscillator.horizon)) return false;
-    if (!(s->slip->direction * arc->dtheta < s->room) || !speed_quiet(s, ends)) return false;
-    return !s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1));
+    const double sign = s->slip->direction;
+    if (!(sign * arc->dtheta < s->room && sign * arc->omega > 0.0)) return false;
+    if (!(arc->t <= s->slip->oscillator.horizon) || has_edge(s)) return false;
+    if (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1))) return false;
+    if (ends->monotone) return true;
+    return speed_quiet(s, ends) && (!s->flanks || (contact_quiet(s, ends, 0) && contact_quiet(s, ends, 1)));
+}
+
+typedef struct {
+    const Stretch *stretch;
+    Kernel *kernel;
+    Ends *ends;
+    Event event;
+} Search;
+
+/* The search goes on before t, unless that is INFINITY: there is no such event. */
+static void keep(Search *search, EventKind kind, double t) {
+    if (!(t < INFINITY)) return;
+    search->event = (Event){.kind = kind, .t = t};
+    oscillator_kernel(&search->stretch->slip->oscillator, t, search->kernel);
+    event_ends(search->stretch, search->kernel, search->ends);
+}
+
+static void keep_descent(Search *search, EventKind kind, int quantity, double sign) {
+    const Probe probe = {.stretch = search->stretch, .quantity = quantity, .sign = sign};
+    const double t = first_descent(&probe, search->event.t);
+    if (t < search->event.t || search->event.kind == EVENT_NONE) keep(search, kind, t);
+}
+
+Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
+    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {EVENT_NONE, kernel->t}};
+    if (!speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
+    /* theta is monotone by now */
+    if (s->slip->direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(s, kernel->t));
+    if (has_edge(s)) keep_descent(&search, EVENT_REST, TRACK_EDGE, s->slip->direction);
+    for (int i = 0; s->flanks && i < 2; i++)
+        if (!contact_quiet(s, ends, i)) keep_descent(&search, EVENT_FLANK, i, s->slip->flank[i]);
+    return search.event;
 }
 
 /* Largest |track| between a and b, rate monotone between them, as far as it is more than `known`. */
@@ -330,23 +376,30 @@ static double peak_of(const Probe *probe, double t_end, double known) {
     return peak;
 }
 
-/* Is |x_i| surely largest at an end? */
-static bool peaks_at_end(const Stretch *s, const Contact *start, const Contact *end) {
-    if (!constant_inputs(&s->launch) && may_turn(start->curvature, end->curvature)) return false;
-    return !may_turn(start->rate, end->rate);
+/* Where it might not be at an end. */
+static void look_for_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
+    if (alpha_is_noise(s, ends)) return;
+    const double t = ends->arc.t;
+    const Probe speed = {.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0};
+    if (!is_short(s, ends) || !speed_is_monotone(s, ends)) peak_raise(&peak->omega, peak_of(&speed, t, peak->omega));
+    for (int i = 0; i < 2; i++) {
+        const Probe contact = {.stretch = s, .quantity = i, .sign = 1.0};
+        const double unit = s->slip->reaction[i];
+        if (!is_short(s, ends) || !contact_is_monotone(s, ends, i))
+            peak_raise(&peak->reaction[i], unit * peak_of(&contact, t, peak->reaction[i] / unit));
+    }
 }
 
-void event_peaks(const Stretch *s, const Ends *ends, const Peaks *known, double *omega, double reaction[2]) {
-    const bool long_step = !(ends->arc.t < s->slip->oscillator.half_period);
-    *omega = fmax(fabs(s->launch.omega), fabs(ends->arc.omega));
-    if ((long_step || may_turn(s->launch.alpha, ends->arc.alpha)) && !alpha_is_noise(s, ends))
-        *omega = fmax(*omega, peak_of(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0}, ends->arc.t,
-                                     known->omega));
-    for (int i = 0; i < 2; i++) {
-        double x = fmax(fabs(ends->start[i].value), fabs(ends->end[i].value));
-        if ((long_step || !peaks_at_end(s, &ends->start[i], &ends->end[i])) && !alpha_is_noise(s, ends))
-            x = fmax(x, peak_of(&(Probe){.stretch = s, .quantity = i, .sign = 1.0}, ends->arc.t,
-                                known->reaction[i] / s->slip->reaction[i]));
-        reaction[i] = x * s->slip->reaction[i];
-    }
+/* Not as a loop, which would not be unrolled. */
+static inline void raise_reaction(const Stretch *s, const Ends *ends, int i, Peaks *peak) {
+    peak_raise(&peak->reaction[i], s->slip->reaction[i] * ends->start.value[i]);
+    peak_raise(&peak->reaction[i], s->slip->reaction[i] * ends->end.value[i]);
+}
+
+void event_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
+    peak_raise(&peak->omega, s->launch.omega);
+    peak_raise(&peak->omega, ends->arc.omega);
+    raise_reaction(s, ends, 0, peak);
+    raise_reaction(s, ends, 1, peak);
+    if (!ends->monotone) look_for_peaks(s, ends, peak);
 }

@@ -36,18 +36,21 @@ typedef struct {
 /* Reactions and speeds at both ends of a stretch of length arc.t: what tells that nothing happens. */
 typedef struct {
     Arc arc;
-    Contact start[2], end[2];
+    ContactPair start, end;
+    bool monotone; /* omega and x_i are so for sure: largest and smallest at the ends */
 } Ends;
 
-void event_ends(const Stretch *stretch, const Kernel *kernel, bool contacts, Ends *ends);
+/* Contacts only if they matter, to flanks or ledger. */
+void event_ends(const Stretch *stretch, const Kernel *kernel, Ends *ends);
 
 /* True if no event can lie in (0, ends->arc.t]: a cheap sufficient test, exact but for rare cases. */
 bool event_quiet(const Stretch *stretch, const Ends *ends);
 
-/* The first event in [0, t_end], or EVENT_NONE. */
-Event event_first(const Stretch *stretch, double t_end);
+/* The first event up to the end of the arc in `ends`, which `kernel` describes, or EVENT_NONE. Both then describe the
+ * arc that ends with it. */
+Event event_first(const Stretch *stretch, Kernel *kernel, Ends *ends);
 
-/* Largest |omega| and |R_i| on [0, ends->arc.t] into *omega and reaction[2]; below `known` not looked for closely. */
-void event_peaks(const Stretch *stretch, const Ends *ends, const Peaks *known, double *omega, double reaction[2]);
+/* Raises the peaks of |omega| and |R_i| to the largest on [0, ends->arc.t]. */
+void event_peaks(const Stretch *stretch, const Ends *ends, Peaks *peak);
 
 #endif

@@ -105,7 +105,7 @@ Launch slip_launch(const Slip *slip, const Params *p, const Geometry *g, double 
         .tau_rate = inputs->tau[1],
         .F_ext = inputs->F_ext[0],
         .F_ext_rate = inputs->F_ext[1],
-        .force = spring_force(&p->spring, g->lift * theta) + inputs->F_ext[0],
+        .force = p->spring.preload + p->spring.stiffness * (g->lift * theta) + inputs->F_ext[0], /* it is linear */
     };
     switch (slip->kind) {
         case FLOW_INERTIAL: launch_inertial(slip, &l); break;
@@ -132,14 +132,14 @@ Arc slip_arc_start(const Slip *slip, const Launch *l) {
     return (Arc){.omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - slip->oscillator.decay2 * l->alpha};
 }
 
-Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
+void slip_arc(const Slip *slip, const Launch *l, const Kernel *k, Arc *arc) {
     const double decay2 = slip->oscillator.decay2, w2 = slip->oscillator.stiffness;
     const double b = base_speed(slip, l, k);
     const bool settles = k->lead != 0.0;
     const double alpha = l->alpha * k->ds + l->curvature * k->s;
     const double omega = settles ? b * (1.0 - w2 * k->p1) - k->lead * k->ds * l->alpha + l->drive * k->p1
                                  : l->omega + (l->alpha * k->s + l->curvature * k->p1);
-    return (Arc){
+    *arc = (Arc){
         .t = k->t,
         .dtheta = b * (k->s + decay2 * k->p1) + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 +
                   l->offset,
@@ -154,20 +154,33 @@ Arc slip_arc(const Slip *slip, const Launch *l, const Kernel *k) {
 Arc slip_arc_at(const Slip *slip, const Launch *l, double t) {
     Kernel kernel;
     oscillator_kernel(&slip->oscillator, t, &kernel);
-    return slip_arc(slip, l, &kernel);
+    Arc arc;
+    slip_arc(slip, l, &kernel, &arc);
+    return arc;
+}
+
+/* x_i, or with the time derivatives of all three its own. */
+static inline double contact(const Slip *slip, int i, double force, double omega, double alpha) {
+    return slip->transfer.axial[i] * force + slip->speed[i] * omega + slip->acceleration[i] * alpha;
 }
 
 Contact slip_contact(const Slip *slip, const Params *p, const Geometry *g, const Launch *l, const Arc *arc, int i) {
-    const double axial = slip->transfer.axial[i];
     const double spring = p->spring.stiffness * g->lift;
     const double w2 = slip->oscillator.stiffness, decay2 = slip->oscillator.decay2;
     const double snap = -decay2 * arc->jerk - w2 * arc->alpha; /* d jerk/dt */
     const double force = l->force + spring * arc->dtheta + l->F_ext_rate * arc->t;
     return (Contact){
-        .value = axial * force + slip->speed[i] * arc->omega + slip->acceleration[i] * arc->alpha,
-        .rate = axial * (spring * arc->omega + l->F_ext_rate) + slip->speed[i] * arc->alpha +
-                slip->acceleration[i] * arc->jerk,
-        .curvature = axial * spring * arc->alpha + slip->speed[i] * arc->jerk + slip->acceleration[i] * snap,
+        .value = contact(slip, i, force, arc->omega, arc->alpha),
+        .rate = contact(slip, i, spring * arc->omega + l->F_ext_rate, arc->alpha, arc->jerk),
+        .curvature = contact(slip, i, spring * arc->alpha, arc->jerk, snap),
+    };
+}
+
+ContactPair slip_contacts(const Slip *slip, double force, double force_rate, const Arc *arc) {
+    return (ContactPair){
+        .value = {contact(slip, 0, force, arc->omega, arc->alpha), contact(slip, 1, force, arc->omega, arc->alpha)},
+        .rate = {contact(slip, 0, force_rate, arc->alpha, arc->jerk),
+                 contact(slip, 1, force_rate, arc->alpha, arc->jerk)},
     };
 }
 

@@ -73,13 +73,21 @@ Launch slip_launch(const Slip *slip, const Params *params, const Geometry *g, do
 double slip_net_torque(const Slip *slip, const Launch *launch);
 
 Arc slip_arc_start(const Slip *slip, const Launch *launch); /* the arc of length 0 */
-Arc slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel);
+void slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel, Arc *arc);
 Arc slip_arc_at(const Slip *slip, const Launch *launch, double t);
 
 /* State of contact i along the arc: x_i and its first and second time derivatives. */
 typedef struct {
     double value, rate, curvature;
 } Contact;
+
+/* x_i and its first time derivative, of both contacts. */
+typedef struct {
+    double value[2], rate[2];
+} ContactPair;
+
+/* With F_s + F_ext and its rate, at the speed, alpha and jerk of the arc's end. */
+ContactPair slip_contacts(const Slip *slip, double force, double force_rate, const Arc *arc);
 
 Contact slip_contact(const Slip *slip, const Params *params, const Geometry *g, const Launch *launch,
                      const Arc *arc, int i);

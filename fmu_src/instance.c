@@ -101,6 +101,16 @@ static char *copy_of(const char *text) {
     return copy;
 }
 
+/* Start values into zeroed ones. */
+static void start(Instance *instance) {
+    Machine *machine = &instance->values.machine;
+    variables_start(&instance->values);
+    machine->params.tolerance = TOLERANCE_DEFAULT;
+    machine->resources = instance->resources;
+    instance->run = (Run){.phase = PHASE_INSTANTIATED, .use = instance->run.use};
+    instance_changed(instance);
+}
+
 Instance *instance_new(const Wish *wish, const Log *log) {
     if (wish->name == NULL)
         return refuse_instance(log, "", "%s: instanceName = NULL: allowed is any text", wish->function);
@@ -119,7 +129,7 @@ Instance *instance_new(const Wish *wish, const Log *log) {
     instance->log = *log;
     instance->following = wish->following;
     instance->run.use = (uint16_t)wish->use;
-    instance_reset(instance);
+    start(instance);
     return instance;
 }
 
@@ -132,14 +142,9 @@ void instance_free(Instance *instance) {
 }
 
 void instance_reset(Instance *instance) {
-    Machine *machine = &instance->values.machine;
-    model_free(machine);
+    model_free(&instance->values.machine);
     memset(&instance->values, 0, sizeof instance->values);
-    variables_start(&instance->values);
-    machine->params.tolerance = TOLERANCE_DEFAULT;
-    machine->resources = instance->resources;
-    instance->run = (Run){.phase = PHASE_INSTANTIATED, .use = instance->run.use};
-    instance_changed(instance);
+    start(instance);
 }
 
 bool instance_setup(Instance *instance, const char *function, const double *tolerance, double start_time,

@@ -7,16 +7,16 @@ void ledger_open(Ledger *ledger, double stored) {
     *ledger = (Ledger){.start = stored};
 }
 
-/* Most scenes lack some sink; a sink that takes nothing costs a comparison. */
+/* Most scenes lack these sinks; a sink that takes nothing costs a comparison. */
 static void add(Sum *account, double joule) {
     if (joule != 0.0) sum_add(account, joule);
 }
 
 void ledger_book(Ledger *ledger, const Booking *booking) {
-    add(&ledger->work_in, booking->work_in);
+    sum_add(&ledger->work_in, booking->work_in);
+    sum_add(&ledger->heat_cam[0], booking->heat_cam[0]);
+    sum_add(&ledger->heat_cam[1], booking->heat_cam[1]);
     add(&ledger->work_ext, booking->work_ext);
-    add(&ledger->heat_cam[0], booking->heat_cam[0]);
-    add(&ledger->heat_cam[1], booking->heat_cam[1]);
     add(&ledger->heat_damper, booking->heat_damper);
     add(&ledger->heat_shaft, booking->heat_shaft);
 }
@@ -38,5 +38,5 @@ double ledger_residual(const Ledger *ledger, double stored) {
 
 void peak_raise(double *peak, double value) {
     const double size = fabs(value);
-    if (size > *peak) *peak = size;
+    *peak = size > *peak ? size : *peak; /* no branch: nothing foretells which */
 }

@@ -196,14 +196,38 @@ static double hold(Mechanism *m, double left, Leg *leg) {
     return t;
 }
 
-/* A step at rest, the hold known from before. */
+/* A step at rest under constant inputs, the hold known from before. */
 static bool hold_again(Mechanism *m) {
     const Hold *hold = &m->cache.hold;
     const double tau = m->inputs.tau[0];
     if (!hold->valid || !(tau >= hold->lower && tau <= hold->upper)) return false;
-    if (!inputs_constant(&m->inputs) || m->inputs.F_ext[0] != hold->F_ext) return false;
+    if (m->inputs.F_ext[0] != hold->F_ext) return false;
     if (m->params.ledger) peak_raise(&m->state.ledger.peak.torque, tau);
     return true;
+}
+
+/* ---- the start of the step ---- */
+
+/* A step of h seconds starts here. Member by member: a copy of the whole would go by way of the stack. */
+static inline void begin_step(const Mechanism *m, double h, Step *step) {
+    const State *s = &m->state;
+    step->theta = s->theta;
+    step->omega = s->omega;
+    step->inputs = m->inputs;
+    step->h = h;
+    step->mode = s->mode;
+    memcpy(step->flank, s->flank, sizeof step->flank);
+    step->retuned = 0;
+}
+
+static void forget_tunables(State *s) {
+    if (s->step.retuned) s->tunables = (Tunables){.friction = {0.0}};
+}
+
+/* Before a step, of which nothing can fail any more, moves anything. */
+static void remember_step(Mechanism *m, double h) {
+    forget_tunables(&m->state);
+    begin_step(m, h, &m->state.step);
 }
 
 /* ---- slipping ---- */
@@ -219,16 +243,17 @@ static double band_edge(const Mechanism *m, int direction) {
 }
 
 static Stretch stretch_of(const Mechanism *m, const Slip *slip) {
-    const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
-    return (Stretch){
+    Stretch stretch = {
         .slip = slip,
         .params = &m->params,
         .geometry = &m->place.geometry,
         .launch = launch_of(m, slip),
-        .room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0),
         .flanks = has_friction(&m->params),
-        .edge = slip->kind == FLOW_VISCOUS ? band_edge(m, slip->direction) : slip->transfer.rho,
     };
+    const double stop = slip->direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    stretch.room = fmax(slip->direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
+    stretch.edge = slip->kind == FLOW_VISCOUS ? band_edge(m, slip->direction) : slip->transfer.rho;
+    return stretch;
 }
 
 static int present_index(const Mechanism *m) {
@@ -241,12 +266,9 @@ static Slip *present_slip(Mechanism *m) {
 
 static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
     Peaks *peak = &m->state.ledger.peak;
-    double omega, reaction[2];
-    event_peaks(s, ends, peak, &omega, reaction);
-    peak_raise(&peak->omega, omega);
+    event_peaks(s, ends, peak);
     peak_raise(&peak->torque, s->launch.tau);
     peak_raise(&peak->torque, s->launch.tau + s->launch.tau_rate * ends->arc.t);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], reaction[i]);
 }
 
 /* theta is known to rounding, which must not carry it past a stop. */
@@ -258,13 +280,20 @@ static void turn(Mechanism *m, double dtheta) {
     arrive(m);
 }
 
-/* Moves along the stretch to its end; false if a value would not be finite. */
-static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *kernel) {
+/* Moves along the stretch to its end, and remembers the start of a communication step of `step` seconds that this is,
+ * unless it is 0. False, with nothing changed, if a value would not be finite. */
+static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *kernel, double step) {
     const Arc *arc = &ends->arc;
-    if (!isfinite(arc->dtheta + arc->omega)) return false;
-    if (m->params.ledger) {
-        const Booking booking = slip_booking(s->slip, s->params, s->geometry, &s->launch, arc, kernel);
-        if (!isfinite(booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper)) return false;
+    const bool keeps = m->params.ledger;
+    Booking booking;
+    double all = arc->dtheta + arc->omega;
+    if (keeps) {
+        booking = slip_booking(s->slip, s->params, s->geometry, &s->launch, arc, kernel);
+        all += booking.work_in + booking.heat_cam[0] + booking.heat_cam[1] + booking.heat_damper;
+    }
+    if (!(fabs(all) <= DBL_MAX)) return false;
+    if (step > 0.0) remember_step(m, step);
+    if (keeps) {
         ledger_book(&m->state.ledger, &booking);
         record_slip(m, s, ends);
     }
@@ -274,27 +303,35 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     } else {
         m->state.omega = sum_of(arc->omega);
     }
-    inputs_advance(&m->inputs, arc->t);
+    if (s->launch.tau_rate != 0.0 || s->launch.F_ext_rate != 0.0) inputs_advance(&m->inputs, arc->t);
     return true;
 }
 
-/* The kernel of a whole communication step is kept: an unchanged step needs no new transcendental. */
-static Kernel *kernel_of_step(Mechanism *m, const Slip *slip, double h) {
-    Kernel *kernel = &m->cache.kernel[slip_index(slip->direction, slip->flank)];
-    if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
-    return kernel;
+/* Slips for the time of the kernel, or to the first event before; but if this is a whole communication step of `step`
+ * seconds, only if there is no event. False, with nothing changed, if there is, or a value would not be finite. */
+static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double step, EventKind *end) {
+    const Stretch stretch = stretch_of(m, slip);
+    Ends ends;
+    event_ends(&stretch, kernel, &ends);
+    *end = EVENT_NONE;
+    if (!event_quiet(&stretch, &ends)) {
+        if (step > 0.0) return false;
+        *end = event_first(&stretch, kernel, &ends).kind;
+    }
+    return commit(m, &stretch, &ends, kernel, step);
 }
 
-/* A whole step of inertial slip in which nothing happens: the common case. */
+/* A whole step of inertial slip in which nothing happens: the common case. The kernel of the step is kept: an
+ * unchanged step needs no new transcendental. */
 static bool slip_on(Mechanism *m, double h) {
-    if (!is_slip(m->state.mode) || m->state.omega.hi == 0.0) return false;
-    const Slip *slip = present_slip(m);
-    if (slip->kind != FLOW_INERTIAL || slip->direction != sign_of(m->state.omega.hi)) return false;
-    const Stretch stretch = stretch_of(m, slip);
-    Kernel *kernel = kernel_of_step(m, slip, h);
-    Ends ends;
-    event_ends(&stretch, kernel, stretch.flanks || m->params.ledger, &ends);
-    return event_quiet(&stretch, &ends) && commit(m, &stretch, &ends, kernel);
+    if (!is_slip(m->state.mode)) return false;
+    const int index = present_index(m);
+    const Slip *slip = &m->model.slip[index];
+    if (slip->kind != FLOW_INERTIAL || !(slip->direction * m->state.omega.hi > 0.0)) return false;
+    Kernel *kernel = &m->cache.kernel[index];
+    if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
+    EventKind none;
+    return slip_along(m, slip, kernel, h, &none);
 }
 
 static void stop_heat(Mechanism *m, double joule) {
@@ -329,19 +366,16 @@ static void land(Mechanism *m, int direction, EventKind kind, Leg *leg) {
 
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
 static double slip_to_event(Mechanism *m, double left, Leg *leg) {
-    const Slip *slip = present_slip(m);
-    const Stretch stretch = stretch_of(m, slip);
+    const int index = present_index(m);
+    const Slip *slip = &m->model.slip[index];
     const double horizon = fmin(left, slip->oscillator.horizon);
-    const Event event = event_first(&stretch, horizon);
-    const double t = event.kind == EVENT_NONE ? horizon : event.t;
-    Kernel kernel;
-    Ends ends;
-    oscillator_kernel(&slip->oscillator, t, &kernel);
-    event_ends(&stretch, &kernel, stretch.flanks || m->params.ledger, &ends);
-    if (!commit(m, &stretch, &ends, &kernel)) return NAN;
+    Kernel kernel = m->cache.kernel[index];
+    if (kernel.t != horizon) oscillator_kernel(&slip->oscillator, horizon, &kernel);
+    EventKind end;
+    if (!slip_along(m, slip, &kernel, 0.0, &end)) return NAN;
     leg->kind = LEG_ARC;
-    land(m, slip->direction, event.kind, leg);
-    return t;
+    land(m, slip->direction, end, leg);
+    return kernel.t;
 }
 
 /* ---- jams ---- */
@@ -746,38 +780,57 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
     return report(m, watcher, 0.0);
 }
 
-/* A whole step in which nothing happens: the common case. With it in curved grooves goes a glide that covers a part of
- * the step only: its h is left in *glide, else 0. */
-static bool advance_easily(Mechanism *m, double h, Way *way, Glide *glide) {
-    glide->h = 0.0;
-    if (hold_again(m)) return true;
-    if (is_closed_form(m)) return slip_on(m, h);
+/* A glide at the start of a step of h seconds, if it slips then, and the way of it. */
+static bool glides_first(const Mechanism *m, double h, Way *way, Glide *glide) {
     if (!slips_on(m)) return false;
     *way = way_from_here(m, present_index(m));
-    if (!find_glide(m, way, h, glide)) glide->h = 0.0;
-    if (glide->h != h) return false;
-    commit_glide(m, way, glide);
-    return true;
+    return find_glide(m, way, h, glide);
 }
 
-static bool advance(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+    const bool constant = inputs_constant(&m->inputs);
+    if (constant && hold_again(m)) {
+        remember_step(m, h);
+        return true;
+    }
+    const bool closed = constant ? m->model.closed_form : is_closed_form(m);
+    if (closed && slip_on(m, h)) return true;
     Way way;
     Glide glide;
-    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
-    if (advance_easily(m, h, &way, &glide)) return true;
+    const bool glides = !closed && glides_first(m, h, &way, &glide);
+    if (glides && glide.h == h) {
+        remember_step(m, h);
+        commit_glide(m, &way, &glide);
+        return true;
+    }
     const State state = m->state;
     const Inputs inputs = m->inputs;
-    double left = h - glide.h;
-    if (glide.h > 0.0) commit_glide(m, &way, &glide);
-    if (!is_closed_form(m)) left = leap_on(m, left, glide.h == 0.0);
+    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
+    Step step;
+    begin_step(m, h, &step);
+    double left = h;
+    if (glides) {
+        commit_glide(m, &way, &glide);
+        left -= glide.h;
+    }
+    if (!closed) left = leap_on(m, left, !glides);
     int jams = 0;
     if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
     if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);
-    if (left == 0.0) return true;
+    if (left == 0.0) {
+        if (watcher != NULL) step.h -= watcher->cut;
+        forget_tunables(&m->state);
+        m->state.step = step;
+        return true;
+    }
     const char *const what = failure_of(m, left, jams);
     undo(m, &state, &inputs);
     describe_failure(fault, m, h, what);
     return false;
+}
+
+bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
+    return mechanism_advance_watched(m, h, NULL, fault);
 }
 
 /* ---- events without time ---- */
@@ -814,31 +867,6 @@ bool mechanism_settle(Mechanism *m, Fault *fault) {
 }
 
 /* ---- the latest step ---- */
-
-static Step step_from_here(const Mechanism *m, double h) {
-    const State *s = &m->state;
-    return (Step){s->theta, s->omega, m->inputs, h, s->mode, {s->flank[0], s->flank[1]}, 0};
-}
-
-static void remember_step(Mechanism *m, const Step *step) {
-    if (m->state.step.retuned) m->state.tunables = (Tunables){.friction = {0.0}};
-    m->state.step = *step;
-}
-
-bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
-    const Step step = step_from_here(m, h);
-    if (!advance(m, h, NULL, fault)) return false;
-    remember_step(m, &step);
-    return true;
-}
-
-bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
-    Step step = step_from_here(m, h);
-    if (!advance(m, h, watcher, fault)) return false;
-    step.h -= watcher->cut;
-    remember_step(m, &step);
-    return true;
-}
 
 static Tunables tunables_of(const Params *p) {
     return (Tunables){{p->cam[0].friction, p->cam[1].friction}, p->spring, p->damper};

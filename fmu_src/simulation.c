@@ -11,12 +11,16 @@ static const double TIME_ROUNDING = 1e-12;
 
 /* ---- co-simulation ---- */
 
+static bool is_near(double t, double time, double h) {
+    return fabs(t - time) <= TIME_ROUNDING * fmax(h, fmax(fabs(t), fabs(time)));
+}
+
 static bool is_step(const Instance *instance, const char *function, double t, double h) {
     const double time = instance->run.time;
-    if (!(h > 0.0 && isfinite(h)))
+    if (!(h > 0.0 && h <= DBL_MAX))
         return instance_refuse(instance, "%s: communicationStepSize = %.17g: allowed is any finite number > 0",
                                function, h);
-    return (isfinite(t + h) && fabs(t - time) <= TIME_ROUNDING * fmax(h, fmax(fabs(t), fabs(time)))) ||
+    return (fabs(t + h) <= DBL_MAX && (t == time || is_near(t, time, h))) ||
            instance_refuse(instance, "%s: currentCommunicationPoint = %.17g: allowed is only the FMU's time, %.17g",
                            function, t, time);
 }
