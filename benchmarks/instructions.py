@@ -1,10 +1,10 @@
 """Instructions of loops over an FMU's steps, counted by callgrind.
 
-The loops are those that are timed, run again by replay.py in a bare Python under valgrind, from serialized FMU states
-that the caller has saved. Collection is on inside the FMU's own functions of a step only (toggled at their entry and
-exit), so neither the loop nor the setting back of states counts; each job begins at zero and ends with a file of its
-own. Functions of libm that the FMU calls count; callgrind knows no instructions newer than AVX2, so that a memcpy may
-be another one than outside.
+The loops are those that are timed, run again by replay.py in a bare Python under valgrind, from serialized
+FMU states that the caller has saved. Collection is on inside the FMU's own functions of a step only (toggled
+at their entry and exit), so neither the loop nor the setting back of states counts; each job begins at zero
+and ends with a file of its own. Functions of libm that the FMU calls count; callgrind knows no instructions
+newer than AVX2, so that a memcpy may be another one than outside.
 """
 
 from __future__ import annotations

@@ -1,39 +1,46 @@
-"""What the benchmarks' pictures have in common."""
+"""What the benchmarks' pictures have in common: a sheet with a footer that tells the circumstances."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
+from matplotlib.figure import SubFigure
+from numpy.typing import NDArray
 
-INK, PALE, ACCENT = "0.15", "0.72", "C0"
+PALE, ACCENT = "0.72", "C0"
+FOOTER = 0.5  # inches
 
 
-def blank(
-    width: float, height: float, rows: int = 1, columns: int = 1, **options: object
-) -> tuple[Figure, list]:
-    """A figure and its panels in a row."""
-    figure, axes = plt.subplots(
-        rows, columns, figsize=(width, height), layout="constrained", squeeze=False, **options
-    )
-    for panel in axes.flat:
+def sheet(width: float, height: float) -> SubFigure:
+    """What is to be drawn into; the footer comes below."""
+    figure = plt.figure(figsize=(width, height + FOOTER), layout="constrained")
+    parts: NDArray[Any] = figure.subfigures(2, 1, height_ratios=[height, FOOTER])  # type: ignore[assignment]
+    return parts[0]
+
+
+def blank(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[SubFigure, list[Axes]]:
+    """A sheet and its panels, row by row."""
+    body = sheet(width, height)
+    panels = list(body.subplots(rows, columns, squeeze=False).flat)
+    for panel in panels:
         panel.spines[["top", "right"]].set_visible(False)
         panel.grid(True, which="major", alpha=0.25)
         panel.set_axisbelow(True)
-    return figure, list(axes.flat)
+    return body, panels
 
 
-def finish(figure: Figure, facts: Mapping[str, str], path: Path) -> None:
-    """Writes it with the circumstances below."""
+def finish(body: SubFigure, facts: Mapping[str, str], path: Path) -> None:
+    figure = body.get_figure(root=True)
     first = f"{facts['command']}    commit {facts['commit']}    {facts['date']}"
-    figure.supxlabel(
-        f"{first}\n{facts['machine']}\n{facts['versions']}", fontsize=7, color="0.45", x=0.01, ha="left"
-    )
+    words = f"{first}\n{facts['machine']}\n{facts['versions']}"
+    figure.subfigs[1].text(0.01, 0.5, words, fontsize=7, color="0.45", ha="left", va="center")
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     plt.close(figure)

@@ -1,5 +1,6 @@
-"""The structures of slave.h, and an FMU 2.0 stepped without a master: ctypes and nothing else, so that little runs
-beside it under callgrind."""
+"""The structures of slave.h, and an FMU 2.0 stepped without a master: ctypes and nothing else, so that little
+runs beside it under callgrind.
+"""
 
 from __future__ import annotations
 

@@ -16,10 +16,10 @@ called through pointers, x in [0, 2 pi] from memory, results summed, so that con
 overlap. The same with each call waiting for the one before is printed as well; it is the slower of the
 two and not used in any ratio.
 
-Instructions per step are counted by callgrind over the same blocks (instructions.py). The limit of a scene is the time
-of what cannot be left out: the three calls of an FMU that does nothing, and the exponentials or the evaluations of the
-acceleration that its step needs at least (Least), at the price that each has by itself: an evaluation that of
-integrators.c, which has nothing in common with the FMU's code.
+Instructions per step are counted by callgrind over the same blocks (instructions.py). The limit of a scene is
+the time of what cannot be left out: the three calls of an FMU that does nothing, and the exponentials or the
+evaluations of the acceleration that its step needs at least (Least), at the price that each has by itself: an
+evaluation that of integrators.c, which has nothing in common with the FMU's code.
 """
 
 from __future__ import annotations
@@ -796,7 +796,7 @@ def main() -> None:
     for scene in cast:
         add(scene.name, scene.what, scene.target, runs[scene.name][1], scene.least)
     console.print(
-        "Median ratio (quartiles); limit: what cannot be left out; instr.: instructions; events: mode changes per step",
+        "Median ratio (quartiles); limit: what cannot be left out; events: mode changes per step",
         in_c,
         in_fmpy,
         sep="\n",

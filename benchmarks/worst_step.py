@@ -1,18 +1,19 @@
-"""The worst of a million steps, for hardware in the loop: how long, how many instructions, what happens in it.
+"""The worst of a million steps, for hardware in the loop: how long, how many instructions, what happens.
 
     ./build.sh worst
 
 A run of 10^6 steps of 1 ms goes through stick, breakaway both ways, reversals, flank changes, both stops with
 bounces, a follower force that turns the load around, torque and force that jump, ramps and swings, a torque
 that alternates from step to step: segments of random kind, length and level. A step sets both inputs (and the
-torque's rate, where it is a ramp), steps, reads angle and speed. The run is repeated from the same saved state;
-the least time of each step over the rounds is the step's own, free of interrupts, which are never at the same
-step twice.
+torque's rate, where it is a ramp), steps, reads angle and speed. The run is repeated from the same saved
+state; the least time of each step over the rounds is the step's own, free of interrupts, which are never at
+the same step twice.
 
-Then callgrind counts the instructions of single steps (instructions.py), each from a saved state LEAD_IN steps
-before: the longest steps, the longest with so many mode changes and of each kind, and as many at random, which show how
-far time stands for instructions. What happens in a step is told by its modes, stop heat and reactions before and after,
-read in a run of its own. Where there is no valgrind there are times only.
+Then callgrind counts the instructions of single steps (instructions.py), each from a saved state LEAD_IN
+steps before: the longest steps, the longest with so many mode changes and of each kind, and as many at
+random, which show how far time stands for instructions. What happens in a step is told by its modes, stop
+heat and reactions before and after, read in a run of its own. Where there is no valgrind there are times
+only.
 
 bound() is what holds by construction: the product of the limits of all loops, as they are written in the C
 sources.
@@ -29,6 +30,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +51,7 @@ STICK, LOADING, RELEASING, LOWER, UPPER, WEDGED = range(1, 7)
 READ = ("theta", "omega", "energy.heat_stop", "cam1.reaction", "cam2.reaction")
 RESULTS = ROOT / "benchmarks/results"
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 
 
 # ---- Scenes -------------------------------------------------------------------------------------------
@@ -228,7 +230,8 @@ class Rig:
         return integers, reals
 
     def jobs(self, chosen: NDArray[np.intp]) -> list[instructions.Job]:
-        """For instructions.count(): each of the chosen steps, in rising order, from the state LEAD_IN steps before."""
+        """For instructions.count(): each of the chosen steps, in rising order, from the state LEAD_IN steps
+        before."""
         fmu = self.slave.fmu
         fmu.setFMUState(self.state)
         found, here = [], 0
@@ -261,6 +264,10 @@ class Rig:
 
 
 # ---- What happens -------------------------------------------------------------------------------------
+
+
+def plural(changes: int) -> str:
+    return f"{changes} mode change" + ("" if changes == 1 else "s")
 
 
 @dataclass
@@ -317,7 +324,7 @@ class History:
     def story(self, k: int) -> str:
         """What happens in step k."""
         names = ("", "stick", "loading", "releasing", "lower stop", "upper stop", "wedged")
-        words = [f"{names[self.before[k]]} to {names[self.after[k]]}", f"{self.changes[k]} mode changes"]
+        words = [f"{names[self.before[k]]} to {names[self.after[k]]}", plural(int(self.changes[k]))]
         facts = (
             (self.impact, "impact"),
             (self.flank, "other flank"),
@@ -356,6 +363,7 @@ class Bound:
     solves: int  # of the collocation equations in each of these
     evaluations: int  # of the balance of forces per solve
     changes: int  # mode changes per step
+    play: int  # evaluations per solve without inertia and damping
 
     @property
     def solves_per_change(self) -> int:
@@ -367,12 +375,12 @@ class Bound:
 
 
 def bound() -> Bound:
-    """passage_find() shortens by 8 from the time left to SHORTEST of it; solve_well() solves up to MAX_SHORTENINGS
-    times, find_event() looks for each of the six watched events twice, and each time shortens the leap up to ITERATIONS
-    times and nudges it NUDGES times; each solve iterates MAX_ITERATIONS times over RADAU_MAX nodes and starts from one
-    more balance."""
+    """passage_find() shortens by 8 from the time left to SHORTEST of it; solve_well() solves up to
+    MAX_SHORTENINGS times, find_event() looks for each of the six watched events twice, and each time shortens
+    the leap up to ITERATIONS times and nudges it NUDGES times; each solve iterates MAX_ITERATIONS times over
+    RADAU_MAX nodes and starts from one more balance."""
     c = limits()
-    watched = 6
+    watched = 6  # WATCH_COUNT
     searches = math.ceil(math.log(1.0 / c["passage.SHORTEST"], 8.0))
     find = 2 * watched * (c["passage.ITERATIONS"] + 1 + c["passage.NUDGES"])
     return Bound(
@@ -380,13 +388,15 @@ def bound() -> Bound:
         solves=int(c["passage.MAX_SHORTENINGS"] + find),
         evaluations=int(c["leap.MAX_ITERATIONS"] * c["radau.RADAU_MAX"] + 1),
         changes=int(c["mechanism.MAX_EVENTS_PER_STEP"]),
+        play=int((c["leap.ITERATIONS"] + 1) * c["radau.RADAU_MAX"]),
     )
 
 
 def bound_of_closed_form() -> int:
-    """Evaluations of the closed form per mode change, in steps of up to half a period of the oscillation: first_descent()
-    goes through two bows for speed (or band edge) and each contact, finds a zero of rate and of value in each;
-    time_of_way() is one more root; peak_of() looks at the extrema of twice BOWS bows of the same three."""
+    """Evaluations of the closed form per mode change, in steps of up to half a period of the oscillation:
+    first_descent() goes through two bows for speed (or band edge) and each contact, finds a zero of rate and
+    of value in each; time_of_way() is one more root; peak_of() looks at the extrema of twice BOWS bows of the
+    same three."""
     c = limits()
     root, bows = c["event.ROOT"], c["event.BOWS"]
     return int(3 * 2 * (2 * root + 2) + root + 3 * (2 * bows * (root + 1) + 1))
@@ -408,6 +418,12 @@ class Study:
         """Most instructions among the counted steps of that mask; 0 if none was counted."""
         inside = mask[self.chosen]
         return int(self.instructions[inside].max()) if inside.any() else 0
+
+    def counted_per_change(self, mask: NDArray[np.bool_]) -> int:
+        """The same, of instructions over mode changes and one more: what lies between them."""
+        inside = mask[self.chosen]
+        each = self.instructions / (1 + self.history.changes[self.chosen])
+        return int(each[inside].max()) if inside.any() else 0
 
     @property
     def worst(self) -> int:
@@ -445,7 +461,8 @@ QUANTILES = (0.5, 0.9, 0.99, 0.999, 0.9999, 1.0)
 
 
 def rows_of(made: Study) -> Iterator[dict[str, str]]:
-    """Quantiles of the time, then each kind of step and each number of mode changes with what it costs at most."""
+    """Quantiles of the time, then each kind of step and each number of mode changes with what it costs at
+    most."""
 
     def row(what: str, mask: NDArray[np.bool_], happens: str = "") -> dict[str, str]:
         times = made.seconds[mask]
@@ -456,6 +473,7 @@ def rows_of(made: Study) -> Iterator[dict[str, str]]:
             "ns_median": f"{1e9 * np.median(times):.0f}" if len(times) else "",
             "ns_worst": f"{1e9 * times.max():.0f}" if len(times) else "",
             "instructions_worst": f"{n}" if (n := made.counted(mask)) else "",
+            "instructions_per_change_worst": f"{n}" if (n := made.counted_per_change(mask)) else "",
             "happens": happens,
             "limit": "",
         }
@@ -475,7 +493,7 @@ def rows_of(made: Study) -> Iterator[dict[str, str]]:
         name = (
             f"{low}" if high == low + 1 else f"{low} to {high - 1}" if high < math.inf else f"{low} and more"
         )
-        yield row(f"{name} mode changes", mask)
+        yield row(plural(1) if name == "1" else f"{name} mode changes", mask)
 
 
 def bound_rows() -> Iterator[dict[str, str]]:
@@ -492,6 +510,7 @@ def bound_rows() -> Iterator[dict[str, str]]:
             "their product, and three peaks",
         ),
         ("evaluations per step", b.evaluations_per_step, "the product of all"),
+        ("evaluations per solve, play", b.play, "without inertia and damping: (ITERATIONS + 1) x RADAU_MAX"),
         ("closed form: evaluations per mode change", closed, "roots of at most 200 evaluations: event.c"),
         ("closed form: evaluations per step", float(b.changes) * closed, "the product"),
     ):
@@ -500,6 +519,7 @@ def bound_rows() -> Iterator[dict[str, str]]:
             "what": what,
             **empty,
             "instructions_worst": "",
+            "instructions_per_change_worst": "",
             "happens": why,
             "limit": f"{number:.6g}",
         }
