@@ -193,9 +193,8 @@ def worst_step(folder: Path, picture: str) -> str:
         cells = [what]
         for scene in scenes:
             steps, counted = of(scene, what, "steps"), of(scene, what, "instructions_worst")
-            cells.append(
-                f"{steps}: {in_us(scene, what, 'ns_worst')} us, {counted}" if steps != "0" else "none"
-            )
+            longest = f"{steps}: {in_us(scene, what, 'ns_worst')} us" + (f", {counted}" if counted else "")
+            cells.append(longest if steps != "0" else "none")
         return cells
 
     evaluation = float(row_of(read(folder, "step_cost"), scene="evaluation")["ns_per_step"])
@@ -291,6 +290,7 @@ GROWTH = {  # why what is not flat is not
     "table points: step": "in proportion to the knots that it passes, each of which ends a leap: see below",
     "table points: initialise": "what initialising takes without any table is shared by few points",
     "steps": "the first step after instantiating meets cold caches",
+    "instances: step": "many do not fit into the processor's caches",
     "instances: initialise": "a single one meets cold caches",
     "instances: instantiate": "many do not fit into the processor's caches, and the system clears new memory",
 }

@@ -427,8 +427,8 @@ class Study:
 
     @property
     def worst(self) -> int:
-        """Place in `chosen` of the step with most instructions."""
-        return int(np.argmax(self.instructions))
+        """Place in `chosen` of the step with most instructions, or of the longest where none are counted."""
+        return int(np.argmax(self.instructions if self.instructions.any() else self.seconds[self.chosen]))
 
 
 def longest(seconds: Array, count: int, mask: NDArray[np.bool_] | None = None) -> NDArray[np.intp]:
@@ -537,6 +537,8 @@ def picture(studies: list[Study], facts: dict[str, str], path: Path) -> None:
         spread.loglog(1e6 * seconds[keep], share[keep], color=colour, lw=1.8, label=made.scene.name)
         spread.plot(1e6 * seconds[0], share[0], "o", color=colour, ms=6)
         times = 1e6 * made.seconds[made.chosen]
+        if not made.instructions.any():
+            continue
         relation.loglog(times, made.instructions, ".", color=colour, ms=3, alpha=0.5)
         w = made.worst
         relation.plot(times[w], int(made.instructions[w]), "o", color=colour, ms=7, label=made.scene.name)
@@ -547,7 +549,10 @@ def picture(studies: list[Study], facts: dict[str, str], path: Path) -> None:
     relation.set_xlabel("time of a step [us]")
     relation.set_ylabel("instructions")
     relation.set_title("Counted steps, with the worst of each run", fontsize=11)
-    relation.legend(frameon=False)
+    if any(made.instructions.any() for made in studies):
+        relation.legend(frameon=False)
+    else:
+        relation.text(0.5, 0.5, instructions.WITHOUT, ha="center", transform=relation.transAxes)
     pictures.finish(figure, facts, path)
 
 
@@ -586,7 +591,7 @@ def report(studies: list[Study], console: Console) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--steps", type=int, default=1_000_000, help="per scene (10^6)")
-    parser.add_argument("--rounds", type=int, default=7, help="times that every step is timed (7)")
+    parser.add_argument("--rounds", type=int, default=5, help="times that every step is timed (5)")
     parser.add_argument(
         "--count", type=int, default=200, help="longest steps whose instructions are counted (200)"
     )
