@@ -577,7 +577,8 @@ def commit() -> str:
 
     try:
         revision = git("rev-parse", "--short", "HEAD")
-        changed = git("status", "--porcelain", "--untracked-files=no")
+        written = (":!benchmarks/results", ":!docs")  # by the benchmarks before this one
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     except OSError:
         return "unknown"
     return (revision or "none yet") + (" with changes" if changed else "")

@@ -69,7 +69,7 @@ def test_callgrind_counts_what_the_processor_executes(name, single_step):
 
 @counts
 def test_as_many_more_steps_take_as_many_more_instructions():
-    """At rest, where each step does the same; one of an FMU that does nothing takes some, and the same each time."""
+    """At rest, where each step does the same. One of an FMU that does nothing takes some, always the same."""
     scene = next(s for s in step_cost.straight_scenes() if s.name == "stuck")
     loops = step_cost.compile_loops()
     run, _ = step_cost.prepare(scene, loops)
