@@ -40,7 +40,9 @@ def read(folder: Path, name: str) -> list[Row]:
 
 
 def prose(text: str) -> str:
-    return textwrap.fill(" ".join(text.split()), 118, break_long_words=False, break_on_hyphens=False)
+    hang = "  " if text.startswith("- ") else ""
+    line = " ".join(text.split())
+    return textwrap.fill(line, 118, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -241,7 +243,9 @@ def worst_step(folder: Path, picture: str) -> str:
             solve is at most {limit("evaluations per solve")} evaluations of the balance of forces
             ({limit("evaluations per solve, play")} without inertia and damping):
             {limit("evaluations per mode change")} evaluations per mode change,
-            {limit("evaluations per step")} per step. In closed form, for steps up to half a period of the
+            {limit("evaluations per step")} per step. The instant of an event is sought in polynomials of
+            the nodes, halved {limit("depth of halving")} deep at most; contacts that jam and let go again
+            are given {limit("jams per step")} times. In closed form, for steps up to half a period of the
             oscillation, it is {limit("closed form: evaluations per mode change")} evaluations per mode
             change, {limit("closed form: evaluations per step")} per step."""
         ),
@@ -251,7 +255,7 @@ def worst_step(folder: Path, picture: str) -> str:
             {rounded(str(bound / longest))} times the longest step met. What a mode change costs varies much
             less than what is allowed for it: the instructions of a step, divided by its mode changes and
             one more, are at most {per_change or "not counted"}. A motion that changes its mode without end
-            takes {allowed} times as much until it is refused."""
+            takes up to {allowed} times as much until it is refused."""
         ),
         prose(
             """No constant bounds the leaps that end at a border between two pieces of a course: there are as

@@ -497,7 +497,7 @@ def rows_of(made: Study) -> Iterator[dict[str, str]]:
 
 
 def bound_rows() -> Iterator[dict[str, str]]:
-    b, closed = bound(), bound_of_closed_form()
+    b, closed, c = bound(), bound_of_closed_form(), limits()
     empty = {"steps": "", "ns_median": "", "ns_worst": ""}
     for what, number, why in (
         ("mode changes per step", b.changes, "MAX_EVENTS_PER_STEP of mechanism.c: beyond, a step is refused"),
@@ -509,6 +509,8 @@ def bound_rows() -> Iterator[dict[str, str]]:
             b.solves_per_change * b.evaluations,
             "their product, and three peaks",
         ),
+        ("depth of halving", c["bernstein.MAX_DEPTH"], "MAX_DEPTH of bernstein.c: an interval without width"),
+        ("jams per step", c["mechanism.MAX_JAMS_PER_STEP"], "MAX_JAMS_PER_STEP of mechanism.c"),
         ("evaluations per step", b.evaluations_per_step, "the product of all"),
         ("evaluations per solve, play", b.play, "without inertia and damping: (ITERATIONS + 1) x RADAU_MAX"),
         ("closed form: evaluations per mode change", closed, "roots of at most 200 evaluations: event.c"),
