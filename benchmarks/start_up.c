@@ -1,5 +1,5 @@
-/* Seconds from nothing to the first step of an FMU, in a process of its own: load the library and look up its functions,
- * instantiate, initialise, make one step.
+/* Seconds from nothing to the first step of an FMU, in a process of its own: load the library and look up its
+ * functions, instantiate, initialise, make one step.
  *
  *     start_up LIBRARY GUID RESOURCES REFERENCE-OF-TAU */
 #define _POSIX_C_SOURCE 199309L

@@ -24,12 +24,14 @@ static bool take(const Rig *rig, const Program *p, size_t k) {
     const fmi2Integer order = 1;
     double out[2];
     bool good = s->set_real(s->component, rig->inputs, 2, in) == fmi2OK;
-    if (p->tau_rate[k] != 0.0) good &= rig->set_rate(s->component, rig->inputs, 1, &order, p->tau_rate + k) == fmi2OK;
+    if (p->tau_rate[k] != 0.0)
+        good &= rig->set_rate(s->component, rig->inputs, 1, &order, p->tau_rate + k) == fmi2OK;
     good &= s->do_step(s->component, (double)(p->first + k) * p->step, p->step, fmi2True) == fmi2OK;
     return s->get_real(s->component, s->outputs, 2, out) == fmi2OK && good;
 }
 
-/* Keeps the least seconds of each step over all calls, with those of reading the clock. Returns how many steps failed. */
+/* Keeps the least seconds of each step over all calls, with those of reading the clock. Returns how many steps
+ * failed. */
 EXPORT size_t time_steps(const Rig *rig, const Program *p, double least[]) {
     size_t failed = 0;
     for (size_t k = 0; k < p->count; k++) {
@@ -59,7 +61,8 @@ typedef struct {
     size_t count;
 } Reading;
 
-EXPORT size_t record_steps(const Rig *rig, const Program *p, const Reading *r, fmi2Integer integers[], double reals[]) {
+EXPORT size_t record_steps(const Rig *rig, const Program *p, const Reading *r, fmi2Integer integers[],
+                           double reals[]) {
     const Slave *s = &rig->slave;
     size_t failed = 0;
     for (size_t k = 0; k < p->count; k++) {

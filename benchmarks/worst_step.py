@@ -359,19 +359,19 @@ def limits() -> dict[str, float]:
 class Bound:
     """Of the general mechanism: how often each thing can happen at most inside the next."""
 
-    searches: int  # leaps tried per mode change, each a share shorter
+    searches: int  # leaps tried per leg, each a share shorter
     solves: int  # of the collocation equations in each of these
     evaluations: int  # of the balance of forces per solve
-    changes: int  # mode changes per step
+    legs: int  # per step: each to a mode change, a border of a piece, or as far as one leap can go
     play: int  # evaluations per solve without inertia and damping
 
     @property
-    def solves_per_change(self) -> int:
+    def solves_per_leg(self) -> int:
         return self.searches * self.solves + 3  # and the three peaks
 
     @property
     def evaluations_per_step(self) -> float:
-        return float(self.changes) * self.solves_per_change * self.evaluations
+        return float(self.legs) * self.solves_per_leg * self.evaluations
 
 
 def bound() -> Bound:
@@ -387,13 +387,13 @@ def bound() -> Bound:
         searches=searches,
         solves=int(c["passage.MAX_SHORTENINGS"] + find),
         evaluations=int(c["leap.MAX_ITERATIONS"] * c["radau.RADAU_MAX"] + 1),
-        changes=int(c["mechanism.MAX_EVENTS_PER_STEP"]),
+        legs=int(c["mechanism.MAX_EVENTS_PER_STEP"]),
         play=int((c["leap.ITERATIONS"] + 1) * c["radau.RADAU_MAX"]),
     )
 
 
 def bound_of_closed_form() -> int:
-    """Evaluations of the closed form per mode change, in steps of up to half a period of the oscillation:
+    """Evaluations of the closed form per leg, in steps of up to half a period of the oscillation:
     first_descent() goes through two bows for speed (or band edge) and each contact, finds a zero of rate and
     of value in each; time_of_way() is one more root; peak_of() looks at the extrema of twice BOWS bows of the
     same three."""
@@ -411,7 +411,6 @@ class Study:
     seconds: Array
     history: History
     chosen: NDArray[np.intp]
-    random: NDArray[np.bool_]  # of the chosen: picked at random
     instructions: NDArray[np.int64]
 
     def counted(self, mask: NDArray[np.bool_]) -> int:
@@ -425,6 +424,15 @@ class Study:
         each = self.instructions / (1 + self.history.changes[self.chosen])
         return int(each[inside].max()) if inside.any() else 0
 
+    def uncounted(self) -> tuple[NDArray[np.bool_], int]:
+        """The steps that were not counted, and how many instructions they have at most: as many as their time
+        allows at the highest rate of a counted step of a microsecond or more."""
+        mask = np.ones(len(self.seconds), dtype=bool)
+        mask[self.chosen] = False
+        times = self.seconds[self.chosen]
+        rates = self.instructions[times >= 1e-6] / times[times >= 1e-6]
+        return mask, int(rates.max(initial=0.0) * self.seconds[mask].max(initial=0.0))
+
     @property
     def worst(self) -> int:
         """Place in `chosen` of the step with most instructions, or of the longest where none are counted."""
@@ -436,13 +444,12 @@ def longest(seconds: Array, count: int, mask: NDArray[np.bool_] | None = None) -
     return inside[np.argsort(seconds[inside])[-count:]]
 
 
-def choose(seconds: Array, history: History, count: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The steps to count, rising, and which of them are there by chance."""
+def choose(seconds: Array, history: History, count: int) -> NDArray[np.intp]:
+    """The steps to count, rising."""
     masks = [history.changes == n for n in np.unique(history.changes)] + list(history.kinds().values())
     picked = [longest(seconds, count), *(longest(seconds, max(1, count // 10), mask) for mask in masks)]
     chance = np.random.default_rng(5).choice(len(seconds), min(count, len(seconds)), replace=False)
-    chosen = np.unique(np.concatenate([*picked, chance]))
-    return chosen, np.isin(chosen, chance)
+    return np.unique(np.concatenate([*picked, chance]))
 
 
 def study(scene: Scene, count: int, rounds: int, counted: int, console: Console) -> Study:
@@ -450,8 +457,8 @@ def study(scene: Scene, count: int, rounds: int, counted: int, console: Console)
     rig = Rig(scene.parameters, steps)
     history = History.of(*rig.record(), steps)
     seconds = rig.time(rounds, scene.name, console)
-    chosen, by_chance = choose(seconds, history, counted)
-    return Study(scene, seconds, history, chosen, by_chance, rig.count(chosen))
+    chosen = choose(seconds, history, counted)
+    return Study(scene, seconds, history, chosen, rig.count(chosen))
 
 
 # ---- Results ------------------------------------------------------------------------------------------
@@ -479,6 +486,8 @@ def rows_of(made: Study) -> Iterator[dict[str, str]]:
         }
 
     everything = np.ones(len(made.seconds), dtype=bool)
+    mask, most = made.uncounted()
+    yield {**row("not counted", mask), "instructions_worst": f"{most}" if most else ""}
     yield row("all", everything, made.history.story(int(made.chosen[made.worst])))
     for q in QUANTILES:
         at_least = made.seconds >= np.quantile(made.seconds, q, method="higher")
@@ -500,21 +509,21 @@ def bound_rows() -> Iterator[dict[str, str]]:
     b, closed, c = bound(), bound_of_closed_form(), limits()
     empty = {"steps": "", "ns_median": "", "ns_worst": ""}
     for what, number, why in (
-        ("mode changes per step", b.changes, "MAX_EVENTS_PER_STEP of mechanism.c: beyond, a step is refused"),
-        ("searches per mode change", b.searches, "passage_find(): shorter by 8 down to SHORTEST"),
+        ("legs per step", b.legs, "MAX_EVENTS_PER_STEP of mechanism.c: beyond, a step is refused"),
+        ("searches per leg", b.searches, "passage_find(): shorter by 8 down to SHORTEST"),
         ("solves per search", b.solves, "MAX_SHORTENINGS + 2 x 6 watched events x (ITERATIONS + 1 + NUDGES)"),
         ("evaluations per solve", b.evaluations, "MAX_ITERATIONS x RADAU_MAX + 1"),
         (
-            "evaluations per mode change",
-            b.solves_per_change * b.evaluations,
+            "evaluations per leg",
+            b.solves_per_leg * b.evaluations,
             "their product, and three peaks",
         ),
         ("depth of halving", c["bernstein.MAX_DEPTH"], "MAX_DEPTH of bernstein.c: an interval without width"),
         ("jams per step", c["mechanism.MAX_JAMS_PER_STEP"], "MAX_JAMS_PER_STEP of mechanism.c"),
         ("evaluations per step", b.evaluations_per_step, "the product of all"),
         ("evaluations per solve, play", b.play, "without inertia and damping: (ITERATIONS + 1) x RADAU_MAX"),
-        ("closed form: evaluations per mode change", closed, "roots of at most 200 evaluations: event.c"),
-        ("closed form: evaluations per step", float(b.changes) * closed, "the product"),
+        ("closed form: evaluations per leg", closed, "roots of at most 200 evaluations: event.c"),
+        ("closed form: evaluations per step", float(b.legs) * closed, "the product"),
     ):
         yield {
             "scene": "bound",
@@ -585,7 +594,7 @@ def report(studies: list[Study], console: Console) -> None:
     b = bound()
     console.print(
         f"Bound: {b.evaluations_per_step:.2g} evaluations of the balance of forces in a step,"
-        f" {b.solves_per_change * b.evaluations:.2g} per mode change.",
+        f" {b.solves_per_leg * b.evaluations:.2g} per leg of it.",
         highlight=False,
     )
 
