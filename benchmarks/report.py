@@ -209,9 +209,8 @@ def worst_step(folder: Path, picture: str) -> str:
     unseen = "Where callgrind is missing nothing is counted."
     if all(rest.values()):
         unseen = prose(
-            f"""The steps that were not counted take so much less time that even at the highest rate met they
-            have at most {", ".join(f"{number} ({scene})" for scene, number in rest.items())}
-            instructions."""
+            f"""At the highest rate of instructions met, the time of the steps that were not counted allows at
+            most {", ".join(f"{number} ({scene})" for scene, number in rest.items())}."""
         )
     text = [
         "## The worst step",
