@@ -34,6 +34,7 @@ import random
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -68,9 +69,12 @@ Parameters = dict[str, float | str]
 
 
 @functools.cache
-def unpacked(path: Path) -> str:
-    """An FMU is unpacked once, however many instances there are: they run from the same file."""
-    return str(extract(str(path), unzipdir=str(build_fmu.BUILD / "step_cost" / path.stem)))
+def unpacked(path: Path) -> tempfile.TemporaryDirectory[str]:
+    """An FMU is unpacked once, however many instances there are: they run from the same file. It is this
+    process's own: another one must not write over it."""
+    folder = tempfile.TemporaryDirectory(prefix=path.stem)
+    extract(str(path), unzipdir=folder.name)
+    return folder
 
 
 class Slave:
@@ -83,7 +87,7 @@ class Slave:
         self.types = {v.name: v.type for v in description.modelVariables}
         self.fmu = FMU2Slave(
             guid=description.guid,
-            unzipDirectory=unpacked(path),
+            unzipDirectory=unpacked(path).name,
             modelIdentifier=identifier,
             instanceName=identifier,
         )
@@ -287,7 +291,9 @@ def tables() -> Parameters:
     start = math.sqrt(0.5)
     z = 0.05 * (np.sqrt(1.0 - (start - 0.4 * psi) ** 2) - start)
     rows = [f"{p!r},{h!r}" for p, h in zip(psi.tolist(), z.tolist(), strict=True)]
-    path.write_text("\n".join(["psi_rad,z_m", *rows]) + "\n")
+    text = "\n".join(["psi_rad,z_m", *rows]) + "\n"
+    if not path.exists() or path.read_text() != text:  # another process may be reading it
+        path.write_text(text)
     return {"cam1.profile": 3, "cam2.profile": 3, "cam1.table": str(path), "cam2.table": str(path)}
 
 
