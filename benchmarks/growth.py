@@ -1,10 +1,11 @@
 """How cost grows: with instances, steps, table points and threads; and what starting up costs.
 
-    ./build.sh growth [--steps 10000000]
+    ./build.sh growth
 
-Everything runs through growth.c. A step is: set tau, 1 ms, read theta and omega; tau is to and fro, so that
-the cam slips, reverses and sticks. Times are medians over rounds in which all sizes take their turn; memory
-is what the process gained (resident). What does not rise per unit grows linearly.
+Everything runs through growth.c, starting up in start_up.c, a process each. A step is: set tau, 1 ms, read
+theta and omega; tau is to and fro, so that the cam slips, reverses and sticks. Times are medians over rounds
+in which all sizes take their turn; memory is what the process gained (resident). What does not rise per unit
+grows linearly.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,10 +28,14 @@ from rich.console import Console
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks")]
 import build_fmu  # noqa: E402
+import instructions  # noqa: E402
+import pictures  # noqa: E402
 import step_cost  # noqa: E402
 from work_precision import circumstances  # noqa: E402
 
+START_UP = ("load the library", "instantiate", "initialise", "first step")
 TORQUES = (8.0, 1.0)  # N.m, 32 steps each
+TABLE_WIDTH = 1.8  # rad
 WORK = 100_000  # steps at least per timing
 Row = tuple[str, str, float, float, float]  # what, unit, size, microseconds and bytes per unit
 
@@ -151,7 +156,7 @@ def powers(smallest: int, largest: int) -> list[int]:
 def write_table(points: int) -> Path:
     path = build_fmu.BUILD / "growth" / f"{points}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
-    psi = np.linspace(-0.2, 1.6, points)
+    psi = np.linspace(-0.2, TABLE_WIDTH - 0.2, points)
     start = math.sqrt(0.5)
     z = 0.05 * (np.sqrt(1.0 - (start - 0.4 * psi) ** 2) - start)
     rows = [f"{p!r},{h!r}" for p, h in zip(psi.tolist(), z.tolist(), strict=True)]
@@ -177,61 +182,90 @@ def of_tables(largest: int) -> Iterator[Row]:
         run = step_cost.Run(step_cost.compile_loops(), slave, torque, scene.steps, 0.0)
         run.save()
         run.block()
-        yield "table points: step", "step", points, run.block(), math.nan
+        stepped = run.block()
+        yield "table points: step", "step", points, stepped, math.nan
+        knots = way_of(run) * (points - 1) / TABLE_WIDTH
+        yield (
+            "table points: knot passed",
+            "step and knot",
+            points,
+            stepped / (1.0 + knots / len(run.steps)),
+            math.nan,
+        )
         slave.fmu.freeInstance()
 
 
-START_UP = """
-import sys, time
-from ctypes import *
-clock = time.perf_counter
-library, guid, resources, tau = sys.argv[1], sys.argv[2].encode(), sys.argv[3].encode(), int(sys.argv[4])
-class Callbacks(Structure):
-    _fields_ = [(n, c_void_p) for n in ("logger", "allocate", "free", "finished", "environment")]
-libc = CDLL(None)
-log = CFUNCTYPE(None)(lambda: None)
-address = lambda f: cast(f, c_void_p).value
-callbacks = Callbacks(address(log), address(libc.calloc), address(libc.free), None, None)
-times = [clock()]
-fmu = CDLL(library)
-fmu.fmi2Instantiate.restype = c_void_p
-times.append(clock())
-cam = c_void_p(fmu.fmi2Instantiate(b"cam", 1, guid, resources, byref(callbacks), 0, 0))
-times.append(clock())
-assert cam.value
-fmu.fmi2SetupExperiment(cam, 0, c_double(0), c_double(0), 0, c_double(0))
-fmu.fmi2EnterInitializationMode(cam)
-fmu.fmi2ExitInitializationMode(cam)
-times.append(clock())
-fmu.fmi2SetReal(cam, byref(c_uint(tau)), 1, byref(c_double(5.0)))
-assert fmu.fmi2DoStep(cam, c_double(0), c_double(1e-3), 1) == 0
-times.append(clock())
-print(*(b - a for a, b in zip(times, times[1:])))
-"""
+def way_of(run: step_cost.Run) -> float:
+    """How far theta turns in all, rad; each groove's psi by about half of that."""
+    run.restore()
+    instant, way, last = run.instant, 0.0, run.slave.real("theta")
+    for tau, step in zip(run.torque.tolist(), run.steps.tolist(), strict=True):
+        run.slave.set({"tau": tau})
+        run.slave.fmu.doStep(instant, step)
+        theta = run.slave.real("theta")
+        instant, way, last = instant + step, way + abs(theta - last), theta
+    return way
 
 
 def start_up(rounds: int) -> Iterator[Row]:
-    """In a fresh process each: the first time everything is touched."""
+    """In a fresh process each, from C: the first time everything is touched."""
+    program = build_fmu.BUILD / "start_up"
+    build_fmu.compile_c(
+        build_fmu.ZIG, [*build_fmu.TARGET, "-O2", "-ldl"], [ROOT / "benchmarks/start_up.c"], program
+    )
     slave = step_cost.Slave("DualCamForward")
-    folder = Path(slave.fmu.unzipDirectory)
-    library = folder / "binaries/linux64/DualCamForward.so"
-    words = [str(library), slave.fmu.guid, (folder / "resources").as_uri(), str(slave.references["tau"])]
-    runs = [
-        list(map(float, subprocess.check_output([sys.executable, "-c", START_UP, *words], text=True).split()))
-        for _ in range(rounds)
-    ]
-    names = ("load the library", "instantiate", "initialise", "first step")
-    for name, seconds in zip(names, zip(*runs, strict=True), strict=True):
+    words = [str(program), *instructions.fmu_words(slave.fmu), str(slave.references["tau"])]
+    runs = [list(map(float, subprocess.check_output(words, text=True).split())) for _ in range(rounds)]
+    for name, seconds in zip(START_UP, zip(*runs, strict=True), strict=True):
         yield f"start-up: {name}", "call", 1, statistics.median(seconds), math.nan
+
+
+PANELS = (
+    ("Instances", ("instances: instantiate", "instances: initialise", "instances: step")),
+    ("Steps", ("steps",)),
+    ("Table points", ("table points: initialise", "table points: step", "table points: knot passed")),
+)
+
+
+def picture(rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], path: Path) -> None:
+    """Time per unit over the number of units, start-up beside it."""
+    figure, panels = pictures.blank(13.0, 8.2, rows=2, columns=2)
+    for panel, (title, whats) in zip(panels, PANELS, strict=False):
+        for number, what in enumerate(whats):
+            found = [row for row in rows if row["what"] == what]
+            sizes, times = ([float(row[name]) for row in found] for name in ("size", "us_per_unit"))
+            label = f"{what.split(': ')[-1].removesuffix('s')}, per {found[0]['unit']}"
+            if float(found[-1]["bytes_per_unit"] or 0.0) > 1.0:
+                label += f", {float(found[-1]['bytes_per_unit']):.0f} bytes"
+            panel.loglog(sizes, times, "o-", color=f"C{number}", ms=4, label=label)
+        panel.set_title(title, fontsize=11, pad=10)
+        panel.set_xlabel(f"number of {title.lower()}")
+        panel.set_ylabel("time per unit [us]")
+        low, high = panel.get_ylim()
+        panel.set_ylim(low / 2.0, high * 4.0)  # flat is to look flat, and the legend needs room
+        panel.legend(loc="upper left", frameon=False, fontsize=9, ncol=2)
+    bar, left = panels[-1], 0.0
+    for number, name in enumerate(START_UP):
+        time = next(float(row["us_per_unit"]) for row in rows if row["what"] == f"start-up: {name}")
+        bar.barh(0, time, 0.5, left=left, color=f"C{number}", label=f"{name}, {time:.0f} us")
+        left += time
+    bar.set_ylim(-1.0, 1.4)
+    bar.set_yticks([])
+    bar.grid(False, axis="y")
+    bar.set_xlabel("time [us]")
+    bar.set_title(f"From nothing to the end of the first step: {left:.0f} us", fontsize=11, pad=10)
+    bar.legend(loc="upper center", ncol=2, frameon=False, fontsize=9)
+    pictures.finish(figure, facts, path)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--steps", type=int, default=1_000_000, help="largest number of steps (10^6)")
+    parser.add_argument("--steps", type=int, default=10_000_000, help="largest number of steps (10^7)")
     parser.add_argument("--instances", type=int, default=100_000, help="largest number of instances (10^5)")
     parser.add_argument("--points", type=int, default=100_000, help="largest number of table points (10^5)")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/growth.csv")
+    parser.add_argument("--picture", type=Path, default=ROOT / "benchmarks/results/growth.png")
     arguments = parser.parse_args()
     console = Console() if sys.stdout.isatty() else Console(width=120)
     growth = Growth()
@@ -276,6 +310,8 @@ def main() -> int:
         )
     console.print(table)
     step_cost.publish(rows, facts, arguments.output, console)
+    picture(rows, facts, arguments.picture)
+    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
     return 0
 
 

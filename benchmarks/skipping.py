@@ -13,15 +13,17 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 from rich.console import Console
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks")]
+import pictures  # noqa: E402
 import step_cost  # noqa: E402
 from work_precision import CFmu, Scene, circumstances  # noqa: E402
 
@@ -147,10 +149,41 @@ def verdict_on(title: str, name: str, saved: float, made: Stepped | Nothing) -> 
     return "nothing to save" if title == STRAIGHT and name in CLOSED else "DEFECT"
 
 
+def picture(rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], path: Path) -> None:
+    """What is left of a step's time without each thing, one panel per mechanism."""
+    titles = list(dict.fromkeys(row["mechanism"] for row in rows))
+    figure, panels = pictures.blank(12.5, 5.4, columns=len(titles))
+    for panel, title in zip(panels, titles, strict=True):
+        found = [row for row in rows if row["mechanism"] == title and row["without"][0] != "("]
+        del found[0]  # everything: what the next is without
+        floor = next(
+            float(r["ns_per_step"]) for r in rows if r["mechanism"] == title and "null" in r["without"]
+        )
+        for place, row in enumerate(reversed(found)):
+            before, after = float(row["ns_before"]), float(row["ns_per_step"])
+            panel.barh(place, before, 0.62, color=pictures.PALE)
+            panel.barh(place, after, 0.62, color=pictures.ACCENT)
+            panel.text(
+                max(before, after) * 1.02, place, f"{before:.0f} to {after:.0f} ns", va="center", fontsize=8
+            )
+        panel.axvline(floor, color="black", lw=1.2)
+        panel.set_yticks(range(len(found)), [row["without"] for row in reversed(found)], fontsize=9)
+        panel.set_xlim(0.0, 1.3 * max(float(row["ns_before"]) for row in found))
+        panel.grid(False, axis="y")
+        panel.set_xlabel("time of one step [ns]")
+        panel.set_title(title, fontsize=11)
+    pale, own = ((plt.Rectangle((0, 0), 1, 1, color=c)) for c in (pictures.PALE, pictures.ACCENT))
+    line = plt.Line2D([], [], color="black", lw=1.2)
+    names = ("before", "without what the row names", "an FMU that does nothing")
+    figure.legend((pale, own, line), names, loc="outside upper center", ncol=3, frameon=False, fontsize=9)
+    pictures.finish(figure, facts, path)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=101)
     parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/skipping.csv")
+    parser.add_argument("--picture", type=Path, default=ROOT / "benchmarks/results/skipping.png")
     arguments = parser.parse_args()
     console = Console() if sys.stdout.isatty() else Console(width=120)
     rows: list[dict[str, str]] = []
@@ -163,17 +196,19 @@ def main() -> int:
         made["(the null FMU)"] = Nothing()
         blocks: dict[str, Callable[[], float]] = {name: stepped.seconds for name, stepped in made.items()}
         times = step_cost.in_turns(blocks, arguments.rounds, title, console)
-        table = step_cost.table(title, "without", "ns", "ratio (quartiles)", "verdict")
+        table = step_cost.table(title, "without", "ns before", "ns", "ratio (quartiles)", "verdict")
         for name, seconds in times.items():
-            against = times["everything" if name == "unread outputs" else "unread outputs"]
+            against = times["everything" if name in ("everything", "unread outputs") else "unread outputs"]
+            before = 1e9 * float(np.median(against))
             ratio = step_cost.Ratio.of(seconds, against)
             nanoseconds = 1e9 * float(np.median(seconds))
             verdict = verdict_on(title, name, 1.0 - ratio.median, made[name])
-            table.add_row(name, f"{nanoseconds:.1f}", str(ratio), verdict)
+            table.add_row(name, f"{before:.1f}", f"{nanoseconds:.1f}", str(ratio), verdict)
             rows.append(
                 {
                     "mechanism": title,
                     "without": name,
+                    "ns_before": f"{before:.2f}",
                     "ns_per_step": f"{nanoseconds:.2f}",
                     "ratio": f"{ratio.median:.4f}",
                     "lower_quartile": f"{ratio.lower:.4f}",
@@ -189,6 +224,8 @@ def main() -> int:
         highlight=False,
     )
     step_cost.publish(rows, facts, arguments.output, console)
+    picture(rows, facts, arguments.picture)
+    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
     return 0
 
 

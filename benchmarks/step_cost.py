@@ -1,6 +1,6 @@
 """What one communication step costs: against one exp and one sincos, and against an FMU that does nothing.
 
-    ./build.sh bench
+    ./build.sh cost
 
 One step is fmi2SetReal(tau), fmi2DoStep(1 ms), fmi2GetReal(theta, omega). Everything is measured in one
 process and in turns: every round runs a block of each quantity, in an order that is shuffled anew, so
@@ -15,6 +15,11 @@ The unit is the plain loop of benchmarks/step_cost.c: exp(-x) and sincos(x) of t
 called through pointers, x in [0, 2 pi] from memory, results summed, so that consecutive calls may
 overlap. The same with each call waiting for the one before is printed as well; it is the slower of the
 two and not used in any ratio.
+
+Instructions per step are counted by callgrind over the same blocks (instructions.py). The limit of a scene is
+the time of what cannot be left out: the three calls of an FMU that does nothing, and the exponentials or the
+evaluations of the acceleration that its step needs at least (Least), at the price that each has by itself: an
+evaluation that of integrators.c, which has nothing in common with the FMU's code.
 """
 
 from __future__ import annotations
@@ -48,8 +53,11 @@ from rich.progress import track
 from rich.table import Table
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks")]
 import build_fmu  # noqa: E402
+import instructions  # noqa: E402
+import pictures  # noqa: E402
+from slave import SlaveStruct, slave_struct  # noqa: E402
 
 STEP = 1e-3  # s
 STEPS = 1000  # per block in C
@@ -60,20 +68,6 @@ STICK, LOADING = 1, 2
 
 Array = NDArray[np.float64]
 Parameters = dict[str, float | str]
-
-
-class SlaveStruct(ctypes.Structure):
-    """`Slave` of step_cost.c."""
-
-    _fields_ = [
-        ("set_real", ctypes.c_void_p),
-        ("do_step", ctypes.c_void_p),
-        ("get_real", ctypes.c_void_p),
-        ("set_state", ctypes.c_void_p),
-        ("component", ctypes.c_void_p),
-        ("input", ctypes.c_uint),
-        ("outputs", ctypes.c_uint * 2),
-    ]
 
 
 @functools.cache
@@ -119,18 +113,29 @@ class Slave:
         return int(self.fmu.getInteger([self.references[name]])[0])
 
     def struct(self) -> SlaveStruct:
-        def address(name: str) -> int | None:
-            return ctypes.cast(getattr(self.fmu.dll, name), ctypes.c_void_p).value
+        return slave_struct(self.fmu.dll, self.fmu.component, self.references)
 
-        return SlaveStruct(
-            address("fmi2SetReal"),
-            address("fmi2DoStep"),
-            address("fmi2GetReal"),
-            address("fmi2SetFMUstate"),
-            self.fmu.component,
-            self.references["tau"],
-            (ctypes.c_uint * 2)(self.references["theta"], self.references["omega"]),
-        )
+
+@dataclass(frozen=True)
+class Least:
+    """What a step cannot do without, beside the calls themselves."""
+
+    why: str
+    units: int = 0  # one exp and one sincos each
+    evaluations: int = 0  # of the acceleration in general grooves with all forces
+
+    def seconds(self, calls: float, unit: float, evaluation: float) -> float:
+        return calls + self.units * unit + self.evaluations * evaluation
+
+
+CALLS = Least("the calls")
+KEPT = Least("the calls: of a step size known before, ten multiplications are left")
+NEW = Least("the calls, one exp and one sincos", units=1)
+PARTED = Least("the calls, exp and sincos for two parts of the step and for the instant between", units=3)
+NODES = Least("the calls, the acceleration at the start and three nodes", evaluations=4)
+LEAPS = Least(
+    "the calls, the acceleration at four points of a leap over, to and from the instant", evaluations=12
+)
 
 
 @dataclass
@@ -147,6 +152,7 @@ class Scene:
     steps: Array = field(default_factory=lambda: np.full(STEPS, STEP))
     through_fmpy: bool = True
     apart: bool = False  # only the steps with events, each from its own saved state
+    least: Least | None = None
 
 
 def jitter(low: float, high: float, count: int = STEPS) -> Array:
@@ -186,6 +192,7 @@ def straight_scenes() -> list[Scene]:
             {"initial.theta": 0.7},
             inside_band,
             STICK,
+            least=CALLS,
         ),
         Scene(
             "slip undamped",
@@ -195,6 +202,7 @@ def straight_scenes() -> list[Scene]:
             drive,
             LOADING,
             lead_in=10,
+            least=KEPT,
         ),
         Scene(
             "slip, no ledger",
@@ -204,6 +212,7 @@ def straight_scenes() -> list[Scene]:
             drive,
             LOADING,
             lead_in=10,
+            least=KEPT,
         ),
         Scene(
             "slip damped",
@@ -213,6 +222,7 @@ def straight_scenes() -> list[Scene]:
             drive,
             LOADING,
             lead_in=10,
+            least=KEPT,
         ),
         Scene(
             "damped, h varies",
@@ -223,6 +233,7 @@ def straight_scenes() -> list[Scene]:
             LOADING,
             lead_in=10,
             steps=jitter(0.9e-3, 1.1e-3),
+            least=NEW,
         ),
         Scene(
             "damped, h = dt",
@@ -233,6 +244,7 @@ def straight_scenes() -> list[Scene]:
             LOADING,
             lead_in=10,
             steps=np.diff(np.arange(STEPS + 1) * STEP),
+            least=KEPT,
         ),
         Scene(
             "stick-slip",
@@ -249,6 +261,7 @@ def straight_scenes() -> list[Scene]:
             to_and_fro,
             through_fmpy=False,
             apart=True,
+            least=PARTED,
         ),
     ]
 
@@ -280,7 +293,9 @@ def tables() -> Parameters:
     start = math.sqrt(0.5)
     z = 0.05 * (np.sqrt(1.0 - (start - 0.4 * psi) ** 2) - start)
     rows = [f"{p!r},{h!r}" for p, h in zip(psi.tolist(), z.tolist(), strict=True)]
-    path.write_text("\n".join(["psi_rad,z_m", *rows]) + "\n")
+    text = "\n".join(["psi_rad,z_m", *rows]) + "\n"
+    if not path.exists() or path.read_text() != text:  # another process may be reading it
+        path.write_text(text)
     return {"cam1.profile": 3, "cam2.profile": 3, "cam1.table": str(path), "cam2.table": str(path)}
 
 
@@ -293,12 +308,13 @@ def general_scenes() -> list[Scene]:
 
     def slipping(name: str, what: str, parameters: Parameters) -> Scene:
         steps = np.full(HALF_SWING, STEP)
+        start = START | parameters
         return Scene(
-            name, what, GENERAL_TARGET, START | parameters, push, LOADING, 3, steps, through_fmpy=False
+            name, what, GENERAL_TARGET, start, push, LOADING, 3, steps, through_fmpy=False, least=NODES
         )
 
     def events(name: str, what: str, parameters: Parameters) -> Scene:
-        return Scene(name, what, None, parameters, to_and_fro, through_fmpy=False, apart=True)
+        return Scene(name, what, None, parameters, to_and_fro, through_fmpy=False, apart=True, least=LEAPS)
 
     table = tables()
     return [
@@ -323,6 +339,7 @@ def general_scenes() -> list[Scene]:
             inside_band,
             STICK,
             through_fmpy=False,
+            least=CALLS,
         ),
         Scene(
             "ellipses to and fro",
@@ -369,6 +386,19 @@ class Run:
             ctypes.byref(total),
         )
         return checked(seconds, status, total) / len(self.steps)
+
+    def job(self) -> instructions.Job:
+        """A block of it for instructions.count()."""
+        fmu = self.slave.fmu
+        return {
+            "loop": "seconds_steps",
+            "fmu": instructions.fmu_words(fmu),
+            "references": self.slave.references,
+            "states": [] if self.state is None else [instructions.serialized(fmu, self.state)],
+            "instants": instructions.raw([self.instant]),
+            "steps": instructions.raw(self.steps),
+            "torques": instructions.raw(self.torque[: len(self.steps)]),
+        }
 
     def fmpy_block(self) -> float:
         """Seconds per step of one block through FMPy's own methods."""
@@ -435,6 +465,29 @@ class Apart:
         )
         return checked(seconds, status, total) / self.count
 
+    def job(self) -> instructions.Job:
+        """All of them for instructions.count()."""
+        fmu = self.run.slave.fmu
+        return {
+            **self.run.job(),
+            "loop": "seconds_apart",
+            "states": [instructions.serialized(fmu, ctypes.c_void_p(state)) for state in self.states],
+            "instants": instructions.raw(self.instants),
+            "steps": instructions.raw(self.steps),
+            "torques": instructions.raw(self.torques),
+        }
+
+
+def instructions_per_step(runs: Mapping[str, Run | Apart], console: Console) -> dict[str, float]:
+    """By scene; empty where nothing can count them."""
+    if not instructions.available():
+        console.print(instructions.WITHOUT)
+        return {}
+    jobs = [run.job() for run in runs.values()]
+    counts = instructions.count(library(), jobs)
+    lengths = [len(job["torques"]) // 8 for job in jobs]
+    return {name: n / length for name, n, length in zip(runs, counts, lengths, strict=True)}
+
 
 def set_up(scene: Scene, loops: ctypes.CDLL) -> Run:
     """An instance at the start of the timed steps."""
@@ -494,11 +547,24 @@ def elementary(loops: ctypes.CDLL, loop: str) -> Callable[[], float]:
     return block
 
 
+def evaluation() -> Callable[[], float]:
+    """Seconds for the acceleration in elliptical grooves with all forces, in integrators.c."""
+    import integrators  # which imports this module
+
+    candidates = integrators.Candidates()
+    scene = next(scene for scene in integrators.scenes() if scene.name == "2 swing, full")
+    candidates.prepare(scene)
+    return lambda: candidates.evaluation(scene.struct, with_partials=False)
+
+
+def library() -> Path:
+    return build_fmu.BUILD / "step_cost.so"
+
+
 def compile_loops() -> ctypes.CDLL:
-    library = build_fmu.BUILD / "step_cost.so"
     flags = [*build_fmu.TARGET, "-O3", "-fPIC", "-shared", "-fvisibility=hidden"]
-    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "benchmarks/step_cost.c"], library)
-    loops = ctypes.CDLL(str(library))
+    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "benchmarks/step_cost.c"], library())
+    loops = ctypes.CDLL(str(library()))
     for name in ("seconds_plain", "seconds_dependent", "seconds_steps", "seconds_apart"):
         getattr(loops, name).restype = ctypes.c_double
     return loops
@@ -519,7 +585,8 @@ def commit() -> str:
 
     try:
         revision = git("rev-parse", "--short", "HEAD")
-        changed = git("status", "--porcelain", "--untracked-files=no")
+        written = (":!benchmarks/results", ":!docs")  # by the benchmarks before this one
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", *written)
     except OSError:
         return "unknown"
     return (revision or "none yet") + (" with changes" if changed else "")
@@ -582,10 +649,6 @@ def verdict(value: float, target: float | None) -> str:
     return "" if target is None else f"{target:g} {'met' if value <= target else 'MISSED'}"
 
 
-def share(value: float, target: float | None) -> str:
-    return "" if target is None else f"{value / target:.0%}"
-
-
 def publish(
     rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], output: Path, console: Console
 ) -> None:
@@ -600,6 +663,30 @@ def publish(
     console.print(f"written: {output}", highlight=False, markup=False)
 
 
+def picture(rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], path: Path) -> None:
+    """A bar per scene, with its limit."""
+    shown = [row for row in rows if row["scene"] not in ("dependent", "evaluation")]
+    figure, (panel,) = pictures.blank(10.5, 0.31 * len(shown) + 1.6)
+    for place, row in enumerate(reversed(shown)):
+        nanoseconds = float(row["ns_per_step"])
+        own = row["scene"] not in ("exp+sincos", "null")
+        panel.barh(place, nanoseconds, 0.62, color=pictures.ACCENT if own else pictures.PALE)
+        panel.text(1.08 * nanoseconds, place, f"{nanoseconds:,.0f} ns", va="center", fontsize=8)
+        if row["least_ns"]:
+            limit = float(row["least_ns"])
+            panel.plot([limit, limit], [place - 0.38, place + 0.38], color="black", lw=2.2)
+    panel.plot([], [], color="black", lw=2.2, label="limit: what cannot be left out")
+    panel.set_yticks(range(len(shown)), [row["scene"] for row in reversed(shown)], fontsize=9)
+    panel.set_xscale("log")
+    panel.set_xlim(3.0, 3.0 * max(float(row["ns_per_step"]) for row in shown))
+    panel.set_ylim(-0.8, len(shown) - 0.2)
+    panel.grid(False, axis="y")
+    panel.set_xlabel("time of one step [ns]")
+    panel.set_title("One step of 1 ms in C: set the torque, step, read angle and speed", fontsize=11)
+    panel.legend(loc="upper right", frameon=True, fontsize=9)
+    pictures.finish(figure, facts, path)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=301, help="rounds of blocks in C (default 301)")
@@ -607,8 +694,9 @@ def main() -> None:
     parser.add_argument(
         "--output", type=Path, default=ROOT / "benchmarks/results/step_cost.csv", help="the CSV file"
     )
+    parser.add_argument("--picture", type=Path, default=ROOT / "benchmarks/results/step_cost.png")
     arguments = parser.parse_args()
-    console = Console()
+    console = Console() if sys.stdout.isatty() else Console(width=120)
 
     loops = compile_loops()
     cast = [*straight_scenes(), *general_scenes()]
@@ -620,6 +708,7 @@ def main() -> None:
             "exp+sincos": elementary(loops, "seconds_plain"),
             "dependent": elementary(loops, "seconds_dependent"),
             "null": nothing.block,
+            "evaluation": evaluation(),
             **{name: run.block for name, (run, _) in runs.items()},
         },
         arguments.rounds,
@@ -640,24 +729,46 @@ def main() -> None:
         console,
     )
 
-    facts = circumstances("bench")
+    counts = instructions_per_step(
+        {"null": nothing} | {name: run for name, (run, _) in runs.items()}, console
+    )
+
+    facts = circumstances("cost")
     rows: list[dict[str, str]] = []
-    in_c = table("One step in C", "scene", "ns", "/(exp+sincos)", "limit", "share", "/null", "events")
+    in_c = table(
+        "One step in C", "scene", "ns", "/(exp+sincos)", "target", "/null", "/limit", "instr.", "events"
+    )
     in_fmpy = table("One step through FMPy", "scene", "/null", "target <=")
 
-    def add(name: str, what: str, target: float | None, events: float | None) -> None:
+    def limit(least: Least) -> list[float]:
+        return [
+            least.seconds(*each)
+            for each in zip(times["null"], times["exp+sincos"], times["evaluation"], strict=True)
+        ]
+
+    def add(
+        name: str,
+        what: str,
+        target: float | None = None,
+        events: float | None = None,
+        least: Least | None = None,
+    ) -> None:
         unit = Ratio.of(times[name], times["exp+sincos"])
         floor = Ratio.of(times[name], times["null"])
         through = Ratio.of(fmpy_times[name], fmpy_times["null"]) if name in fmpy_times else None
         nanoseconds = statistics.median(times[name]) * 1e9
         changes = "" if events is None else f"{events:g}"
+        bottom = limit(least) if least else []
+        above = f"{Ratio.of(times[name], bottom).median:.4g}" if bottom else ""
+        counted = f"{counts[name]:.0f}" if name in counts else ""
         in_c.add_row(
             name,
             f"{nanoseconds:.1f}",
             str(unit),
             verdict(unit.median, target),
-            share(unit.median, target),
             f"{floor.median:.3g}",
+            above,
+            counted,
             changes,
         )
         fmpy_target = FMPY_TARGET if events is not None else None
@@ -674,6 +785,10 @@ def main() -> None:
                 "target": "" if target is None else f"{target:g}",
                 "share_of_target": "" if target is None else f"{unit.median / target:.4f}",
                 "ratio_to_null_fmu": f"{floor.median:.4f}",
+                "least_ns": f"{1e9 * statistics.median(bottom):.2f}" if bottom else "",
+                "ratio_to_least": above,
+                "least_is": least.why if least else "",
+                "instructions_per_step": counted,
                 "events_per_step": changes,
                 "fmpy_ratio_to_null_fmu": f"{through.median:.4f}" if through else "",
                 "fmpy_lower_quartile": f"{through.lower:.4f}" if through else "",
@@ -683,13 +798,14 @@ def main() -> None:
             }
         )
 
-    add("exp+sincos", "one exp and one sincos, calls independent", None, None)
-    add("dependent", "one exp and one sincos, each waiting for the one before", None, None)
-    add("null", "an FMU that does nothing", None, None)
+    add("exp+sincos", "one exp and one sincos, calls independent")
+    add("dependent", "one exp and one sincos, each waiting for the one before")
+    add("null", "an FMU that does nothing")
+    add("evaluation", "the acceleration in elliptical grooves with every force, evaluated once")
     for scene in cast:
-        add(scene.name, scene.what, scene.target, runs[scene.name][1])
+        add(scene.name, scene.what, scene.target, runs[scene.name][1], scene.least)
     console.print(
-        "Median ratio (quartiles); share: of the limit; events: mode changes per step",
+        "Median ratio (quartiles); limit: what cannot be left out; events: mode changes per step",
         in_c,
         in_fmpy,
         sep="\n",
@@ -701,6 +817,8 @@ def main() -> None:
         f"A step of the null FMU through FMPy takes {fmpy_null:.2f} us.", highlight=False, markup=False
     )
     publish(rows, facts, arguments.output, console)
+    picture(rows, facts, arguments.picture)
+    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
 
 
 if __name__ == "__main__":

@@ -52,10 +52,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
 import numpy as np
 from fmpy.fmi2 import FMU2Model
 from fmpy.sundials import CVodeSolver
@@ -64,9 +60,10 @@ from rich.console import Console
 from rich.table import Table
 
 ROOT = Path(__file__).resolve().parent.parent
-PICTURE = ROOT / "docs" / "work_precision.png"
+PICTURE = ROOT / "benchmarks" / "results" / "work_precision.png"
 sys.path[:0] = [str(ROOT / folder) for folder in ("fmu_src", "benchmarks", "tests")]
 import build_fmu  # noqa: E402
+import pictures  # noqa: E402
 import reference  # type: ignore[import-not-found] # noqa: E402
 import step_cost  # noqa: E402
 from plain_cam import DEFAULTS, Failure, Piece, PlainCam, Rates, scipy_advance  # noqa: E402
@@ -619,12 +616,12 @@ def at_most(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def try_out(scene: Scene, line: str, name: str, make: Callable[[], Run]) -> Setting:
+def try_out(scene: Scene, line: str, name: str, make: Callable[[], Run], limit: float) -> Setting:
     """Runs it once: its error, or how it fails."""
     made = Setting(line, name, None)
     try:
-        with at_most(LIMIT):
-            run = make()
+        run = make()
+        with at_most(limit):
             made.first, result = run()
         made.errors = scene.errors(result)
         if not math.isfinite(made.error) or made.error > 1.0:
@@ -632,7 +629,7 @@ def try_out(scene: Scene, line: str, name: str, make: Callable[[], Run]) -> Sett
         else:
             made.run = run
     except TooLong:
-        made.failure = f"more than {LIMIT:g} s"
+        made.failure = f"more than {limit:g} s"
     except Exception as problem:  # whatever a solver of somebody else raises is its failure
         made.failure = " ".join(f"{type(problem).__name__}: {problem}".split())[:60]
     return made
@@ -661,9 +658,9 @@ class Study:
         return step_cost.Ratio.of(peer.times, ours.times) if ours and peer else None
 
 
-def study(scene: Scene, rounds: int, console: Console) -> Study:
+def study(scene: Scene, rounds: int, limit: float, console: Console) -> Study:
     settings = [
-        try_out(scene, line, name, make)
+        try_out(scene, line, name, make, limit)
         for line, made in lines_of(scene, console).items()
         for name, make in made.items()
     ]
@@ -826,8 +823,9 @@ def draw(panel: Axes, made: Study) -> None:
     panel.grid(True, which="major", alpha=0.3)
 
 
-def picture(studies: list[Study], path: Path) -> None:
-    figure, axes = plt.subplots(2, 2, figsize=(13.0, 10.0), sharex=True, layout="constrained")
+def picture(studies: list[Study], facts: dict[str, str], path: Path) -> None:
+    figure = pictures.sheet(13.0, 10.0)
+    axes = figure.subplots(2, 2, sharex=True)
     for panel, made in zip(axes.flat, studies, strict=True):
         draw(panel, made)
     for panel in axes[:, 0]:
@@ -839,7 +837,7 @@ def picture(studies: list[Study], path: Path) -> None:
     figure.suptitle(
         "Run time against error: each line's best settings, lower and further right is better", fontsize=13
     )
-    figure.savefig(path, dpi=100)
+    pictures.finish(figure, facts, path)
 
 
 def versions() -> str:
@@ -861,13 +859,14 @@ def circumstances(command: str) -> dict[str, str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--rounds", type=int, default=5, help="rounds in which every setting runs once (5)")
+    parser.add_argument("--limit", type=float, default=LIMIT, help=f"s, for one run ({LIMIT:g})")
     parser.add_argument("--only", help="scenes whose name contains this; nothing is written")
     parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/work_precision.csv")
     parser.add_argument("--picture", type=Path, default=PICTURE)
     arguments = parser.parse_args()
     console = Console() if sys.stdout.isatty() else Console(width=120)
     chosen = [scene for scene in SCENES if (arguments.only or "") in scene.name]
-    studies = [study(scene, arguments.rounds, console) for scene in chosen]
+    studies = [study(scene, arguments.rounds, arguments.limit, console) for scene in chosen]
     report(studies, console)
     facts = circumstances("precision")
     for name, value in facts.items():
@@ -875,7 +874,7 @@ def main() -> int:
     if arguments.only:
         return 0
     write(arguments.output, studies, facts)
-    picture(studies, arguments.picture)
+    picture(studies, facts, arguments.picture)
     console.print(f"written: {arguments.output} and {arguments.picture}", highlight=False, markup=False)
     return 1 if any(line.endswith("MISSED") for line in verdicts(studies)) else 0
 

@@ -1,0 +1,97 @@
+"""All benchmarks in turn, then docs/performance.md from what they have written: about ten minutes.
+
+    ./build.sh bench [--quick] [PART ...]
+
+Each part is a command of its own, runs in a process of its own and writes a CSV file and a picture into
+benchmarks/results, with machine, versions, commit and its own command. A part that misses one of its targets
+says so and the next begins. --quick makes few rounds and small sizes, to see that all works, and writes into
+build/quick: its numbers are worth nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "benchmarks" / "results"
+QUICK = ROOT / "build" / "quick"
+
+
+@dataclass(frozen=True)
+class Part:
+    command: str  # of build.sh
+    name: str  # of the program and of what it writes
+    what: str
+    quick: str  # arguments
+    drawn: bool = True
+
+    def arguments(self, folder: Path, quick: bool) -> list[str]:
+        if not quick:
+            return []
+        files = ["--output", str(folder / f"{self.name}.csv")]
+        if self.drawn:
+            files += ["--picture", str(folder / f"{self.name}.png")]
+        return self.quick.split() + files
+
+
+PARTS = (
+    Part("cost", "step_cost", "what a step costs", "--rounds 3 --fmpy-rounds 3"),
+    Part("loop", "loop_cost", "a control loop in Python", "--rounds 3", drawn=False),
+    Part("skipping", "skipping", "what each thing saves where it is absent", "--rounds 3"),
+    Part("worst", "worst_step", "the worst of a million steps", "--steps 5000 --rounds 2 --count 10"),
+    Part("growth", "growth", "growth", "--steps 1000 --instances 100 --points 100 --rounds 2"),
+    Part("precision", "work_precision", "run time against error", "--rounds 2 --limit 0.05"),
+)
+
+
+def run(part: Part, folder: Path, quick: bool) -> bool:
+    """False if it says that something is amiss. Ends the program if it has written nothing."""
+    program = ROOT / "benchmarks" / f"{part.name}.py"
+    written, begun = folder / f"{part.name}.csv", time.time()
+    done = subprocess.run([sys.executable, str(program), *part.arguments(folder, quick)], cwd=ROOT)
+    if not written.exists() or written.stat().st_mtime < begun - 1.0:
+        raise SystemExit(f"bench: {part.command} ended with {done.returncode} and has written nothing")
+    return done.returncode == 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(part.command for part in PARTS))
+    parser.add_argument("--quick", action="store_true", help="few rounds, into build/quick")
+    parser.add_argument("--folder", type=Path, default=QUICK, help="where --quick writes")
+    arguments = parser.parse_args()
+    unknown = set(arguments.parts) - {part.command for part in PARTS}
+    if unknown:
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
+    folder = arguments.folder.resolve() if arguments.quick else RESULTS
+    chosen = [part for part in PARTS if not arguments.parts or part.command in arguments.parts]
+    start, amiss = time.monotonic(), []
+    for number, part in enumerate(chosen, 1):
+        minutes = (time.monotonic() - start) / 60.0
+        print(f"== {number} of {len(chosen)}: {part.what} (after {minutes:.1f} minutes)", flush=True)
+        if not run(part, folder, arguments.quick):
+            amiss.append(part.command)
+    page = folder / "performance.md" if arguments.quick else ROOT / "docs" / "performance.md"
+    words = [
+        sys.executable,
+        str(ROOT / "benchmarks/report.py"),
+        "--results",
+        str(folder),
+        "--page",
+        str(page),
+    ]
+    subprocess.run(words, check=True, env=os.environ)
+    print(f"== {(time.monotonic() - start) / 60.0:.1f} minutes")
+    if amiss:
+        print(f"== a target is missed, see above: {', '.join(amiss)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
