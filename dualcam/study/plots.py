@@ -19,10 +19,12 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
+from dualcam.study.entries import NUMBER, TEXT, Kind, entries
 from dualcam.study.problem import StudyError
 from dualcam.study.store import read
 from dualcam.study.study import Study
@@ -34,11 +36,17 @@ DOTS = 6_000  # of a cloud, likewise
 RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
 SEED = 1  # of what is chosen at random here
 THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
-KEYS = {
-    "map": {"x", "y", "z"},
-    "sobol": {"of"},
-    "pareto": {"x", "y", "best", "color"},
-    "parallel": {"axes", "color", "keep"},
+NAMES = TEXT.listed()
+BEST = Kind(
+    "a list of two of max, min",
+    lambda value: NAMES.suits(value) and len(value) == 2 and not set(value) - {"max", "min"},
+)
+SHARE = Kind("a number above 0, at most 1", lambda value: NUMBER.suits(value) and 0.0 < value <= 1.0)
+KINDS = {
+    "map": {"x": TEXT, "y": TEXT, "z": TEXT},
+    "sobol": {"of": NAMES},
+    "pareto": {"x": TEXT, "y": TEXT, "best": BEST, "color": TEXT},
+    "parallel": {"axes": NAMES, "color": TEXT, "keep": SHARE},
 }
 OPTIONAL = {"title", "keep", "color", "best"}
 
@@ -47,8 +55,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
     """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
     if one cannot be drawn."""
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
-    if not panels:
-        raise StudyError("these plans have no plots: add [[plots]] to one")
+    check_file([study for study, _ in studies], path)
     columns = min(2, len(panels))
     lines = -(-len(panels) // columns)
     figure, axes = plt.subplots(
@@ -72,14 +79,10 @@ def check(study: Study) -> None:
     known = [*study.plan.names, *study.results]
     for plot in study.plots:
         kind = plot.get("kind", "")
-        if kind not in KEYS:
-            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KEYS)}")
-        if unknown := set(plot) - KEYS[kind] - {"kind", "title"}:
-            raise StudyError(
-                f"plot {kind} has {', '.join(sorted(unknown))}: allowed are {', '.join(KEYS[kind])}"
-            )
-        if lacking := KEYS[kind] - OPTIONAL - set(plot):
-            raise StudyError(f"plot {kind} lacks {', '.join(sorted(lacking))}")
+        if kind not in list(KINDS):
+            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KINDS)}")
+        kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
+        entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
         for name in _columns(plot):
             if name not in known:
                 raise StudyError(f"plot {kind}: {name!r} is no column: allowed are {', '.join(known)}")
@@ -87,8 +90,15 @@ def check(study: Study) -> None:
             raise StudyError(
                 f"plot sobol needs a plan of kind indices, this one is of kind {study.plan.kind}"
             )
-        if set(plot.get("best", ["max"])) - {"max", "min"} or len(plot.get("best", "xy")) != 2:
-            raise StudyError(f"plot pareto: best = {plot['best']}: allowed are two of max, min")
+
+
+def check_file(studies: Sequence[Study], path: Path) -> None:
+    """StudyError if no picture of these studies can be written there: likewise."""
+    if not any(study.plots for study in studies):
+        raise StudyError("these plans have no plots: add [[plots]] to one")
+    formats = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix.removeprefix(".") not in formats:
+        raise StudyError(f"picture {path}: allowed are names that end in .{', .'.join(formats)}")
 
 
 def _columns(plot: Mapping[str, Any]) -> list[str]:

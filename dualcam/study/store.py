@@ -1,15 +1,19 @@
 """Results on disk: a folder with one file per chunk of runs, complete or absent, and study.json, which says
 what study they are of. A chunk comes into being by renaming a finished file, so an interruption leaves no
-half of one, and a study that is continued makes exactly the chunks that are not there."""
+half of one, and a study that is continued makes exactly the chunks that are not there, or that something
+else has damaged since. One study at a time writes into a folder."""
 
 from __future__ import annotations
 
 import csv
 import importlib
 import importlib.util
+import io
 import json
 import os
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,35 +39,75 @@ class Store:
     def __init__(
         self, folder: str | Path, facts: dict[str, Any], runs: int, chunk: int, form: str | None
     ) -> None:
-        """Opens it, or makes it. StudyError if it holds another study, or cannot be written. A study begun
-        earlier keeps its size of chunks and its format."""
+        """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
+        there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
         self.folder = Path(folder)
         self.runs = runs
+        self.damaged: list[Path] = []  # found by `missing`
         facts = json.loads(json.dumps(facts))  # as it is read back
+        form = form or default_format()
+        if form not in FORMATS:
+            raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
         begun = _record(self.folder)
+        _check_writer(begun["format"] if begun else form)  # before the folder is made
+        self._lock = self._locked()
+        if begun is not None and (differing := _differing(begun["study"], facts)):
+            if any(self.folder.glob("runs-*")):
+                raise StudyError(
+                    f"{self.folder} holds another study (its {', '.join(differing)} differ): give another "
+                    "folder, or delete it"
+                )
+            begun = None  # nothing of it was made
         if begun is None:
-            begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form or default_format()}
-            if begun["format"] not in FORMATS:
-                raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
-            _check_writer(begun["format"])  # before the folder is made
+            begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form}
             self._write(self.folder / RECORD, json.dumps(begun, indent=1).encode())
-        elif begun["study"] != facts:
-            differing = [key for key in facts if begun["study"].get(key) != facts[key]]
-            raise StudyError(
-                f"{self.folder} holds another study (its {', '.join(differing)} differ): give another "
-                "folder, or delete it"
-            )
         self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
-        _check_writer(self.form)
+
+    def _locked(self) -> int | None:
+        """A handle of the folder with an advisory lock on it, which ends with the process, whatever ends
+        that; None where file systems or Windows have no such locks."""
+        if sys.platform == "win32":
+            return None
+        import fcntl
+
+        self._make_folder()
+        handle = os.open(self.folder, os.O_RDONLY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            raise StudyError(
+                f"another process is writing a study into {self.folder}: wait for its end, or give another "
+                "folder"
+            ) from None
+        except OSError:  # such as NFS without locks
+            os.close(handle)
+            return None
+        return handle
+
+    def close(self) -> None:
+        """Others may write there now."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
     def missing(self) -> list[range]:
         """Runs not yet made, chunk by chunk."""
         starts = range(0, self.runs, self.chunk)
-        return [
-            range(start, min(start + self.chunk, self.runs))
-            for start in starts
-            if not self._path(start).exists()
-        ]
+        chunks = [range(start, min(start + self.chunk, self.runs)) for start in starts]
+        return [runs for runs in chunks if not self._holds(runs)]
+
+    def _holds(self, runs: range) -> bool:
+        path = self._path(runs.start)
+        if not path.exists():
+            return False
+        try:
+            whole = np.array_equal(_part(path, ["run"])["run"], np.asarray(runs))
+        except StudyError:
+            whole = False
+        if not whole:
+            self.damaged.append(path)
+        return whole
 
     def _path(self, start: int) -> Path:
         return self.folder / f"runs-{start:09d}.{self.form}"
@@ -83,17 +127,24 @@ class Store:
             )
         self._write(path, content)
 
-    def _write(self, path: Path, content: bytes) -> None:
-        unfinished = path.with_suffix(".unfinished")
+    def _make_folder(self) -> None:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StudyError(f"cannot make the folder {self.folder}: {error.strerror or error}") from error
+
+    def _write(self, path: Path, content: bytes) -> None:
+        unfinished = path.with_suffix(".unfinished")
+        self._make_folder()
+        try:
             with unfinished.open("wb") as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())
             unfinished.replace(path)
         except OSError as error:
-            unfinished.unlink(missing_ok=True)
+            with suppress(OSError):
+                unfinished.unlink()
             raise StudyError(
                 f"cannot write {path}: {error.strerror or error}. The runs written before are kept: make "
                 "room, or whatever it takes, and give the same command again"
@@ -109,13 +160,12 @@ def _check_writer(form: str) -> None:
 def _parquet(names: Sequence[str], columns: Sequence[Any]) -> bytes:
     pyarrow, parquet = _pyarrow()
     sink = pyarrow.BufferOutputStream()
-    parquet.write_table(pyarrow.table(dict(zip(names, columns, strict=True))), sink)
+    table = pyarrow.table(dict(zip(names, columns, strict=True)))
+    parquet.write_table(table, sink, write_page_checksum=True)
     return bytes(sink.getvalue())
 
 
 def _csv(names: Sequence[str], columns: Sequence[list[Any]]) -> bytes:
-    import io
-
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow(names)
@@ -133,15 +183,22 @@ def _pyarrow() -> tuple[Any, Any]:
 
 
 def _record(folder: Path) -> dict[str, Any] | None:
+    path = folder / RECORD
     try:
-        record: dict[str, Any] = json.loads((folder / RECORD).read_text())
+        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        fit = record["format"] in FORMATS and int(record["chunk"]) > 0
+        if not (fit and isinstance(record["study"], dict)):
+            raise ValueError("its entries are not those of a study")
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
-        raise StudyError(
-            f"{folder / RECORD} cannot be read: {error}: give another folder, or delete it"
-        ) from error
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise StudyError(f"{path} cannot be read: {error}: give another folder, or delete it") from error
     return record
+
+
+def _differing(begun: dict[str, Any], facts: dict[str, Any]) -> list[str]:
+    """Compared as text: NaN, a range that is not given, differs from itself."""
+    return [key for key in facts if json.dumps(begun.get(key)) != json.dumps(facts[key])]
 
 
 def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
@@ -154,23 +211,36 @@ def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, 
     paths = sorted(folder.glob(f"runs-*.{record['format']}"))
     if not paths:
         raise StudyError(f"{folder} holds no runs yet")
-    parts = list(_parts(paths, columns if columns is None else list(dict.fromkeys(columns))))
-    if lacking := set(columns or ()) - set(parts[0]):
+    wanted = None if columns is None else list(dict.fromkeys(columns))
+    parts = [_part(path, wanted) for path in paths]
+    if lacking := [name for name in wanted or () if name not in parts[0]]:
         raise StudyError(f"{folder} has no column {', '.join(lacking)}")
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _parts(paths: Sequence[Path], columns: Sequence[str] | None) -> Iterator[dict[str, Column]]:
-    for path in paths:
-        if path.suffix == ".parquet":
-            table = _pyarrow()[1].read_table(path, columns=columns)
-            yield {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        else:
-            with path.open(newline="") as file:
-                names, *rows = csv.reader(file)
-            wanted = [name for name in names if columns is None or name in columns]
-            by_name = dict(zip(names, zip(*rows, strict=True), strict=True))
-            yield {name: _parsed(name, by_name[name]) for name in wanted}
+def _part(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
+    """A chunk's columns. StudyError if its file is not as it was written."""
+    try:
+        return (_of_parquet if path.suffix == ".parquet" else _of_csv)(path, columns)
+    except (OSError, ValueError) as error:  # pyarrow's errors are these too
+        raise StudyError(
+            f"{path} is damaged ({error}): run the study again, which makes these runs anew"
+        ) from error
+
+
+def _of_parquet(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
+    table = _pyarrow()[1].read_table(path, columns=columns, page_checksum_verification=True)
+    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+
+
+def _of_csv(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
+    content = path.read_bytes().decode()
+    if not content.endswith("\n"):
+        raise ValueError("its last line has no end")
+    names, *rows = csv.reader(io.StringIO(content, newline=""))
+    cells = list(zip(*rows, strict=True)) or [()] * len(names)
+    by_name = dict(zip(names, cells, strict=True))
+    return {name: _parsed(name, by_name[name]) for name in names if columns is None or name in columns}
 
 
 def _parsed(name: str, cells: Sequence[str]) -> Column:
