@@ -139,6 +139,8 @@ class Plan:
             with Path(path).open(newline="", encoding="utf-8-sig") as file:
                 reader = csv.reader(file)
                 names = [name.strip() for name in next(reader, [])]
+                if not names:
+                    raise ValueError("it is empty")
                 table = np.array([_numbers(row, names, reader.line_num) for row in reader if any(row)])
         except (OSError, ValueError) as error:
             raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error

@@ -1,7 +1,8 @@
 """Results on disk: a folder with one file per chunk of runs, complete or absent, and study.json, which says
 what study they are of. A chunk comes into being by renaming a finished file, so an interruption leaves no
-half of one, and a study that is continued makes exactly the chunks that are not there, or that something
-else has damaged since. One study at a time writes into a folder."""
+half of one; its name holds a checksum (CRC-32) of its content. A study that is continued makes exactly the
+chunks that are not there, or that something else has damaged since. One study at a time writes into a folder.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ import io
 import json
 import os
 import sys
+import zlib
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -43,7 +45,7 @@ class Store:
         there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
         self.folder = Path(folder)
         self.runs = runs
-        self.damaged: list[Path] = []  # found by `missing`
+        self.damaged: dict[int, Path] = {}  # by their first run, found by `missing`
         facts = json.loads(json.dumps(facts))  # as it is read back
         form = form or default_format()
         if form not in FORMATS:
@@ -51,17 +53,25 @@ class Store:
         begun = _record(self.folder)
         _check_writer(begun["format"] if begun else form)  # before the folder is made
         self._lock = self._locked()
-        if begun is not None and (differing := _differing(begun["study"], facts)):
-            if any(self.folder.glob("runs-*")):
-                raise StudyError(
-                    f"{self.folder} holds another study (its {', '.join(differing)} differ): give another "
-                    "folder, or delete it"
-                )
-            begun = None  # nothing of it was made
-        if begun is None:
-            begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form}
-            self._write(self.folder / RECORD, json.dumps(begun, indent=1).encode())
+        try:
+            begun = self._begin(begun, {"study": facts, "runs": runs, "chunk": chunk, "format": form})
+        except StudyError:
+            self.close()
+            raise
         self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
+
+    def _begin(self, begun: dict[str, Any] | None, wanted: dict[str, Any]) -> dict[str, Any]:
+        """The record that holds: the one that is there, if runs are."""
+        differing = [] if begun is None else _differing(begun["study"], wanted["study"])
+        if begun is not None and not differing:
+            return begun
+        if differing and any(self.folder.glob("runs-*")):
+            raise StudyError(
+                f"{self.folder} holds runs of another study (other {', '.join(differing)}): give another "
+                "folder, or delete it"
+            )
+        self._write(self.folder / RECORD, json.dumps(wanted, indent=1).encode())
+        return wanted
 
     def _locked(self) -> int | None:
         """A handle of the folder with an advisory lock on it, which ends with the process, whatever ends
@@ -98,19 +108,14 @@ class Store:
         return [runs for runs in chunks if not self._holds(runs)]
 
     def _holds(self, runs: range) -> bool:
-        path = self._path(runs.start)
-        if not path.exists():
-            return False
-        try:
-            whole = np.array_equal(_part(path, ["run"])["run"], np.asarray(runs))
-        except StudyError:
-            whole = False
-        if not whole:
-            self.damaged.append(path)
-        return whole
-
-    def _path(self, start: int) -> Path:
-        return self.folder / f"runs-{start:09d}.{self.form}"
+        for path in self.folder.glob(f"runs-{runs.start:09d}-*.{self.form}"):
+            try:
+                _content(path)
+            except StudyError:
+                self.damaged[runs.start] = path
+            else:
+                return True
+        return False
 
     def write(
         self, runs: range, names: Sequence[str], rows: Array, results: Sequence[str], block: Block
@@ -118,14 +123,15 @@ class Store:
         """One chunk. StudyError if it cannot be written; what was written before it stays."""
         messages = [block.messages.get(place, "") for place in range(len(runs))]
         columns = [*rows.T, *block.values.T]
-        path = self._path(runs.start)
         if self.form == "parquet":
             content = _parquet(["run", *names, *results, "message"], [np.array(runs), *columns, messages])
         else:
             content = _csv(
                 ["run", *names, *results, "message"], [list(runs), *(c.tolist() for c in columns), messages]
             )
-        self._write(path, content)
+        if runs.start in self.damaged:
+            self.damaged.pop(runs.start).unlink(missing_ok=True)
+        self._write(self.folder / f"runs-{runs.start:09d}-{_checksum(content)}.{self.form}", content)
 
     def _make_folder(self) -> None:
         try:
@@ -160,8 +166,7 @@ def _check_writer(form: str) -> None:
 def _parquet(names: Sequence[str], columns: Sequence[Any]) -> bytes:
     pyarrow, parquet = _pyarrow()
     sink = pyarrow.BufferOutputStream()
-    table = pyarrow.table(dict(zip(names, columns, strict=True)))
-    parquet.write_table(table, sink, write_page_checksum=True)
+    parquet.write_table(pyarrow.table(dict(zip(names, columns, strict=True))), sink)
     return bytes(sink.getvalue())
 
 
@@ -196,9 +201,16 @@ def _record(folder: Path) -> dict[str, Any] | None:
     return record
 
 
-def _differing(begun: dict[str, Any], facts: dict[str, Any]) -> list[str]:
-    """Compared as text: NaN, a range that is not given, differs from itself."""
-    return [key for key in facts if json.dumps(begun.get(key)) != json.dumps(facts[key])]
+def _differing(begun: dict[str, Any], facts: dict[str, Any], where: str = "") -> list[str]:
+    """Entries, by their path. Compared as text: NaN, a range that is not given, differs from itself."""
+    found = []
+    for key in [*facts, *(key for key in begun if key not in facts)]:
+        old, new = begun.get(key), facts.get(key)
+        if isinstance(old, dict) and isinstance(new, dict):
+            found += _differing(old, new, f"{where}{key}: ")
+        elif json.dumps(old) != json.dumps(new):
+            found.append(where + key)
+    return found
 
 
 def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
@@ -218,29 +230,36 @@ def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, 
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _part(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
-    """A chunk's columns. StudyError if its file is not as it was written."""
+def _checksum(content: bytes) -> str:
+    return f"{zlib.crc32(content):08x}"
+
+
+def _content(path: Path) -> bytes:
+    """StudyError if it is not as it was written."""
     try:
-        return (_of_parquet if path.suffix == ".parquet" else _of_csv)(path, columns)
-    except (OSError, ValueError) as error:  # pyarrow's errors are these too
-        raise StudyError(
-            f"{path} is damaged ({error}): run the study again, which makes these runs anew"
-        ) from error
+        content = path.read_bytes()
+    except OSError as error:
+        raise StudyError(f"{path} cannot be read: {error.strerror or error}") from error
+    if not path.stem.endswith(f"-{_checksum(content)}"):
+        raise StudyError(f"{path} is damaged: run the study again, which makes these runs anew")
+    return content
 
 
-def _of_parquet(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
-    table = _pyarrow()[1].read_table(path, columns=columns, page_checksum_verification=True)
+def _part(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
+    """A chunk's columns."""
+    return (_of_parquet if path.suffix == ".parquet" else _of_csv)(_content(path), columns)
+
+
+def _of_parquet(content: bytes, columns: Sequence[str] | None) -> dict[str, Column]:
+    table = _pyarrow()[1].read_table(io.BytesIO(content), columns=columns)
     return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
 
-def _of_csv(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
-    content = path.read_bytes().decode()
-    if not content.endswith("\n"):
-        raise ValueError("its last line has no end")
-    names, *rows = csv.reader(io.StringIO(content, newline=""))
-    cells = list(zip(*rows, strict=True)) or [()] * len(names)
-    by_name = dict(zip(names, cells, strict=True))
-    return {name: _parsed(name, by_name[name]) for name in names if columns is None or name in columns}
+def _of_csv(content: bytes, columns: Sequence[str] | None) -> dict[str, Column]:
+    names, *rows = csv.reader(io.StringIO(content.decode(), newline=""))
+    wanted = [name for name in names if columns is None or name in columns]
+    by_name = dict(zip(names, zip(*rows, strict=True), strict=True))
+    return {name: _parsed(name, by_name[name]) for name in wanted}
 
 
 def _parsed(name: str, cells: Sequence[str]) -> Column:

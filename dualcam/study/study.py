@@ -85,7 +85,7 @@ class Study:
         with closing(runner), closing(Store(folder, self.facts(), self.plan.count, size, form)) as store:
             missing = store.missing()
             if console and store.damaged:
-                names = ", ".join(path.name for path in store.damaged)
+                names = ", ".join(path.name for path in store.damaged.values())
                 say(console, f"damaged, made again: {names}")
             count = (os.cpu_count() or 1) if workers is None else workers
             if scheduler is not None:
