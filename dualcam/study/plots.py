@@ -21,6 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.collections import LineCollection
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
@@ -137,20 +138,35 @@ def _map(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
     x, y, z = (columns[plot[key]] for key in "xyz")
+    scales: dict[str, Any] = {f"{key}scale": "log" if _is_log(study, plot[key]) else "linear" for key in "xy"}
     if study.plan.kind == "grid" and {plot["x"], plot["y"]} <= set(study.plan.vary):
         across, along, mean = _means(x, y, z)
         shades = axis.contourf(across, along, mean, LEVELS, cmap="viridis")
         lines = axis.contour(across, along, mean, LEVELS, colors="white", linewidths=0.5)
-        axis.clabel(lines, fontsize=7)
+        axis.set(**scales)
+        _drop_cut(axis, axis.clabel(lines, fontsize=7))
         line, column = np.unravel_index(np.nanargmax(mean), mean.shape)
         axis.plot(across[column], along[line], "w+", markersize=9)
         axis.annotate(f"{mean[line, column]:.4g}", (across[column], along[line]), (5, 5),
                       textcoords="offset points", color="black", fontsize=8)  # fmt: skip
         axis.figure.colorbar(shades, ax=axis, label=labels[plot["z"]])
     else:
-        cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1)
+        cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1, **scales)
         axis.figure.colorbar(cells, ax=axis, label=f"mean of {labels[plot['z']]}")
     axis.set(xlabel=labels[plot["x"]], ylabel=labels[plot["y"]])
+
+
+def _is_log(study: Study, name: str) -> bool:
+    """Whether it varies evenly in the logarithm."""
+    vary = study.plan.vary.get(study.plan.same.get(name, name))
+    return vary is not None and vary.log
+
+
+def _drop_cut(axis: Axes, texts: Sequence[Text]) -> None:
+    """Numbers of lines so close to the edge that they would be cut off."""
+    for text in texts:
+        place = axis.transAxes.inverted().transform(axis.transData.transform(text.get_position()))
+        text.set_visible(bool(np.all((place > 0.05) & (place < 0.95))))
 
 
 def _means(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
@@ -200,10 +216,9 @@ def spread(study: Study, values: Array) -> tuple[Array, Array]:
     of_first = weights @ (second * (mixed - first)).T
     of_total = weights @ ((first - mixed) ** 2).T / 2.0
     ends = [2.5, 97.5]
-    return (
-        np.percentile(of_first / variance[:, None], ends, axis=0),
-        np.percentile(of_total / variance[:, None], ends, axis=0),
-    )
+    with np.errstate(invalid="ignore"):  # of a result that is always the same no share is anyone's
+        shares = of_first / variance[:, None], of_total / variance[:, None]
+    return np.percentile(shares[0], ends, axis=0), np.percentile(shares[1], ends, axis=0)
 
 
 def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[str]) -> None:
@@ -216,13 +231,14 @@ def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[
         bars = (("total", 0.35, found.total_order, ends[1]), ("first order", 1.0, found.first_order, ends[0]))
         for kind, alpha, values, (low, high) in bars:
             reach = np.maximum([values - low, high - values], 0.0)
-            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": f"{result}, {kind}"}
+            label = f"{result}, {kind}" + (", constant" if np.ptp(columns[result]) == 0.0 else "")
+            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": label}
             axis.barh(places, values, width * 0.95, xerr=reach, error_kw=THIN, **style)
     axis.set_yticks(np.arange(len(names)), names)
     axis.invert_yaxis()
     axis.set_xlabel("share of the variance (lines: 95 %)")
     axis.set_xlim(left=0.0)
-    axis.legend(fontsize=8, loc="best")
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.45, -0.12), ncols=len(of))
 
 
 # ---- Pareto ----
@@ -253,7 +269,10 @@ def _pareto(
     axis.plot(
         x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=f"front: {len(kept)} of {len(x)}"
     )
-    axis.set(xlabel=f"{labels[plot['x']]}: {best[0]}", ylabel=f"{labels[plot['y']]}: {best[1]}")
+    wanted = {"max": "more is better", "min": "less is better"}
+    axis.set(
+        xlabel=f"{labels[plot['x']]}, {wanted[best[0]]}", ylabel=f"{labels[plot['y']]}, {wanted[best[1]]}"
+    )
     axis.legend(fontsize=8)
 
 
@@ -264,7 +283,10 @@ def _parallel(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
     names = list(plot["axes"])
-    scaled = np.column_stack([_scaled(columns[name]) for name in names])
+    scaled = np.column_stack(
+        [_scaled(np.log(columns[name]) if _is_log(study, name) else columns[name]) for name in names]
+    )
+    crowded = len(names) > 10
     shade = columns[plot["color"]] if "color" in plot else columns[names[-1]]
     ranks = np.argsort(np.argsort(shade)) / max(len(shade) - 1, 1)
     chosen = ranks >= 1.0 - plot.get("keep", 0.1)
@@ -285,7 +307,10 @@ def _parallel(
     axis.figure.colorbar(lines, ax=axis, label=labels[plot.get("color", names[-1])])
     axis.set(xlim=(-0.2, len(names) - 0.8), ylim=(-0.06, 1.06), yticks=[])
     axis.set_xticks(
-        range(len(names)), [labels[name].replace(" [", "\n[") for name in names], rotation=35, ha="right"
+        range(len(names)),
+        [labels[name].replace(" [", "\n[") for name in names],
+        rotation=70 if crowded else 35,
+        ha="right",
     )
     axis.tick_params(axis="x", labelsize=7)
     for k, name in enumerate(names):
@@ -294,7 +319,7 @@ def _parallel(
             (-0.01, columns[name].min(), "top"),
             (1.01, columns[name].max(), "bottom"),
         ):
-            axis.text(k, height, f"{value:.3g}", fontsize=7, ha="center", va=place)
+            axis.text(k, height, f"{value:.3g}", fontsize=5 if crowded else 7, ha="center", va=place)
 
 
 def _scaled(values: Array) -> Array:

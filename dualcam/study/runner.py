@@ -114,6 +114,8 @@ class Runner:
         instance = self._fmu._instance
         # Not FMPy's functions, whose argument types are checked and converted at every call.
         self._library = ctypes.CDLL(instance._fmu.dll._name)
+        # These take less time than giving Python's lock away and taking it back.
+        self._brief = ctypes.PyDLL(instance._fmu.dll._name)
         self._component = c_void_p(instance.component)
         self._reads: list[tuple[_Window, list[int]]] = []  # with the places of its columns among the results
         self._state: FmuState | None = None
@@ -125,7 +127,8 @@ class Runner:
     # ---- the list of calls ----
 
     def _call(self, name: str, *arguments: object) -> Call:
-        function = getattr(self._library, name)
+        brief = name.startswith(("fmi2Set", "fmi2Get")) and name != "fmi2SetupExperiment"
+        function = getattr(self._brief if brief else self._library, name)
         function.restype = c_int
         return partial(function, self._component, *arguments)
 
