@@ -284,8 +284,8 @@ def test_a_failed_run_is_a_row_with_the_fmus_message():
 
 
 def test_memory_does_not_grow_with_the_runs(tmp_path):
-    """Of 100,000 runs with their results on disk; ./build.sh rate does it for 10^6. The first tenth, when buffers
-    are made, is left out; it goes up and down from chunk to chunk."""
+    """Of 100,000 runs with their results on disk; ./build.sh rate does it for 10^6. The first tenth, when
+    buffers are made, is left out; it goes up and down from chunk to chunk."""
     seen = []
 
     def look():
