@@ -301,6 +301,14 @@ def test_damaged_results_are_told_and_made_again(tmp_path, form):
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
+def test_other_files_in_the_folder_do_no_harm(tmp_path):
+    one = study()
+    for name in ("runs-000000000.csv", "runs-notes-1.csv", "runs-000000000.unfinished", "notes.parquet"):
+        (tmp_path / name).write_text("something else")
+    one.make(tmp_path, workers=0)
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+
+
 def test_a_record_that_is_none_is_told(tmp_path):
     study().run(tmp_path, workers=0)
     for content in ("{}", "[1", "3", '{"study": {}, "chunk": 0, "format": "csv"}'):

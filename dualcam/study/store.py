@@ -54,6 +54,7 @@ class Store:
         _check_writer(begun["format"] if begun else form)  # before the folder is made
         self._lock = self._locked()
         try:
+            begun = _record(self.folder)  # another process may have been there before the lock
             begun = self._begin(begun, {"study": facts, "runs": runs, "chunk": chunk, "format": form})
         except StudyError:
             self.close()
@@ -220,7 +221,7 @@ def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, 
     record = _record(folder)
     if record is None:
         raise StudyError(f"{folder} holds no study: there is no {RECORD}")
-    paths = sorted(folder.glob(f"runs-*.{record['format']}"))
+    paths = sorted(folder.glob(f"runs-{'[0-9]' * 9}-*.{record['format']}"))
     if not paths:
         raise StudyError(f"{folder} holds no runs yet")
     wanted = None if columns is None else list(dict.fromkeys(columns))
