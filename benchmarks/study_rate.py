@@ -9,20 +9,24 @@ cam             the forward FMU, begun with a saved state: what a user has
 cam, reset      the same, begun with fmi2Reset
 null            an FMU that does nothing, whose runs begin with fmi2Reset: Python and ctypes
 cam, ramps      torque that rises and falls along ramps: driven oscillations instead of free ones
+cam, in C       the calls of "cam" on the same values from a C loop (study_rate.c): what the FMU itself takes
+null, in C      likewise
 naive           fmpy.simulate_fmu for each run
 
-Then where the time of a run of the cam goes, call by call, and how much memory a whole study with its results
-on disk takes from its first tenth to its end.
+Then what share of a run is the FMU's, and the best rate that this leaves to Python beside the do-nothing FMU;
+where a run of the cam goes, call by call, as Python sees it; and whether the memory of a whole study with its
+results on disk grows.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -41,7 +45,7 @@ from dualcam.study.runner import Runner  # noqa: E402
 
 RUNS = 4000  # in a timed block
 NAIVE_RUNS = 10
-MEMORY_MARGIN = 8.0  # MiB that the allocator may keep
+MEMORY_MARGIN = 1.0  # MiB
 TARGET_RATE, TARGET_NULL, TARGET_NAIVE = 20_000.0, 0.7, 1000.0
 VARY = {
     "cam1.radius": Vary(0.015, 0.03),
@@ -62,13 +66,14 @@ RESULTS = (
     "peak.reaction1",
     "efficiency",
 )
-PIECES = History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])
-RAMPS = History([0.0, 0.2, 0.4], [0.0, 8.0, 0.0])
+HALF, TORQUE = 0.2, 8.0  # s, N.m
+PIECES = History([0.0, HALF, HALF], [TORQUE, TORQUE, 0.0])
+RAMPS = History([0.0, HALF, 2.0 * HALF], [0.0, TORQUE, 0.0])
 
 
 def study(identifier: str, history: History = PIECES, runs: int = RUNS) -> Study:
     plan = Plan("sobol", VARY, runs, seed=1)
-    scenario = Scenario(0.4, {"tau": history}, step=0.2)  # the step that the do-nothing FMU asks for
+    scenario = Scenario(2.0 * HALF, {"tau": history}, step=HALF)  # the step that the do-nothing FMU asks for
     return Study(build_fmu.BUILD / f"{identifier}.fmu", plan, scenario, RESULTS)
 
 
@@ -78,6 +83,71 @@ def block(runner: Runner, rows: Array) -> float:
     seconds = time.perf_counter() - start
     assert not made.messages, made.messages
     return seconds / len(rows)
+
+
+class Calls(ctypes.Structure):
+    """`Study` of study_rate.c."""
+
+    FUNCTIONS = (
+        *("fmi2SetFMUstate", "fmi2Reset", "fmi2SetupExperiment", "fmi2EnterInitializationMode"),
+        *("fmi2ExitInitializationMode", "fmi2SetReal", "fmi2DoStep", "fmi2GetReal"),
+    )
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in FUNCTIONS),
+        ("component", ctypes.c_void_p),
+        ("state", ctypes.c_void_p),
+        ("varied", ctypes.POINTER(ctypes.c_uint)),
+        ("results", ctypes.POINTER(ctypes.c_uint)),
+        ("varied_count", ctypes.c_size_t),
+        ("results_count", ctypes.c_size_t),
+        ("tau", ctypes.c_uint),
+    )
+
+
+def compile_loop() -> ctypes.CDLL:
+    library = build_fmu.BUILD / "study_rate" / "loop.so"
+    flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET]
+    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "benchmarks/study_rate.c"], library)
+    loop = ctypes.CDLL(str(library))
+    loop.seconds_study.restype = ctypes.c_double
+    return loop
+
+
+def in_c(loop: ctypes.CDLL, runner: Runner, rows: Array) -> Callable[[], float]:
+    """Seconds of a run of the runner's FMU from C, whose results are the runner's."""
+    library, fmu, state = runner._library, runner._fmu, runner._state
+
+    def references(names: Sequence[str]) -> ctypes.Array[ctypes.c_uint]:
+        return (ctypes.c_uint * len(names))(*(fmu.variable(name).valueReference for name in names))
+
+    calls = Calls(
+        *(ctypes.cast(getattr(library, name), ctypes.c_void_p) for name in Calls.FUNCTIONS),
+        runner._component,
+        state and state._address,
+        references(list(VARY)),
+        references([name.partition("@")[0] for name in RESULTS]),
+        len(VARY),
+        len(RESULTS),
+        references(["tau"])[0],
+    )
+    values, results, status = np.ascontiguousarray(rows), np.empty((len(rows), len(RESULTS))), ctypes.c_int()
+
+    def seconds() -> float:
+        taken: float = loop.seconds_study(
+            ctypes.byref(calls),
+            values.ctypes.data_as(ctypes.c_void_p),
+            ctypes.c_size_t(len(rows)),
+            ctypes.c_double(TORQUE),
+            ctypes.c_double(HALF),
+            results.ctypes.data_as(ctypes.c_void_p),
+            ctypes.byref(status),
+        )
+        assert status.value == 0
+        return taken / len(rows)
+
+    seconds()
+    assert np.array_equal(results, runner.run(rows).values)
+    return seconds
 
 
 def naive(rows: Array) -> float:
@@ -130,7 +200,8 @@ def resident() -> float:
 
 
 def memory(runs: int) -> tuple[float, float, float]:
-    """MiB after a tenth of the chunks and at the end, and runs per second, of a study in this process."""
+    """Most MiB during the second tenth of the chunks and during the last, and runs per second, of a study in
+    this process. From chunk to chunk it goes up and down with what is being written."""
     whole = study("DualCamForward", runs=runs)
     whole.plan.rows(0, 1)  # the plan's own table is there from the start
     seen: list[float] = []
@@ -139,7 +210,21 @@ def memory(runs: int) -> tuple[float, float, float]:
         whole.make(
             folder, workers=0, form="csv", chunk=max(runs // 100, 1), each=lambda: seen.append(resident())
         )
-    return seen[len(seen) // 10], seen[-1], runs / (time.perf_counter() - start)
+    tenth = len(seen) // 10
+    return max(seen[tenth : 2 * tenth]), max(seen[-tenth:]), runs / (time.perf_counter() - start)
+
+
+def line(
+    way: str, seconds: float, ratio: str, early: float | None = None, late: float | None = None
+) -> dict[str, str]:
+    return {
+        "way": way,
+        "us_per_run": f"{1e6 * seconds:.2f}",
+        "runs_per_second": f"{1.0 / seconds:.0f}",
+        "rate_over_cam": ratio,
+        "MiB_second_tenth": "" if early is None else f"{early:.1f}",
+        "MiB_last_tenth": "" if late is None else f"{late:.1f}",
+    }
 
 
 def main() -> int:
@@ -150,12 +235,15 @@ def main() -> int:
     arguments = parser.parse_args()
     console = Console()
     rows = study("DualCamForward").plan.rows(0, RUNS)
-    cam = Runner(study("DualCamForward").job())
+    cam, null = (Runner(study(name).job()) for name in ("DualCamForward", "NullFmu"))
+    loop = compile_loop()
     blocks: dict[str, Callable[[], float]] = {
         "cam": partial(block, cam, rows),
         "cam, reset": partial(block, Runner(study("DualCamForward").job(), saves_state=False), rows),
-        "null": partial(block, Runner(study("NullFmu").job()), rows),
+        "null": partial(block, null, rows),
         "cam, ramps": partial(block, Runner(study("DualCamForward", RAMPS).job()), rows),
+        "cam, in C": in_c(loop, cam, rows),
+        "null, in C": in_c(loop, null, rows),
         "naive": partial(naive, rows),
     }
     times = step_cost.in_turns(blocks, arguments.rounds, "runs", console)
@@ -166,19 +254,28 @@ def main() -> int:
     table = step_cost.table(
         "Load and release, one core", "way", "us per run", "runs per second", "rate / cam's"
     )
-    lines = []
+    lines: list[dict[str, str]] = []
     ratios = {name: step_cost.Ratio.of(times["cam"], seconds) for name, seconds in times.items()}
     for name, seconds in times.items():
         median = statistics.median(seconds)
         table.add_row(name, f"{1e6 * median:.1f}", f"{1.0 / median:,.0f}", str(ratios[name]))
-        numbers = {"us_per_run": f"{1e6 * median:.2f}", "runs_per_second": f"{1.0 / median:.0f}"}
-        lines.append({"way": name, **numbers, "rate_over_cam": f"{ratios[name].median:.4g}", **facts})
+        lines.append(line(name, median, f"{ratios[name].median:.4g}") | facts)
+    lines.append(line(f"{arguments.runs} runs onto disk", 1.0 / rate, "", early, late) | facts)
     console.print(table)
+    middle = {name: statistics.median(seconds) for name, seconds in times.items()}
+    python = middle["null"] - middle["null, in C"]
+    most = middle["null"] / (python + middle["cam, in C"])
+    inside = middle["cam, in C"] / middle["cam"]
+    console.print(
+        f"Of a run of the cam {inside:.0%} is in the FMU. If Python took no more "
+        f"for it than for the do-nothing FMU, the rate would be {most:.2f} of that one's.",
+        highlight=False,
+    )
     calls = ", ".join(f"{name[4:]} {value:.1f}" for name, value in parts.items())
     console.print(f"A run of the cam, us: {calls}", highlight=False)
     console.print(
         f"{arguments.runs:,} runs with results on disk as CSV: {rate:,.0f} a second in one process; "
-        f"{early:.1f} MiB after a tenth of them, {late:.1f} at the end",
+        f"at most {early:.1f} MiB in the second tenth of them, {late:.1f} in the last",
         highlight=False,
     )
     goals = {

@@ -20,6 +20,7 @@ from __future__ import annotations
 import ctypes
 import difflib
 import shutil
+import tempfile
 import weakref
 import zipfile
 from collections import deque
@@ -65,7 +66,7 @@ class Instance:
             description.coSimulation if kind is FMU2Slave else description.modelExchange
         ).modelIdentifier
         wanted = (f"binaries/{fmpy.platform}/", "resources/")
-        self._directory = fmpy.extract(path, include=lambda name: name.startswith(wanted))
+        self._directory = _extracted(path, wanted)
         try:
             (Path(self._directory) / "resources").mkdir(exist_ok=True)
             self._fmu = kind(
@@ -129,6 +130,17 @@ class Instance:
         self.is_open = False
         self.get_real = self.set_real = self.do_step = _refuse_closed
         shutil.rmtree(self._directory, ignore_errors=True)
+
+
+def _extracted(path: Path, wanted: tuple[str, ...]) -> str:
+    """A new folder with those parts of the FMU. FmuError if they are damaged or there is no room."""
+    folder = tempfile.mkdtemp()
+    try:
+        fmpy.extract(path, folder, include=lambda name: name.startswith(wanted))
+    except Exception as error:  # zipfile's, zlib's and the system's
+        shutil.rmtree(folder, ignore_errors=True)
+        raise FmuError(f"{path} cannot be unpacked into {folder}: {error}") from error
+    return folder
 
 
 def _refuse_closed(*_: object) -> int:

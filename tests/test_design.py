@@ -327,6 +327,87 @@ def test_groove_runs_in_the_fmu(inverse, forward, tmp_path, name):
     assert design.worst <= 1e-7
 
 
+def random_task(number):
+    """A wanted torque of four random waves, in reach of the spring at the start, for a random spring, range,
+    friction and groove 2."""
+    random = np.random.default_rng(number)
+    upper, radius, preload = (
+        random.uniform(0.2, 2.5),
+        10 ** random.uniform(-2.5, -0.5),
+        10 ** random.uniform(0, 3.5),
+    )
+    reach = radius * upper
+    stiffness = random.uniform(0.3, 10.0) * preload / reach
+    spring = Spring(
+        preload,
+        stiffness,
+        random.uniform(-0.3, 0.3) * stiffness / reach,
+        random.uniform(0, 0.5) * stiffness / reach**2,
+    )
+    second, lead = radius * random.uniform(0.5, 2.0), random.uniform(0.4, 1.1)
+    angles = np.linspace(0.0, 1.2 * upper, 30)
+    waves = 0.06 * random.uniform(-1, 1) * upper * np.sin(random.uniform(1, 5) * angles / upper)
+    a, b = second * upper * random.uniform(3.0, 6.0, 2)
+    groove2 = (
+        None,
+        Helix(second, lead),
+        Ellipse(second, lead, a, b, int(random.choice([-1, 1]))),
+        Table(second, angles, second * math.tan(lead) * (angles + waves)),
+    )[number % 4]
+    share, turns, phase = (
+        random.normal(size=4),
+        random.uniform(0.5, 8.0, 4) / upper,
+        random.uniform(0, 6.3, 4),
+    )
+    height, base = 10 ** random.uniform(-2.0, -0.5), preload * radius * random.uniform(0.3, 0.7)
+
+    def wanted(theta):
+        return base * (1.0 + height * np.sin(np.multiply.outer(theta, turns) + phase) @ share)
+
+    options = {"groove2": groove2, "friction": tuple(random.uniform(0.0, 0.3, 2)), "radius": radius}
+    return wanted, upper, spring, ("loading", "releasing", "frictionless")[number % 3], options
+
+
+def test_random_torques_run_in_the_fmu_or_are_refused(inverse, tmp_path):
+    """As above for random ones. A refusal names the place, and a torque that cannot be there."""
+    made = 0
+    for number in range(36):
+        torque, upper, spring, direction, options = random_task(number)
+        try:
+            design = synthesize(torque, upper, spring, direction=direction, **options)
+        except DesignError as error:
+            assert re.match(r"theta = [\d.e-]+ rad: (torque .* allowed is|groove 2 (ends|locks))", str(error))
+            continue
+        parameters = design.mechanism.parameters(tmp_path)
+        if direction == "frictionless":
+            parameters |= {"cam1.friction": 0.0, "cam2.friction": 0.0}
+        angles = np.linspace(0.0, upper, 201)
+        if direction == "releasing":
+            angles = angles[::-1]
+        wanted = torque(angles[1:])
+        try:
+            found = slow_torque(inverse, parameters, angles, math.copysign(1e-3, angles[1] - angles[0]))
+        except ValueError as error:  # a mechanism that releases so, but jams when it is loaded
+            assert direction == "releasing" and "jam when loading" in str(error)
+            assert any(
+                "jam" in str(one) for one in assess(design.mechanism, Pin(radius=1e-4, width=0.01)).findings
+            )
+            continue
+        assert np.abs(found / wanted - 1.0).max() < 1e-6, number
+        made += 1
+    assert made >= 18
+
+
+def test_a_function_of_one_angle_will_do():
+    """The same as that of arrays."""
+    for one, all_at_once in (
+        (lambda t: 1.0 + math.sin(t), lambda t: 1.0 + np.sin(t)),
+        (lambda t: 1, lambda t: 1.0 + 0 * t),
+    ):
+        designs = [synthesize(torque, UPPER, LINEAR, groove2=HELIX) for torque in (one, all_at_once)]
+        assert designs[0].table.z == pytest.approx(designs[1].table.z, rel=1e-12)
+
+
 @pytest.mark.parametrize("name", ["frictionless, equal", "frictionless, level start"])
 def test_without_friction_by_energy(name):
     """The work of the wanted torque is in the spring."""
@@ -368,7 +449,8 @@ BAD = {
     "locked": (lambda t: 0.5, LINEAR, "releasing", {"groove2": Helix(0.02, 0.1)}, "groove 2 locks"),
     "end of groove 2": (lambda t: 1 + 3 * t, LINEAR, "loading", {"groove2": Table(
         0.02, np.linspace(0, 0.4, 9), 0.02 * np.linspace(0, 0.4, 9))}, "groove 2 ends.*allowed is 0 to 0.4"),
-    "weak spring": (lambda t: 1.5, Spring(100, -2e4), "loading", {"groove2": HELIX}, "too high|spring force"),
+    "weak spring": (lambda t: 1.5, Spring(100, 0.0, -2e6), "loading", {"groove2": HELIX},
+                    "too high|spring force"),
     "no preload": (lambda t: 1.0, BARE, "loading", {}, "theta = 0 .*preload"),
     "no preload, steep": (lambda t: 90 * t, BARE, "loading", {"groove2": HELIX}, "rad at theta = 0.*allowed"),
     "no preload, locked": (lambda t: t, BARE, "releasing", {"groove2": Helix(0.02, 0.1)}, "groove 2 locks"),
@@ -381,6 +463,19 @@ BAD = {
     "direction": (lambda t: 1.0, LINEAR, "up", {}, "allowed are loading, releasing"),
     "friction": (lambda t: 1.0, LINEAR, "loading", {"friction": (0.1, -0.1)}, "friction.*allowed"),
     "radius": (lambda t: 1.0, LINEAR, "loading", {"radius": 0.0}, "radius.*allowed"),
+    "one friction": (lambda t: 1.0, LINEAR, "loading", {"friction": 0.14}, "= 0.14: allowed are two"),
+    "much friction": (lambda t: 1.0, LINEAR, "loading", {"friction": (5, 5), "groove2": HELIX},
+                      "5 and 5 .* jam"),
+    "zero": (lambda t: 0.0, LINEAR, "releasing", {"groove2": HELIX}, "torque 0 .* > 0 somewhere"),
+    "stiffness": (lambda t: 1.0, Spring(50, -10.0), "loading", {}, r"stiffness = -10.0: allowed .* >= 0"),
+    "stiffness2": (lambda t: 1.0, Spring(50, 1.0, math.nan), "loading", {}, "stiffness2 = nan: allowed"),
+    "contacts": (lambda t: 1.0, LINEAR, "loading", {"contacts": 3}, "contacts = 3: allowed are 1 and 2"),
+    "tolerance": (lambda t: 1.0, LINEAR, "loading", {"tolerance": math.nan}, "tolerance = nan: allowed"),
+    "groove 2": (lambda t: 1.0, LINEAR, "loading", {"groove2": "helix"}, "groove2 = 'helix': allowed"),
+    "a number": (2.0, LINEAR, "loading", {}, "allowed is a function .* or samples"),
+    "complex": (lambda t: 1j + t, LINEAR, "loading", {}, "the function fails .* allowed"),
+    "fails": (lambda t: 1 / 0, LINEAR, "loading", {}, "the function fails .*division by zero.* allowed"),
+    "other shape": (lambda t: np.ones(7), LINEAR, "loading", {}, "the function fails .* allowed"),
 }  # fmt: skip
 
 
@@ -502,3 +597,25 @@ def test_example(tmp_path, capsys, monkeypatch):
     assert (tmp_path / "picture.png").stat().st_size > 50_000
     errors = [float(x) for x in re.findall(r"largest error in the FMU ([\d.e-]+)", capsys.readouterr().out)]
     assert len(errors) == 2 and max(errors) < 1e-6
+
+
+@pytest.mark.parametrize("wrong, message", [
+    (lambda: optimum((0.1,)), r"friction = \(0.1,\): allowed are two"),
+    (lambda: efficiency((0.7, 0.7), (-1.0, 0.1)), r"friction\[0\] = -1.0: allowed"),
+    (lambda: efficiency((0.7, 0.7), (0.1, 0.1), (0.0, 1.0)), r"radius\[0\] = 0.0: allowed"),
+    (lambda: efficiency_map((0.1, 0.1), points=1), "points = 1: allowed"),
+    (lambda: Limits(lead_angle=(1.0, 0.5)), r"lead_angle = \(1.0, 0.5\): allowed"),
+    (lambda: Limits(pressure=math.nan), "pressure = nan: allowed"),
+    (lambda: assess(Mechanism((HELIX, HELIX), (0.1, 0.1), LINEAR, UPPER), Pin(0.003, 0.008), points=0),
+     "points = 0: allowed"),
+])  # fmt: skip
+def test_what_makes_no_sense(wrong, message):
+    with pytest.raises(DesignError, match=message):
+        wrong()
+
+
+@pytest.mark.parametrize("friction", [(0.0, 0.1), (2.0, 2.0)])
+def test_a_map_without_an_optimum_is_drawn_without_it(friction):
+    axes = Figure().add_subplot()
+    efficiency_map(friction, points=20).draw(axes)
+    assert not axes.texts

@@ -1,10 +1,12 @@
 """Parameter studies. The runs must be those of the FMU driven by hand, and the closed forms; the plans those
 of SciPy; and no interruption, killed worker or full disk may lose or repeat a run."""
 
+import io
 import itertools
 import json
 import math
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -281,6 +283,19 @@ def test_a_failed_run_is_a_row_with_the_fmus_message():
         assert np.array_equal(block.values[0], block.values[2])
 
 
+def test_memory_does_not_grow_with_the_runs(tmp_path):
+    """Of 100,000 runs with their results on disk; ./build.sh rate does it for 10^6. The first tenth, when
+    buffers are made, is left out; it goes up and down from chunk to chunk."""
+    seen = []
+
+    def look():
+        seen.append(int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize())
+
+    study(Plan("latin", DESIGN, runs=100_000)).make(tmp_path, 0, form="csv", chunk=1000, each=look)
+    assert len(seen) == 100
+    assert max(seen[-20:]) - max(seen[10:30]) < 2**20
+
+
 # ---- closed loop ----
 
 
@@ -338,6 +353,17 @@ def test_a_controller_that_fails_concerns_its_run_alone():
     assert set(block.messages) == {7, 8, 9}
     assert block.messages[9] == "controller: RuntimeError: too far"
     assert np.all(np.isfinite(block.values[:7]))
+
+
+def test_progress_tells_rate_and_time_left(tmp_path):
+    from rich.console import Console
+
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=True, width=120)
+    study(STARTS, closed(slow, 0.1, 0.02), ["theta"]).make(tmp_path, 0, chunk=1, console=console)
+    said = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text.getvalue())
+    assert re.search(r"[3-7] of 10 runs, 0 failed [\d.,]+ runs/s 0:00:0\d", said)
+    assert "10 of 10 runs, 0 failed" in said
 
 
 # ---- folders, processes, interruptions ----
@@ -606,6 +632,32 @@ def test_the_command_runs_draws_and_goes_on(tmp_path, capsys):
     assert main([*words, "--figure", str(tmp_path / "all.png")]) == 0
     assert all(path.stat().st_mtime_ns == when for path, when in made.items())
     assert (tmp_path / "all.png").exists()
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_pictures_of_what_is_constant_logarithmic_or_failed(tmp_path):
+    """No warning, whatever the results; axes are as the variables vary."""
+    vary = {"cam1.ellipse_a": Vary(0.01, 0.1, log=True), "cam1.friction": Vary(0.1, 0.2)}
+    pictures = [
+        {"kind": "map", "x": "cam1.friction", "y": "cam1.ellipse_a", "z": "energy.heat_damper"},
+        {"kind": "pareto", "x": "theta", "y": "energy.heat_damper"},
+        {
+            "kind": "parallel",
+            "axes": ["cam1.ellipse_a", "theta", *["cam1.friction"] * 10, "energy.heat_damper"],
+        },
+    ]
+    results, fixed = ["theta", "energy.heat_damper"], {"cam1.profile": 2}
+    one = study(Plan("latin", vary, runs=40), PUSH, results, parameters=fixed, plots=pictures)
+    still = Plan("indices", {name: DESIGN[name] for name in ("cam1.radius", "cam1.friction")}, runs=8)
+    two = study(still, PUSH, results, plots=[{"kind": "sobol", "of": results}])
+    studies = [(one, tmp_path / "one"), (two, tmp_path / "two")]
+    for each, folder in studies:
+        plots.check(each)
+        table = each.run(folder, workers=0)
+        assert not np.any(table["energy.heat_damper"] > 0.0)
+    assert 0 < np.sum(read(tmp_path / "one")["message"] != "") < 40
+    plots.draw(studies, tmp_path / "all.png")
+    assert (tmp_path / "all.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("signal_number, code", [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])

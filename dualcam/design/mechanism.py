@@ -62,6 +62,10 @@ class Mechanism:
     upper: float
     contacts: int = 2
 
+    def __post_init__(self) -> None:
+        if self.contacts not in (1, 2):
+            raise DesignError(f"contacts = {self.contacts!r}: allowed are 1 and 2")
+
     @property
     def radius(self) -> tuple[float, float]:
         return self.grooves[0].radius, self.grooves[1].radius
@@ -144,7 +148,10 @@ def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
 
 def check_pair(name: str, values: Sequence[float], low: float) -> tuple[float, float]:
     """Two finite numbers from `low` on."""
-    pair = tuple(float(value) for value in values)
+    try:
+        pair = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        pair = ()
     if len(pair) != 2 or not all(math.isfinite(value) and value >= low for value in pair):
         raise DesignError(f"{name} = {values!r}: allowed are two finite numbers >= {low:g}")
     return pair[0], pair[1]

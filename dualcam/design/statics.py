@@ -90,6 +90,14 @@ def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array]
 def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> Array:
     """eta = T_release/T_load at the same z, by lead angles [rad]; <= 0 where a contact locks itself, -inf or
     nan where the mechanism is wedged. Only the ratio of the radii counts."""
+    for name, pair, good in (
+        ("friction", friction, lambda values: values >= 0.0),
+        ("radius", radius, lambda values: values > 0.0),
+    ):
+        for i, values in enumerate(pair):
+            if not (np.isfinite(values) & good(np.asarray(values))).all():
+                low = "0" if name == "friction" else "more than 0"
+                raise DesignError(f"{name}[{i}] = {values}: allowed are finite numbers from {low} on")
     slope = [np.asarray(r) * np.tan(np.asarray(angle)) for r, angle in zip(radius, lead_angle, strict=True)]
     release, load = band_factors(slope, friction, radius)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -114,6 +122,9 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
     for every load, and for mu_1 = mu_2 also for all radii: 45 deg. DesignError where there is none: with
     mu_e >= 1 the spring drives nothing back, with one friction zero eta only tends to 1 as lambda_i tend to 0
     and 90 deg."""
+    for name, pair in (("friction", friction), ("radius", radius)):
+        if np.shape(pair) != (2,):
+            raise DesignError(f"{name} = {pair!r}: allowed are two numbers")
     (mu1, mu2), (r1, r2) = (tuple(map(float, pair)) for pair in (friction, radius))
     for name, values, low in (("friction", (mu1, mu2), "0"), ("radius", (r1, r2), "more than 0")):
         for i, value in enumerate(values):
@@ -150,14 +161,19 @@ class EfficiencyMap:
         degrees = np.degrees(self.lead_angle)
         driven = np.ma.masked_where(~(self.efficiency > 0.0), self.efficiency)
         axes.set_facecolor("0.85")
-        best = optimum(self.friction, self.radius)
-        levels = np.linspace(0.0, best.efficiency, 13)
+        try:
+            best = optimum(self.friction, self.radius)
+        except DesignError:  # there is none: the largest value of the map
+            best = None
+        highest = best.efficiency if best else float(driven.max()) if driven.count() else 1.0
+        levels = np.linspace(0.0, highest, 13)
         filled = axes.contourf(degrees, degrees, driven, levels=levels, cmap="viridis", extend="max")
         axes.contour(degrees, degrees, driven, levels=levels, colors="w", linewidths=0.4)
-        place = np.degrees(best.lead_angle)
-        axes.plot(*place, "r+", ms=12, mew=2)
-        text = f"{best.efficiency:.4f} at\n{place[0]:.1f}, {place[1]:.1f} deg"
-        axes.annotate(text, (place[0], place[1]), (7, 7), textcoords="offset points", color="w")
+        if best:
+            place = np.degrees(best.lead_angle)
+            axes.plot(*place, "r+", ms=12, mew=2)
+            text = f"{best.efficiency:.4f} at\n{place[0]:.1f}, {place[1]:.1f} deg"
+            axes.annotate(text, (place[0], place[1]), (7, 7), textcoords="offset points", color="w")
         axes.set_xlabel("lead angle of groove 1 [deg]")
         axes.set_ylabel("lead angle of groove 2 [deg]")
         return filled
@@ -167,6 +183,8 @@ def efficiency_map(
     friction: tuple[float, float], radius: tuple[float, float] = (1.0, 1.0), points: int = 201
 ) -> EfficiencyMap:
     """Over all lead angles, 0 and 90 deg left out."""
+    if points < 2:
+        raise DesignError(f"points = {points}: allowed is 2 or more")
     angle = np.linspace(0.0, 0.5 * np.pi, points + 2)[1:-1]
     return EfficiencyMap(
         angle, efficiency((angle[None, :], angle[:, None]), friction, radius), friction, radius

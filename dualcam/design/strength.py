@@ -69,6 +69,13 @@ class Limits:
     pressure: float = 1.5e9  # Pa
     self_locking: bool = False  # whether a contact may lock itself
 
+    def __post_init__(self) -> None:
+        low, high = self.lead_angle
+        if not 0.0 <= low < high <= 0.5 * math.pi:
+            raise DesignError(f"lead_angle = {self.lead_angle}: allowed are two growing angles in [0, pi/2]")
+        if not self.pressure > 0.0:
+            raise DesignError(f"pressure = {self.pressure}: allowed is a number > 0")
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -116,6 +123,8 @@ class Assessment(Strength):
 def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points: int = POINTS) -> Assessment:
     """Looks at `points` angles evenly over the range. Each kind of failure is reported once for each groove,
     at the first angle where it occurs."""
+    if points < 2:
+        raise DesignError(f"points = {points}: allowed is 2 or more")
     found = strength(mechanism, pin, mechanism.angles(points))
     checks = _checks(mechanism, pin, limits or Limits())
     failures = (check.first(mechanism, pin, found) for check in checks)

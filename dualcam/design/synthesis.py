@@ -37,7 +37,7 @@ from scipy.integrate import OdeSolution, solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from dualcam.design.grooves import Groove, Table
+from dualcam.design.grooves import Ellipse, Groove, Helix, Table
 from dualcam.design.mechanism import Mechanism, Spring, check_pair
 from dualcam.design.statics import Array, DesignError, sign_of, transfer
 
@@ -102,6 +102,8 @@ def synthesize(
     can also move the other way is for `assess` to say; the FMU refuses one that jams when loading.
 
     DesignError, with place, value and what is allowed, where no groove gives that torque."""
+    if not 0.0 < tolerance < 1.0:
+        raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
     problem = _problem(
         torque, upper, spring, direction, groove2, check_pair("friction", friction, 0.0), radius, breaks
     )
@@ -288,6 +290,11 @@ class _Problem:
             upright += -m2 / r2
         else:
             level, upright = level + second, upright + second
+        if level <= 0.0:
+            return (
+                f"no torque loads: with friction {self.friction[0]:g} and {self.friction[1]:g} the contacts"
+                " jam whatever groove 1 is"
+            )
         lowest = force / level
         highest = force / upright if upright > 0.0 else math.inf
         what = "negative" if wanted < 0.0 else "too low" if wanted < lowest else "too high"
@@ -367,23 +374,66 @@ def _problem(
     for name, value in (("upper", upper), ("radius", radius)):
         if not 0.0 < value < math.inf:
             raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
-    wanted = _shaped(torque if callable(torque) else _spline(*torque, upper))
+    _check_spring(spring)
     places = np.linspace(0.0, upper, 400)
+    wanted = _function(torque, places) if callable(torque) else _samples(torque, upper)
     if not (finite := np.isfinite(wanted(places))).all():
         place = places[int(np.argmin(finite))]
         raise DesignError(f"theta = {place:.6g} rad: torque {wanted(place)}: allowed are finite numbers")
+    if not wanted(places).any():
+        raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: it must be > 0 somewhere")
+    if groove2 is not None and not isinstance(groove2, Helix | Ellipse | Table):
+        raise DesignError(f"groove2 = {groove2!r}: allowed are a Helix, an Ellipse, a Table or None")
     inside = tuple(sorted({float(b) for b in breaks if 0.0 < b < upper}))
     radii = (radius, radius if groove2 is None else groove2.radius)
     return _Problem(wanted, float(upper), spring, direction, groove2, friction, radii, inside)
 
 
-def _shaped(torque: Torque) -> Torque:
-    """The same for functions that give one number for many angles."""
-    return lambda theta: np.broadcast_to(np.asarray(torque(theta), dtype=float), np.shape(theta))
+def _check_spring(spring: Spring) -> None:
+    """What the FMU takes; the preload is looked at where the design starts."""
+    for name, value in spring.parameters().items():
+        least = 0.0 if name == "spring.stiffness" else -math.inf
+        if not (math.isfinite(value) and value >= least):
+            what = "number >= 0" if least == 0.0 else "number"
+            raise DesignError(f"{name} = {value}: allowed is a finite {what}")
 
 
-def _spline(theta: ArrayLike, torque: ArrayLike, upper: float) -> Torque:
-    angle, value = np.asarray(theta, dtype=float), np.asarray(torque, dtype=float)
+def _function(torque: Torque, places: Array) -> Torque:
+    """The same for functions that know one angle at a time, or give one number for many."""
+
+    def at_once(theta: Array) -> Array:
+        found = np.asarray(torque(theta)).astype(float, casting="same_kind")  # no complex numbers
+        return np.broadcast_to(found, np.shape(theta))
+
+    def one_by_one(theta: Array) -> Array:
+        angles = np.ravel(theta).tolist()
+        return np.reshape([float(torque(angle)) for angle in angles], np.shape(theta))  # type: ignore[arg-type]
+
+    try:
+        at_once(places)
+    except Exception:  # whatever it does with arrays, math.sin's TypeError for one
+        try:
+            one_by_one(places)
+        except Exception as error:
+            raise DesignError(
+                f"torque: the function fails ({type(error).__name__}: {error}): allowed is one that gives a"
+                " torque for an angle, or an array for an array"
+            ) from error
+        return one_by_one
+    return at_once
+
+
+def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
+    try:
+        theta, value = (np.asarray(each, dtype=float) for each in torque)
+    except (TypeError, ValueError):
+        raise DesignError(
+            "torque: allowed is a function of theta [rad], or samples: (theta, torque), two arrays of numbers"
+        ) from None
+    return _spline(theta, value, upper)
+
+
+def _spline(angle: Array, value: Array, upper: float) -> Torque:
     if angle.ndim != 1 or angle.shape != value.shape or len(angle) < 4 or not (np.diff(angle) > 0.0).all():
         raise DesignError("torque: samples must be two arrays of shape (n,), n >= 4, of increasing theta")
     if not (np.isfinite(angle).all() and np.isfinite(value).all()):

@@ -17,10 +17,11 @@ Everything goes through FMI alone: it works with any FMU of that kind. `dualcam 
 on the command line.
 """
 
+from dualcam.study.description import load
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
 from dualcam.study.scenario import Controller, History, Scenario
 from dualcam.study.store import read
-from dualcam.study.study import Study, load
+from dualcam.study.study import Study
 
 __all__ = ["Controller", "History", "Plan", "Scenario", "Study", "StudyError", "Vary", "load", "read"]

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from dualcam.study.description import load
 from dualcam.study.problem import StudyError
 from dualcam.study.store import FORMATS, read
-from dualcam.study.study import Study, load
+from dualcam.study.study import Study, say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,15 +40,17 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
         raise StudyError("two plans of the same name would share a folder: rename one")
     for study, _ in studies:
         plots.check(study)
+    if arguments.figure:
+        plots.check_file([study for study, _ in studies], arguments.figure)
     for study, folder in studies:
-        console.print(f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}", highlight=False)
+        say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
         begun = time.perf_counter()
         study.make(
             folder, arguments.workers, arguments.scheduler, arguments.format, arguments.chunk, console=console
         )
         _tell(study, folder, time.perf_counter() - begun, console)
     if arguments.figure:
-        _draw([each for each in studies if each[0].plots], arguments.figure, console)
+        _draw(studies, arguments.figure, console)
         return
     for study, folder in studies:
         if study.plots:
@@ -58,14 +61,14 @@ def _draw(studies: list[tuple[Study, Path]], path: Path, console: Console) -> No
     from dualcam.study import plots
 
     plots.draw(studies, path)
-    console.print(f"drawn: {path}", highlight=False, markup=False)
+    say(console, f"drawn: {path}")
 
 
 def _tell(study: Study, folder: Path, seconds: float, console: Console) -> None:
     messages = read(folder, ["message"])["message"]
     failed = messages[messages != ""]
-    console.print(f"{len(messages):,} runs in {folder}, {seconds:.1f} s now", highlight=False, markup=False)
+    say(console, f"{len(messages):,} runs in {folder}, {seconds:.1f} s now")
     if len(failed):
         kinds, counts = np.unique(failed.astype(str), return_counts=True)
         first = kinds[np.argmax(counts)]
-        console.print(f"{len(failed):,} failed, such as: {first}", highlight=False, markup=False)
+        say(console, f"{len(failed):,} failed, such as: {first}")

@@ -9,9 +9,10 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import os
+import pickle
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -26,8 +27,9 @@ from dualcam.study.runner import Block, Job, Runner, run_rows
 
 AHEAD = 2  # chunks in flight for each worker: one that is computed, one that waits
 UNREACHABLE_AFTER = "10s"
+NO_WORKERS_FOR = 30  # s, after that a cluster is given up
 DIED = "the process that made this run ended without a word (crashed or killed), also when it was alone"
-Blocks = Iterator[tuple[range, Block]]
+Blocks = Generator[tuple[range, Block], None, None]
 
 
 def in_this_process(runner: Runner, plan: Plan, chunks: list[range]) -> Blocks:
@@ -71,6 +73,7 @@ def _end_with_parent() -> None:
 
 
 def locally(job: Job, plan: Plan, chunks: list[range], workers: int) -> Blocks:
+    _check_sendable(job)
     left = deque(chunks)
     while left:
         flying: dict[Future[Block], range] = {}
@@ -82,6 +85,7 @@ def locally(job: Job, plan: Plan, chunks: list[range], workers: int) -> Blocks:
                     pool.shutdown(wait=False, cancel_futures=True)
                     raise
         except BrokenProcessPool:
+            _check_start()
             for runs in flying.values():
                 rows = plan.rows(runs.start, runs.stop)
                 yield runs, _alone(lambda rows: _attempt_locally(job, rows), rows, len(job.results))
@@ -104,6 +108,28 @@ def _flow(
         for future in done:
             block = future.result()
             yield flying.pop(future), block
+
+
+def _check_sendable(job: Job) -> None:
+    try:
+        pickle.dumps(job)
+    except Exception as error:  # pickle has several for it
+        raise StudyError(
+            f"this study cannot be sent to other processes: {error}: let a function of a module make the "
+            "controller, or use workers = 0"
+        ) from error
+
+
+def _check_start() -> None:
+    """Whether it is the process that cannot live, rather than the run."""
+    try:
+        with _pool(1) as pool:
+            pool.submit(os.getpid).result()
+    except BrokenProcessPool as error:
+        raise StudyError(
+            "processes die as they start. A script is read by each of them: what starts a study there "
+            'belongs under `if __name__ == "__main__":`; or use workers = 0'
+        ) from error
 
 
 def _attempt_locally(job: Job, rows: Array) -> Block:
@@ -141,8 +167,8 @@ def on_cluster(job: Job, plan: Plan, chunks: list[range], scheduler: str) -> Blo
     name = f"dualcam-study-{job.token}"
     try:
         travelling = replace(job, content=Path(job.path).read_bytes())
-        client.register_plugin(_plugin(distributed, travelling), name=name)
-        client.wait_for_workers(1, timeout=30)
+        _send(client, _plugin(distributed, travelling), name)
+        client.wait_for_workers(1, timeout=NO_WORKERS_FOR)
         yield from _gather(distributed, client, name, plan, chunks, len(job.results))
     except (OSError, TimeoutError, distributed.CancelledError) as error:
         raise StudyError(
@@ -154,6 +180,18 @@ def on_cluster(job: Job, plan: Plan, chunks: list[range], scheduler: str) -> Blo
             with suppress(Exception):
                 client.unregister_worker_plugin(name)
         client.close(timeout=2)
+
+
+def _send(client: Any, plugin: Any, name: str) -> None:  # noqa: ANN401
+    try:
+        client.register_plugin(plugin, name=name)
+    except OSError:  # of the cluster
+        raise
+    except Exception as error:  # whatever a worker says of what it cannot unpack
+        raise StudyError(
+            f"the Dask workers cannot take this study: {error}. They need the same version of dualcam, and "
+            "the module of its controller"
+        ) from error
 
 
 def _plugin(distributed: Any, job: Job) -> Any:  # noqa: ANN401
@@ -176,26 +214,35 @@ def _gather(
         return client.submit(_in_cluster, name, rows, pure=False)
 
     def attempt(rows: Array) -> Block:
+        future = submit(rows)
+        _finished(distributed, client, [future])
         try:
-            block: Block = submit(rows).result()
+            block: Block = future.result()
         except killed as error:
             raise _Died from error
         return block
 
     left = deque(chunks)
     flying: dict[Any, range] = {}
-    finished = distributed.as_completed()
     while left or flying:
         room = AHEAD * max(1, sum(client.nthreads().values()))
         while left and len(flying) < room:
             runs = left.popleft()
             future = submit(plan.rows(runs.start, runs.stop))
             flying[future] = runs
-            finished.add(future)
-        future = next(finished)
-        runs = flying.pop(future)
-        try:
-            block = future.result()
-        except killed:
-            block = _alone(attempt, plan.rows(runs.start, runs.stop), width)
-        yield runs, block
+        for future in _finished(distributed, client, list(flying)):
+            runs = flying.pop(future)
+            try:
+                block = future.result()
+            except killed:
+                block = _alone(attempt, plan.rows(runs.start, runs.stop), width)
+            yield runs, block
+
+
+def _finished(distributed: Any, client: Any, futures: list[Any]) -> Any:  # noqa: ANN401
+    """Those that are, at least one. TimeoutError if there has been no worker for a while: one that comes back
+    is given the work anew."""
+    while True:
+        with suppress(TimeoutError):
+            return distributed.wait(futures, NO_WORKERS_FOR, return_when="FIRST_COMPLETED").done
+        client.wait_for_workers(1, timeout=NO_WORKERS_FOR)

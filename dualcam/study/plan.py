@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,8 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.fmu import Array
+from dualcam.study.entries import is_whole
 from dualcam.study.problem import StudyError
 
+RUNS_MAX = 10**9  # the names of the files of results are in order up to there
 KINDS = ("grid", "latin", "sobol", "indices", "table")
 
 
@@ -33,15 +36,17 @@ class Vary:
     def problem(self, in_grid: bool) -> str | None:
         """What is wrong with it, if anything is."""
         if len(self.values) > 0:
-            return None if np.all(np.isfinite(np.asarray(self.values, float))) else "values must be finite"
+            strange = [value for value in self.values if not math.isfinite(value)]
+            return f"values with {strange[0]}: allowed are finite numbers" if strange else None
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
             return (
-                f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the second"
+                f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the "
+                "second, or values"
             )
         if self.log and self.low <= 0.0:
             return f"from {self.low:g} on a logarithmic scale: allowed is above 0"
-        if in_grid and self.count < 2:
-            return f"count = {self.count}: a grid needs 2 or more, or values"
+        if in_grid and not (is_whole(self.count) and self.count >= 2):
+            return f"count = {self.count!r}: a grid needs a whole number, 2 or more, or values"
         return None
 
     def limits(self) -> tuple[float, float]:
@@ -58,6 +63,10 @@ class Vary:
         else:
             grown = self.low + (self.high - self.low) * share
         return np.clip(grown, self.low, self.high)  # rounding must not leave the range
+
+    def size(self) -> int:
+        """How many values it has in a grid."""
+        return len(self.values) or self.count
 
     def points(self) -> Array:
         """Its values in a grid."""
@@ -90,6 +99,11 @@ class Plan:
             raise StudyError(f"plan of kind {self.kind!r}: allowed are {', '.join(KINDS)}")
         if not self.vary:
             raise StudyError("the plan varies nothing: name at least one variable in vary")
+        for name, number in (("runs", self.runs), ("seed", self.seed)):
+            if not is_whole(number):
+                raise StudyError(f"plan: {name} = {number!r}: allowed is a whole number")
+        if self.seed < 0:
+            raise StudyError(f"plan: seed = {self.seed}: allowed is 0 or more")
         if self.kind == "table":
             self._check_table()
         else:
@@ -103,26 +117,36 @@ class Plan:
                 )
         if self.kind == "indices" and (self.runs < 2 or self.runs & (self.runs - 1)):
             raise StudyError(f"plan: runs = {self.runs}: Sobol's indices need a power of 2, at least 2")
-        if self.count < 1:
-            raise StudyError(f"the plan has {self.count} runs: allowed is 1 or more (kind {self.kind}, runs)")
+        if not 1 <= self.count <= RUNS_MAX:
+            raise StudyError(
+                f"the plan, of kind {self.kind}, has {self.count} runs: allowed are 1 to {RUNS_MAX:,}"
+            )
 
     def _check_table(self) -> None:
         rows = self._rows
         if rows.ndim != 2 or rows.shape[1] != len(self.vary):
             raise StudyError(f"plan: table of shape {rows.shape}: allowed is (runs, {len(self.vary)})")
-        if not np.all(np.isfinite(rows)):
-            raise StudyError("plan: the table has entries that are no finite numbers")
+        for row, column in np.argwhere(~np.isfinite(rows)):
+            raise StudyError(
+                f"plan: run {row} of the table (from 0) has {list(self.vary)[column]} = {rows[row, column]}: "
+                "allowed are finite numbers"
+            )
 
     @classmethod
     def from_csv(cls, path: str | Path) -> Plan:
         """A table whose first line names the variables."""
         try:
-            with Path(path).open(newline="") as file:
-                names, *rows = csv.reader(file)
-            table = np.array([[float(cell) for cell in row] for row in rows]).reshape(len(rows), -1)
+            with Path(path).open(newline="", encoding="utf-8-sig") as file:
+                reader = csv.reader(file)
+                names = [name.strip() for name in next(reader, [])]
+                if not names:
+                    raise ValueError("it is empty")
+                table = np.array([_numbers(row, names, reader.line_num) for row in reader if any(row)])
         except (OSError, ValueError) as error:
             raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error
-        return cls("table", {name.strip(): Vary() for name in names}, table=table)
+        if twice := {name for name in names if names.count(name) > 1}:
+            raise StudyError(f"plan: {path} has two columns {', '.join(twice)}: allowed is one")
+        return cls("table", {name: Vary() for name in names}, table=table.reshape(-1, len(names)))
 
     @property
     def names(self) -> list[str]:
@@ -131,7 +155,7 @@ class Plan:
     @cached_property
     def count(self) -> int:
         if self.kind == "grid":
-            return math.prod(len(vary.points()) for vary in self.vary.values())
+            return math.prod(vary.size() for vary in self.vary.values())
         if self.kind == "table":
             return len(self._rows)
         return self.runs * (len(self.vary) + 2 if self.kind == "indices" else 1)
@@ -178,9 +202,14 @@ class Plan:
         from scipy.stats import qmc
 
         width = len(self.vary) * (2 if self.kind == "indices" else 1)
-        if self.kind == "latin":
-            return qmc.LatinHypercube(width, rng=self.seed).random(self.runs)
-        whole = qmc.Sobol(width, rng=self.seed).random_base2(max(self.runs - 1, 0).bit_length())
+        try:
+            if self.kind == "latin":
+                return qmc.LatinHypercube(width, rng=self.seed).random(self.runs)
+            whole = qmc.Sobol(width, rng=self.seed).random_base2((self.runs - 1).bit_length())
+        except MemoryError:
+            raise StudyError(
+                f"plan: runs = {self.runs}: their table does not fit into memory: take fewer, or a grid"
+            ) from None
         return whole[: self.runs]
 
     def _mixed(self, numbers: NDArray[np.int_]) -> Array:
@@ -192,8 +221,6 @@ class Plan:
 
     def facts(self) -> dict[str, Any]:
         """What the plan is, to be compared with that of a study begun earlier."""
-        import hashlib
-
         table = hashlib.sha256(self._rows.tobytes()).hexdigest() if self.kind == "table" else ""
         vary = {
             name: [v.low, v.high, v.count, v.log, [float(x) for x in v.values]]
@@ -209,3 +236,12 @@ class Plan:
             "table": table,
             "same": dict(self.same),
         }
+
+
+def _numbers(row: Sequence[str], names: Sequence[str], line: int) -> list[float]:
+    if len(row) != len(names):
+        raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
+    try:
+        return [float(cell) for cell in row]
+    except ValueError as error:
+        raise ValueError(f"line {line}: {error}") from error

@@ -19,10 +19,13 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.collections import LineCollection
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
+from dualcam.study.entries import NUMBER, TEXT, Kind, entries
 from dualcam.study.problem import StudyError
 from dualcam.study.store import read
 from dualcam.study.study import Study
@@ -34,11 +37,17 @@ DOTS = 6_000  # of a cloud, likewise
 RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
 SEED = 1  # of what is chosen at random here
 THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
-KEYS = {
-    "map": {"x", "y", "z"},
-    "sobol": {"of"},
-    "pareto": {"x", "y", "best", "color"},
-    "parallel": {"axes", "color", "keep"},
+NAMES = TEXT.listed()
+BEST = Kind(
+    "a list of two of max, min",
+    lambda value: NAMES.suits(value) and len(value) == 2 and not set(value) - {"max", "min"},
+)
+SHARE = Kind("a number above 0, at most 1", lambda value: NUMBER.suits(value) and 0.0 < value <= 1.0)
+KINDS = {
+    "map": {"x": TEXT, "y": TEXT, "z": TEXT},
+    "sobol": {"of": NAMES},
+    "pareto": {"x": TEXT, "y": TEXT, "best": BEST, "color": TEXT},
+    "parallel": {"axes": NAMES, "color": TEXT, "keep": SHARE},
 }
 OPTIONAL = {"title", "keep", "color", "best"}
 
@@ -47,8 +56,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
     """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
     if one cannot be drawn."""
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
-    if not panels:
-        raise StudyError("these plans have no plots: add [[plots]] to one")
+    check_file([study for study, _ in studies], path)
     columns = min(2, len(panels))
     lines = -(-len(panels) // columns)
     figure, axes = plt.subplots(
@@ -72,14 +80,10 @@ def check(study: Study) -> None:
     known = [*study.plan.names, *study.results]
     for plot in study.plots:
         kind = plot.get("kind", "")
-        if kind not in KEYS:
-            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KEYS)}")
-        if unknown := set(plot) - KEYS[kind] - {"kind", "title"}:
-            raise StudyError(
-                f"plot {kind} has {', '.join(sorted(unknown))}: allowed are {', '.join(KEYS[kind])}"
-            )
-        if lacking := KEYS[kind] - OPTIONAL - set(plot):
-            raise StudyError(f"plot {kind} lacks {', '.join(sorted(lacking))}")
+        if kind not in list(KINDS):
+            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KINDS)}")
+        kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
+        entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
         for name in _columns(plot):
             if name not in known:
                 raise StudyError(f"plot {kind}: {name!r} is no column: allowed are {', '.join(known)}")
@@ -87,8 +91,15 @@ def check(study: Study) -> None:
             raise StudyError(
                 f"plot sobol needs a plan of kind indices, this one is of kind {study.plan.kind}"
             )
-        if set(plot.get("best", ["max"])) - {"max", "min"} or len(plot.get("best", "xy")) != 2:
-            raise StudyError(f"plot pareto: best = {plot['best']}: allowed are two of max, min")
+
+
+def check_file(studies: Sequence[Study], path: Path) -> None:
+    """StudyError if no picture of these studies can be written there: likewise."""
+    if not any(study.plots for study in studies):
+        raise StudyError("these plans have no plots: add [[plots]] to one")
+    formats = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix.removeprefix(".") not in formats:
+        raise StudyError(f"picture {path}: allowed are names that end in .{', .'.join(formats)}")
 
 
 def _columns(plot: Mapping[str, Any]) -> list[str]:
@@ -127,20 +138,35 @@ def _map(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
     x, y, z = (columns[plot[key]] for key in "xyz")
+    scales: dict[str, Any] = {f"{key}scale": "log" if _is_log(study, plot[key]) else "linear" for key in "xy"}
     if study.plan.kind == "grid" and {plot["x"], plot["y"]} <= set(study.plan.vary):
         across, along, mean = _means(x, y, z)
         shades = axis.contourf(across, along, mean, LEVELS, cmap="viridis")
         lines = axis.contour(across, along, mean, LEVELS, colors="white", linewidths=0.5)
-        axis.clabel(lines, fontsize=7)
+        axis.set(**scales)
+        _drop_cut(axis, axis.clabel(lines, fontsize=7))
         line, column = np.unravel_index(np.nanargmax(mean), mean.shape)
         axis.plot(across[column], along[line], "w+", markersize=9)
         axis.annotate(f"{mean[line, column]:.4g}", (across[column], along[line]), (5, 5),
                       textcoords="offset points", color="black", fontsize=8)  # fmt: skip
         axis.figure.colorbar(shades, ax=axis, label=labels[plot["z"]])
     else:
-        cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1)
+        cells = axis.hexbin(x, y, z, gridsize=30, cmap="viridis", linewidths=0.1, **scales)
         axis.figure.colorbar(cells, ax=axis, label=f"mean of {labels[plot['z']]}")
     axis.set(xlabel=labels[plot["x"]], ylabel=labels[plot["y"]])
+
+
+def _is_log(study: Study, name: str) -> bool:
+    """Whether it varies evenly in the logarithm."""
+    vary = study.plan.vary.get(study.plan.same.get(name, name))
+    return vary is not None and vary.log
+
+
+def _drop_cut(axis: Axes, texts: Sequence[Text]) -> None:
+    """Numbers of lines so close to the edge that they would be cut off."""
+    for text in texts:
+        place = axis.transAxes.inverted().transform(axis.transData.transform(text.get_position()))
+        text.set_visible(bool(np.all((place > 0.05) & (place < 0.95))))
 
 
 def _means(x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
@@ -190,10 +216,9 @@ def spread(study: Study, values: Array) -> tuple[Array, Array]:
     of_first = weights @ (second * (mixed - first)).T
     of_total = weights @ ((first - mixed) ** 2).T / 2.0
     ends = [2.5, 97.5]
-    return (
-        np.percentile(of_first / variance[:, None], ends, axis=0),
-        np.percentile(of_total / variance[:, None], ends, axis=0),
-    )
+    with np.errstate(invalid="ignore"):  # of a result that is always the same no share is anyone's
+        shares = of_first / variance[:, None], of_total / variance[:, None]
+    return np.percentile(shares[0], ends, axis=0), np.percentile(shares[1], ends, axis=0)
 
 
 def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[str]) -> None:
@@ -206,13 +231,14 @@ def _sobol(axis: Axes, study: Study, columns: Mapping[str, Array], of: Sequence[
         bars = (("total", 0.35, found.total_order, ends[1]), ("first order", 1.0, found.first_order, ends[0]))
         for kind, alpha, values, (low, high) in bars:
             reach = np.maximum([values - low, high - values], 0.0)
-            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": f"{result}, {kind}"}
+            label = f"{result}, {kind}" + (", constant" if np.ptp(columns[result]) == 0.0 else "")
+            style: dict[str, Any] = {"color": f"C{k}", "alpha": alpha, "label": label}
             axis.barh(places, values, width * 0.95, xerr=reach, error_kw=THIN, **style)
     axis.set_yticks(np.arange(len(names)), names)
     axis.invert_yaxis()
     axis.set_xlabel("share of the variance (lines: 95 %)")
     axis.set_xlim(left=0.0)
-    axis.legend(fontsize=8, loc="best")
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.45, -0.12), ncols=len(of))
 
 
 # ---- Pareto ----
@@ -243,7 +269,10 @@ def _pareto(
     axis.plot(
         x[kept], y[kept], "o-", color="C3", markersize=3, linewidth=1, label=f"front: {len(kept)} of {len(x)}"
     )
-    axis.set(xlabel=f"{labels[plot['x']]}: {best[0]}", ylabel=f"{labels[plot['y']]}: {best[1]}")
+    wanted = {"max": "more is better", "min": "less is better"}
+    axis.set(
+        xlabel=f"{labels[plot['x']]}, {wanted[best[0]]}", ylabel=f"{labels[plot['y']]}, {wanted[best[1]]}"
+    )
     axis.legend(fontsize=8)
 
 
@@ -254,7 +283,10 @@ def _parallel(
     axis: Axes, study: Study, columns: Mapping[str, Array], labels: Mapping[str, str], plot: Mapping[str, Any]
 ) -> None:
     names = list(plot["axes"])
-    scaled = np.column_stack([_scaled(columns[name]) for name in names])
+    scaled = np.column_stack(
+        [_scaled(np.log(columns[name]) if _is_log(study, name) else columns[name]) for name in names]
+    )
+    crowded = len(names) > 10
     shade = columns[plot["color"]] if "color" in plot else columns[names[-1]]
     ranks = np.argsort(np.argsort(shade)) / max(len(shade) - 1, 1)
     chosen = ranks >= 1.0 - plot.get("keep", 0.1)
@@ -275,7 +307,10 @@ def _parallel(
     axis.figure.colorbar(lines, ax=axis, label=labels[plot.get("color", names[-1])])
     axis.set(xlim=(-0.2, len(names) - 0.8), ylim=(-0.06, 1.06), yticks=[])
     axis.set_xticks(
-        range(len(names)), [labels[name].replace(" [", "\n[") for name in names], rotation=35, ha="right"
+        range(len(names)),
+        [labels[name].replace(" [", "\n[") for name in names],
+        rotation=70 if crowded else 35,
+        ha="right",
     )
     axis.tick_params(axis="x", labelsize=7)
     for k, name in enumerate(names):
@@ -284,7 +319,7 @@ def _parallel(
             (-0.01, columns[name].min(), "top"),
             (1.01, columns[name].max(), "bottom"),
         ):
-            axis.text(k, height, f"{value:.3g}", fontsize=7, ha="center", va=place)
+            axis.text(k, height, f"{value:.3g}", fontsize=5 if crowded else 7, ha="center", va=place)
 
 
 def _scaled(values: Array) -> Array:

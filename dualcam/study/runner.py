@@ -114,6 +114,8 @@ class Runner:
         instance = self._fmu._instance
         # Not FMPy's functions, whose argument types are checked and converted at every call.
         self._library = ctypes.CDLL(instance._fmu.dll._name)
+        # These take less time than giving Python's lock away and taking it back.
+        self._brief = ctypes.PyDLL(instance._fmu.dll._name)
         self._component = c_void_p(instance.component)
         self._reads: list[tuple[_Window, list[int]]] = []  # with the places of its columns among the results
         self._state: FmuState | None = None
@@ -125,7 +127,8 @@ class Runner:
     # ---- the list of calls ----
 
     def _call(self, name: str, *arguments: object) -> Call:
-        function = getattr(self._library, name)
+        brief = name.startswith(("fmi2Set", "fmi2Get")) and name != "fmi2SetupExperiment"
+        function = getattr(self._brief if brief else self._library, name)
         function.restype = c_int
         return partial(function, self._component, *arguments)
 
@@ -319,7 +322,12 @@ def _unpacked(job: Job) -> Fmu:
         return Fmu(job.path)
     with tempfile.TemporaryDirectory() as directory:
         path = Path(directory) / Path(job.path).name
-        path.write_bytes(job.content)
+        try:
+            path.write_bytes(job.content)
+        except OSError as error:
+            raise FmuError(
+                f"the FMU cannot be unpacked into {directory}: {error.strerror or error}"
+            ) from error
         return Fmu(path)
 
 
@@ -355,9 +363,10 @@ def check(job: Job, plan: Plan) -> Runner:
 def _check_start_values(fmu: Fmu, job: Job, plan: Plan) -> None:
     for name in [*job.names, *job.parameters]:
         variable = fmu.variable(name)
-        if variable.causality not in ("parameter", "input"):
+        if not _is_start_value(variable):
             raise StudyError(
-                f"{name} is {variable.causality}, it cannot be set: allowed are parameters and inputs"
+                f"{name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and what "
+                "starts from a value that is exact"
             )
     limits = plan.limits()
     for name in job.names:
@@ -368,6 +377,12 @@ def _check_start_values(fmu: Fmu, job: Job, plan: Plan) -> None:
             raise StudyError(
                 f"plan: {name} is {fmu.variable(name).type}: allowed are values = [whole numbers]"
             )
+
+
+def _is_start_value(variable: ScalarVariable) -> bool:
+    """FMI 2.0, section 2.2.7: may be set in initialization mode."""
+    exact = variable.initial == "exact" and variable.variability != "constant"
+    return exact or variable.causality in ("parameter", "input")
 
 
 def _check_range(variable: ScalarVariable, low: float, high: float) -> None:

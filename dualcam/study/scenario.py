@@ -13,6 +13,7 @@ from dualcam.fmu import Array
 from dualcam.study.problem import StudyError
 
 ORDER = 3  # of the input derivatives that FMI 2.0 masters send
+STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
 SAME_TIME = 1e-12  # instants closer than this share of the whole are one
 
 Law = Callable[[float, list[float]], Sequence[float]]
@@ -120,6 +121,10 @@ class Scenario:
             self._laws(name)
         control = self.controller
         if control is not None:
+            if not hasattr(control.make, "__qualname__"):
+                raise StudyError(
+                    f"scenario: the controller is made by {control.make!r}: allowed is a function of a module"
+                )
             if not (math.isfinite(control.period) and control.period > 0.0):
                 raise StudyError(f"scenario: period = {control.period}: allowed is a finite number above 0")
             if both := set(control.writes) & set(self.inputs):
@@ -160,7 +165,12 @@ class Scenario:
         ]
 
     def _multiples(self, period: float) -> list[float]:
-        return [k * period for k in range(math.ceil(self.stop / period * (1.0 - SAME_TIME)))]
+        count = math.ceil(min(self.stop / period, 2.0 * STEPS_MAX) * (1.0 - SAME_TIME))
+        if count > STEPS_MAX:
+            raise StudyError(
+                f"scenario: {self.stop:g} s in steps of {period:g} s: allowed are up to {STEPS_MAX:,} steps"
+            )
+        return [k * period for k in range(count)]
 
     def _is_in(self, instants: Sequence[float], time: float) -> bool:
         return any(abs(other - time) <= SAME_TIME * self.stop for other in self._near(instants, time))

@@ -1,15 +1,21 @@
 """Results on disk: a folder with one file per chunk of runs, complete or absent, and study.json, which says
 what study they are of. A chunk comes into being by renaming a finished file, so an interruption leaves no
-half of one, and a study that is continued makes exactly the chunks that are not there."""
+half of one; its name holds a checksum (CRC-32) of its content. A study that is continued makes exactly the
+chunks that are not there, or that something else has damaged since. One study at a time writes into a folder.
+"""
 
 from __future__ import annotations
 
 import csv
 import importlib
 import importlib.util
+import io
 import json
 import os
-from collections.abc import Iterator, Sequence
+import sys
+import zlib
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,38 +41,82 @@ class Store:
     def __init__(
         self, folder: str | Path, facts: dict[str, Any], runs: int, chunk: int, form: str | None
     ) -> None:
-        """Opens it, or makes it. StudyError if it holds another study, or cannot be written. A study begun
-        earlier keeps its size of chunks and its format."""
+        """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
+        there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
         self.folder = Path(folder)
         self.runs = runs
+        self.damaged: dict[int, Path] = {}  # by their first run, found by `missing`
         facts = json.loads(json.dumps(facts))  # as it is read back
+        form = form or default_format()
+        if form not in FORMATS:
+            raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
         begun = _record(self.folder)
-        if begun is None:
-            begun = {"study": facts, "runs": runs, "chunk": chunk, "format": form or default_format()}
-            if begun["format"] not in FORMATS:
-                raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
-            _check_writer(begun["format"])  # before the folder is made
-            self._write(self.folder / RECORD, json.dumps(begun, indent=1).encode())
-        elif begun["study"] != facts:
-            differing = [key for key in facts if begun["study"].get(key) != facts[key]]
+        _check_writer(begun["format"] if begun else form)  # before the folder is made
+        self._lock = self._locked()
+        try:
+            begun = _record(self.folder)  # another process may have been there before the lock
+            begun = self._begin(begun, {"study": facts, "runs": runs, "chunk": chunk, "format": form})
+        except StudyError:
+            self.close()
+            raise
+        self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
+
+    def _begin(self, begun: dict[str, Any] | None, wanted: dict[str, Any]) -> dict[str, Any]:
+        """The record that holds: the one that is there, if runs are."""
+        differing = [] if begun is None else _differing(begun["study"], wanted["study"])
+        if begun is not None and not differing:
+            return begun
+        if differing and any(self.folder.glob("runs-*")):
             raise StudyError(
-                f"{self.folder} holds another study (its {', '.join(differing)} differ): give another "
+                f"{self.folder} holds runs of another study (other {', '.join(differing)}): give another "
                 "folder, or delete it"
             )
-        self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
-        _check_writer(self.form)
+        self._write(self.folder / RECORD, json.dumps(wanted, indent=1).encode())
+        return wanted
+
+    def _locked(self) -> int | None:
+        """A handle of the folder with an advisory lock on it, which ends with the process, whatever ends
+        that; None where file systems or Windows have no such locks."""
+        if sys.platform == "win32":
+            return None
+        import fcntl
+
+        self._make_folder()
+        handle = os.open(self.folder, os.O_RDONLY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            raise StudyError(
+                f"another process is writing a study into {self.folder}: wait for its end, or give another "
+                "folder"
+            ) from None
+        except OSError:  # such as NFS without locks
+            os.close(handle)
+            return None
+        return handle
+
+    def close(self) -> None:
+        """Others may write there now."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
 
     def missing(self) -> list[range]:
         """Runs not yet made, chunk by chunk."""
         starts = range(0, self.runs, self.chunk)
-        return [
-            range(start, min(start + self.chunk, self.runs))
-            for start in starts
-            if not self._path(start).exists()
-        ]
+        chunks = [range(start, min(start + self.chunk, self.runs)) for start in starts]
+        return [runs for runs in chunks if not self._holds(runs)]
 
-    def _path(self, start: int) -> Path:
-        return self.folder / f"runs-{start:09d}.{self.form}"
+    def _holds(self, runs: range) -> bool:
+        for path in self.folder.glob(f"runs-{runs.start:09d}-*.{self.form}"):
+            try:
+                _content(path)
+            except StudyError:
+                self.damaged[runs.start] = path
+            else:
+                return True
+        return False
 
     def write(
         self, runs: range, names: Sequence[str], rows: Array, results: Sequence[str], block: Block
@@ -74,26 +124,34 @@ class Store:
         """One chunk. StudyError if it cannot be written; what was written before it stays."""
         messages = [block.messages.get(place, "") for place in range(len(runs))]
         columns = [*rows.T, *block.values.T]
-        path = self._path(runs.start)
         if self.form == "parquet":
             content = _parquet(["run", *names, *results, "message"], [np.array(runs), *columns, messages])
         else:
             content = _csv(
                 ["run", *names, *results, "message"], [list(runs), *(c.tolist() for c in columns), messages]
             )
-        self._write(path, content)
+        if runs.start in self.damaged:
+            self.damaged.pop(runs.start).unlink(missing_ok=True)
+        self._write(self.folder / f"runs-{runs.start:09d}-{_checksum(content)}.{self.form}", content)
+
+    def _make_folder(self) -> None:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise StudyError(f"cannot make the folder {self.folder}: {error.strerror or error}") from error
 
     def _write(self, path: Path, content: bytes) -> None:
         unfinished = path.with_suffix(".unfinished")
+        self._make_folder()
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
             with unfinished.open("wb") as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())
             unfinished.replace(path)
         except OSError as error:
-            unfinished.unlink(missing_ok=True)
+            with suppress(OSError):
+                unfinished.unlink()
             raise StudyError(
                 f"cannot write {path}: {error.strerror or error}. The runs written before are kept: make "
                 "room, or whatever it takes, and give the same command again"
@@ -114,8 +172,6 @@ def _parquet(names: Sequence[str], columns: Sequence[Any]) -> bytes:
 
 
 def _csv(names: Sequence[str], columns: Sequence[list[Any]]) -> bytes:
-    import io
-
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow(names)
@@ -133,15 +189,29 @@ def _pyarrow() -> tuple[Any, Any]:
 
 
 def _record(folder: Path) -> dict[str, Any] | None:
+    path = folder / RECORD
     try:
-        record: dict[str, Any] = json.loads((folder / RECORD).read_text())
+        record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        fit = record["format"] in FORMATS and int(record["chunk"]) > 0
+        if not (fit and isinstance(record["study"], dict)):
+            raise ValueError("its entries are not those of a study")
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
-        raise StudyError(
-            f"{folder / RECORD} cannot be read: {error}: give another folder, or delete it"
-        ) from error
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise StudyError(f"{path} cannot be read: {error}: give another folder, or delete it") from error
     return record
+
+
+def _differing(begun: dict[str, Any], facts: dict[str, Any], where: str = "") -> list[str]:
+    """Entries, by their path. Compared as text: NaN, a range that is not given, differs from itself."""
+    found = []
+    for key in [*facts, *(key for key in begun if key not in facts)]:
+        old, new = begun.get(key), facts.get(key)
+        if isinstance(old, dict) and isinstance(new, dict):
+            found += _differing(old, new, f"{where}{key}: ")
+        elif json.dumps(old) != json.dumps(new):
+            found.append(where + key)
+    return found
 
 
 def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
@@ -151,26 +221,46 @@ def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, 
     record = _record(folder)
     if record is None:
         raise StudyError(f"{folder} holds no study: there is no {RECORD}")
-    paths = sorted(folder.glob(f"runs-*.{record['format']}"))
+    paths = sorted(folder.glob(f"runs-{'[0-9]' * 9}-*.{record['format']}"))
     if not paths:
         raise StudyError(f"{folder} holds no runs yet")
-    parts = list(_parts(paths, columns if columns is None else list(dict.fromkeys(columns))))
-    if lacking := set(columns or ()) - set(parts[0]):
+    wanted = None if columns is None else list(dict.fromkeys(columns))
+    parts = [_part(path, wanted) for path in paths]
+    if lacking := [name for name in wanted or () if name not in parts[0]]:
         raise StudyError(f"{folder} has no column {', '.join(lacking)}")
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
-def _parts(paths: Sequence[Path], columns: Sequence[str] | None) -> Iterator[dict[str, Column]]:
-    for path in paths:
-        if path.suffix == ".parquet":
-            table = _pyarrow()[1].read_table(path, columns=columns)
-            yield {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        else:
-            with path.open(newline="") as file:
-                names, *rows = csv.reader(file)
-            wanted = [name for name in names if columns is None or name in columns]
-            by_name = dict(zip(names, zip(*rows, strict=True), strict=True))
-            yield {name: _parsed(name, by_name[name]) for name in wanted}
+def _checksum(content: bytes) -> str:
+    return f"{zlib.crc32(content):08x}"
+
+
+def _content(path: Path) -> bytes:
+    """StudyError if it is not as it was written."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise StudyError(f"{path} cannot be read: {error.strerror or error}") from error
+    if not path.stem.endswith(f"-{_checksum(content)}"):
+        raise StudyError(f"{path} is damaged: run the study again, which makes these runs anew")
+    return content
+
+
+def _part(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
+    """A chunk's columns."""
+    return (_of_parquet if path.suffix == ".parquet" else _of_csv)(_content(path), columns)
+
+
+def _of_parquet(content: bytes, columns: Sequence[str] | None) -> dict[str, Column]:
+    table = _pyarrow()[1].read_table(io.BytesIO(content), columns=columns)
+    return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+
+
+def _of_csv(content: bytes, columns: Sequence[str] | None) -> dict[str, Column]:
+    names, *rows = csv.reader(io.StringIO(content.decode(), newline=""))
+    wanted = [name for name in names if columns is None or name in columns]
+    by_name = dict(zip(names, zip(*rows, strict=True), strict=True))
+    return {name: _parsed(name, by_name[name]) for name in wanted}
 
 
 def _parsed(name: str, cells: Sequence[str]) -> Column:

@@ -1,15 +1,13 @@
-"""A whole study: plan, scenario and results of one FMU, run into a folder; and its description in TOML."""
+"""A whole study: plan, scenario and results of one FMU, run into a folder."""
 
 from __future__ import annotations
 
 import hashlib
-import importlib
 import math
 import os
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, fields
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +17,10 @@ from rich.text import Text
 
 from dualcam.fmu import Scalar
 from dualcam.study import execution
-from dualcam.study.plan import Plan, Vary
+from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Job, check
-from dualcam.study.scenario import Controller, History, Scenario
+from dualcam.study.scenario import Scenario
 from dualcam.study.store import Column, Store, read
 
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
@@ -40,6 +38,10 @@ class Study:
     results: Sequence[str]
     parameters: Mapping[str, Scalar] = field(default_factory=dict)
     plots: Sequence[Mapping[str, Any]] = ()
+
+    def __post_init__(self) -> None:
+        if isinstance(self.results, str) or not all(isinstance(name, str) for name in self.results):
+            raise StudyError(f"results = {self.results!r}: allowed is a list of names")
 
     def job(self) -> Job:
         return Job(str(self.fmu), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
@@ -78,24 +80,27 @@ class Study:
                 raise StudyError(f"{name} = {number}: allowed is {least} or more")
         job = self.job()
         runner = check(job, self.plan)
+        self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
         size = chunk or min(CHUNK_MAX, math.ceil(self.plan.count / CHUNKS_MIN))
-        store = Store(folder, self.facts(), self.plan.count, size, form)
-        missing = store.missing()
-        count = (os.cpu_count() or 1) if workers is None else workers
-        if scheduler:
-            blocks = execution.on_cluster(job, self.plan, missing, scheduler)
-        elif count == 0:
-            blocks = execution.in_this_process(runner, self.plan, missing)
-        else:
-            blocks = execution.locally(job, self.plan, missing, min(count, max(1, len(missing))))
-        left = sum(len(runs) for runs in missing)
-        with _progress(console, self.plan.count, self.plan.count - left) as advance:
-            for runs, block in blocks:
-                rows = self.plan.rows(runs.start, runs.stop)
-                store.write(runs, self.plan.names, rows, self.results, block)
-                advance(len(runs), len(block.messages))
-                each()
-        runner.close()
+        with closing(runner), closing(Store(folder, self.facts(), self.plan.count, size, form)) as store:
+            missing = store.missing()
+            if console and store.damaged:
+                names = ", ".join(path.name for path in store.damaged.values())
+                say(console, f"damaged, made again: {names}")
+            count = (os.cpu_count() or 1) if workers is None else workers
+            if scheduler is not None:
+                blocks = execution.on_cluster(job, self.plan, missing, scheduler)
+            elif count == 0:
+                blocks = execution.in_this_process(runner, self.plan, missing)
+            else:
+                blocks = execution.locally(job, self.plan, missing, min(count, max(1, len(missing))))
+            left = sum(len(runs) for runs in missing)
+            with closing(blocks), _progress(console, self.plan.count, self.plan.count - left) as advance:
+                for runs, block in blocks:
+                    rows = self.plan.rows(runs.start, runs.stop)
+                    store.write(runs, self.plan.names, rows, self.results, block)
+                    advance(len(runs), len(block.messages))
+                    each()
 
     def facts(self) -> dict[str, Any]:
         """What makes two studies the same: their results could be mixed."""
@@ -112,6 +117,11 @@ class Study:
 
 
 # ---- progress ----
+
+
+def say(console: Console, text: str) -> None:
+    """A line as it is: paths and the FMU's words hold brackets, and are to be copied."""
+    console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 class _Rate(ProgressColumn):
@@ -135,90 +145,3 @@ def _progress(console: Console | None, total: int, done: int) -> Iterator[Any]:
             progress.update(task, advance=runs, failed=progress.tasks[0].fields["failed"] + failed)
 
         yield advance
-
-
-# ---- TOML ----
-
-
-def load(path: str | Path) -> Study:
-    """The study that a TOML file describes; paths in it are relative to the file. StudyError if it is
-    none."""
-    path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text())
-    except (OSError, ValueError) as error:
-        raise StudyError(f"{path} cannot be read as TOML: {error}") from error
-    try:
-        known = ("fmu", "plan", "scenario", "results", "parameters", "plots")
-        table = _only(content, "the file", *known)
-        return Study(
-            path.parent / _need(table, "the file", "fmu"),
-            _plan(_need(table, "the file", "plan"), path.parent),
-            _scenario(_need(table, "the file", "scenario")),
-            _need(table, "the file", "results"),
-            table.get("parameters", {}),
-            table.get("plots", ()),
-        )
-    except StudyError as error:
-        raise StudyError(f"{path}: {error}") from error
-    except (TypeError, AttributeError, ValueError) as error:
-        raise StudyError(f"{path}: a value of the wrong type: {error}") from error
-
-
-def _only(table: Mapping[str, Any], where: str, *known: str) -> dict[str, Any]:
-    if not isinstance(table, dict):
-        raise StudyError(f"{where} is {table!r}: allowed is a table with {', '.join(known)}")
-    if unknown := sorted(set(table) - set(known)):
-        raise StudyError(f"{where} has {', '.join(unknown)}: allowed are {', '.join(known)}")
-    return table
-
-
-def _need(table: Mapping[str, Any], where: str, name: str) -> Any:  # noqa: ANN401
-    if name not in table:
-        raise StudyError(f"{where} lacks {name}")
-    return table[name]
-
-
-def _plan(content: Mapping[str, Any], folder: Path) -> Plan:
-    table = _only(content, "plan", "kind", "runs", "seed", "vary", "table")
-    if "table" in table:
-        _only(content, "plan of a table", "kind", "table")
-        if table.get("kind", "table") != "table":
-            raise StudyError(f"plan has a table and is of kind {table['kind']}: allowed is one of them")
-        return Plan.from_csv(folder / table["table"])
-    same = {name: each["same"] for name, each in table.get("vary", {}).items() if "same" in each}
-    vary = {name: _vary(name, each) for name, each in table.get("vary", {}).items() if name not in same}
-    return Plan(_need(table, "plan", "kind"), vary, table.get("runs", 0), table.get("seed", 0), same=same)
-
-
-def _vary(name: str, content: Mapping[str, Any]) -> Vary:
-    table = _only(content, f"plan: {name}", "from", "to", "count", "log", "values")
-    low, high = float(table.get("from", math.nan)), float(table.get("to", math.nan))
-    return Vary(
-        low, high, table.get("count", 0), table.get("log", False), tuple(map(float, table.get("values", ())))
-    )
-
-
-def _scenario(content: Mapping[str, Any]) -> Scenario:
-    table = _only(content, "scenario", "stop", "step", "tolerance", "inputs", "controller")
-    names = [each.name for each in fields(History)]
-    histories = {
-        name: History(**_only(each, f"scenario: {name}", *names))
-        for name, each in table.get("inputs", {}).items()
-    }
-    control = _controller(table["controller"]) if "controller" in table else None
-    return Scenario(
-        float(_need(table, "scenario", "stop")), histories, table.get("step"), table.get("tolerance"), control
-    )
-
-
-def _controller(content: Mapping[str, Any]) -> Controller:
-    table = _only(content, "controller", "make", "period", "reads", "writes")
-    module, _, function = str(_need(table, "controller", "make")).partition(":")
-    try:
-        make = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise StudyError(
-            f"controller: make = {table['make']!r}: allowed is module:function: {error}"
-        ) from error
-    return Controller(make, *(_need(table, "controller", name) for name in ("period", "reads", "writes")))

@@ -1,0 +1,101 @@
+"""Studies described by TOML files."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
+from dualcam.study.plan import Plan, Vary
+from dualcam.study.problem import StudyError
+from dualcam.study.scenario import Controller, History, Scenario
+from dualcam.study.study import Study
+
+FILE = {
+    "fmu": TEXT,
+    "plan": TABLE,
+    "scenario": TABLE,
+    "results": TEXT.listed(),
+    "parameters": TABLE,
+    "plots": Kind("[[plots]] tables", lambda value: isinstance(value, list) and all(map(TABLE.suits, value))),
+}
+PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT}
+VARY = {"from": NUMBER, "to": NUMBER, "count": WHOLE, "log": SWITCH, "values": VALUE.listed()}
+SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
+HISTORY = {"time": NUMBER.listed(), "value": NUMBER.listed(), "shape": TEXT, "derivative_of": TEXT}
+CONTROLLER = {"make": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": TEXT.listed()}
+
+
+def load(path: str | Path) -> Study:
+    """The study that a TOML file describes; paths in it are relative to the file. StudyError if it is
+    none."""
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise StudyError(f"{path} cannot be read as TOML: {error}") from error
+    try:
+        table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
+        return Study(
+            path.parent / table["fmu"],
+            _plan(table["plan"], path.parent),
+            _scenario(table["scenario"]),
+            table["results"],
+            table.get("parameters", {}),
+            table.get("plots", ()),
+        )
+    except StudyError as error:
+        raise StudyError(f"{path}: {error}") from error
+
+
+def _plan(content: Mapping[str, Any], folder: Path) -> Plan:
+    table = entries(content, "plan", PLAN)
+    if "table" in table:
+        entries(content, "plan of a table", {"kind": TEXT, "table": TEXT})
+        if table.get("kind", "table") != "table":
+            raise StudyError(f"plan has a table and is of kind {table['kind']}: allowed is one of them")
+        return Plan.from_csv(folder / table["table"])
+    entries(content, "plan", PLAN, ("kind",))
+    varied = table.get("vary", {})
+    same = {
+        name: entries(each, f"plan: {name}", {"same": TEXT})["same"]
+        for name, each in varied.items()
+        if TABLE.suits(each) and "same" in each
+    }
+    vary = {name: _vary(name, each) for name, each in varied.items() if name not in same}
+    return Plan(table["kind"], vary, table.get("runs", 0), table.get("seed", 0), same=same)
+
+
+def _vary(name: str, content: Mapping[str, Any]) -> Vary:
+    table = entries(content, f"plan: {name}", VARY)
+    if "values" in table:
+        entries(content, f"plan: {name} of values", {"values": VARY["values"]})
+        return Vary(values=tuple(map(float, table["values"])))
+    low, high = float(table.get("from", math.nan)), float(table.get("to", math.nan))
+    return Vary(low, high, table.get("count", 0), table.get("log", False))
+
+
+def _scenario(content: Mapping[str, Any]) -> Scenario:
+    table = entries(content, "scenario", SCENARIO, ("stop",))
+    histories = {
+        name: History(**entries(each, f"scenario: {name}", HISTORY))
+        for name, each in table.get("inputs", {}).items()
+    }
+    control = _controller(table["controller"]) if "controller" in table else None
+    return Scenario(float(table["stop"]), histories, table.get("step"), table.get("tolerance"), control)
+
+
+def _controller(content: Mapping[str, Any]) -> Controller:
+    table = entries(content, "controller", CONTROLLER, CONTROLLER)
+    module, _, function = table["make"].partition(":")
+    try:
+        make = getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise StudyError(
+            f"controller: make = {table['make']!r}: allowed is module:function: {error}"
+        ) from error
+    return Controller(make, table["period"], table["reads"], table["writes"])

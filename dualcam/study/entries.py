@@ -1,0 +1,50 @@
+"""Tables that users write: which entries they may have, and of what kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from dualcam.study.problem import StudyError
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a value must be, in words, and whether one is that."""
+
+    words: str
+    suits: Callable[[Any], bool]
+
+    def listed(self) -> Kind:
+        """A list of one or more of these."""
+        return Kind(
+            f"a list of {self.words.removeprefix('a ')}s, at least one",
+            lambda value: isinstance(value, list | tuple) and len(value) > 0 and all(map(self.suits, value)),
+        )
+
+
+def is_whole(value: object) -> bool:
+    return hasattr(value, "__index__") and not isinstance(value, bool)
+
+
+NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
+WHOLE = Kind("a whole number", is_whole)
+SWITCH = Kind("true or false", lambda value: isinstance(value, bool))
+VALUE = Kind("a number", lambda value: isinstance(value, int | float))  # of a Boolean variable too
+TEXT = Kind("a text", lambda value: isinstance(value, str))
+TABLE = Kind("a table", lambda value: isinstance(value, Mapping))
+
+
+def entries(content: object, where: str, kinds: Mapping[str, Kind], needed: Collection[str] = ()) -> Any:  # noqa: ANN401
+    """The table itself. StudyError if it is none, or has other entries, too few, or one of another kind."""
+    if not isinstance(content, Mapping):
+        raise StudyError(f"{where} is {content!r}: allowed is a table with {', '.join(kinds)}")
+    if unknown := sorted(set(content) - set(kinds)):
+        raise StudyError(f"{where} has {', '.join(unknown)}: allowed are {', '.join(kinds)}")
+    if lacking := sorted(set(needed) - set(content)):
+        raise StudyError(f"{where} lacks {', '.join(lacking)}")
+    for name, value in content.items():
+        if not kinds[name].suits(value):
+            raise StudyError(f"{where}: {name} = {value!r}: allowed is {kinds[name].words}")
+    return content
