@@ -205,13 +205,10 @@ def worst_step(folder: Path, picture: str) -> str:
     counted = {scene: rounded(row["instructions_per_change_worst"]) for scene, row in whole.items()}
     per_change = ", ".join(f"{number} ({scene})" for scene, number in counted.items() if number)
     allowed = limit("legs per step")
-    rest = {scene: of(scene, "not counted", "instructions_worst") for scene in scenes}
+    rest = ", ".join(f"{in_us(scene, 'not counted', 'ns_worst')} us ({scene})" for scene in scenes)
     unseen = "Where callgrind is missing nothing is counted."
-    if all(rest.values()):
-        unseen = prose(
-            f"""At the highest rate of instructions met, the time of the steps that were not counted allows at
-            most {", ".join(f"{number} ({scene})" for scene, number in rest.items())}."""
-        )
+    if counted[scenes[0]]:
+        unseen = f"The longest of the steps that were not counted took {rest}."
     text = [
         "## The worst step",
         f"![Time of a step: how often; instructions against time]({picture})",

@@ -424,14 +424,12 @@ class Study:
         each = self.instructions / (1 + self.history.changes[self.chosen])
         return int(each[inside].max()) if inside.any() else 0
 
-    def uncounted(self) -> tuple[NDArray[np.bool_], int]:
-        """The steps that were not counted, and how many instructions they have at most: as many as their time
-        allows at the highest rate of a counted step of a microsecond or more."""
+    @property
+    def uncounted(self) -> NDArray[np.bool_]:
+        """The steps that were not counted."""
         mask = np.ones(len(self.seconds), dtype=bool)
         mask[self.chosen] = False
-        times = self.seconds[self.chosen]
-        rates = self.instructions[times >= 1e-6] / times[times >= 1e-6]
-        return mask, int(rates.max(initial=0.0) * self.seconds[mask].max(initial=0.0))
+        return mask
 
     @property
     def worst(self) -> int:
@@ -486,8 +484,7 @@ def rows_of(made: Study) -> Iterator[dict[str, str]]:
         }
 
     everything = np.ones(len(made.seconds), dtype=bool)
-    mask, most = made.uncounted()
-    yield {**row("not counted", mask), "instructions_worst": f"{most}" if most else ""}
+    yield row("not counted", made.uncounted)
     yield row("all", everything, made.history.story(int(made.chosen[made.worst])))
     for q in QUANTILES:
         at_least = made.seconds >= np.quantile(made.seconds, q, method="higher")

@@ -71,7 +71,7 @@ WITH_EVENTS = {"bernstein", "leap", "passage"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "event", "flow", "glide", "mechanism", "oscillator"}
-# On Windows, where the binary holds a part of the C library: these for speed, the next for size, others outlined.
+# Windows binaries hold a part of the C library: there these for speed, the next for size, others outlined.
 NUMERIC_WINDOWS = {"flow", "glide", "oscillator"}
 IN_EVENTS_WINDOWS = {"balance", "bernstein", "event", "leap", "mechanism", "passage"}
 

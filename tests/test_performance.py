@@ -128,15 +128,6 @@ def test_a_step_is_told_by_its_kinds():
     assert history.story(2) == "releasing to lower stop, 3 mode changes, impact"
 
 
-@counts
-def test_no_step_that_is_not_counted_has_more_instructions():
-    made = worst_step.study(SCENES["helices"], 400, 3, 10, QUIET)
-    mask, most = made.uncounted()
-    rig = rig_of("helices", 400)
-    rest = np.flatnonzero(mask & (made.seconds > 0.5 * made.seconds[mask].max()))
-    assert len(rest) > 0 and rig.count(rest).max() <= most
-
-
 def test_the_bound_finds_all_limits_in_the_sources():
     bound = worst_step.bound()
     assert bound.evaluations_per_step > 1e9 and worst_step.bound_of_closed_form() > 1000
