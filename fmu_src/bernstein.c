@@ -49,18 +49,15 @@ static int sign_changes(const Bernstein *p) {
     return changes;
 }
 
-/* The one zero of p in (0, 1], p > 0 before and < 0 after it: bisection and regula falsi by turns (Illinois). */
-static double only_zero(const Bernstein *p) {
-    double left = 0.0, right = 1.0, f_left = p->c[0], f_right = p->c[p->degree];
-    if (!(f_left > 0.0) || !(f_right < 0.0)) { /* zero at an end: look just inside */
-        f_left = fmax(f_left, 0.0);
-        f_right = fmin(f_right, 0.0);
-    }
-    for (int n = 0; n < 100 && right - left > 1e-15; n++) {
+/* The zero of sign p in (left, right], of which the values there are f_left >= 0 and f_right <= 0, to `width`: bisection
+ * and regula falsi by turns. */
+static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
+                           double width) {
+    for (int n = 0; n < 100 && right - left > width; n++) {
         const double span = f_left - f_right;
         double x = n % 3 == 2 || !(span > 0.0) ? 0.5 * (left + right) : left + (right - left) * f_left / span;
         if (!(x > left && x < right)) x = 0.5 * (left + right);
-        const double f = bernstein_value(p, x);
+        const double f = sign * bernstein_value(p, x);
         if (f > 0.0) {
             left = x;
             f_left = f;
@@ -70,6 +67,11 @@ static double only_zero(const Bernstein *p) {
         }
     }
     return right;
+}
+
+/* The one zero of p in (0, 1], p > 0 before and < 0 after it. */
+static double only_zero(const Bernstein *p) {
+    return zero_between(p, 1.0, 0.0, fmax(p->c[0], 0.0), 1.0, fmin(p->c[p->degree], 0.0), 1e-15);
 }
 
 static double descent(const Bernstein *p, int depth) {
@@ -139,7 +141,7 @@ Bernstein bernstein_derivative(const Bernstein *p) {
     return d;
 }
 
-/* Candidates are the ends and, by golden section, a maximum near the largest of 16 samples. */
+/* Candidates are the ends and a maximum near the largest of 16 samples. */
 double bernstein_peak(const Bernstein *p) {
     enum { SAMPLES = 16 };
     int best = 0;
@@ -154,17 +156,9 @@ double bernstein_peak(const Bernstein *p) {
     const double sign = bernstein_value(p, (double)best / (int)SAMPLES) < 0.0 ? -1.0 : 1.0;
     const Bernstein d = bernstein_derivative(p);
     double left = fmax(best - 1.0, 0.0) / (int)SAMPLES, right = fmin(best + 1.0, (double)(int)SAMPLES) / (int)SAMPLES;
-    if (sign * bernstein_value(&d, left) <= 0.0 || sign * bernstein_value(&d, right) >= 0.0)
-        return (double)best / (int)SAMPLES; /* no maximum inside */
-    while (right - left > 1e-10) {
-        const double x = 0.5 * (left + right);
-        if (sign * bernstein_value(&d, x) > 0.0) {
-            left = x;
-        } else {
-            right = x;
-        }
-    }
-    return 0.5 * (left + right);
+    const double rises = sign * bernstein_value(&d, left), falls = sign * bernstein_value(&d, right);
+    if (rises <= 0.0 || falls >= 0.0) return (double)best / (int)SAMPLES; /* no maximum inside */
+    return zero_between(&d, sign, left, rises, right, falls, 1e-10);
 }
 
 Bernstein bernstein_of_taylor(const double u[4], double t_end) {

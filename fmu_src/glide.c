@@ -80,6 +80,7 @@ typedef struct {
     Both rn[2], d[2], p, q, delta;
     Both z, force, damper;
     Both mass; /* J Delta + P m z' + Q I gamma', or without inertia what resists the speed */
+    Both drag; /* 1/s, -d alpha/d omega; only where the speed matters */
 } Pair;
 
 typedef struct {
@@ -198,20 +199,35 @@ static inline void shape_pair(const Way *w, Both theta, Both F_ext, Pair *n) {
     n->force = spring->preload + n->z * (spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3)) + F_ext;
 }
 
-static inline Both damper_at(const Way *w, Both v) {
-    return v * (w->c + w->q * w->direction * v);
+static inline bool has_damper(const Way *w) {
+    return w->c + w->q > 0.0;
+}
+
+/* Does the speed matter to the acceleration? */
+static inline bool is_resisted(const Way *w) {
+    return w->heavy || has_damper(w) || w->params->shaft.damping > 0.0;
+}
+
+/* D; to wait for z' and a product with zero would cost as much as the rest of a step's forces. */
+static inline Both damper_at(const Way *w, Both lift, Both omega) {
+    const Both none = {0.0, 0.0}, v = lift * omega;
+    return has_damper(w) ? v * (w->c + w->q * w->direction * v) : none;
 }
 
 static inline Both inertial_pace(const Way *w, Both tau, Both omega, Pair *n) {
     const InertiaParams *in = &w->params->inertia;
-    n->damper = damper_at(w, n->lift * omega);
-    Both net = n->delta * (tau - w->params->shaft.damping * omega) - n->p * (n->force + n->damper);
+    const double b = w->params->shaft.damping;
+    n->damper = damper_at(w, n->lift, omega);
+    Both net = n->delta * (tau - b * omega) - n->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * n->delta;
     if (w->heavy) {
         const Both m = n->p * in->follower_mass, I = n->q * in->follower;
         n->mass += m * n->lift + I * n->turn[0];
-        net -= (m * n->lift_rate + I * n->turn_rate) * omega * omega;
+        swirl = (m * n->lift_rate + I * n->turn_rate) * omega;
+        net -= swirl * omega;
     }
+    if (is_resisted(w))
+        n->drag = (b * n->delta + n->p * n->lift * (w->c + 2.0 * w->q * w->direction * (n->lift * omega)) + 2.0 * swirl) / n->mass;
     return net / n->mass;
 }
 
@@ -225,7 +241,7 @@ static inline Both viscous_pace(const Way *w, Both tau, Pair *n) {
         sum = n->mass + (Both){sqrt(square[0]), sqrt(square[1])};
     }
     const Both omega = 2.0 * net / sum;
-    n->damper = damper_at(w, n->lift * omega);
+    n->damper = damper_at(w, n->lift, omega);
     return omega;
 }
 
@@ -235,27 +251,14 @@ static inline bool is_inertial(const Step4 *s) {
     return s->way->kind == FLOW_INERTIAL;
 }
 
-/* Does the speed matter to the acceleration? */
-static inline bool is_resisted(const Way *w) {
-    return w->heavy || w->c + w->q + w->params->shaft.damping > 0.0;
-}
-
-static void set_speed(Step4 *s) {
-    const Nodes once = combine(LOBATTO.once, &s->y);
-    for (int k = 0; k < HALVES; k++) s->speed.half[k] = s->omega + s->h * once.half[k];
-}
-
-/* The balance where the nodes are. A change of speed needs no new look at the grooves. */
+/* The balance where the nodes are. */
 static inline void balance_nodes(Step4 *s) {
     const Way *w = s->way;
     for (int k = 0; k < HALVES; k++) {
-        shape_pair(w, s->theta + s->turned.half[k], s->F_ext.half[k], &s->pair[k]);
-        if (!is_inertial(s)) s->y.half[k] = s->speed.half[k] = viscous_pace(w, s->tau.half[k], &s->pair[k]);
-    }
-    for (int pass = 0; is_inertial(s) && pass < (is_resisted(w) ? 2 : 1); pass++) {
-        if (pass > 0) set_speed(s);
-        for (int k = 0; k < HALVES; k++)
-            s->y.half[k] = inertial_pace(w, s->tau.half[k], s->speed.half[k], &s->pair[k]);
+        Pair *n = &s->pair[k];
+        shape_pair(w, s->theta + s->turned.half[k], s->F_ext.half[k], n);
+        if (is_inertial(s)) s->y.half[k] = inertial_pace(w, s->tau.half[k], s->speed.half[k], n);
+        else s->y.half[k] = s->speed.half[k] = viscous_pace(w, s->tau.half[k], n);
     }
 }
 
@@ -272,23 +275,36 @@ static inline bool is_possible(const Step4 *s) {
 
 static inline void place_nodes(Step4 *s) {
     const double h = s->h;
+    const Nodes once = combine(LOBATTO.once, &s->y);
     if (!is_inertial(s)) {
-        const Nodes once = combine(LOBATTO.once, &s->y);
         for (int k = 0; k < HALVES; k++) s->turned.half[k] = h * once.half[k];
         return;
     }
     const Nodes twice = combine(LOBATTO.twice, &s->y);
-    for (int k = 0; k < HALVES; k++)
+    for (int k = 0; k < HALVES; k++) {
         s->turned.half[k] = h * (LOBATTO.node.half[k] * s->omega + h * twice.half[k]);
-    set_speed(s);
+        s->speed.half[k] = s->omega + h * once.half[k];
+    }
 }
 
-/* What the next sweep would change, nearly, if y grew with theta in the same way everywhere, is added at once. */
-static inline void add_next_change(Step4 *s, const Nodes *change) {
-    const double slope = (s->y.at[END] - s->y.at[0]) / s->turned.at[END];
-    const Nodes next = combine(is_inertial(s) ? LOBATTO.twice : LOBATTO.once, change);
-    const double factor = slope * s->h * (is_inertial(s) ? s->h : 1.0);
-    for (int k = 0; k < HALVES; k++) s->y.half[k] += factor * next.half[k];
+/* What the next sweep would change, nearly: if y grew with theta everywhere as it does in the mean, less what the speed
+ * does, which is known. */
+static inline Nodes next_change(const Step4 *s, const Nodes *change) {
+    const double h = s->h, per_turn = 1.0 / s->turned.at[END];
+    double growth = (s->y.at[END] - s->y.at[0]) * per_turn;
+    Nodes next = combine(LOBATTO.once, change);
+    if (!is_inertial(s)) {
+        for (int k = 0; k < HALVES; k++) next.half[k] *= growth * h;
+        return next;
+    }
+    const bool resisted = is_resisted(s->way);
+    if (resisted) growth += s->pair[HALVES - 1].drag[1] * (s->speed.at[END] - s->omega) * per_turn;
+    const Nodes twice = combine(LOBATTO.twice, change);
+    for (int k = 0; k < HALVES; k++) {
+        const Both by_angle = growth * h * h * twice.half[k];
+        next.half[k] = resisted ? by_angle - s->pair[k].drag * (h * next.half[k]) : by_angle;
+    }
+    return next;
 }
 
 static inline void drive_nodes(Step4 *s) {
@@ -311,11 +327,15 @@ static inline double first_pace(const Way *w, const Launchpad *from) {
         rn[i] = g->radius[i] * (g->slope[i] + w->mu[i] * g->radius[i]);
         d[i] = g->radius[i] - w->mu[i] * g->slope[i];
     }
-    const double rho = rn[0] * rn[1] / (d[0] * rn[1] + rn[0] * d[1]);
-    const double drag = p->shaft.damping + rho * g->lift * (w->c + w->q * fabs(g->lift * from->omega));
-    const double net = w->inputs->tau[0] - rho * (spring_force(&p->spring, from->z) + w->inputs->F_ext[0]);
-    const bool inertial = w->kind == FLOW_INERTIAL;
-    return inertial ? (net - drag * from->omega) / (p->inertia.shaft + rho * p->inertia.follower_mass * g->lift) : net / drag;
+    const double grip = rn[0] * rn[1], delta = d[0] * rn[1] + rn[0] * d[1];
+    double drag = delta * p->shaft.damping;
+    if (has_damper(w)) drag += grip * g->lift * (w->c + w->q * fabs(g->lift * from->omega));
+    const double net =
+        delta * w->inputs->tau[0] - grip * (spring_force(&p->spring, from->z) + w->inputs->F_ext[0]);
+    if (w->kind != FLOW_INERTIAL) return net / drag;
+    double mass = delta * p->inertia.shaft;
+    if (w->heavy) mass += grip * p->inertia.follower_mass * g->lift;
+    return (net - drag * from->omega) / mass;
 }
 
 /* Where the step must end: at `distance`, rad from the start on, give or take `slack`. */
@@ -335,10 +355,11 @@ static bool sweep(Step4 *s, const Goal *goal) {
         const double end = s->turned.at[END];
         if (n == 0 || (goal->given && !w->steady)) drive_nodes(s);
         balance_nodes(s);
-        if (!is_possible(s)) return false;
         for (int k = 0; k < HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
-        const double rounding = 8.0 * DBL_EPSILON * size_of(range_of(&s->y));
-        add_next_change(s, &change);
+        const double size = size_of(range_of(&change));
+        const Nodes next = next_change(s, &change);
+        const bool done = n > 0 && size_of(range_of(&next)) <= wanted;
+        for (int k = 0; k < HALVES && !done; k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (goal->given) {
             missed = goal->distance - w->direction * s->turned.at[END];
@@ -346,12 +367,12 @@ static bool sweep(Step4 *s, const Goal *goal) {
             place_nodes(s);
         }
         s->lag = s->turned.at[END] - end;
-        change.at[0] = 0.0; /* the start's is not solved for */
-        const double size = size_of(range_of(&change));
         const bool there = !goal->given || fabs(missed) <= fmin(goal->slack, ON_GOAL * goal->distance);
-        /* the next change is about size^2/before */
-        if (n > 0 && there && (size <= rounding || size * size <= wanted * before)) return true;
-        if (n > 0 && !(size <= CONTRACTION * before + rounding)) return false;
+        if (done && there) return is_possible(s);
+        if (n > 0 && !(size <= CONTRACTION * before)) {
+            const double rounding = 8.0 * DBL_EPSILON * size_of(range_of(&s->y));
+            return there && size <= rounding && is_possible(s);
+        }
         before = size;
     }
     return false;
@@ -499,6 +520,14 @@ static bool is_quiet(const Step4 *s, const Launchpad *from, Glide *out) {
     return true;
 }
 
+/* Without inertia: the law's own speed at the end, not where the last sweep was. */
+static double speed_at_end(const Step4 *s) {
+    const Both theta = s->theta + s->turned.half[HALVES - 1];
+    Pair last;
+    shape_pair(s->way, theta, s->F_ext.half[HALVES - 1], &last);
+    return viscous_pace(s->way, s->tau.half[HALVES - 1], &last)[1];
+}
+
 /* Under constant acceleration. */
 static void guess_nodes(Step4 *s, double pace) {
     const double alpha = is_inertial(s) ? pace : 0.0;
@@ -533,7 +562,7 @@ bool glide_along(const Way *way, const Launchpad *from, double left, Glide *out)
     out->h = s.h;
     out->dtheta = s.turned.at[END];
     out->domega = s.h * sum_of_pair(rise);
-    out->omega = s.speed.at[END];
+    out->omega = is_inertial(&s) ? s.speed.at[END] : speed_at_end(&s);
     out->tau = s.tau.at[END];
     return isfinite(out->dtheta + out->omega);
 }

@@ -413,19 +413,6 @@ static void record_passage(Mechanism *m, const Way *way, Passage *passage) {
     for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], passage->reaction[i] / m->params.contacts);
 }
 
-/* To where a step of h seconds along `way` ends. */
-static void move_to(Mechanism *m, const Way *way, double h, double dtheta, double domega) {
-    turn(m, dtheta);
-    if (way->kind == FLOW_INERTIAL) {
-        sum_add(&m->state.omega, domega);
-    } else {
-        /* the law's own speed where it has got to, not where the last iteration was, or beyond a border of its piece */
-        const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
-        m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, h).value);
-    }
-    inputs_advance(&m->inputs, h);
-}
-
 /* Moves along the leap to its end; false if a value would not be finite. */
 static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
     const Leap *leap = &passage->leap;
@@ -436,7 +423,15 @@ static bool commit_leap(Mechanism *m, const Way *way, Passage *passage) {
         ledger_book(&m->state.ledger, &leap->booking);
         record_passage(m, way, passage);
     }
-    move_to(m, way, leap->h, leap->dtheta, leap->domega);
+    turn(m, leap->dtheta);
+    if (way->kind == FLOW_INERTIAL) {
+        sum_add(&m->state.omega, leap->domega);
+    } else {
+        /* the law's own speed where it has got to, not where the last iteration was, or beyond a border of its piece */
+        const Way here = way_of(&m->params, &m->model.course, &m->inputs, m->state.theta.hi, way->direction, way->flank);
+        m->state.omega = sum_of(balance_pace(&here, m->state.theta.hi, 0.0, leap->h).value);
+    }
+    inputs_advance(&m->inputs, leap->h);
     return true;
 }
 
@@ -616,7 +611,10 @@ static void record_glide(Mechanism *m, const Way *way, const Glide *glide) {
 
 static void commit_glide(Mechanism *m, const Way *way, const Glide *glide) {
     if (m->params.ledger) record_glide(m, way, glide);
-    move_to(m, way, glide->h, glide->dtheta, glide->domega);
+    turn(m, glide->dtheta);
+    if (way->kind == FLOW_INERTIAL) sum_add(&m->state.omega, glide->domega);
+    else m->state.omega = sum_of(glide->omega);
+    if (!way->steady) inputs_advance(&m->inputs, glide->h);
 }
 
 /* Is it moving, in a mode in which it should? */
