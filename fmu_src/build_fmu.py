@@ -73,7 +73,7 @@ HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 NUMERIC = {"balance", "event", "flow", "glide", "mechanism", "oscillator"}
 # Windows binaries hold a part of the C library: there these for speed, the next for size, others outlined.
 NUMERIC_WINDOWS = {"flow", "glide", "oscillator"}
-IN_EVENTS_WINDOWS = {"balance", "bernstein", "event", "leap", "mechanism", "passage"}
+IN_EVENTS_WINDOWS = {"balance", "event", "leap", "passage"}
 
 
 @dataclass(frozen=True)

@@ -509,7 +509,8 @@ static void find_peaks(const Step4 *s, const Loading *loading, const Peaks *know
 static bool is_quiet(const Step4 *s, const Launchpad *from, Glide *out) {
     const Way *w = s->way;
     const bool moves = keeps_sign(&s->speed, w->direction) && w->direction * s->turned.at[END] < from->room;
-    if (!moves || !is_accurate(s)) return false;
+    out->accurate = is_accurate(s);
+    if (!moves || !out->accurate) return false;
     Loading loading;
     loading.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < HALVES; k++) load_pair(s, k, &loading);
@@ -551,9 +552,10 @@ bool glide_along(const Way *way, const Launchpad *from, double left, Glide *out)
     guess_nodes(&s, pace);
     do {
         if (way->direction * s.turned.at[END] > edge) {
+            const double alpha = is_inertial(&s) ? way->direction * pace : 0.0;
             goal.given = true;
-            s.h *= goal.distance / (way->direction * s.turned.at[END]);
-            place_nodes(&s);
+            s.h = passage_ballistic_time(way->direction * s.omega, alpha, goal.distance);
+            guess_nodes(&s, pace);
         }
         if (!sweep(&s, &goal)) return false;
     } while (!goal.given && way->direction * s.turned.at[END] > edge);

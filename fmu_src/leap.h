@@ -29,6 +29,12 @@ typedef struct {
     double noise;            /* rad, quasi-static only: how far the rounding of the torques moves theta */
 } Leap;
 
+/* What to try: a length, s, which may be infinite, and the least number of stages. */
+typedef struct {
+    double h;
+    int stages;
+} Stride;
+
 /* Solves the step of length h from `start`, the balance at the time of the way's inputs. False if Newton's method
  * does not converge or a node leaves where the way is possible: then a shorter step is to be tried. */
 bool leap_solve(const Way *way, const Balance *start, double h, int stages, Leap *leap);

@@ -96,7 +96,7 @@ static void arrive(Mechanism *m) {
 
 static void forget(Cache *cache) {
     cache->hold.valid = false;
-    cache->leap = INFINITY;
+    cache->leap = (Stride){INFINITY, 0};
     for (int i = 0; i < SLIP_COUNT; i++) cache->kernel[i].t = NAN;
 }
 
@@ -544,7 +544,7 @@ static double leap_along(Mechanism *m, const Way *way, const Balance *start, dou
         land(m, way->direction, EVENT_STOP, leg);
         return 0.0;
     }
-    const bool found = passage_find(way, start, room, left, m->cache.leap, passage);
+    const bool found = passage_find(way, start, room, left, &m->cache.leap, passage);
     const bool folds = way->kind == FLOW_QUASISTATIC && (!found || is_at_fold(way, passage, left));
     double took = 0.0;
     if (folds && pass_fold(m, way, start, left, &took, leg)) return took;
@@ -625,26 +625,32 @@ static bool slips_on(const Mechanism *m) {
 /* An easy step of at most `left` seconds in which nothing happens, see glide_along(). */
 static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *glide) {
     const State *s = &m->state;
+    glide->accurate = false;
     if (way->kind == FLOW_QUASISTATIC || (way->kind == FLOW_VISCOUS && !is_driven(m, way))) return false;
     const Launchpad from = {s->theta.hi, s->omega.hi, m->place.z, &m->place.geometry, room_ahead(m, way->direction),
                             &s->ledger.peak};
     return glide_along(way, &from, left, glide);
 }
 
-/* Slips on through grooves of any shape until something happens. Returns how much of h seconds is left, or NAN if a value
- * is not finite. `refused`: the first stretch is known to be no glide. */
-static double leap_on(Mechanism *m, double h, bool refused) {
+/* Slips on through grooves of any shape until something happens, or *legs, which it counts on, are `most`. Returns how
+ * much of h seconds is left, or NAN if a value is not finite. `refused`, unless NULL: the glide that was sought for the
+ * first stretch, and is none. */
+static double leap_on(Mechanism *m, double h, const Glide *refused, int *legs, int most) {
     double left = h;
-    for (; left > 0.0 && slips_on(m); refused = false) {
+    for (; left > 0.0 && *legs < most && slips_on(m); refused = NULL, ++*legs) {
         const Way way = way_from_here(m, present_index(m));
         Glide glide;
-        if (!refused && find_glide(m, &way, left, &glide)) {
+        glide.accurate = false;
+        const bool may_do = refused == NULL && left <= m->cache.leap.h; /* else more stages than it has are needed */
+        if (may_do && find_glide(m, &way, left, &glide)) {
             commit_glide(m, &way, &glide);
             left -= glide.h;
             continue;
         }
         const Balance start = balance_from_here(m, &way);
         if (!goes_on(m, &way, &start)) break;
+        const Glide *sought = refused != NULL ? refused : &glide;
+        if (!sought->accurate && m->cache.leap.stages <= RADAU_MIN) m->cache.leap.stages = RADAU_MIN + 2;
         Leg leg;
         leg.kind = LEG_NONE;
         leg.end = EVENT_NONE;
@@ -758,11 +764,13 @@ static double report(const Mechanism *m, Watcher *watcher, double left) {
 static double advance_through_events(Mechanism *m, double left, Watcher *watcher, int *jams) {
     const double least = LEAST_PROGRESS * left;
     double before = INFINITY;
+    int legs = 0, check = 0; /* `check`: when to look whether it gets on */
     Leg leg;
-    for (int n = 0; n < MAX_EVENTS_PER_STEP && *jams < MAX_JAMS_PER_STEP && left > 0.0; n++) {
-        if (n % WATCHED_EVENTS == 0) {
+    while (legs < MAX_EVENTS_PER_STEP && *jams < MAX_JAMS_PER_STEP && left > 0.0) {
+        if (legs >= check) {
             if (before - left < least) break;
             before = left;
+            check = legs + WATCHED_EVENTS;
         }
         leg_enter(m);
         left = report(m, watcher, left);
@@ -771,7 +779,9 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
         const int mode = (int)m->state.mode;
         const double took = leg_run(m, left, &leg);
         left -= took;
+        legs++;
         if (watcher != NULL && took > 0.0) watcher->mode = mode;
+        if (leg.kind == LEG_LEAP && leg.end == EVENT_NONE) left = leap_on(m, left, NULL, &legs, check);
     }
     if (left != 0.0) return left;
     leg_enter(m); /* the mode at the communication point itself */
@@ -780,6 +790,7 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
 
 /* A glide at the start of a step of h seconds, if it slips then, and the way of it. */
 static bool glides_first(const Mechanism *m, double h, Way *way, Glide *glide) {
+    glide->accurate = false;
     if (!slips_on(m)) return false;
     *way = way_from_here(m, present_index(m));
     return find_glide(m, way, h, glide);
@@ -803,7 +814,7 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
     }
     const State state = m->state;
     const Inputs inputs = m->inputs;
-    m->cache.leap = INFINITY; /* a step depends on nothing but state and inputs */
+    m->cache.leap = (Stride){INFINITY, 0}; /* a step depends on nothing but state and inputs */
     Step step;
     begin_step(m, h, &step);
     double left = h;
@@ -811,7 +822,8 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
         commit_glide(m, &way, &glide);
         left -= glide.h;
     }
-    if (!closed) left = leap_on(m, left, !glides);
+    int legs = 0;
+    if (!closed) left = leap_on(m, left, glides ? NULL : &glide, &legs, WATCHED_EVENTS);
     int jams = 0;
     if (watcher != NULL && left < h) watcher->mode = (int)m->state.mode;
     if (left > 0.0) left = advance_through_events(m, left, watcher, &jams);

@@ -27,6 +27,7 @@
 #include "course.h"
 #include "fault.h"
 #include "flow.h"
+#include "leap.h"
 #include "ledger.h"
 #include "mode.h"
 #include "params.h"
@@ -119,7 +120,7 @@ typedef struct {
 typedef struct {
     Hold hold;
     Kernel kernel[SLIP_COUNT]; /* propagation over the latest full step, by way to slip */
-    double leap;               /* s, length to try for the next leap of this communication step */
+    Stride leap;               /* to try for the next leap of this communication step */
 } Cache;
 
 typedef struct {

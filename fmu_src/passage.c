@@ -26,9 +26,6 @@ static const double SHORTEST = 1e-13;
 
 enum { MAX_SHORTENINGS = 60 };
 
-/* Up to this error of a step two more stages may do; beyond, the step is too long. */
-static const double MORE_STAGES = 1e4;
-
 /* ---- the length of a step ---- */
 
 /* Few stages while the motion is slow against the step. Along the edge of the band, which is solved for, stages cost
@@ -40,13 +37,15 @@ static int stages_for(const Way *way, const Balance *start, double h) {
     return way->params->tolerance > 1e-6 || ratio < 0.5 ? 5 : 7;
 }
 
-/* Time at which constant acceleration from the start uses up `distance`. */
-static double ballistic_time(const Way *way, const Balance *start, double distance) {
-    const double speed = way->direction * start->omega, alpha = way->direction * start->alpha;
+double passage_ballistic_time(double speed, double alpha, double distance) {
     const double root = speed * speed + 2.0 * alpha * distance;
     if (!(root > 0.0)) return INFINITY;
     const double sum = speed + sqrt(root);
     return sum > 0.0 ? 2.0 * distance / sum : INFINITY;
+}
+
+static double ballistic_time(const Way *way, const Balance *start, double distance) {
+    return passage_ballistic_time(way->direction * start->omega, way->direction * start->alpha, distance);
 }
 
 static double width_of_next(const Way *way) {
@@ -91,6 +90,16 @@ static double time_to_border(const Way *way, const Balance *start, const Border 
     return t;
 }
 
+/* How long a leap may be tried first where a vibration begins: about as long as turns out to be good with most stages.
+ * Where damping rules the motion, stiffness may do no harm. */
+static double first_length(const Way *way, const Balance *start) {
+    static const double ORDER = 11.0, AT_ONE = 6.6; /* a length of T at 1e-9 */
+    const Pace *p = &start->pace;
+    const bool vibrates = way->kind == FLOW_INERTIAL && p->by_omega * p->by_omega < fabs(p->by_theta);
+    if (!vibrates) return INFINITY;
+    return AT_ONE * exp(log1p(way->params->tolerance - 1.0) / ORDER) / sqrt(fabs(p->by_theta));
+}
+
 /* Of the error estimate in h. */
 static double order_of(const Leap *leap) {
     const double n = leap->method->stages;
@@ -98,16 +107,26 @@ static double order_of(const Leap *leap) {
 }
 
 /* error^(-1/order), by functions that the closed form needs as well: a power would take kilobytes of tables more. */
-static double factor_of(const Leap *leap) {
+static double factor_of(const Leap *leap, double order) {
     const double error = fmax(fmax(leap->error, leap->energy_error), 1e-12);
-    return 0.9 * exp(-log1p(error - 1.0) / order_of(leap));
+    return 0.9 * exp(-log1p(error - 1.0) / order);
+}
+
+/* By how much a step that has failed is to be shorter: where it is too long the error falls more slowly than its order
+ * says, except along the edge of the band, which is solved for. */
+static double shortening(const Way *way, const Leap *leap) {
+    const double falls = way->kind == FLOW_QUASISTATIC ? 1.0 : 0.7;
+    return fmin(0.8, fmax(0.1, factor_of(leap, falls * order_of(leap))));
 }
 
 /* The longest good step of at most `longest`, with more stages before a shorter one. What the energy
  * balance misses may be the last digits of the course itself, which no shorter step makes better. */
-static bool solve_well(const Way *way, const Balance *start, double longest, Leap *leap) {
+static bool solve_well(const Way *way, const Balance *start, double longest, const Stride *first, Leap *leap) {
+    static const double ALIKE = 0.5; /* a step of less than that share of the one before needs no more stages for it */
     double h = longest, energy_before = INFINITY;
     int stages = stages_for(way, start, h);
+    const bool alike = !(h < ALIKE * first->h) || first->h == INFINITY;
+    if (alike && stages < first->stages) stages = first->stages;
     for (int n = 0; n < MAX_SHORTENINGS; n++) {
         if (!leap_solve(way, start, h, stages, leap)) {
             h *= 0.25;
@@ -116,10 +135,10 @@ static bool solve_well(const Way *way, const Balance *start, double longest, Lea
         const bool unhelped = leap->energy_error > 0.5 * energy_before;
         if (leap->error <= 1.0 && (leap->energy_error <= 1.0 || unhelped)) return true;
         energy_before = leap->error <= 1.0 ? leap->energy_error : INFINITY;
-        if (stages < RADAU_MAX && leap->error < MORE_STAGES) {
+        if (stages < RADAU_MAX) {
             stages += 2;
         } else {
-            h *= fmin(0.8, fmax(0.1, factor_of(leap)));
+            h *= shortening(way, leap);
         }
     }
     return false;
@@ -457,18 +476,20 @@ static Search find_event(const Guard *g, Passage *passage, double *good) {
     return SETTLED;
 }
 
-bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage) {
+bool passage_find(const Way *way, const Balance *start, double room, double left, const Stride *first,
+                  Passage *passage) {
     Leap *leap = &passage->leap;
     const Border border = passage_border(way, start->theta);
     const Guard g = guard_of(way, start, room, &border);
     const double to_border = time_to_border(way, start, &border), shortest = SHORTEST * left;
-    double length = first, good = 0.0;
+    double length = first->h < INFINITY ? first->h : first_length(way, start), good = 0.0;
     do {
-        if (!solve_well(way, start, fmin(fmin(left, length), to_border), leap)) return false;
+        if (!solve_well(way, start, fmin(fmin(left, length), to_border), first, leap)) return false;
         passage->kind = EVENT_NONE;
         passage->at_border = false;
-        passage->next = leap->h * fmin(4.0, fmax(factor_of(leap), 1.0));
-        if (leap->h == to_border) passage->next = fmax(passage->next, first); /* it was not the error's */
+        passage->next = (Stride){leap->h * fmin(4.0, fmax(factor_of(leap, order_of(leap)), 1.0)), leap->method->stages};
+        /* a length that was the border's says little */
+        if (leap->h == to_border) passage->next = (Stride){fmax(passage->next.h, first->h), first->stages};
         if (find_event(&g, passage, &good) == SETTLED) return true;
         length = 0.125 * good;
     } while (length > shortest);

@@ -9,7 +9,7 @@ typedef struct {
     Leap leap;
     EventKind kind;     /* what ended it */
     bool at_border;     /* it ended at the end of a piece */
-    double next;        /* s, length to try for the next one */
+    Stride next;        /* to try for the next one */
     double reaction[2]; /* N, largest |R_i| on the way, total */
     double omega;       /* rad/s, largest |omega| on the way */
 } Passage;
@@ -21,9 +21,13 @@ typedef struct {
 
 Border passage_border(const Way *way, double theta);
 
-/* The longest passage of at most `left` seconds from `start`. `room` is the way to the end stop ahead, rad; `first`
- * the length to try first, s, or infinity. Returns false where the contacts jam it on the spot. */
-bool passage_find(const Way *way, const Balance *start, double room, double left, double first, Passage *passage);
+/* Time, s, in which constant acceleration takes it over `distance`, rad; speed and alpha in the direction of the way.
+ * Infinite if it never gets there. */
+double passage_ballistic_time(double speed, double alpha, double distance);
+
+/* The longest passage of at most `left` seconds from `start`. `room` is the way to the end stop ahead, rad; `first` what
+ * to try first. Returns false where the contacts jam it on the spot. */
+bool passage_find(const Way *way, const Balance *start, double room, double left, const Stride *first, Passage *passage);
 
 /* Fills in the largest speed and reactions; below `known` they are not looked for closely. */
 void passage_peaks(const Way *way, Passage *passage, double known_omega, const double known_reaction[2]);
