@@ -122,6 +122,7 @@ def step_cost(folder: Path, picture: str) -> str:
             row["scene"],
             rounded(row["ns_per_step"]),
             rounded(row["ratio_to_exp_sincos"]),
+            rounded(row["less_null_fmu"]) + (f" (of {row['target']})" if row["target"] else ""),
             rounded(row["ratio_to_null_fmu"]),
             rounded(row["instructions_per_step"]),
             rounded(row["least_ns"])
@@ -135,6 +136,7 @@ def step_cost(folder: Path, picture: str) -> str:
         "scene",
         "ns",
         "x exp+sincos",
+        "less null FMU",
         "x null FMU",
         "instructions",
         "limit, ns",
@@ -150,8 +152,9 @@ def step_cost(folder: Path, picture: str) -> str:
             f"""Set the torque, a step of 1 ms, read angle and speed. One exp and one sincos, called for many
             numbers, take {rounded(unit["ns_per_step"])} ns here, the three calls of an FMU that does
             nothing {rounded(null["ns_per_step"])} ns, the acceleration in elliptical grooves with every
-            force {rounded(row_of(rows, scene="evaluation")["ns_per_step"])} ns. Instructions are
-            callgrind's. Through FMPy the calls themselves cost so much that the model hardly shows."""
+            force {rounded(row_of(rows, scene="evaluation")["ns_per_step"])} ns. "Less null FMU": without
+            those three calls, in units of exp and sincos, against the target. Instructions are callgrind's.
+            Through FMPy the calls themselves cost so much that the model hardly shows."""
         ),
         table(head, cells),
         "The limit is the time of what cannot be left out, at the price that it has by itself:",
@@ -161,8 +164,10 @@ def step_cost(folder: Path, picture: str) -> str:
             `{farthest["scene"]}` ({rounded(farthest["ratio_to_least"])} times). What is above the limit in
             slip of known step size: the checks that no event happens inside the step, whose answer is the
             reason why events are exact; the ledger's accounts and peaks; sums carried with twice the
-            digits. In general grooves: iterations until the equations hold to the tolerance, derivatives
-            for them, and the same checks and accounts by polynomials."""
+            digits. In general grooves: two sweeps over the nodes, in which nearly every operation waits for
+            the one before (the grooves' polynomials, the balance, two integrals, three divisions), then the
+            same checks and accounts. So it is latency that counts: compiled for vectors twice as wide
+            (AVX) the step has fewer instructions and takes as long."""
         ),
         "Scenes:",
         "\n".join(f"- {row['scene']}: {row['what']}" for row in shown),
@@ -262,11 +267,10 @@ def worst_step(folder: Path, picture: str) -> str:
             takes up to {allowed} times as much until it is refused."""
         ),
         prose(
-            """Two things have no constant bound: before its first event a step goes through the pieces of a
-            course in as many leaps as it passes, and a few more where the time to a border is guessed too
-            short; and a longer step in closed form goes through its half periods. Who needs a hard limit in
-            real time sets `stop.restitution` to 0, takes steps that are short against the oscillation and
-            passes few knots of a table in each: then a step has one mode change or two."""
+            """Two things have no constant bound: the pieces of a course that a step passes, of which a table
+            has one per knot; and the half periods that a longer step in closed form goes through. Who needs
+            a hard limit in real time sets `stop.restitution` to 0, takes steps that are short against the
+            oscillation and passes few knots of a table in each: then a step has one mode change or two."""
         ),
     ]
     return "\n\n".join(text)

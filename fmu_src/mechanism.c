@@ -632,18 +632,19 @@ static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *g
     return glide_along(way, &from, left, glide);
 }
 
-/* Slips on through grooves of any shape until something happens, or *legs, which it counts on, are `most`. Returns how
- * much of h seconds is left, or NAN if a value is not finite. `refused`, unless NULL: the glide that was sought for the
+/* Slips on through grooves of any shape until something happens, or *legs are `most`: it counts on, but for those that
+ * lead to a border of a piece, of which there are so many and no more. Returns how much of h seconds is left, or NAN if a value is not finite. `refused`, unless NULL: the glide that was sought for the
  * first stretch, and is none. */
 static double leap_on(Mechanism *m, double h, const Glide *refused, int *legs, int most) {
     double left = h;
-    for (; left > 0.0 && *legs < most && slips_on(m); refused = NULL, ++*legs) {
+    for (; left > 0.0 && *legs < most && slips_on(m); refused = NULL) {
         const Way way = way_from_here(m, present_index(m));
         Glide glide;
         glide.accurate = false;
         const bool may_do = refused == NULL && left <= m->cache.leap.h; /* else more stages than it has are needed */
         if (may_do && find_glide(m, &way, left, &glide)) {
             commit_glide(m, &way, &glide);
+            if (glide.h == left) return 0.0;
             left -= glide.h;
             continue;
         }
@@ -656,6 +657,7 @@ static double leap_on(Mechanism *m, double h, const Glide *refused, int *legs, i
         leg.end = EVENT_NONE;
         left -= leap_along(m, &way, &start, left, &leg);
         if (leg.kind != LEG_LEAP || leg.end != EVENT_NONE) break;
+        *legs += !leg.passage.for_border;
     }
     return left;
 }

@@ -489,7 +489,8 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         passage->at_border = false;
         passage->next = (Stride){leap->h * fmin(4.0, fmax(factor_of(leap, order_of(leap)), 1.0)), leap->method->stages};
         /* a length that was the border's says little */
-        if (leap->h == to_border) passage->next = (Stride){fmax(passage->next.h, first->h), first->stages};
+        passage->for_border = leap->h == to_border;
+        if (passage->for_border) passage->next = (Stride){fmax(passage->next.h, first->h), first->stages};
         if (find_event(&g, passage, &good) == SETTLED) return true;
         length = 0.125 * good;
     } while (length > shortest);

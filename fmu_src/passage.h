@@ -9,6 +9,7 @@ typedef struct {
     Leap leap;
     EventKind kind;     /* what ended it */
     bool at_border;     /* it ended at the end of a piece */
+    bool for_border;    /* its length was that to the end of a piece, as far as could be told */
     Stride next;        /* to try for the next one */
     double reaction[2]; /* N, largest |R_i| on the way, total */
     double omega;       /* rad/s, largest |omega| on the way */

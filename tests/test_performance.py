@@ -49,7 +49,8 @@ def single_step(tmp_path_factory):
 @pytest.mark.parametrize("name", ["helices", "ellipses"])
 def test_callgrind_counts_what_the_processor_executes(name, single_step):
     """In the same run without a saved state, of steps with and without mode changes. The loop around the
-    calls, which callgrind leaves out, is the same for all; a memcpy may differ by some instructions."""
+    calls, which callgrind leaves out, is the same for all; memcpy and exp may differ by some instructions,
+    since the C library takes others on the processor that callgrind shows it."""
     rig = rig_of(name, 1500)
     changes = np.diff(rig.record()[0][:, 1], prepend=0)
     chosen = np.sort(np.concatenate([np.flatnonzero(changes == n)[-2:] for n in (0, 1)]))
@@ -64,7 +65,7 @@ def test_callgrind_counts_what_the_processor_executes(name, single_step):
         )
     around = np.array(executed) - counted
     assert counted.min() > 300 and counted.max() > 5000
-    assert np.all(around > 0) and np.all(around < 150)
+    assert np.all(np.abs(around) < 150)
 
 
 @counts
