@@ -216,8 +216,7 @@ static inline Pace pace_of_quasistatic(const Way *w, const Form *f, double z, co
     };
 }
 
-/* Apart, for it is large and has two callers. */
-__attribute__((noinline)) static Pace pace_of(const Way *w, const Form *f, double z, const Drive *in, double omega) {
+APART static Pace pace_of(const Way *w, const Form *f, double z, const Drive *in, double omega) {
     switch (w->kind) {
         case FLOW_INERTIAL: return pace_of_inertial(w, f, z, in, omega);
         case FLOW_VISCOUS: return pace_of_viscous(w, f, z, in);

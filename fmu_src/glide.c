@@ -3,8 +3,10 @@
 #include <float.h>
 #include <math.h>
 
-/* One value per node: the start and three more, of which the last is the end. Two of them share a vector, and one piece of
- * code serves both halves: that is as fast as all in a row, and half the size. */
+#include "rare.h"
+
+/* One value per node: the start and three more, of which the last is the end. Two of them share a vector, and one piece
+ * of code serves both halves: half the size of all four in a row. */
 enum { NODES = 4, END = NODES - 1, HALVES = 2 };
 typedef union {
     double at[NODES];
@@ -13,7 +15,7 @@ typedef union {
 
 typedef struct {
     Nodes node;
-    Nodes once[NODES], twice[NODES]; /* [j]: the integrals, up to each node, of what is 1 at node j and 0 at the others */
+    Nodes once[NODES], twice[NODES]; /* [j]: the integrals, up to each node, of what is 1 at node j, else 0 */
     Nodes weight;                    /* the integral over the step */
     double missed;                   /* what a parabola through the last three nodes misses at the start, of c^3 */
     double missed_once, missed_twice; /* largest single and double integral of prod(1 - c/c_i), the shape of that */
@@ -27,9 +29,6 @@ enum { MAX_SWEEPS = 8 };
 
 /* Each sweep is to bring it nearer by this factor at least. */
 static const double CONTRACTION = 0.1;
-
-/* Not drawn into every place that calls it. */
-#define APART __attribute__((noinline))
 
 /* ---- four values ---- */
 
@@ -89,9 +88,9 @@ typedef struct {
     Nodes tau, F_ext;
     Nodes turned, speed; /* rad, rad/s: theta less that of the start, omega */
     Nodes y;             /* alpha, or omega without inertia */
-    double lag;          /* rad, from where the balance was taken last to where the end is: what the last sweep changed */
+    double lag;          /* rad, from where the balance was taken last to where the end is now */
     Pair pair[HALVES];
-} Step4;
+} Attempt;
 
 /* Horner's rule for even and odd parts, see piece_spot(): in one vector those of both slopes, in one those of z. */
 typedef struct {
@@ -196,7 +195,8 @@ static inline void shape_pair(const Way *w, Both theta, Both F_ext, Pair *n) {
     n->q = n->d[0] * n->rn[1];
     n->p = n->rn[0] * n->rn[1];
     n->delta = n->q + n->rn[0] * n->d[1];
-    n->force = spring->preload + n->z * (spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3)) + F_ext;
+    const Both rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
+    n->force = spring->preload + n->z * rate + F_ext;
 }
 
 static inline bool has_damper(const Way *w) {
@@ -226,8 +226,10 @@ static inline Both inertial_pace(const Way *w, Both tau, Both omega, Pair *n) {
         swirl = (m * n->lift_rate + I * n->turn_rate) * omega;
         net -= swirl * omega;
     }
-    if (is_resisted(w))
-        n->drag = (b * n->delta + n->p * n->lift * (w->c + 2.0 * w->q * w->direction * (n->lift * omega)) + 2.0 * swirl) / n->mass;
+    if (is_resisted(w)) {
+        const Both resistance = w->c + 2.0 * w->q * w->direction * (n->lift * omega); /* dD/dv */
+        n->drag = (b * n->delta + n->p * n->lift * resistance + 2.0 * swirl) / n->mass;
+    }
     return net / n->mass;
 }
 
@@ -247,12 +249,12 @@ static inline Both viscous_pace(const Way *w, Both tau, Pair *n) {
 
 /* ---- the collocation equations ---- */
 
-static inline bool is_inertial(const Step4 *s) {
+static inline bool is_inertial(const Attempt *s) {
     return s->way->kind == FLOW_INERTIAL;
 }
 
 /* The balance where the nodes are. */
-static inline void balance_nodes(Step4 *s) {
+static inline void balance_nodes(Attempt *s) {
     const Way *w = s->way;
     for (int k = 0; k < HALVES; k++) {
         Pair *n = &s->pair[k];
@@ -263,7 +265,7 @@ static inline void balance_nodes(Step4 *s) {
 }
 
 /* Is there a motion where the nodes are, and is it this one? */
-static inline bool is_possible(const Step4 *s) {
+static inline bool is_possible(const Attempt *s) {
     bool possible = true;
     for (int k = 0; k < NODES; k++) {
         const Pair *n = &s->pair[k / 2];
@@ -273,7 +275,7 @@ static inline bool is_possible(const Step4 *s) {
     return possible;
 }
 
-static inline void place_nodes(Step4 *s) {
+static inline void place_nodes(Attempt *s) {
     const double h = s->h;
     const Nodes once = combine(LOBATTO.once, &s->y);
     if (!is_inertial(s)) {
@@ -289,7 +291,7 @@ static inline void place_nodes(Step4 *s) {
 
 /* What the next sweep would change, nearly: if y grew with theta everywhere as it does in the mean, less what the speed
  * does, which is known. */
-static inline Nodes next_change(const Step4 *s, const Nodes *change) {
+static inline Nodes next_change(const Attempt *s, const Nodes *change) {
     const double h = s->h, per_turn = 1.0 / s->turned.at[END];
     double growth = (s->y.at[END] - s->y.at[0]) * per_turn;
     Nodes next = combine(LOBATTO.once, change);
@@ -307,7 +309,7 @@ static inline Nodes next_change(const Step4 *s, const Nodes *change) {
     return next;
 }
 
-static inline void drive_nodes(Step4 *s) {
+static inline void drive_nodes(Attempt *s) {
     const Inputs *in = s->way->inputs;
     s->tau = all(in->tau[0]);
     s->F_ext = all(in->F_ext[0]);
@@ -345,7 +347,7 @@ typedef struct {
 } Goal;
 
 /* Sweeps until the equations hold to a share of the tolerance. With a goal, h is sought along with them. */
-static bool sweep(Step4 *s, const Goal *goal) {
+static bool sweep(Attempt *s, const Goal *goal) {
     static const double SHARE = 0.05, ON_GOAL = 1e-8;
     const Way *w = s->way;
     const double wanted = SHARE * w->params->tolerance * fabs(s->omega) / (is_inertial(s) ? s->h : 1.0);
@@ -384,7 +386,7 @@ static bool sweep(Step4 *s, const Goal *goal) {
  * between the integrals of prod(1 - c/c_i) times that. Where that term happens to be small, the decay of the lower ones
  * stands for it. The cubic itself misses far less: the power of what the parabola misses, relative to speed and way, is
  * set so that of 5000 random steps that just pass all are within the tolerance, and 99 of 100 within half of it. */
-static bool is_accurate(const Step4 *s) {
+static bool is_accurate(const Attempt *s) {
     static const double DECAY = 0.3;
     const Nodes c = combine(LOBATTO.bernstein, &s->y);
     const double *b = c.at, tolerance = s->way->params->tolerance;
@@ -415,7 +417,7 @@ static inline double sum_of_pair(Both v) {
     return v[0] + v[1];
 }
 
-static void load_pair(const Step4 *s, int k, Loading *out) {
+static void load_pair(const Attempt *s, int k, Loading *out) {
     const Way *w = s->way;
     const InertiaParams *in = &w->params->inertia;
     const Pair *n = &s->pair[k];
@@ -444,13 +446,13 @@ static void load_pair(const Step4 *s, int k, Loading *out) {
     }
 }
 
-static inline double kinetic_energy(const Step4 *s, const Pair *n, int lane, double omega) {
+static inline double kinetic_energy(const Attempt *s, const Pair *n, int lane, double omega) {
     const InertiaParams *in = &s->way->params->inertia;
     const double lift = n->lift[lane], turn = n->turn[0][lane];
     return 0.5 * (in->shaft + in->follower_mass * lift * lift + in->follower * turn * turn) * omega * omega;
 }
 
-static bool keeps_energy(const Step4 *s, const Booking *b) {
+static bool keeps_energy(const Attempt *s, const Booking *b) {
     const Pair *first = &s->pair[0], *last = &s->pair[1];
     const bool inertial = is_inertial(s);
     const EnergyEnds ends = {
@@ -464,7 +466,7 @@ static bool keeps_energy(const Step4 *s, const Booking *b) {
 }
 
 /* Each contact firmly on its flank, by more than rounding at the start, and throughout? */
-static bool stay_on_flanks(const Step4 *s, const Loading *loading) {
+static bool stay_on_flanks(const Attempt *s, const Loading *loading) {
     static const double CLEAR = 1e-9; /* of the loads that add up to it */
     const Way *w = s->way;
     const Pair *n = &s->pair[0];
@@ -491,7 +493,7 @@ static inline double at_ends(const Nodes *v) {
     return fmax(fabs(v->at[0]), fabs(v->at[END]));
 }
 
-static void find_peaks(const Step4 *s, const Loading *loading, const Peaks *known, Glide *out) {
+static void find_peaks(const Attempt *s, const Loading *loading, const Peaks *known, Glide *out) {
     const double contacts = s->way->params->contacts;
     const bool steady = is_inertial(s) && keeps_sign(&s->y, s->y.at[0] > 0.0 ? 1 : -1);
     out->peaks_inside = !steady && !peaks_at_end(&s->speed, known->omega);
@@ -506,7 +508,7 @@ static void find_peaks(const Step4 *s, const Loading *loading, const Peaks *know
 /* ---- the step ---- */
 
 /* Does nothing happen in it, and is it good enough? That does not depend on whether there is a ledger. */
-static bool is_quiet(const Step4 *s, const Launchpad *from, Glide *out) {
+static bool is_quiet(const Attempt *s, const Launchpad *from, Glide *out) {
     const Way *w = s->way;
     const bool moves = keeps_sign(&s->speed, w->direction) && w->direction * s->turned.at[END] < from->room;
     out->accurate = is_accurate(s);
@@ -522,7 +524,7 @@ static bool is_quiet(const Step4 *s, const Launchpad *from, Glide *out) {
 }
 
 /* Without inertia: the law's own speed at the end, not where the last sweep was. */
-static double speed_at_end(const Step4 *s) {
+static double speed_at_end(const Attempt *s) {
     const Both theta = s->theta + s->turned.half[HALVES - 1];
     Pair last;
     shape_pair(s->way, theta, s->F_ext.half[HALVES - 1], &last);
@@ -530,7 +532,7 @@ static double speed_at_end(const Step4 *s) {
 }
 
 /* Under constant acceleration. */
-static void guess_nodes(Step4 *s, double pace) {
+static void guess_nodes(Attempt *s, double pace) {
     const double alpha = is_inertial(s) ? pace : 0.0;
     s->y = all(pace);
     for (int k = 0; k < HALVES; k++) {
@@ -544,7 +546,7 @@ bool glide_along(const Way *way, const Launchpad *from, double left, Glide *out)
     const Border border = passage_border(way, from->theta);
     const double edge = border.distance + border.beyond, pace = first_pace(way, from);
     Goal goal = {.distance = border.distance + 0.5 * border.beyond, .slack = 0.25 * border.beyond};
-    Step4 s;
+    Attempt s;
     s.way = way;
     s.theta = from->theta;
     s.omega = way->kind == FLOW_INERTIAL ? from->omega : pace;

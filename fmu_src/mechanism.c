@@ -612,8 +612,11 @@ static void record_glide(Mechanism *m, const Way *way, const Glide *glide) {
 static void commit_glide(Mechanism *m, const Way *way, const Glide *glide) {
     if (m->params.ledger) record_glide(m, way, glide);
     turn(m, glide->dtheta);
-    if (way->kind == FLOW_INERTIAL) sum_add(&m->state.omega, glide->domega);
-    else m->state.omega = sum_of(glide->omega);
+    if (way->kind == FLOW_INERTIAL) {
+        sum_add(&m->state.omega, glide->domega);
+    } else {
+        m->state.omega = sum_of(glide->omega);
+    }
     if (!way->steady) inputs_advance(&m->inputs, glide->h);
 }
 
@@ -633,8 +636,8 @@ static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *g
 }
 
 /* Slips on through grooves of any shape until something happens, or *legs are `most`: it counts on, but for those that
- * lead to a border of a piece, of which there are so many and no more. Returns how much of h seconds is left, or NAN if a value is not finite. `refused`, unless NULL: the glide that was sought for the
- * first stretch, and is none. */
+ * lead to a border of a piece, of which there are so many and no more. Returns how much of h seconds is left, or NAN if
+ * a value is not finite. `refused`, unless NULL: the glide that was sought for the first stretch, and is none. */
 static double leap_on(Mechanism *m, double h, const Glide *refused, int *legs, int most) {
     double left = h;
     for (; left > 0.0 && *legs < most && slips_on(m); refused = NULL) {

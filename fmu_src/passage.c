@@ -122,7 +122,7 @@ static double shortening(const Way *way, const Leap *leap) {
 /* The longest good step of at most `longest`, with more stages before a shorter one. What the energy
  * balance misses may be the last digits of the course itself, which no shorter step makes better. */
 static bool solve_well(const Way *way, const Balance *start, double longest, const Stride *first, Leap *leap) {
-    static const double ALIKE = 0.5; /* a step of less than that share of the one before needs no more stages for it */
+    static const double ALIKE = 0.5; /* a step of less than that share of the one before needs no more stages */
     double h = longest, energy_before = INFINITY;
     int stages = stages_for(way, start, h);
     const bool alike = !(h < ALIKE * first->h) || first->h == INFINITY;
@@ -487,7 +487,8 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         if (!solve_well(way, start, fmin(fmin(left, length), to_border), first, leap)) return false;
         passage->kind = EVENT_NONE;
         passage->at_border = false;
-        passage->next = (Stride){leap->h * fmin(4.0, fmax(factor_of(leap, order_of(leap)), 1.0)), leap->method->stages};
+        const double longer = fmin(4.0, fmax(factor_of(leap, order_of(leap)), 1.0));
+        passage->next = (Stride){leap->h * longer, leap->method->stages};
         /* a length that was the border's says little */
         passage->for_border = leap->h == to_border;
         if (passage->for_border) passage->next = (Stride){fmax(passage->next.h, first->h), first->stages};

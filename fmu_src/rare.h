@@ -1,6 +1,11 @@
-/* What runs at the start, or when somebody asks, but never in a step: its code is to be small rather than fast. */
+/* How functions are compiled where that is not left to the compiler.
+ *
+ * RARE   runs at the start, or when somebody asks, but never in a step: its code is to be small rather than fast
+ * APART  large, and called from several places: not to be drawn into each */
 #ifndef DUALCAM_RARE_H
 #define DUALCAM_RARE_H
+
+#define APART __attribute__((noinline))
 
 #ifdef __clang__
 #define RARE __attribute__((cold, minsize))
