@@ -77,25 +77,46 @@ static double reach(const Oscillator *osc, double t) {
     return fmax(fabs(osc->decay2), sqrt(fabs(osc->stiffness))) * t;
 }
 
-/* p3 and p4 = integral of p3 by series; p2, p1, s, s' from the equation integrated four, three, two,
- * one times: s' + 2a s + w2 p1 = 1, s + 2a p1 + w2 p2 = t, ... Each leading term dominates. */
-static void series(const Oscillator *osc, double t, Kernel *k) {
-    const double a = osc->decay2 * t;
-    const double w = osc->stiffness * t * t;
+/* p3/t^4 and p4/t^5, p4 the integral of p3. */
+typedef struct {
+    double p3, p4;
+} Sums;
+
+static Sums sum_of_series(double a, double w) {
     double older = 0.0, newer = 1.0; /* n-th derivative of s at 0, times t^(n-1): n = 0, 1 */
-    double sum3 = 0.0, sum4 = 0.0;
+    Sums sum = {0.0, 0.0};
     for (int n = 1; n <= SERIES_TERMS; n++) {
-        const double term3 = newer * INVERSE_FACTORIAL[n + 3];
-        sum3 += term3;
-        sum4 += newer * INVERSE_FACTORIAL[n + 4];
+        sum.p3 += newer * INVERSE_FACTORIAL[n + 3];
+        sum.p4 += newer * INVERSE_FACTORIAL[n + 4];
         const double next = -a * newer - w * older;
         older = newer;
         newer = next;
         if ((fabs(newer) + fabs(older)) * INVERSE_FACTORIAL[n + 4] < SERIES_CUT) break;
     }
+    return sum;
+}
+
+/* The same for a = 0, where every other derivative vanishes. */
+static Sums sum_of_undamped_series(double w) {
+    double derivative = 1.0;
+    Sums sum = {0.0, 0.0};
+    for (int n = 1; n <= SERIES_TERMS; n += 2) {
+        sum.p3 += derivative * INVERSE_FACTORIAL[n + 3];
+        sum.p4 += derivative * INVERSE_FACTORIAL[n + 4];
+        derivative *= -w;
+        if (fabs(derivative) * INVERSE_FACTORIAL[n + 5] < SERIES_CUT) break;
+    }
+    return sum;
+}
+
+/* p3 and p4 by series; p2, p1, s, s' from the equation integrated four, three, two, one times:
+ * s' + 2a s + w2 p1 = 1, s + 2a p1 + w2 p2 = t, ... Each leading term dominates. */
+static void series(const Oscillator *osc, double t, Kernel *k) {
+    const double w = osc->stiffness * t * t;
+    const Sums sum = osc->decay2 == 0.0 ? sum_of_undamped_series(w) : sum_of_series(osc->decay2 * t, w);
     const double t2 = t * t, t3 = t2 * t;
-    const double p4 = sum4 * t2 * t3;
-    k->p3 = sum3 * t2 * t2;
+    const double p4 = sum.p4 * t2 * t3;
+    k->p3 = sum.p3 * t2 * t2;
     k->p2 = t3 / 6.0 - osc->decay2 * k->p3 - osc->stiffness * p4;
     k->p1 = 0.5 * t2 - osc->decay2 * k->p2 - osc->stiffness * k->p3;
     k->s = t - osc->decay2 * k->p1 - osc->stiffness * k->p2;
