@@ -309,9 +309,8 @@ def main() -> int:
             }
         )
     console.print(table)
-    step_cost.publish(rows, facts, arguments.output, console)
     picture(rows, facts, arguments.picture)
-    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
+    step_cost.publish(rows, facts, arguments.output, console, arguments.picture)
     return 0
 
 

@@ -223,9 +223,8 @@ def main() -> int:
         " theta and omega, as in all that follow, whose cost is a ratio to it.",
         highlight=False,
     )
-    step_cost.publish(rows, facts, arguments.output, console)
     picture(rows, facts, arguments.picture)
-    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
+    step_cost.publish(rows, facts, arguments.output, console, arguments.picture)
     return 0
 
 

@@ -650,9 +650,13 @@ def verdict(value: float, target: float | None) -> str:
 
 
 def publish(
-    rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], output: Path, console: Console
+    rows: Sequence[Mapping[str, str]],
+    facts: Mapping[str, str],
+    output: Path,
+    console: Console,
+    drawn: Path | None = None,
 ) -> None:
-    """Prints the circumstances of a benchmark and writes its rows as CSV."""
+    """Prints the circumstances of a benchmark and writes its rows as CSV. `drawn`: the picture of them."""
     for name, value in facts.items():
         console.print(f"{name}: {value}", highlight=False, markup=False)
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -660,7 +664,8 @@ def publish(
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    console.print(f"written: {output}", highlight=False, markup=False)
+    written = f"{output} and {drawn}" if drawn else str(output)
+    console.print(f"written: {written}", highlight=False, markup=False)
 
 
 def picture(rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], path: Path) -> None:
@@ -820,9 +825,8 @@ def main() -> None:
     console.print(
         f"A step of the null FMU through FMPy takes {fmpy_null:.2f} us.", highlight=False, markup=False
     )
-    publish(rows, facts, arguments.output, console)
     picture(rows, facts, arguments.picture)
-    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
+    publish(rows, facts, arguments.output, console, arguments.picture)
 
 
 if __name__ == "__main__":

@@ -613,9 +613,8 @@ def main() -> int:
     report(studies, console)
     facts = step_cost.circumstances("worst")
     rows = [*(row for made in studies for row in rows_of(made)), *bound_rows()]
-    step_cost.publish([{**row, **facts} for row in rows], facts, arguments.output, console)
     picture(studies, facts, arguments.picture)
-    console.print(f"written: {arguments.picture}", highlight=False, markup=False)
+    step_cost.publish([{**row, **facts} for row in rows], facts, arguments.output, console, arguments.picture)
     return 0
 
 

@@ -104,27 +104,8 @@ _Static_assert(offsetof(Values, machine.params) == offsetof(Draft, params), "one
 _Static_assert(offsetof(Values, machine.inputs) == offsetof(Draft, inputs), "one offset for both");
 _Static_assert(VR_F_EXT < 16, "inputs come first, F_ext last: each has a bit in Run.with_rates");
 
-static Draft draft_of(const Instance *instance) {
-    return (Draft){.params = instance->values.machine.params, .inputs = instance->values.machine.inputs};
-}
-
-static void *draft_address(Draft *draft, const Variable *variable) {
-    return (char *)draft + variable->offset;
-}
-
-/* During the run only tunable parameters can be in the draft, see find_settable(). */
-static bool commit(Instance *instance, const char *function, const Draft *draft) {
-    Machine *machine = &instance->values.machine;
-    if (instance_has_begun(instance)) {
-        Fault fault;
-        if (!model_retune(machine, &draft->params, &fault))
-            return instance_refuse(instance, "%s: %s", function, fault.text);
-    } else {
-        machine->params = draft->params;
-    }
-    machine->inputs = draft->inputs;
-    instance_changed(instance);
-    return true;
+static void *place_in(void *values, ValueReference reference) {
+    return (char *)values + VARIABLES[reference].offset;
 }
 
 static bool can_set(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
@@ -186,18 +167,41 @@ static bool are_sampled(const Instance *instance, const ValueReference vr[], siz
 }
 
 double *access_input(Instance *instance, ValueReference reference) {
-    return (double *)((char *)&instance->values + VARIABLES[reference].offset);
+    return place_in(&instance->values, reference);
 }
 
-RARE static bool set_reals_on_draft(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                               const double value[]) {
-    Draft draft = draft_of(instance);
+static bool are_good_reals(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                           const double value[]) {
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = find_settable(instance, function, vr[i], TYPE_REAL);
         if (variable == NULL || !accepts(instance, function, variable, value[i])) return false;
-        *(double *)draft_address(&draft, variable) = value[i];
     }
-    return commit(instance, function, &draft);
+    return true;
+}
+
+static void write_reals(void *values, const ValueReference vr[], size_t n, const double value[]) {
+    for (size_t i = 0; i < n; i++) *(double *)place_in(values, vr[i]) = value[i];
+}
+
+/* Only tunable parameters and inputs are left, see find_settable(). */
+static bool retune(Instance *instance, const char *function, const ValueReference vr[], size_t n, const double value[]) {
+    Machine *machine = &instance->values.machine;
+    Draft draft = {.params = machine->params, .inputs = machine->inputs};
+    write_reals(&draft, vr, n, value);
+    Fault fault;
+    if (!model_retune(machine, &draft.params, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+    machine->inputs = draft.inputs;
+    return true;
+}
+
+/* Not inputs alone. */
+RARE static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                               const double value[]) {
+    if (!are_good_reals(instance, function, vr, n, value)) return false;
+    if (!instance_has_begun(instance)) write_reals(&instance->values, vr, n, value);
+    else if (!retune(instance, function, vr, n, value)) return false;
+    instance_changed(instance);
+    return true;
 }
 
 bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
@@ -205,46 +209,47 @@ bool access_set_reals(Instance *instance, const char *function, const ValueRefer
     if (!can_set(instance, function, vr, n, value)) return false;
     const bool inside_step = instance->run.phase == PHASE_SAMPLING;
     if (!are_good_inputs(vr, n, value) || (inside_step && !are_sampled(instance, vr, n)))
-        return set_reals_on_draft(instance, function, vr, n, value);
-    for (size_t i = 0; i < n; i++) *access_input(instance, vr[i]) = value[i];
+        return set_any_reals(instance, function, vr, n, value);
+    write_reals(&instance->values, vr, n, value);
     instance_changed(instance);
     return true;
 }
 
+/* Reals alone are tunable: the following are set where they are, before the run. */
+
 bool access_set_integers(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                          const int32_t value[]) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    Draft draft = draft_of(instance);
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = find_settable(instance, function, vr[i], TYPE_INTEGER);
         if (variable == NULL || !accepts(instance, function, variable, value[i])) return false;
-        *(int *)draft_address(&draft, variable) = value[i];
     }
-    return commit(instance, function, &draft);
+    for (size_t i = 0; i < n; i++) *(int *)place_in(&instance->values, vr[i]) = value[i];
+    instance_changed(instance);
+    return true;
 }
 
 bool access_set_booleans(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                          const void *value, ReadBoolean *read) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    Draft draft = draft_of(instance);
-    for (size_t i = 0; i < n; i++) {
-        const Variable *variable = find_settable(instance, function, vr[i], TYPE_BOOLEAN);
-        if (variable == NULL) return false;
-        *(bool *)draft_address(&draft, variable) = read(value, i);
-    }
-    return commit(instance, function, &draft);
+    for (size_t i = 0; i < n; i++)
+        if (find_settable(instance, function, vr[i], TYPE_BOOLEAN) == NULL) return false;
+    for (size_t i = 0; i < n; i++) *(bool *)place_in(&instance->values, vr[i]) = read(value, i);
+    instance_changed(instance);
+    return true;
 }
 
 bool access_set_texts(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const char *const value[]) {
     if (!can_set(instance, function, vr, n, value)) return false;
-    Draft draft = draft_of(instance);
     for (size_t i = 0; i < n; i++) {
         const Variable *variable = find_settable(instance, function, vr[i], TYPE_STRING);
         if (variable == NULL || !accepts_text(instance, function, variable, value[i])) return false;
-        strncpy(draft_address(&draft, variable), value[i], (size_t)variable->max + 1); /* zeros to the end */
     }
-    return commit(instance, function, &draft);
+    for (size_t i = 0; i < n; i++)
+        strncpy(place_in(&instance->values, vr[i]), value[i], (size_t)VARIABLES[vr[i]].max + 1); /* zeros to the end */
+    instance_changed(instance);
+    return true;
 }
 
 /* ---- derivatives by time ---- */

@@ -67,7 +67,7 @@ static Spot straight_spot(const Piece *piece) {
 }
 
 /* The form at theta, in *here unless the way has it, and z. */
-static inline const Form *form_at(const Way *w, double theta, Form *here, double *z) {
+static const Form *form_at(const Way *w, double theta, Form *here, double *z) {
     const Piece *piece = w->piece;
     if (w->course->straight) {
         *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];

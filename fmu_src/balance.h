@@ -105,6 +105,17 @@ double balance_contact_change(const Way *way, const Balance *now, int i, double 
 /* Rates of the accounts at this instant, W. */
 Booking balance_power(const Way *way, const Balance *now);
 
+/* The size of what adds up to the axial load A, N; `swing`: z' alpha, m/s^2. */
+static inline double balance_load_size(const Params *p, double force, double damper, double swing) {
+    return fabs(force) + fabs(damper) + p->inertia.follower_mass * fabs(swing);
+}
+
+/* Is contact i on its flank by more than rounding? `axial`: x_i per A; `load`: the size of what adds up to A. */
+static inline bool balance_is_firm(const Way *way, int i, double x, double axial, double load) {
+    const double CLEAR = 1e-9;
+    return way->flank[i] * x > CLEAR * fabs(axial) * load;
+}
+
 /* Polynomial input and its rate at time t. */
 double input_value(const double u[INPUT_ORDER + 1], double t);
 double input_rate(const double u[INPUT_ORDER + 1], double t);

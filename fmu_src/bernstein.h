@@ -15,6 +15,10 @@ typedef struct {
     double c[BERNSTEIN_MAX + 1];
 } Bernstein;
 
+/* A polynomial through its values at the start and the nodes of a collocation method leaves their range by less than
+ * this share of its width: the Lebesgue constants of those nodes are below 2.2. */
+static const double BEYOND_NODES = 0.6;
+
 double bernstein_value(const Bernstein *p, double x);
 
 /* True if p surely rises or falls throughout: its coefficients do. */

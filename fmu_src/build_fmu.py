@@ -71,9 +71,8 @@ WITH_EVENTS = {"bernstein", "leap", "passage"}
 HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "event", "flow", "glide", "mechanism", "oscillator"}
-# Windows binaries hold a part of the C library: there these for speed, the next for size, others outlined.
+# Windows binaries hold a part of the C library: there only these for speed, all others outlined.
 NUMERIC_WINDOWS = {"flow", "glide", "oscillator"}
-IN_EVENTS_WINDOWS = {"balance", "event", "leap", "passage"}
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ class Platform:
     def compilation_for_windows(name: str) -> list[str]:
         if name in NUMERIC_WINDOWS:
             return [FOR_SPEED, SMALL, *SECTIONS]
-        return [FOR_SIZE, *(() if name in IN_EVENTS_WINDOWS else OUTLINED), *SECTIONS]
+        return [FOR_SIZE, *OUTLINED, *SECTIONS]
 
     @property
     def library_for(self) -> str:

@@ -21,9 +21,20 @@ typedef struct {
 /* The geometry where the grooves have these slopes. */
 Geometry cam_geometry(const CamParams cam[2], const double slope[2]);
 
-/* Groove length per angle of cam i, m: hypot(r_i, a_i). */
+/* The square of the groove's length per angle of cam i, m^2: r_i^2 + a_i^2. */
+static inline double cam_length2(const Geometry *g, int i) {
+    return g->radius[i] * g->radius[i] + g->slope[i] * g->slope[i];
+}
+
+/* Friction heat at contact i per |x_i| (see contact.h) and |omega|, m^2: mu_i (r_i^2 + a_i^2) |psi_i'|. */
+static inline double cam_heat(const Geometry *g, int i) {
+    return g->friction[i] * cam_length2(g, i) * g->turn[i];
+}
+
+/* Groove length per angle of cam i, m. The squares are far from the ends of the range of numbers: a radius is at least
+ * 1e-6 m, a slope at most 1e17 of it. */
 static inline double cam_length(const Geometry *g, int i) {
-    return hypot(g->radius[i], g->slope[i]);
+    return sqrt(cam_length2(g, i));
 }
 
 #endif

@@ -107,3 +107,13 @@ bool check_jam(const Params *p, const Course *course, Fault *fault) {
     }
     return true;
 }
+
+bool check_course(const Params *p, const char *resources, Course *course, Fault *fault) {
+    if (course_is_of(course, p)) return check_jam(p, course, fault);
+    Course made;
+    if (!course_build(&made, p, resources, fault)) return false;
+    const bool good = check_jam(p, &made, fault);
+    course_free(good ? course : &made);
+    if (good) *course = made;
+    return good;
+}

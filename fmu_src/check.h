@@ -19,4 +19,8 @@ bool check_initial(const Params *params, Fault *fault);
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1. */
 bool check_jam(const Params *params, const Course *course, Fault *fault);
 
+/* The grooves reach from stop to stop and pass check_jam(). Replaces *course by that of these parameters unless it is; where
+ * they fail it stays as it was. `resources`: see course_build(). */
+bool check_course(const Params *params, const char *resources, Course *course, Fault *fault);
+
 #endif

@@ -126,7 +126,8 @@ typedef struct {
     char text[QUOTED_PATH + 32];
 } Name;
 
-static Name name_of(const CamParams cam[2], int i) {
+static Name name_of(const Params *p, int i) {
+    const CamParams *cam = p->cam;
     Name name;
     switch (cam[i].profile) {
     case PROFILE_HELIX:
@@ -137,13 +138,12 @@ static Name name_of(const CamParams cam[2], int i) {
         break;
     default:
         snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1,
-                 samples_quoted(cam[i].table, QUOTED_PATH), cam[i].table);
+                 samples_quoted(p->table[i], QUOTED_PATH), p->table[i]);
     }
     return name;
 }
 
-static bool refuse_end(const Groove groove[2], const CamParams cam[2], double end, double stop,
-                            Fault *fault) {
+static bool refuse_end(const Groove groove[2], const Params *p, double end, double stop, Fault *fault) {
     const bool up = stop > 0.0;
     const Interval in = gamma_range(groove, end);
     const double gamma = solve_gamma(groove, end, 0.5 * (in.lower + in.upper)), psi[2] = {gamma, end - gamma};
@@ -154,7 +154,7 @@ static bool refuse_end(const Groove groove[2], const CamParams cam[2], double en
     }
     const int i = room[1] < room[0] ? 1 : 0;
     const bool ellipse = groove[i].profile == PROFILE_ELLIPSE;
-    const Name name = name_of(cam, i);
+    const Name name = name_of(p, i);
     snprintf(fault->text, sizeof fault->text,
              "%s: the %s groove of cam %d ends at psi = %.10g rad, reached at theta = %.10g rad, "
              "before %s = %.10g rad: %s",
@@ -165,21 +165,21 @@ static bool refuse_end(const Groove groove[2], const CamParams cam[2], double en
     return false;
 }
 
-static bool check_end(const Groove groove[2], const CamParams cam[2], double stop, Fault *fault) {
+static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
     if (is_covered(groove, stop)) return true;
     const double end = course_end(groove, stop);
-    return fabs(stop - end) <= END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, cam, end, stop, fault);
+    return fabs(stop - end) <= END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, p, end, stop, fault);
 }
 
 /* Both laws hold at theta = 0, so they do between it and any theta where they hold. */
-static bool check_ends(const Groove groove[2], const CamParams cam[2], double lower, double upper,
-                       Fault *fault) {
-    if (upper > 0.0 && !check_end(groove, cam, upper, fault)) return false;
-    return !(lower < 0.0) || check_end(groove, cam, lower, fault);
+static bool check_ends(const Groove groove[2], const Params *p, Fault *fault) {
+    const double lower = p->stop.lower, upper = p->stop.upper;
+    if (upper > 0.0 && !check_end(groove, p, upper, fault)) return false;
+    return !(lower < 0.0) || check_end(groove, p, lower, fault);
 }
 
-static bool refuse_level(const CamParams cam[2], double theta, double z, Fault *fault) {
-    const Name first = name_of(cam, 0), second = name_of(cam, 1);
+static bool refuse_level(const Params *p, double theta, double z, Fault *fault) {
+    const Name first = name_of(p, 0), second = name_of(p, 1);
     snprintf(fault->text, sizeof fault->text,
              "%s and %s: both grooves are level at theta = %.10g rad, z = %.10g m: between the stops at "
              "least one slope must be > 0, or nothing fixes the pin",
@@ -301,7 +301,7 @@ static void to_monomials(const Basis *basis, const double c[N + 1], double out[N
 
 typedef struct {
     Course *course;
-    const CamParams *cam;
+    const Params *params;
     Fault *fault;
     Basis basis;
     size_t capacity, limit;      /* of pieces */
@@ -363,7 +363,7 @@ static double lift_of(const double slope[2]) {
  * vertical makes that huge, of the largest on the piece or slope 1; and by what rounding does to a_i
  * anyway. False if nothing fixes the pin at a node. */
 static bool look_at_nodes(Builder *b, const Piece *piece, Nodes *nodes) {
-    double doubt[2] = {0.0, 0.0}, steepest[2] = {b->course->radius[0], b->course->radius[1]};
+    double doubt[2] = {0.0, 0.0}, steepest[2] = {b->params->cam[0].radius, b->params->cam[1].radius};
     for (int j = 0; j <= N; j++) {
         const Sight sight = look_on(b, node_theta(b, piece, j));
         if (is_undetermined(b->course->groove, &sight)) return false;
@@ -477,7 +477,7 @@ static Piece piece_between(Border lower, Border upper) {
 static bool cover(Builder *b, Border lower, Border upper) {
     Piece piece = piece_between(lower, upper);
     const Verdict verdict = fit(b, &piece);
-    if (verdict == UNDETERMINED) return refuse_level(b->cam, b->latest_theta, b->latest.z, b->fault);
+    if (verdict == UNDETERMINED) return refuse_level(b->params, b->latest_theta, b->latest.z, b->fault);
     if (verdict == FITS || upper.theta - lower.theta <= b->narrowest) return append(b, &piece);
     const Border middle = {piece.middle, false};
     return cover(b, lower, middle) && cover(b, middle, upper);
@@ -493,8 +493,8 @@ static void measure(Builder *b, const Border *border, size_t count) {
     }
 }
 
-static bool build_pieces(Course *course, const CamParams cam[2], Fault *fault) {
-    Builder b = {.course = course, .cam = cam, .fault = fault, .limit = MAX_PIECES};
+static bool build_pieces(Course *course, const Params *p, Fault *fault) {
+    Builder b = {.course = course, .params = p, .fault = fault, .limit = MAX_PIECES};
     size_t count = 0;
     Border *border = borders_of(course, &count);
     if (!border) return refuse_pieces(&b);
@@ -509,9 +509,9 @@ static bool build_pieces(Course *course, const CamParams cam[2], Fault *fault) {
 }
 
 /* Two helices: everything is linear in theta. */
-static bool build_straight(Course *course, const CamParams cam[2], Fault *fault) {
+static bool build_straight(Course *course, const Params *p, Fault *fault) {
     const double slope[2] = {course->groove[0].gain, course->groove[1].gain};
-    if (!(slope[0] + slope[1] > 0.0)) return refuse_level(cam, course->lower, 0.0, fault);
+    if (!(slope[0] + slope[1] > 0.0)) return refuse_level(p, course->lower, 0.0, fault);
     course->piece = malloc(sizeof *course->piece);
     if (!course->piece) {
         snprintf(fault->text, sizeof fault->text, "not enough memory: %zu bytes must be available",
@@ -536,13 +536,12 @@ static bool check_stops(double lower, double upper, Fault *fault) {
     return false;
 }
 
-static bool build(Course *course, const CamParams cam[2], const char *resources, Fault *fault) {
-    const double lower = course->lower, upper = course->upper;
-    if (!check_stops(lower, upper, fault)) return false;
+static bool build(Course *course, const Params *p, const char *resources, Fault *fault) {
+    if (!check_stops(p->stop.lower, p->stop.upper, fault)) return false;
     for (int i = 0; i < 2; i++)
-        if (!groove_build(&course->groove[i], &cam[i], i + 1, resources, fault)) return false;
-    if (course->straight) return build_straight(course, cam, fault);
-    return check_ends(course->groove, cam, lower, upper, fault) && build_pieces(course, cam, fault);
+        if (!groove_build(&course->groove[i], p, i + 1, resources, fault)) return false;
+    if (course->straight) return build_straight(course, p, fault);
+    return check_ends(course->groove, p, fault) && build_pieces(course, p, fault);
 }
 
 /* z is monotone; so is, from piece to piece nearly, a slope. */
@@ -557,15 +556,14 @@ static void measure_size(Course *course) {
     }
 }
 
-bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
-                  Fault *fault) {
+bool course_build(Course *course, const Params *p, const char *resources, Fault *fault) {
     *course = (Course){
-        .radius = {cam[0].radius, cam[1].radius},
-        .lower = lower,
-        .upper = upper,
-        .straight = cam[0].profile == PROFILE_HELIX && cam[1].profile == PROFILE_HELIX,
+        .cam = {p->cam[0], p->cam[1]},
+        .lower = p->stop.lower,
+        .upper = p->stop.upper,
+        .straight = p->cam[0].profile == PROFILE_HELIX && p->cam[1].profile == PROFILE_HELIX,
     };
-    const bool good = build(course, cam, resources, fault);
+    const bool good = build(course, p, resources, fault);
     if (good) measure_size(course);
     else course_free(course);
     return good;
@@ -575,6 +573,18 @@ void course_free(Course *course) {
     for (int i = 0; i < 2; i++) groove_free(&course->groove[i]);
     free(course->piece);
     *course = (Course){.piece = NULL};
+}
+
+static bool is_same_groove(const Course *course, const Params *p, int i) {
+    CamParams cam = p->cam[i];
+    cam.friction = course->cam[i].friction;
+    const char *path = course->groove[i].path;
+    return memcmp(&cam, &course->cam[i], sizeof cam) == 0 && (path == NULL || strcmp(path, p->table[i]) == 0);
+}
+
+bool course_is_of(const Course *course, const Params *p) {
+    return course->piece != NULL && course->lower == p->stop.lower && course->upper == p->stop.upper &&
+           is_same_groove(course, p, 0) && is_same_groove(course, p, 1);
 }
 
 /* ---- reading ---- */

@@ -43,7 +43,7 @@ typedef struct {
 
 typedef struct {
     Groove groove[2];
-    double radius[2];    /* m */
+    CamParams cam[2];    /* that it was built from */
     double lower, upper; /* rad */
     size_t count;        /* of pieces */
     Piece *piece;        /* owned, in order of theta */
@@ -52,10 +52,12 @@ typedef struct {
     double z_size;       /* m, largest |z|, likewise */
 } Course;
 
-/* Precomputes the course between two stops. On failure returns false with the reason in `fault`;
- * `course` then owns nothing. */
-bool course_build(Course *course, const CamParams cam[2], double lower, double upper, const char *resources,
-                       Fault *fault);
+/* Precomputes the course between the stops. A table's relative path starts from the directory `resources`. On failure
+ * returns false with the reason in `fault`; `course` then owns nothing. */
+bool course_build(Course *course, const Params *params, const char *resources, Fault *fault);
+
+/* Is this the course of these grooves and stops? Friction is no matter of it. False for a zeroed Course. */
+bool course_is_of(const Course *course, const Params *params);
 
 /* Safe on a zeroed Course, and twice. */
 void course_free(Course *course);
@@ -77,6 +79,11 @@ static inline Both slopes_of(const Piece *piece, int k) {
     return both;
 }
 
+/* Coefficients k - 1 and k of z. */
+static inline Both heights_of(const Piece *piece, int k) {
+    return (Both){piece->z[k - 1], piece->z[k]};
+}
+
 /* How many derivatives of the slopes are wanted. */
 typedef enum { SPOT_SLOPES, SPOT_BENDS, SPOT_TWISTS } SpotDepth;
 
@@ -92,21 +99,19 @@ static inline Spot piece_spot(const Piece *piece, double theta, SpotDepth depth)
     const Both none = {0.0, 0.0};
     Both e = slopes_of(piece, COURSE_DEGREE), e1 = none, e2 = none;
     Both o = slopes_of(piece, COURSE_DEGREE - 1), o1 = none, o2 = none;
-    double ze = piece->z[COURSE_DEGREE], zo = piece->z[COURSE_DEGREE - 1];
+    Both z = heights_of(piece, COURSE_DEGREE); /* odd and even part */
     for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2) {
         if (twist) e2 = e2 * y + e1;
         if (bend) e1 = e1 * y + e;
         e = e * y + slopes_of(piece, k);
-        ze = ze * y + piece->z[k];
+        z = z * y + heights_of(piece, k);
         if (twist) o2 = o2 * y + o1;
         if (bend) o1 = o1 * y + o;
         o = o * y + slopes_of(piece, k - 1);
-        zo = zo * y + piece->z[k - 1];
     }
     if (twist) e2 = e2 * y + e1;
     if (bend) e1 = e1 * y + e;
     e = e * y + slopes_of(piece, 0);
-    ze = ze * y + piece->z[0];
     const Both value = e + x * o;
     const Both first = bend ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
     const Both half_second = twist ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
@@ -115,7 +120,7 @@ static inline Spot piece_spot(const Piece *piece, double theta, SpotDepth depth)
         .slope = {value[0], value[1]},
         .bend = {first[0], first[1]},
         .twist = {square * half_second[0], square * half_second[1]},
-        .z = ze + x * zo,
+        .z = z[1] * y + piece->z[0] + x * z[0],
     };
 }
 

@@ -42,6 +42,14 @@ static bool is_stable(const Slip *slip) {
     return slip->kind == FLOW_QUASISTATIC ? slip->stiffness > 0.0 : !is_backward(slip);
 }
 
+const Slip *slip_of(const Mechanism *m, int index, Slip *room) {
+    if (m->model.slips >> index & 1u) return &m->model.slip[index];
+    int flank[2];
+    slip_flanks(index, flank);
+    slip_build(room, &m->params, &m->place.geometry, slip_direction(index), flank);
+    return room;
+}
+
 static Look look_at_closed_form(const Mechanism *m, const Slip *slip) {
     if (!slip->possible) return (Look){.possible = false};
     const Launch l = launch_of(m, slip);
@@ -126,7 +134,8 @@ static Look look_at_any_form(const Mechanism *m, int index) {
 }
 
 Look look_at(const Mechanism *m, int index) {
-    return is_closed_form(m) ? look_at_closed_form(m, &m->model.slip[index]) : look_at_any_form(m, index);
+    Slip room;
+    return is_closed_form(m) ? look_at_closed_form(m, slip_of(m, index, &room)) : look_at_any_form(m, index);
 }
 
 /* ---- does a way to slip agree with itself? ---- */

@@ -21,6 +21,10 @@ Decision decision_of(const Mechanism *m);
  * of the mechanism page. */
 int decide_slip(const Mechanism *m, int direction, bool at_rest);
 
+/* The coefficients of a way to slip in closed form, see flow.h: the model's, or, if that has not built them, in *room.
+ * index: see slip_index(). */
+const Slip *slip_of(const Mechanism *m, int index, Slip *room);
+
 /* What one way to slip would be like from the present state on. */
 typedef struct {
     bool possible;

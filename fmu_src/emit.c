@@ -135,6 +135,21 @@ static const char *const DESCRIPTIONS[] = {
 #include "variables.def"
 };
 
+static const double NOMINALS[] = {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text) \
+    IN_##model([VR_##id] = nominal,)
+#include "variables.def"
+};
+
+static bool has_odd_nominal(void) {
+    for (size_t i = 0; i < VARIABLE_COUNT; i++) {
+        if (variable_nominal(&VARIABLES[i]) == NOMINALS[i]) continue;
+        fprintf(stderr, "%s: nominal value %g: allowed are powers of ten from 0.001 to 10000\n", VARIABLES[i].name, NOMINALS[i]);
+        return true;
+    }
+    return false;
+}
+
 static const char *const CAUSALITIES[] = {[CAUSALITY_PARAMETER] = "parameter",
                                           [CAUSALITY_INPUT] = "input",
                                           [CAUSALITY_OUTPUT] = "output",
@@ -160,7 +175,7 @@ static void put_range(Sink *sink, const Variable *variable) {
     if (isfinite(variable->min)) put_number(sink, "min", variable->min);
     if (isfinite(variable->max)) put_number(sink, "max", variable->max);
     if (variable->type == TYPE_REAL && variable->causality != CAUSALITY_PARAMETER)
-        put_number(sink, "nominal", variable->nominal);
+        put_number(sink, "nominal", variable_nominal(variable));
 }
 
 void put_unit_and_range(Sink *sink, const Variable *variable) {
@@ -213,7 +228,7 @@ static Sink sink_of(FILE *file) {
 
 /* Its arguments are the names of the FMU's source files. */
 int main(int count, char *arguments[]) {
-    if (count < 2) return 2;
+    if (count < 2 || has_odd_nominal()) return 2;
     char *const *sources = arguments + 1; /* C ends the list with NULL */
     Sink blank = sink_of(NULL);
     put_document(&blank, "", sources);

@@ -1,5 +1,6 @@
 #include "event.h"
 
+#include <float.h>
 #include <math.h>
 
 /* A quantity along an arc with its derivatives. curvature is homogeneous in oscillator.h's sense. */
@@ -8,12 +9,13 @@ typedef struct {
     double noise; /* a value of less than this is rounding */
 } Track;
 
-enum { TRACK_SPEED = 2, TRACK_EDGE = 3 }; /* 0, 1: contact i */
+enum { TRACK_SPEED = 2, TRACK_EDGE = 3, TRACK_WAY = 4 }; /* 0, 1: contact i */
 
 typedef struct {
     const Stretch *stretch;
     int quantity; /* contact 0 or 1, or TRACK_* */
     double sign;  /* the track is sign * quantity: events are descents through zero */
+    Kernel *kernel; /* of where the track was looked at last */
 } Probe;
 
 static Track track_of_speed(const Probe *probe, const Arc *arc) {
@@ -73,40 +75,93 @@ static Track track_of_edge(const Probe *probe, const Arc *arc) {
     };
 }
 
-static Track track_at(const Probe *probe, double t) {
-    const Arc arc = slip_arc_at(probe->stretch->slip, &probe->stretch->launch, t);
+/* What is left of the way to the stop. */
+static Track track_of_way(const Probe *probe, const Arc *arc) {
+    return (Track){
+        .t = arc->t,
+        .value = probe->stretch->room - probe->sign * arc->dtheta,
+        .rate = -probe->sign * arc->omega,
+        .curvature = -probe->sign * arc->alpha,
+        .third = -probe->sign * arc->jerk,
+    };
+}
+
+static Track track_of(const Probe *probe, const Arc *arc) {
     switch (probe->quantity) {
-        case TRACK_SPEED: return track_of_speed(probe, &arc);
-        case TRACK_EDGE: return track_of_edge(probe, &arc);
-        default: return track_of_contact(probe, &arc);
+        case TRACK_SPEED: return track_of_speed(probe, arc);
+        case TRACK_EDGE: return track_of_edge(probe, arc);
+        case TRACK_WAY: return track_of_way(probe, arc);
+        default: return track_of_contact(probe, arc);
     }
+}
+
+static Track track_start(const Probe *probe) {
+    const Arc arc = slip_arc_start(probe->stretch->slip, &probe->stretch->launch);
+    return track_of(probe, &arc);
+}
+
+static Track track_at(const Probe *probe, double t) {
+    const Slip *slip = probe->stretch->slip;
+    oscillator_kernel(&slip->oscillator, t, probe->kernel);
+    Arc arc;
+    slip_arc(slip, &probe->stretch->launch, probe->kernel, &arc);
+    return track_of(probe, &arc);
 }
 
 /* A rate of less than this share of the one at the start of its bow has died away: its sign is rounding. */
 static const double DEAD_RATE = 1e-13;
 
-/* Root of f = value (order 0) or rate (order 1) in [left, right] where f changes sign: Newton, kept
- * inside a shrinking bracket, until the bracket is two neighbouring numbers or f is 0. Each step that
- * Newton does not halve the bracket is followed by a bisection, so about 2 x 60 steps bound it. A rate that has
- * died away counts as past its zero. */
-static double root(const Probe *probe, int order, double left, double f_left, double right) {
-    double t = 0.5 * (left + right), width = right - left;
+/* f and its derivatives: of the value (order 0) or of the rate (order 1). */
+typedef struct {
+    double f, slope, bend, twist;
+} Slope;
+
+static Slope slope_of(const Probe *probe, const Track *k, int order) {
+    const Oscillator *osc = &probe->stretch->slip->oscillator;
+    if (order == 0) return (Slope){k->value, k->rate, k->curvature, k->third};
+    return (Slope){k->rate, k->curvature, k->third, -osc->decay2 * k->third - osc->stiffness * k->curvature};
+}
+
+/* Where between a and right to look first: at the zero that f had without damping and drive. */
+static double first_guess(const Probe *probe, int order, const Track *a, double right) {
+    const Slope f = slope_of(probe, a, order);
+    const double t = a->t + oscillator_offset_zero(&probe->stretch->slip->oscillator, f.f, f.slope, f.bend);
+    return t > a->t && t < right ? t : 0.5 * (a->t + right);
+}
+
+/* Does a Newton step from t end at the root, to rounding? It misses by at most half the largest |bend| on it times
+ * step^2/|slope|, and the bend, which is homogeneous, stays that large where the step is short against the motion. A motion
+ * that is over within the rounding of t says nothing there. */
+static bool is_last(const Probe *probe, const Slope *f, double step, double t) {
+    const double SHORT = 0.1, size = fabs(step), bend = fabs(f->bend) + fabs(f->twist) * size;
+    const bool exact = size <= DBL_EPSILON * t || bend * size * size <= 0.25 * DBL_EPSILON * t * fabs(f->slope);
+    return exact && probe->stretch->slip->oscillator.rate * size <= SHORT;
+}
+
+/* Root of f = value (order 0) or rate (order 1) in [a->t, right] where f changes sign: Newton, kept
+ * inside a shrinking bracket, until what it misses is rounding, the bracket is two neighbouring numbers or f is 0.
+ * Each step that Newton does not halve the bracket is followed by a bisection, so about 2 x 60 steps bound it. A rate
+ * that has died away counts as past its zero. */
+static double root(const Probe *probe, int order, const Track *a, double right) {
+    const double f_left = slope_of(probe, a, order).f, dead = order == 0 ? 0.0 : DEAD_RATE * fabs(f_left);
+    double left = a->t, t = first_guess(probe, order, a, right), width = right - left;
     for (int n = 0; n < 200; n++) {
         const Track k = track_at(probe, t);
-        const double f = order == 0 ? k.value : k.rate;
-        const double slope = order == 0 ? k.rate : k.curvature;
-        if (f == 0.0 && order == 0) return t;
-        const bool before = (f > 0.0) == (f_left > 0.0);
-        if (before && (order == 0 || fabs(f) > DEAD_RATE * fabs(f_left))) {
+        const Slope f = slope_of(probe, &k, order);
+        if (f.f == 0.0 && order == 0) return t;
+        const bool lives = fabs(f.f) > dead;
+        if (lives && (f.f > 0.0) == (f_left > 0.0)) {
             left = t;
         } else {
             right = t;
         }
-        double next = t - f / slope;
-        const bool slow = right - left > 0.5 * width;
+        const double step = -f.f / f.slope;
+        double next = t + step;
+        if (lives && is_last(probe, &f, step, t)) return fabs(step) <= DBL_EPSILON * t ? t : fmin(fmax(next, left), right);
+        const bool inside = next > left && next < right, slow = right - left > 0.5 * width;
         width = right - left;
-        if (!(next > left && next < right) || (slow && n % 2 == 1)) next = 0.5 * (left + right);
-        if (next == t || !(next > left && next < right)) return right;
+        if (!inside || (slow && n % 2 == 1)) next = 0.5 * (left + right);
+        if (!(next > left && next < right)) return right;
         t = next;
     }
     return right;
@@ -116,7 +171,7 @@ static double root(const Probe *probe, int order, double left, double f_left, do
 static double descent_in_piece(const Probe *probe, const Track *a, const Track *b) {
     if (!(b->value < -b->noise)) return INFINITY;
     if (a->value <= 0.0) return a->rate > 0.0 ? INFINITY : a->t;
-    return root(probe, 0, a->t, a->value, b->t);
+    return root(probe, 0, a, b->t);
 }
 
 /* The rate is monotone between a and b: might it have a zero? One that has died away at b might. */
@@ -141,7 +196,7 @@ static bool clear_of_zero(const Track *a, const Track *b) {
 static double descent_in_bow(const Probe *probe, const Track *a, const Track *b) {
     if (!has_extremum(a, b)) return descent_in_piece(probe, a, b);
     if (clear_of_zero(a, b)) return INFINITY;
-    const Track m = track_at(probe, root(probe, 1, a->t, a->rate, b->t));
+    const Track m = track_at(probe, root(probe, 1, a, b->t));
     const double t = descent_in_piece(probe, a, &m);
     return t < INFINITY ? t : descent_in_piece(probe, &m, b);
 }
@@ -154,16 +209,42 @@ static double bows_to_skip(const Probe *probe, const Track *k) {
     const double y = -(k->curvature + osc->decay2 * dy) / osc->stiffness;
     const double drift = k->rate - dy;
     if (!(drift < 0.0)) return INFINITY; /* later minima lie higher than the ones seen */
-    const double amplitude = hypot(y, (dy + 0.5 * osc->decay2 * y) / osc->frequency);
+    const double phase = (dy + 0.5 * osc->decay2 * y) / osc->frequency, amplitude = sqrt(y * y + phase * phase);
     const double clear = (k->value - y - amplitude) / -drift;
     return floor(fmax(clear, 0.0) / osc->half_period);
+}
+
+static bool constant_inputs(const Launch *l) {
+    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
+}
+
+/* Under constant inputs the rate is homogeneous too: the track is monotone between its zeros, and its first minimum, which
+ * is among the first two extrema, is the lowest. */
+enum { EXTREMA = 2 };
+
+static double first_extremum(const Probe *probe, const Track *start) {
+    return oscillator_zero(&probe->stretch->slip->oscillator, start->rate, start->curvature);
+}
+
+static double descent_of_oscillation(const Probe *probe, double t_end) {
+    Track a = track_start(probe);
+    double next = first_extremum(probe, &a);
+    for (int n = 0; n < EXTREMA; n++) {
+        const Track b = track_at(probe, fmin(next, t_end));
+        const double t = descent_in_piece(probe, &a, &b);
+        if (t < INFINITY || next >= t_end) return t;
+        a = b;
+        next += probe->stretch->slip->oscillator.half_period;
+    }
+    return INFINITY;
 }
 
 /* First descent through zero in [0, t_end], or infinity. */
 static double first_descent(const Probe *probe, double t_end) {
     enum { SURE_BOWS = 3 }; /* hold the first minimum, whatever the phase */
+    if (constant_inputs(&probe->stretch->launch)) return descent_of_oscillation(probe, t_end);
     const Oscillator *osc = &probe->stretch->slip->oscillator;
-    Track a = track_at(probe, 0.0);
+    Track a = track_start(probe);
     double next = oscillator_zero(osc, a.curvature, a.third);
     for (int bow = 1;; bow++) {
         const Track b = track_at(probe, fmin(next, t_end));
@@ -183,36 +264,11 @@ static double first_descent(const Probe *probe, double t_end) {
     }
 }
 
-/* First rest in (0, t_end], or infinity. Under constant inputs omega itself is homogeneous. */
-static double first_rest(const Stretch *s, double t_end) {
+/* Without a drive omega itself is homogeneous. */
+Event event_last(const Stretch *s, double horizon) {
     const Launch *l = &s->launch;
-    if (l->drive == 0.0) {
-        const double t = oscillator_zero(&s->slip->oscillator, l->omega, l->alpha);
-        return t <= t_end ? t : INFINITY;
-    }
-    return first_descent(&(Probe){.stretch = s, .quantity = TRACK_SPEED, .sign = s->slip->direction}, t_end);
-}
-
-/* Time at which the way `room` is used up; theta is monotone up to t_end, where it is used up. */
-static double time_of_way(const Stretch *s, double t_end) {
-    const double sign = s->slip->direction;
-    double left = 0.0, right = t_end, t = 0.5 * t_end;
-    if (s->room <= 0.0) return 0.0;
-    for (int n = 0; n < 200; n++) {
-        const Arc arc = slip_arc_at(s->slip, &s->launch, t);
-        const double f = s->room - sign * arc.dtheta;
-        if (f == 0.0) return t;
-        if (f > 0.0) {
-            left = t;
-        } else {
-            right = t;
-        }
-        double next = t + f / (sign * arc.omega);
-        if (!(next > left && next < right) || n % 8 == 7) next = 0.5 * (left + right);
-        if (next == t || !(next > left && next < right)) return right;
-        t = next;
-    }
-    return right;
+    const double rest = l->drive == 0.0 ? oscillator_zero(&s->slip->oscillator, l->omega, l->alpha) : INFINITY;
+    return rest <= horizon ? (Event){EVENT_REST, rest} : (Event){EVENT_NONE, horizon};
 }
 
 /* Has a quantity with at most one zero between start and end none for sure? If it starts from zero it has had it;
@@ -220,10 +276,6 @@ static double time_of_way(const Stretch *s, double t_end) {
 static inline bool keeps_sign(double start, double end) {
     const double DEAD = 1e-12;
     return end * start > DEAD * start * start || start == 0.0;
-}
-
-static bool constant_inputs(const Launch *l) {
-    return l->tau_rate == 0.0 && l->F_ext_rate == 0.0;
 }
 
 /* Has a homogeneous quantity at most one zero on the arc? */
@@ -310,31 +362,49 @@ bool event_quiet(const Stretch *s, const Ends *ends) {
 
 typedef struct {
     const Stretch *stretch;
-    Kernel *kernel;
-    Ends *ends;
+    Kernel *kernel; /* of the arc up to the event */
+    Ends *ends;     /* likewise */
     Event event;
+    Kernel latest; /* where a track was looked at last */
 } Search;
 
 /* The search goes on before t, unless that is INFINITY: there is no such event. */
 static void keep(Search *search, EventKind kind, double t) {
     if (!(t < INFINITY)) return;
     search->event = (Event){.kind = kind, .t = t};
-    oscillator_kernel(&search->stretch->slip->oscillator, t, search->kernel);
+    if (search->latest.t == t)
+        *search->kernel = search->latest;
+    else
+        oscillator_kernel(&search->stretch->slip->oscillator, t, search->kernel);
     event_ends(search->stretch, search->kernel, search->ends);
 }
 
+static Probe probe_of(Search *search, int quantity, double sign) {
+    return (Probe){.stretch = search->stretch, .quantity = quantity, .sign = sign, .kernel = &search->latest};
+}
+
 static void keep_descent(Search *search, EventKind kind, int quantity, double sign) {
-    const Probe probe = {.stretch = search->stretch, .quantity = quantity, .sign = sign};
+    const Probe probe = probe_of(search, quantity, sign);
     const double t = first_descent(&probe, search->event.t);
     if (t < search->event.t || search->event.kind == EVENT_NONE) keep(search, kind, t);
 }
 
-Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
-    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = {EVENT_NONE, kernel->t}};
-    if (!speed_quiet(s, ends)) keep(&search, EVENT_REST, first_rest(s, kernel->t));
+/* Time at which the way `room` is used up; theta is monotone up to t_end, where it is used up. */
+static double time_of_way(Search *search) {
+    if (search->stretch->room <= 0.0) return 0.0;
+    const Probe probe = probe_of(search, TRACK_WAY, search->stretch->slip->direction);
+    const Track start = track_start(&probe);
+    return root(&probe, 0, &start, search->event.t);
+}
+
+Event event_first(const Stretch *s, Event last, Kernel *kernel, Ends *ends) {
+    Search search = {.stretch = s, .kernel = kernel, .ends = ends, .event = last};
+    search.latest.t = NAN;
+    const double direction = s->slip->direction;
+    if (s->launch.drive != 0.0 && !speed_quiet(s, ends)) keep_descent(&search, EVENT_REST, TRACK_SPEED, direction);
     /* theta is monotone by now */
-    if (s->slip->direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(s, kernel->t));
-    if (has_edge(s)) keep_descent(&search, EVENT_REST, TRACK_EDGE, s->slip->direction);
+    if (direction * ends->arc.dtheta >= s->room) keep(&search, EVENT_STOP, time_of_way(&search));
+    if (has_edge(s)) keep_descent(&search, EVENT_REST, TRACK_EDGE, direction);
     for (int i = 0; s->flanks && i < 2; i++)
         if (!contact_quiet(s, ends, i)) keep_descent(&search, EVENT_FLANK, i, s->slip->flank[i]);
     return search.event;
@@ -344,7 +414,7 @@ Event event_first(const Stretch *s, Kernel *kernel, Ends *ends) {
 static double peak_in_bow(const Probe *probe, const Track *a, const Track *b, double known) {
     const double ends = fmax(fabs(a->value), fabs(b->value));
     if (!has_extremum(a, b) || fabs(tangents_cross(a, b)) <= fmax(ends, known)) return ends;
-    return fmax(ends, fabs(track_at(probe, root(probe, 1, a->t, a->rate, b->t)).value));
+    return fmax(ends, fabs(track_at(probe, root(probe, 1, a, b->t)).value));
 }
 
 /* Largest |track| over `bows` bows from the zero of the curvature at or after `from`, up to t_end. */
@@ -360,12 +430,24 @@ static double peak_in_bows(const Probe *probe, double from, double next, double 
     return peak;
 }
 
+/* Largest |track| at an extremum before t_end. */
+static double peak_of_oscillation(const Probe *probe, double t_end) {
+    const Track start = track_start(probe);
+    double t = first_extremum(probe, &start), peak = 0.0;
+    for (int n = 0; n < EXTREMA && t < t_end; n++) {
+        peak = fmax(peak, fabs(track_at(probe, t).value));
+        t += probe->stretch->slip->oscillator.half_period;
+    }
+    return peak;
+}
+
 /* A line plus a decaying oscillation: successive maxima form a convex sequence, so the largest is
  * among the first or the last ones. */
 static double peak_of(const Probe *probe, double t_end, double known) {
     enum { BOWS = 4 };
+    if (constant_inputs(&probe->stretch->launch)) return peak_of_oscillation(probe, t_end);
     const Oscillator *osc = &probe->stretch->slip->oscillator;
-    const Track start = track_at(probe, 0.0);
+    const Track start = track_start(probe);
     const double first = oscillator_zero(osc, start.curvature, start.third);
     double peak = peak_in_bows(probe, 0.0, first, t_end, BOWS, known);
     const double late = floor((t_end - first) / osc->half_period) - (BOWS - 2);
@@ -380,10 +462,11 @@ static double peak_of(const Probe *probe, double t_end, double known) {
 static void look_for_peaks(const Stretch *s, const Ends *ends, Peaks *peak) {
     if (alpha_is_noise(s, ends)) return;
     const double t = ends->arc.t;
-    const Probe speed = {.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0};
+    Kernel latest;
+    const Probe speed = {.stretch = s, .quantity = TRACK_SPEED, .sign = 1.0, .kernel = &latest};
     if (!is_short(s, ends) || !speed_is_monotone(s, ends)) peak_raise(&peak->omega, peak_of(&speed, t, peak->omega));
     for (int i = 0; i < 2; i++) {
-        const Probe contact = {.stretch = s, .quantity = i, .sign = 1.0};
+        const Probe contact = {.stretch = s, .quantity = i, .sign = 1.0, .kernel = &latest};
         const double unit = s->slip->reaction[i];
         if (!is_short(s, ends) || !contact_is_monotone(s, ends, i))
             peak_raise(&peak->reaction[i], unit * peak_of(&contact, t, peak->reaction[i] / unit));

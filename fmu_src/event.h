@@ -4,7 +4,8 @@
  * derivative obeys the homogeneous equation of oscillator.h, whose zeros are known in closed form. They
  * cut time into bows on which the first derivative is monotone; its root, if any, cuts a bow into
  * pieces on which the quantity itself is monotone. So the first zero is bracketed with certainty, never
- * stepped over, and then found to rounding by Newton steps that fall back to bisection. */
+ * stepped over, and then found to rounding by Newton steps that fall back to bisection. Under constant inputs the
+ * first derivative is homogeneous as well: then its zeros are known, and bows are needless. */
 #ifndef DUALCAM_EVENT_H
 #define DUALCAM_EVENT_H
 
@@ -46,9 +47,12 @@ void event_ends(const Stretch *stretch, const Kernel *kernel, Ends *ends);
 /* True if no event can lie in (0, ends->arc.t]: a cheap sufficient test, exact but for rare cases. */
 bool event_quiet(const Stretch *stretch, const Ends *ends);
 
-/* The first event up to the end of the arc in `ends`, which `kernel` describes, or EVENT_NONE. Both then describe the
- * arc that ends with it. */
-Event event_first(const Stretch *stretch, Kernel *kernel, Ends *ends);
+/* Up to where there is anything to search: velocity zero, if its time is known before, or EVENT_NONE at `horizon`. */
+Event event_last(const Stretch *stretch, double horizon);
+
+/* The first event up to that one. `kernel` and `ends` describe the arc up to `last`, and then the one up to the event that
+ * is returned. */
+Event event_first(const Stretch *stretch, Event last, Kernel *kernel, Ends *ends);
 
 /* Raises the peaks of |omega| and |R_i| to the largest on [0, ends->arc.t]. */
 void event_peaks(const Stretch *stretch, const Ends *ends, Peaks *peak);

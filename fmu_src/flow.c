@@ -57,7 +57,7 @@ void slip_build(Slip *slip, const Params *p, const Geometry *g, int direction, c
         slip->speed[i] = t.axial[i] * c * g->lift;
         slip->acceleration[i] = t.axial[i] * follower + t.twist[i] * twist;
         slip->reaction[i] = cam_length(g, i) / p->contacts;
-        slip->heat[i] = direction * flank[i] * g->friction[i] * cam_length(g, i) * cam_length(g, i) * g->turn[i];
+        slip->heat[i] = direction * flank[i] * cam_heat(g, i);
     }
     slip->kind = kind_of(p, slip->damping);
     slip->possible = is_possible(slip);
@@ -151,14 +151,6 @@ void slip_arc(const Slip *slip, const Launch *l, const Kernel *k, Arc *arc) {
     };
 }
 
-Arc slip_arc_at(const Slip *slip, const Launch *l, double t) {
-    Kernel kernel;
-    oscillator_kernel(&slip->oscillator, t, &kernel);
-    Arc arc;
-    slip_arc(slip, l, &kernel, &arc);
-    return arc;
-}
-
 /* x_i, or with the time derivatives of all three its own. */
 static inline double contact(const Slip *slip, int i, double force, double omega, double alpha) {
     return slip->transfer.axial[i] * force + slip->speed[i] * omega + slip->acceleration[i] * alpha;
@@ -203,8 +195,9 @@ Contact slip_contact_size(const Slip *slip, const Params *p, const Geometry *g, 
 static double integral_of_square(const Slip *slip, const Launch *l, Kernel *k) {
     if (!k->squared) oscillator_square(&slip->oscillator, k);
     const double *q = k->square, b = base_speed(slip, l, k);
-    return q[0] * b * b + q[3] * l->alpha * l->alpha + q[5] * l->drive * l->drive +
-           2.0 * (q[1] * b * l->alpha + (q[2] * b + q[4] * l->alpha) * l->drive);
+    const double free = q[0] * b * b + q[3] * l->alpha * l->alpha + 2.0 * q[1] * b * l->alpha;
+    if (l->drive == 0.0) return free;
+    return free + l->drive * (q[5] * l->drive + 2.0 * (q[2] * b + q[4] * l->alpha));
 }
 
 /* The reactions' power follows from the axial side, so that the balance with the torque's work is a

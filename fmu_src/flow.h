@@ -74,7 +74,6 @@ double slip_net_torque(const Slip *slip, const Launch *launch);
 
 Arc slip_arc_start(const Slip *slip, const Launch *launch); /* the arc of length 0 */
 void slip_arc(const Slip *slip, const Launch *launch, const Kernel *kernel, Arc *arc);
-Arc slip_arc_at(const Slip *slip, const Launch *launch, double t);
 
 /* State of contact i along the arc: x_i and its first and second time derivatives. */
 typedef struct {

@@ -60,15 +60,11 @@ static inline Nodes combine(const Nodes column[NODES], const Nodes *y) {
     return sum;
 }
 
-/* A cubic through values in [low, high] leaves that range by less than this share of its width (the Lebesgue constant of
- * the nodes is below 2.2). */
-static const double SURE = 0.6;
-
 /* Is it surely above zero throughout, times `sign`? */
 static bool keeps_sign(const Nodes *v, int sign) {
     const Range r = range_of(v);
     const double low = sign > 0 ? r.low : -r.high;
-    return low > SURE * (r.high - r.low);
+    return low > BEYOND_NODES * (r.high - r.low);
 }
 
 /* ---- the balance, see balance.h, at two nodes ---- */
@@ -92,62 +88,27 @@ typedef struct {
     Pair pair[HALVES];
 } Attempt;
 
-/* Horner's rule for even and odd parts, see piece_spot(): in one vector those of both slopes, in one those of z. */
-typedef struct {
-    Both even, odd, even_rate, odd_rate; /* of both slopes; their derivatives by y */
-    Both z;                              /* odd and even part */
-    double x, y;
-} Horner;
-
-static inline Horner horner_start(const Piece *piece, double theta) {
-    const Both none = {0.0, 0.0};
-    const double x = (theta - piece->middle) * piece->scale;
-    return (Horner){
-        .even = slopes_of(piece, COURSE_DEGREE),
-        .odd = slopes_of(piece, COURSE_DEGREE - 1),
-        .even_rate = none,
-        .odd_rate = none,
-        .z = {piece->z[COURSE_DEGREE - 1], piece->z[COURSE_DEGREE]},
-        .x = x,
-        .y = x * x,
-    };
-}
-
-static inline void horner_step(const Piece *piece, int k, bool rates, Horner *h) {
-    if (rates) h->even_rate = h->even_rate * h->y + h->even;
-    if (rates) h->odd_rate = h->odd_rate * h->y + h->odd;
-    h->even = h->even * h->y + slopes_of(piece, k);
-    h->odd = h->odd * h->y + slopes_of(piece, k - 1);
-    h->z = h->z * h->y + (Both){piece->z[k - 1], piece->z[k]};
-}
-
 /* What the polynomials give at two nodes. */
 typedef struct {
     Both slope[2], bend[2], z;
 } Spots;
 
-/* Both nodes side by side, so that none waits for the other. */
-static inline void follow_polynomials(const Piece *piece, Both theta, bool bends, Spots *out) {
-    Horner h[2] = {horner_start(piece, theta[0]), horner_start(piece, theta[1])};
-    for (int k = COURSE_DEGREE - 2; k >= 2; k -= 2)
-        for (int j = 0; j < 2; j++) horner_step(piece, k, bends, &h[j]);
-    Both slope[2], rate[2];
-    for (int j = 0; j < 2; j++) {
-        if (bends) h[j].even_rate = h[j].even_rate * h[j].y + h[j].even;
-        if (bends) rate[j] = (h[j].odd + 2.0 * (h[j].x * h[j].even_rate + h[j].y * h[j].odd_rate)) * piece->scale;
-        slope[j] = h[j].even * h[j].y + slopes_of(piece, 0) + h[j].x * h[j].odd;
-        out->z[j] = piece->z[0] + h[j].z[1] * h[j].y + h[j].x * h[j].z[0];
+static inline Spots look(const Piece *piece, Both theta, SpotDepth depth) {
+    const Spot a = piece_spot(piece, theta[0], depth), b = piece_spot(piece, theta[1], depth);
+    Spots spots = {.z = {a.z, b.z}};
+    for (int i = 0; i < 2; i++) {
+        spots.slope[i] = (Both){a.slope[i], b.slope[i]};
+        spots.bend[i] = (Both){a.bend[i], b.bend[i]};
     }
-    for (int i = 0; i < 2; i++) out->slope[i] = (Both){slope[0][i], slope[1][i]};
-    for (int i = 0; bends && i < 2; i++) out->bend[i] = (Both){rate[0][i], rate[1][i]};
+    return spots;
 }
 
 APART static void find_slopes(const Piece *piece, Both theta, Spots *out) {
-    follow_polynomials(piece, theta, false, out);
+    *out = look(piece, theta, SPOT_SLOPES);
 }
 
 APART static void find_slopes_and_bends(const Piece *piece, Both theta, Spots *out) {
-    follow_polynomials(piece, theta, true, out);
+    *out = look(piece, theta, SPOT_BENDS);
 }
 
 /* Less than zero is rounding of the polynomial of a level groove. */
@@ -446,19 +407,17 @@ static void load_pair(const Attempt *s, int k, Loading *out) {
     }
 }
 
-static inline double kinetic_energy(const Attempt *s, const Pair *n, int lane, double omega) {
-    const InertiaParams *in = &s->way->params->inertia;
-    const double lift = n->lift[lane], turn = n->turn[0][lane];
-    return 0.5 * (in->shaft + in->follower_mass * lift * lift + in->follower * turn * turn) * omega * omega;
+static inline double kinetic_energy(const Attempt *s, int k) {
+    const Pair *n = &s->pair[k / 2];
+    if (!is_inertial(s)) return 0.0;
+    return kinetic_energy_of(&s->way->params->inertia, n->lift[k % 2], n->turn[0][k % 2], s->speed.at[k]);
 }
 
 static bool keeps_energy(const Attempt *s, const Booking *b) {
-    const Pair *first = &s->pair[0], *last = &s->pair[1];
-    const bool inertial = is_inertial(s);
+    const Pair *first = &s->pair[0], *last = &s->pair[HALVES - 1];
     const EnergyEnds ends = {
         .z = {first->z[0], last->z[1] + last->lift[1] * s->lag},
-        .kinetic = {inertial ? kinetic_energy(s, first, 0, s->speed.at[0]) : 0.0,
-                    inertial ? kinetic_energy(s, last, 1, s->speed.at[END]) : 0.0},
+        .kinetic = {kinetic_energy(s, 0), kinetic_energy(s, END)},
         .spring_force = first->force[0] - s->F_ext.at[0],
         .tau = s->tau.at[END],
     };
@@ -467,14 +426,12 @@ static bool keeps_energy(const Attempt *s, const Booking *b) {
 
 /* Each contact firmly on its flank, by more than rounding at the start, and throughout? */
 static bool stay_on_flanks(const Attempt *s, const Loading *loading) {
-    static const double CLEAR = 1e-9; /* of the loads that add up to it */
     const Way *w = s->way;
     const Pair *n = &s->pair[0];
-    const double inertia = w->params->inertia.follower_mass * fabs(n->lift[0] * s->y.at[0]);
-    const double load = fabs(n->force[0]) + fabs(n->damper[0]) + inertia;
+    const double load = balance_load_size(w->params, n->force[0], n->damper[0], n->lift[0] * s->y.at[0]);
     for (int i = 0; i < 2; i++) {
         const Nodes *x = &loading->x[i];
-        if (!(w->flank[i] * x->at[0] > CLEAR * fabs(n->rn[1 - i][0] / n->delta[0]) * load)) return false;
+        if (!balance_is_firm(w, i, x->at[0], n->rn[1 - i][0] / n->delta[0], load)) return false;
         if (!keeps_sign(x, w->flank[i])) return false;
     }
     return true;
@@ -483,7 +440,7 @@ static bool stay_on_flanks(const Attempt *s, const Loading *loading) {
 /* Is |v|, where it exceeds what is known, largest at an end? */
 static bool peaks_at_end(const Nodes *v, double known) {
     const Range r = range_of(v);
-    if (size_of(r) + SURE * (r.high - r.low) <= known) return true;
+    if (size_of(r) + BEYOND_NODES * (r.high - r.low) <= known) return true;
     const Nodes c = combine(LOBATTO.bernstein, v);
     const double a = c.at[1] - c.at[0], b = c.at[2] - c.at[1], d = c.at[3] - c.at[2];
     return (a >= 0.0 && b >= 0.0 && d >= 0.0) || (a <= 0.0 && b <= 0.0 && d <= 0.0);

@@ -26,7 +26,7 @@ typedef struct {
     double h;              /* s, how long it takes */
     double dtheta, domega; /* rad, rad/s: increments; domega only if inertial */
     double omega, tau;     /* rad/s, N.m, at the end */
-    bool accurate;         /* also where it is refused: so few nodes do */
+    bool accurate;         /* so few nodes do; set also where it is refused, unless that is so before it is known */
     Booking booking;
     /* Only if the mechanism keeps a ledger: */
     double peak_omega, peak_reaction[2]; /* rad/s, N per contact: the larger of both ends */

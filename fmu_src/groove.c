@@ -2,7 +2,8 @@
 
 #include <math.h>
 #include <stdio.h>
-
+#include <stdlib.h>
+#include <string.h>
 
 /* An elliptical groove counts as left where S comes so close to 1: tan(lead angle) is 7e4 b/a there. */
 static const double VERTICAL = 1e-10;
@@ -17,8 +18,8 @@ static bool build_helix(Groove *groove, const CamParams *cam) {
 static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Fault *fault) {
     /* S0 = sin(atan(t)), C0 = cos(atan(t)) */
     const double t = cam->ellipse_a / cam->ellipse_b * tan(cam->lead_angle), kappa = cam->ellipse_curvature;
-    groove->S0 = t / hypot(1.0, t);
-    groove->C0 = 1.0 / hypot(1.0, t);
+    groove->C0 = 1.0 / sqrt(1.0 + t * t);
+    groove->S0 = t * groove->C0;
     groove->gain = cam->radius * cam->ellipse_b / cam->ellipse_a;
     groove->height = kappa * cam->ellipse_b;
     groove->rate = kappa * cam->radius / cam->ellipse_a;
@@ -36,32 +37,36 @@ static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Faul
     return true;
 }
 
-static bool build_table(Groove *groove, const CamParams *cam, int number, const char *resources,
-                        Fault *fault) {
+static bool build_table(Groove *groove, const char *path, int number, const char *resources, Fault *fault) {
     char variable[16];
     snprintf(variable, sizeof variable, "cam%d.table", number);
     Samples samples;
-    if (!samples_read(&samples, cam->table, resources, variable, fault)) return false;
-    const bool good = table_build(&groove->table, &samples);
+    if (!samples_read(&samples, path, resources, variable, fault)) return false;
+    const size_t size = strlen(path) + 1;
+    groove->path = malloc(size);
+    const bool good = groove->path != NULL && table_build(&groove->table, &samples);
     if (good) {
+        memcpy(groove->path, path, size);
         groove->first = samples.sample[0].psi;
         groove->last = samples.sample[samples.count - 1].psi;
     } else {
         snprintf(fault->text, sizeof fault->text,
                  "%s = \"%.*s\": no curve through these points: they must not be so close that slopes "
                  "overflow, nor too many for the memory there is",
-                 variable, samples_quoted(cam->table, QUOTED_PATH), cam->table);
+                 variable, samples_quoted(path, QUOTED_PATH), path);
+        groove_free(groove);
     }
     samples_free(&samples);
     return good;
 }
 
-bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault) {
+bool groove_build(Groove *groove, const Params *p, int number, const char *resources, Fault *fault) {
+    const CamParams *cam = &p->cam[number - 1];
     *groove = (Groove){.profile = cam->profile, .radius = cam->radius};
     switch (cam->profile) {
     case PROFILE_HELIX: return build_helix(groove, cam);
     case PROFILE_ELLIPSE: return build_ellipse(groove, cam, number, fault);
-    case PROFILE_TABLE: return build_table(groove, cam, number, resources, fault);
+    case PROFILE_TABLE: return build_table(groove, p->table[number - 1], number, resources, fault);
     default:
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.profile = %d: allowed are 1 (helix), 2 (ellipse) and 3 (table)", number,
@@ -72,6 +77,8 @@ bool groove_build(Groove *groove, const CamParams *cam, int number, const char *
 
 void groove_free(Groove *groove) {
     table_free(&groove->table);
+    free(groove->path);
+    groove->path = NULL;
 }
 
 static double clamped(double x, double low, double high) {

@@ -24,13 +24,14 @@ typedef struct {
     double rate;        /* 1/rad, dS/dpsi = kappa r/a of an ellipse */
     double S0, C0;      /* S and sqrt(1 - S^2) of an ellipse at psi = 0 */
     Table table;        /* owned; empty for the other laws */
+    char *path;         /* of its file, owned; else NULL */
     double first, last; /* rad: the law holds in [first, last]; infinite for a helix */
 } Groove;
 
 /* Fills `groove` with the law of cam `number` (1 or 2). A table's relative path counts from the
  * directory `resources` (NULL: there is none). On failure returns false with the reason in `fault`;
  * `groove` then owns nothing. */
-bool groove_build(Groove *groove, const CamParams *cam, int number, const char *resources, Fault *fault);
+bool groove_build(Groove *groove, const Params *params, int number, const char *resources, Fault *fault);
 
 /* Safe on a zeroed Groove, and twice. */
 void groove_free(Groove *groove);

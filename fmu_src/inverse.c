@@ -11,37 +11,8 @@
 
 /* ---- geometry ---- */
 
-static bool is_same_cam(const CamParams *a, const CamParams *b) {
-    CamParams other = *b;
-    other.friction = a->friction; /* no part of the geometry */
-    return memcmp(a, &other, sizeof other) == 0;
-}
-
-static bool has_course(const Inverse *m) {
-    const Params *p = &m->params;
-    return m->course.count > 0 && is_same_cam(&m->cam[0], &p->cam[0]) && is_same_cam(&m->cam[1], &p->cam[1]) &&
-           m->stop.lower == p->stop.lower && m->stop.upper == p->stop.upper;
-}
-
-/* Into *course, which owns what it points to if this returns true. */
-static bool make_course(const Inverse *m, Course *course, Fault *fault) {
-    const Params *p = &m->params;
-    if (!course_build(course, p->cam, p->stop.lower, p->stop.upper, m->resources, fault)) return false;
-    if (check_jam(p, course, fault)) return true;
-    course_free(course);
-    return false;
-}
-
 bool inverse_rebuild(Inverse *m, Fault *fault) {
-    if (!check_params(&m->params, fault)) return false;
-    if (has_course(m)) return check_jam(&m->params, &m->course, fault);
-    Course course;
-    if (!make_course(m, &course, fault)) return false;
-    course_free(&m->course);
-    m->course = course;
-    memcpy(m->cam, m->params.cam, sizeof m->cam);
-    m->stop = m->params.stop;
-    return true;
+    return check_params(&m->params, fault) && check_course(&m->params, m->resources, &m->course, fault);
 }
 
 void inverse_free(Inverse *m) {
@@ -185,7 +156,11 @@ void inverse_energy(const Inverse *m, InverseEnergy *out) {
     out->heat_damper = l->heat_damper.hi;
     out->heat_shaft = l->heat_shaft.hi;
     out->heat_stop = l->heat_stop.hi;
-    out->residual = m->params.ledger ? ledger_residual(l, sum_of_stored(out)) : 0.0;
+}
+
+void inverse_audit(const Inverse *m, Audit *out) {
+    const InverseEnergy now = stored(m, &m->state);
+    out->residual = m->params.ledger ? ledger_residual(&m->state.ledger, sum_of_stored(&now)) : 0.0;
 }
 
 /* ---- start and tuning ---- */

@@ -60,8 +60,7 @@ typedef struct {
 typedef struct {
     double work_in, work_ext, work_tuning;
     double spring, kinetic, shaft;
-    double heat_cam[2], heat_damper, heat_shaft, heat_stop;
-    double residual; /* J, all of them */
+    double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* J, all of them */
 } InverseEnergy;
 
 typedef struct {
@@ -69,6 +68,7 @@ typedef struct {
     InverseLoads loads;
     InverseContact contact;
     InverseEnergy energy;
+    Audit audit;
 } InverseOutputs;
 
 typedef struct {
@@ -76,8 +76,6 @@ typedef struct {
     InverseInputs inputs;
     InverseState state;
     Course course;         /* geometry along theta; the only member that owns memory */
-    CamParams cam[2];      /* what the course was built from, friction apart */
-    StopParams stop;       /* likewise */
     const char *resources; /* directory that a table's relative path starts from, or NULL; not owned */
     bool continuous;       /* model exchange: the direction changes in inverse_settle() only */
 } Inverse;
@@ -123,6 +121,7 @@ bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault);
 bool inverse_loads(const Inverse *m, InverseLoads *out, Fault *fault);
 bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault);
 void inverse_energy(const Inverse *m, InverseEnergy *out);
+void inverse_audit(const Inverse *m, Audit *out);
 
 /* Time derivatives, where that output can be computed, along the motion that the inputs describe now: theta' = omega,
  * omega' = alpha; alpha' and alpha'' as given for alpha, else by the higher derivatives given for omega or theta,

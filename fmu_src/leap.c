@@ -92,7 +92,7 @@ static inline void combine_to(int width, const double columns[RADAU_MAX][RADAU_W
         for (int i = 0; i < width; i++) out[i] += columns[j][i] * y[j];
 }
 
-/* Integrals of y up to the n nodes, if the columns are the method's. Three stages, the usual number, need half the width. */
+/* Integrals of y up to the n nodes, if the columns are the method's. Three stages need half the width. */
 static inline void combine(const double columns[RADAU_MAX][RADAU_WIDTH], const double y[RADAU_MAX], int n,
                            double out[RADAU_WIDTH]) {
     if (n <= RADAU_WIDTH / 2) {
@@ -435,10 +435,9 @@ static Booking booking_of(const Way *way, const Leap *leap) {
     return sum;
 }
 
-static double kinetic_energy(const Params *p, const Balance *b) {
-    const double v = b->lift * b->omega, twist = b->turn[0] * b->omega;
-    return 0.5 * (p->inertia.shaft * b->omega * b->omega + p->inertia.follower_mass * v * v +
-                  p->inertia.follower * twist * twist);
+static double kinetic_energy(const Way *way, const Balance *b) {
+    if (way->kind != FLOW_INERTIAL) return 0.0;
+    return kinetic_energy_of(&way->params->inertia, b->lift, b->turn[0], b->omega);
 }
 
 /* Many steps may take energy back and forth: each may miss this share of what the tolerance allows. */
@@ -462,10 +461,9 @@ double leap_energy_error(const Way *way, const Booking *b, const EnergyEnds *e) 
 static void check_energy(const System *s, Leap *leap) {
     const Way *way = s->way;
     const Balance *start = s->start, *end = &leap->node[s->method->stages - 1];
-    const bool inertial = way->kind == FLOW_INERTIAL;
     const EnergyEnds ends = {
         .z = {start->z, end->z},
-        .kinetic = {inertial ? kinetic_energy(way->params, start) : 0.0, inertial ? kinetic_energy(way->params, end) : 0.0},
+        .kinetic = {kinetic_energy(way, start), kinetic_energy(way, end)},
         .spring_force = start->force - start->F_ext,
         .tau = end->tau,
         .angle_noise = leap->noise,

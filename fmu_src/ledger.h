@@ -22,6 +22,11 @@ typedef struct {
     Peaks peak;
 } Ledger;
 
+/* Apart from the accounts: it takes longer than all of them. */
+typedef struct {
+    double residual; /* J, see ledger_residual() */
+} Audit;
+
 /* What one stretch of motion in one mode adds. All in J. */
 typedef struct {
     double work_in, work_ext;

@@ -33,15 +33,9 @@ enum { MAX_JAMS_PER_STEP = 1000 };
 /* A bounce whose excursion is below this share of the angles involved is lost in the rounding of theta. */
 static const double NO_BOUNCE = 16.0 * DBL_EPSILON;
 
-/* J + m z'^2 + I gamma'^2, kg.m^2 */
-static double total_inertia(const Mechanism *m) {
-    const InertiaParams *i = &m->params.inertia;
-    const Geometry *g = &m->place.geometry;
-    return i->shaft + i->follower_mass * g->lift * g->lift + i->follower * g->turn[0] * g->turn[0];
-}
-
 static double kinetic_energy(const Mechanism *m) {
-    return 0.5 * total_inertia(m) * m->state.omega.hi * m->state.omega.hi;
+    const Geometry *g = &m->place.geometry;
+    return kinetic_energy_of(&m->params.inertia, g->lift, g->turn[0], m->state.omega.hi);
 }
 
 static double stored_energy(const Mechanism *m) {
@@ -57,28 +51,15 @@ enum { USE_CLOSED_FORM = 0 };
 enum { USE_CLOSED_FORM = 1 };
 #endif
 
-/* Friction is no matter of the course, and may be tuned. */
-static bool is_course_of(const Model *model, const Params *p) {
-    CamParams cam[2];
-    memcpy(cam, p->cam, sizeof cam);
-    for (int i = 0; i < 2; i++) cam[i].friction = model->cam[i].friction;
-    return model->course.piece != NULL && memcmp(model->cam, cam, sizeof cam) == 0 &&
-           model->lower == p->stop.lower && model->upper == p->stop.upper;
+RARE static void keep_slip(Mechanism *m, int index) {
+    slip_of(m, index, &m->model.slip[index]);
+    m->model.slips |= 1u << index;
 }
 
-static void remember_course(Model *model, const Params *p) {
-    memcpy(model->cam, p->cam, sizeof model->cam);
-    model->lower = p->stop.lower;
-    model->upper = p->stop.upper;
-}
-
-static void build_slips(Mechanism *m) {
-    for (int direction = -1; direction <= 1; direction += 2) {
-        for (int k = 0; k < 4; k++) {
-            const int flank[2] = {k & 2 ? -1 : 1, k & 1 ? -1 : 1};
-            slip_build(&m->model.slip[slip_index(direction, flank)], &m->params, &m->place.geometry, direction, flank);
-        }
-    }
+/* That way to slip, built if it has not been yet. */
+static inline const Slip *kept_slip(Mechanism *m, int index) {
+    if ((m->model.slips >> index & 1u) == 0) keep_slip(m, index);
+    return &m->model.slip[index];
 }
 
 /* To be called whenever theta changes. */
@@ -109,32 +90,13 @@ static void build_model(Mechanism *m) {
         m->place = (Place){.geometry = cam_geometry(m->params.cam, slope)};
         m->place.band = contact_band(&m->place.geometry);
     }
-    if (m->model.closed_form) build_slips(m);
+    m->model.slips = 0;
     arrive(m);
     forget(&m->cache);
 }
 
-/* Into *course, which owns what it points to if this returns true. */
-static bool make_course(const Mechanism *m, Course *course, Fault *fault) {
-    const Params *p = &m->params;
-    if (!course_build(course, p->cam, p->stop.lower, p->stop.upper, m->resources, fault)) return false;
-    if (check_jam(p, course, fault)) return true;
-    course_free(course);
-    return false;
-}
-
-static bool renew_course(Mechanism *m, Fault *fault) {
-    if (is_course_of(&m->model, &m->params)) return check_jam(&m->params, &m->model.course, fault);
-    Course course;
-    if (!make_course(m, &course, fault)) return false;
-    course_free(&m->model.course);
-    m->model.course = course;
-    remember_course(&m->model, &m->params);
-    return true;
-}
-
 RARE bool mechanism_rebuild(Mechanism *m, Fault *fault) {
-    if (!check_params(&m->params, fault) || !renew_course(m, fault)) return false;
+    if (!check_params(&m->params, fault) || !check_course(&m->params, m->resources, &m->model.course, fault)) return false;
     build_model(m);
     return true;
 }
@@ -260,10 +222,6 @@ static int present_index(const Mechanism *m) {
     return slip_index(direction_of(m->state.mode), m->state.flank);
 }
 
-static Slip *present_slip(Mechanism *m) {
-    return &m->model.slip[present_index(m)];
-}
-
 static void record_slip(Mechanism *m, const Stretch *s, const Ends *ends) {
     Peaks *peak = &m->state.ledger.peak;
     event_peaks(s, ends, peak);
@@ -307,17 +265,17 @@ static bool commit(Mechanism *m, const Stretch *s, const Ends *ends, Kernel *ker
     return true;
 }
 
-/* Slips for the time of the kernel, or to the first event before; but if this is a whole communication step of `step`
- * seconds, only if there is no event. False, with nothing changed, if there is, or a value would not be finite. */
-static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double step, EventKind *end) {
+/* Slips for `horizon` seconds, or to the first event before; but if this is a whole communication step of `step` seconds,
+ * only if there is no event. False, with nothing changed, if there is, or a value would not be finite. */
+static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double horizon, double step, EventKind *end) {
     const Stretch stretch = stretch_of(m, slip);
+    const Event last = step > 0.0 ? (Event){EVENT_NONE, horizon} : event_last(&stretch, horizon);
+    if (kernel->t != last.t) oscillator_kernel(&slip->oscillator, last.t, kernel);
     Ends ends;
     event_ends(&stretch, kernel, &ends);
-    *end = EVENT_NONE;
-    if (!event_quiet(&stretch, &ends)) {
-        if (step > 0.0) return false;
-        *end = event_first(&stretch, kernel, &ends).kind;
-    }
+    const bool quiet = last.kind == EVENT_NONE && event_quiet(&stretch, &ends);
+    if (!quiet && step > 0.0) return false;
+    *end = quiet ? EVENT_NONE : event_first(&stretch, last, kernel, &ends).kind;
     return commit(m, &stretch, &ends, kernel, step);
 }
 
@@ -326,12 +284,10 @@ static bool slip_along(Mechanism *m, const Slip *slip, Kernel *kernel, double st
 static bool slip_on(Mechanism *m, double h) {
     if (!is_slip(m->state.mode)) return false;
     const int index = present_index(m);
-    const Slip *slip = &m->model.slip[index];
+    const Slip *slip = kept_slip(m, index);
     if (slip->kind != FLOW_INERTIAL || !(slip->direction * m->state.omega.hi > 0.0)) return false;
-    Kernel *kernel = &m->cache.kernel[index];
-    if (kernel->t != h) oscillator_kernel(&slip->oscillator, h, kernel);
     EventKind none;
-    return slip_along(m, slip, kernel, h, &none);
+    return slip_along(m, slip, &m->cache.kernel[index], h, h, &none);
 }
 
 static void stop_heat(Mechanism *m, double joule) {
@@ -367,12 +323,11 @@ static void land(Mechanism *m, int direction, EventKind kind, Leg *leg) {
 /* Slips for up to `left` seconds, to the first event; returns how long, or NAN if a value is not finite. */
 static double slip_to_event(Mechanism *m, double left, Leg *leg) {
     const int index = present_index(m);
-    const Slip *slip = &m->model.slip[index];
+    const Slip *slip = kept_slip(m, index);
     const double horizon = fmin(left, slip->oscillator.horizon);
     Kernel kernel = m->cache.kernel[index];
-    if (kernel.t != horizon) oscillator_kernel(&slip->oscillator, horizon, &kernel);
     EventKind end;
-    if (!slip_along(m, slip, &kernel, 0.0, &end)) return NAN;
+    if (!slip_along(m, slip, &kernel, horizon, 0.0, &end)) return NAN;
     leg->kind = LEG_ARC;
     land(m, slip->direction, end, leg);
     return kernel.t;
@@ -392,7 +347,7 @@ static void jam(Mechanism *m) {
     const double energy = kinetic_energy(m);
     double share[2];
     for (int i = 0; i < 2; i++)
-        share[i] = g->friction[i] * cam_length(g, i) * cam_length(g, i) * g->turn[i] * g->turn[i] / g->radius[i];
+        share[i] = cam_heat(g, i) * g->turn[i] / g->radius[i];
     stand_still(m);
     if (!m->params.ledger || energy == 0.0) return;
     const double sum = share[0] + share[1]; /* 0 where only a contact without friction slides */
@@ -568,11 +523,8 @@ static double leap_to_event(Mechanism *m, double left, Leg *leg) {
 
 /* Is each contact on its flank by more than rounding? Else its rate tells, which decide() asks for. */
 static bool is_firm(const Mechanism *m, const Way *way, const Balance *b) {
-    static const double CLEAR = 1e-9; /* of the loads that add up to it */
-    const double load = fabs(b->force) + fabs(b->damper) + m->params.inertia.follower_mass * fabs(b->lift * b->alpha);
-    for (int i = 0; i < 2; i++)
-        if (!(way->flank[i] * b->x[i] > CLEAR * fabs(b->axial[i]) * load)) return false;
-    return true;
+    const double load = balance_load_size(&m->params, b->force, b->damper, b->lift * b->alpha);
+    return balance_is_firm(way, 0, b->x[0], b->axial[0], load) && balance_is_firm(way, 1, b->x[1], b->axial[1], load);
 }
 
 /* Without inertia it starts from rest at any time: is it still driven, and on the spring's flanks, which are then the
@@ -628,7 +580,6 @@ static bool slips_on(const Mechanism *m) {
 /* An easy step of at most `left` seconds in which nothing happens, see glide_along(). */
 static bool find_glide(const Mechanism *m, const Way *way, double left, Glide *glide) {
     const State *s = &m->state;
-    glide->accurate = false;
     if (way->kind == FLOW_QUASISTATIC || (way->kind == FLOW_VISCOUS && !is_driven(m, way))) return false;
     const Launchpad from = {s->theta.hi, s->omega.hi, m->place.z, &m->place.geometry, room_ahead(m, way->direction),
                             &s->ledger.peak};
@@ -725,7 +676,7 @@ double leg_run(Mechanism *m, double left, Leg *leg) {
     if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_pressed(m) != 0) return NAN;
     if (!is_slip(m->state.mode)) return hold(m, left, leg);
     if (!is_closed_form(m)) return must_jump(m) ? jump_or_hold(m, left, leg) : leap_to_event(m, left, leg);
-    const Slip *slip = present_slip(m);
+    const Slip *slip = kept_slip(m, present_index(m));
     if (slip->kind == FLOW_QUASISTATIC && jump(m, slip, leg)) return 0.0;
     return slip_to_event(m, left, leg);
 }
@@ -765,6 +716,11 @@ static double report(const Mechanism *m, Watcher *watcher, double left) {
     return on;
 }
 
+/* At rest under constant inputs nothing has changed since the mode was decided. */
+static bool rests_on(const Mechanism *m, const Leg *latest) {
+    return latest->kind == LEG_REST && !is_slip(m->state.mode) && inputs_constant(&m->inputs);
+}
+
 /* Returns how much of `left` seconds is left: 0, or more if there is no end of events, or NAN. */
 static double advance_through_events(Mechanism *m, double left, Watcher *watcher, int *jams) {
     const double least = LEAST_PROGRESS * left;
@@ -789,13 +745,12 @@ static double advance_through_events(Mechanism *m, double left, Watcher *watcher
         if (leg.kind == LEG_LEAP && leg.end == EVENT_NONE) left = leap_on(m, left, NULL, &legs, check);
     }
     if (left != 0.0) return left;
-    leg_enter(m); /* the mode at the communication point itself */
+    if (!rests_on(m, &leg)) leg_enter(m); /* the mode at the communication point itself */
     return report(m, watcher, 0.0);
 }
 
 /* A glide at the start of a step of h seconds, if it slips then, and the way of it. */
 static bool glides_first(const Mechanism *m, double h, Way *way, Glide *glide) {
-    glide->accurate = false;
     if (!slips_on(m)) return false;
     *way = way_from_here(m, present_index(m));
     return find_glide(m, way, h, glide);
@@ -811,6 +766,7 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
     if (closed && slip_on(m, h)) return true;
     Way way;
     Glide glide;
+    glide.accurate = false;
     const bool glides = !closed && glides_first(m, h, &way, &glide);
     if (glides && glide.h == h) {
         remember_step(m, h);
@@ -1000,8 +956,10 @@ void mechanism_loads(const Mechanism *m, Loads *out) {
         out->sliding_speed[i] = g->turn[i] * fabs(m->state.omega.hi) * cam_length(g, i);
         out->reaction[i] = stick_reaction(m, i);
     }
-    if (is_slip(now.mode) && is_closed_form(m)) slip_loads(m, &m->model.slip[now.slip], out);
-    if (is_slip(now.mode) && !is_closed_form(m)) leap_loads(m, now.slip, out);
+    if (!is_slip(now.mode)) return;
+    Slip room;
+    if (is_closed_form(m)) slip_loads(m, slip_of(m, now.slip, &room), out);
+    else leap_loads(m, now.slip, out);
 }
 
 void mechanism_energy(const Mechanism *m, Energy *out) {
@@ -1016,6 +974,10 @@ void mechanism_energy(const Mechanism *m, Energy *out) {
         .heat_damper = l->heat_damper.hi,
         .heat_shaft = l->heat_shaft.hi,
         .heat_stop = l->heat_stop.hi,
-        .residual = m->params.ledger && !m->continuous ? ledger_residual(l, stored_energy(m)) : 0.0,
     };
+}
+
+void mechanism_audit(const Mechanism *m, Audit *out) {
+    const bool keeps = m->params.ledger && !m->continuous;
+    out->residual = keeps ? ledger_residual(&m->state.ledger, stored_energy(m)) : 0.0;
 }

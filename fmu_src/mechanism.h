@@ -77,8 +77,7 @@ typedef struct {
 typedef struct {
     double work_in, work_ext, work_tuning;
     double spring, kinetic;
-    double heat_cam[2], heat_damper, heat_shaft, heat_stop;
-    double residual; /* J, all of them */
+    double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* J, all of them */
 } Energy;
 
 /* Of the latest step, whose whole torque is shifted by a constant: see step_sensitivity.h. */
@@ -91,16 +90,16 @@ typedef struct {
     Motion motion;
     Loads loads;
     Energy energy;
+    Audit audit;
     StepSensitivity step;
 } Outputs;
 
 /* What Params imply. */
 typedef struct {
     Course course;         /* geometry along theta; the only member that owns memory */
-    CamParams cam[2];      /* what the course was built from */
-    double lower, upper;   /* rad: likewise */
     bool closed_form;      /* straight grooves, linear forces: slip is known at any time (flow.h), else see leap.h */
-    Slip slip[SLIP_COUNT]; /* if so, every way to slip: direction x flank of cam 1 x flank of cam 2 */
+    Slip slip[SLIP_COUNT]; /* if so, the ways to slip: direction x flank of cam 1 x flank of cam 2, see slip_index() */
+    unsigned slips;        /* bit k: slip[k] has been built. Most are never needed, see slip_of() */
 } Model;
 
 /* What theta implies. */
@@ -173,10 +172,11 @@ bool mechanism_settle(Mechanism *m, Fault *fault);
 /* Brings state, inputs and tunable parameters back to where the latest step began; the ledger stays. */
 void mechanism_rewind(Mechanism *m);
 
-/* Three groups of outputs, from state, params and present inputs. The mode is decided with the
+/* Groups of outputs, from state, params and present inputs. The mode is decided with the
  * present inputs, on a copy: reading never changes the mechanism. */
 void mechanism_motion(const Mechanism *m, Motion *out);
 void mechanism_loads(const Mechanism *m, Loads *out);
 void mechanism_energy(const Mechanism *m, Energy *out);
+void mechanism_audit(const Mechanism *m, Audit *out);
 
 #endif

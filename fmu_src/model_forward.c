@@ -43,6 +43,7 @@ bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *f
     if (groups & GROUP_MOTION) mechanism_motion(m, &outputs->motion);
     if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
     if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
+    if (groups & GROUP_AUDIT) mechanism_audit(m, &outputs->audit);
     if (groups & GROUP_STEP) step_sensitivity(m, &outputs->step);
     return true;
 }

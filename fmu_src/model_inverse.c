@@ -47,6 +47,7 @@ bool model_outputs(const Machine *m, unsigned groups, InverseOutputs *outputs, F
     if ((groups & GROUP_LOADS) && !inverse_loads(m, &outputs->loads, fault)) return false;
     if ((groups & GROUP_CONTACT) && !inverse_contact(m, &outputs->contact, fault)) return false;
     if (groups & GROUP_ENERGY) inverse_energy(m, &outputs->energy);
+    if (groups & GROUP_AUDIT) inverse_audit(m, &outputs->audit);
     return true;
 }
 

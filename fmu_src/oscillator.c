@@ -68,13 +68,9 @@ Oscillator oscillator_of(double decay2, double stiffness) {
         .separation = separation,
         .frequency = frequency,
         .half_period = separation < 0.0 ? PI / frequency : INFINITY,
+        .rate = fmax(fabs(decay2), sqrt(fabs(stiffness))),
         .horizon = growth > 0.0 ? MAX_GROWTH / growth : INFINITY,
     };
-}
-
-/* The largest rate of the motion times t: sizes the series and the doublings. */
-static double reach(const Oscillator *osc, double t) {
-    return fmax(fabs(osc->decay2), sqrt(fabs(osc->stiffness))) * t;
 }
 
 /* p3/t^4 and p4/t^5, p4 the integral of p3. */
@@ -133,7 +129,7 @@ static void closed_integrals(const Oscillator *osc, double t, Kernel *k) {
 
 static void underdamped(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
-    const double envelope = exp(-a * t);
+    const double envelope = a == 0.0 ? 1.0 : exp(-a * t);
     const double sine = envelope * sin(w * t), cosine = envelope * cos(w * t);
     k->s = sine / w;
     k->ds = cosine - a * k->s;
@@ -180,11 +176,16 @@ static void nearly_critical(const Oscillator *osc, double t, Kernel *k) {
     closed_integrals(osc, t, k);
 }
 
+/* Where it vibrates long before it settles, b0 would be far larger than the speeds, and all of it cancel again. */
+static bool settles(const Oscillator *osc, double t) {
+    return fabs(osc->decay2) * t > 1.0 && osc->decay2 * osc->decay2 >= osc->stiffness;
+}
+
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel) {
     kernel->t = t;
-    kernel->lead = fabs(osc->decay2) * t > 1.0 ? 1.0 / osc->decay2 : 0.0;
+    kernel->lead = settles(osc, t) ? 1.0 / osc->decay2 : 0.0;
     kernel->squared = false;
-    if (reach(osc, t) <= SERIES_LIMIT) {
+    if (osc->rate * t <= SERIES_LIMIT) {
         series(osc, t, kernel);
     } else if (osc->separation < 0.0) {
         underdamped(osc, t, kernel);
@@ -252,7 +253,7 @@ static int power_series(const Oscillator *osc, double t, double s[SERIES_TERMS],
 
 /* With c = 1 - w2 p1: omega = c omega0 + s alpha0 + p1 U = c b0 + (s - lead c) alpha0 + p1 U. */
 static void square_by_quadrature(const Oscillator *osc, double lead, double t, double q[6]) {
-    const Quadrature *rule = &QUADRATURES[reach(osc, t) <= QUADRATURES[0].reach ? 0 : 1];
+    const Quadrature *rule = &QUADRATURES[osc->rate * t <= QUADRATURES[0].reach ? 0 : 1];
     double s_of_x[SERIES_TERMS], p1_of_x[SERIES_TERMS];
     const int terms = power_series(osc, t, s_of_x, p1_of_x);
     for (int i = 0; i < 6; i++) q[i] = 0.0;
@@ -287,7 +288,7 @@ static void square_doubled(const Oscillator *osc, double lead, const Kernel *k, 
         half[i][1] = q[1] * row[i][0] + q[3] * row[i][1] + q[4] * row[i][2];
         half[i][2] = q[2] * row[i][0] + q[4] * row[i][1] + q[5] * row[i][2];
     }
-    static const int first[6] = {0, 0, 0, 1, 1, 2}, second[6] = {0, 1, 2, 1, 2, 2};
+    static const unsigned char first[6] = {0, 0, 0, 1, 1, 2}, second[6] = {0, 1, 2, 1, 2, 2};
     for (int i = 0; i < 6; i++) {
         const double *left = row[first[i]], *right = half[second[i]];
         q[i] += left[0] * right[0] + left[1] * right[1] + left[2] * right[2];
@@ -298,7 +299,7 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
     const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
-    for (double x = reach(osc, t); x > QUADRATURES[1].reach; x *= 0.5) doublings++;
+    for (double x = osc->rate * t; x > QUADRATURES[1].reach; x *= 0.5) doublings++;
     t = ldexp(t, -doublings);
     square_by_quadrature(osc, lead, t, kernel->square);
     for (; doublings > 0; doublings--, t *= 2.0) {
@@ -330,4 +331,17 @@ static double real_zero(const Oscillator *osc, double y0, double dy0) {
 double oscillator_zero(const Oscillator *osc, double y0, double dy0) {
     if (y0 == 0.0 && dy0 == 0.0) return INFINITY;
     return osc->separation < 0.0 ? underdamped_zero(osc, y0, dy0) : real_zero(osc, y0, dy0);
+}
+
+/* y'' is -w2 times what oscillates of y. With u = tan(w t/2)/(w/2), cos(w t) = (1 - (w u/2)^2)/(1 + (w u/2)^2) and
+ * sin(w t)/w = u/(1 + (w u/2)^2):
+ *     0 = y0 + dy0 u + (ddy0 + w2 y0/2) u^2/2 */
+double oscillator_offset_zero(const Oscillator *osc, double y0, double dy0, double ddy0) {
+    const double w2 = osc->stiffness, w = sqrt(fabs(w2));
+    const double root = sqrt(dy0 * dy0 - 2.0 * y0 * ddy0 - w2 * y0 * y0);
+    const double u = 2.0 * y0 / ((y0 > 0.0 ? root : -root) - dy0);
+    const double x = 0.5 * w * u;
+    if (w == 0.0) return u;
+    if (w2 < 0.0) return log1p(2.0 * x / (1.0 - x)) / w; /* 2 artanh(x)/w */
+    return 2.0 * (u < 0.0 ? atan(x) + PI : atan(x)) / w;
 }

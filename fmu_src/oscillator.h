@@ -8,8 +8,8 @@
  *     omega - omega0 = alpha0 s + (U - w2 omega0) p1
  *     theta - theta0 = omega0 (s + 2a p1) + alpha0 p1 + U p2
  *     integral of (theta - theta0) = omega0 (p1 + 2a p2) + alpha0 p2 + U p3
- * Over a time in which damping settles the motion, terms in omega0 and alpha0 would nearly cancel. Then the
- * speed that is left, b0 = omega0 + alpha0/(2a), replaces omega0; the caller knows it better than as a sum
+ * Over a time in which damping, rather than a vibration, settles the motion, terms in omega0 and alpha0 would nearly
+ * cancel. Then the speed that is left, b0 = omega0 + alpha0/(2a), replaces omega0; the caller knows it better than as a sum
  * (inertial: b0 = N/B). With lead = 1/(2a):
  *     omega = b0 (1 - w2 p1) - lead s' alpha0 + U p1
  *     theta - theta0 = b0 (s + 2a p1) - lead s alpha0 + U p2
@@ -27,6 +27,7 @@ typedef struct {
     double separation;  /* 1/s^2, a^2 - w2: > 0 overdamped, < 0 underdamped */
     double frequency;   /* rad/s, sqrt(|separation|) */
     double half_period; /* s, pi/frequency if underdamped, else infinity */
+    double rate;        /* 1/s, the largest of the motion */
     double horizon;     /* s, to be used for no longer: a growing solution reaches exp(MAX_GROWTH) */
 } Oscillator;
 
@@ -34,7 +35,7 @@ typedef struct {
     double t;          /* s; NAN: empty */
     double s, ds;      /* s, 1: s and its derivative */
     double p1, p2, p3; /* s^2, s^3, s^4 */
-    double lead;       /* s, 1/(2a) if |2a| t > 1, else 0: which of the two forms above to use */
+    double lead;       /* s, 1/(2a) if |2a| t > 1 and (2a)^2 >= w2, else 0: which of the two forms above to use */
     /* integral of omega^2 as a quadratic form in (b0, alpha0, U); see oscillator_square */
     double square[6];
     bool squared;
@@ -51,5 +52,9 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel);
 
 /* First t > 0 at which the homogeneous solution with y(0) = y0, y'(0) = dy0 vanishes, or infinity. */
 double oscillator_zero(const Oscillator *osc, double y0, double dy0);
+
+/* First t > 0 at which y, of a rate that is homogeneous, would vanish without damping; from y, y' and y'' at 0. NAN or
+ * below 0 if it does not. */
+double oscillator_offset_zero(const Oscillator *osc, double y0, double dy0, double ddy0);
 
 #endif

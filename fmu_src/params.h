@@ -18,7 +18,6 @@ typedef struct {
     double friction;   /* Coulomb coefficient mu */
     int profile;       /* PROFILE_* */
     int ellipse_curvature;
-    char table[TABLE_PATH_SIZE];
 } CamParams;
 
 typedef struct {
@@ -68,6 +67,7 @@ typedef struct {
     double tolerance; /* relative, of what is integrated step by step; no variable of the FMU */
     int contacts;     /* follower ends that share the load, 1 or 2 */
     bool ledger;      /* keep energy and peak accounts */
+    char table[2][TABLE_PATH_SIZE]; /* file with the sampled groove of each cam */
 } Params;
 
 /* What may change at a communication point. */
@@ -93,6 +93,11 @@ static inline void input_shift(double u[INPUT_ORDER + 1], double t) {
 /* rad, between the stops: what the rounding of theta is of. */
 static inline double largest_angle(const Params *p) {
     return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+}
+
+/* J: (J + m z'^2 + I gamma'^2) omega^2/2, of `lift` z' and `turn` gamma'. */
+static inline double kinetic_energy_of(const InertiaParams *i, double lift, double turn, double omega) {
+    return 0.5 * (i->shaft + i->follower_mass * lift * lift + i->follower * turn * turn) * omega * omega;
 }
 
 static inline bool has_inertia(const Params *p) {

@@ -90,6 +90,11 @@ static double time_to_border(const Way *way, const Balance *start, const Border 
     return t;
 }
 
+/* x^(1/order), by functions that the closed form needs as well: a power would take kilobytes of tables more. */
+static double root_of(double x, double order) {
+    return exp(log1p(x - 1.0) / order);
+}
+
 /* How long a leap may be tried first where a vibration begins: about as long as turns out to be good with most stages.
  * Where damping rules the motion, stiffness may do no harm. */
 static double first_length(const Way *way, const Balance *start) {
@@ -97,7 +102,7 @@ static double first_length(const Way *way, const Balance *start) {
     const Pace *p = &start->pace;
     const bool vibrates = way->kind == FLOW_INERTIAL && p->by_omega * p->by_omega < fabs(p->by_theta);
     if (!vibrates) return INFINITY;
-    return AT_ONE * exp(log1p(way->params->tolerance - 1.0) / ORDER) / sqrt(fabs(p->by_theta));
+    return AT_ONE * root_of(way->params->tolerance, ORDER) / sqrt(fabs(p->by_theta));
 }
 
 /* Of the error estimate in h. */
@@ -106,10 +111,9 @@ static double order_of(const Leap *leap) {
     return (n + 1.0) * (0.5 + n / (n + 1.0));
 }
 
-/* error^(-1/order), by functions that the closed form needs as well: a power would take kilobytes of tables more. */
+/* error^(-1/order), less a margin. */
 static double factor_of(const Leap *leap, double order) {
-    const double error = fmax(fmax(leap->error, leap->energy_error), 1e-12);
-    return 0.9 * exp(-log1p(error - 1.0) / order);
+    return 0.9 / root_of(fmax(fmax(leap->error, leap->energy_error), 1e-12), order);
 }
 
 /* By how much a step that has failed is to be shorter: where it is too long the error falls more slowly than its order
@@ -125,7 +129,7 @@ static bool solve_well(const Way *way, const Balance *start, double longest, con
     static const double ALIKE = 0.5; /* a step of less than that share of the one before needs no more stages */
     double h = longest, energy_before = INFINITY;
     int stages = stages_for(way, start, h);
-    const bool alike = !(h < ALIKE * first->h) || first->h == INFINITY;
+    const bool alike = first->h == INFINITY || h >= ALIKE * first->h;
     if (alike && stages < first->stages) stages = first->stages;
     for (int n = 0; n < MAX_SHORTENINGS; n++) {
         if (!leap_solve(way, start, h, stages, leap)) {
@@ -200,10 +204,6 @@ static EventKind kind_of_watch(Watch watch) {
     }
 }
 
-/* A polynomial through values in [low, high] stays above zero if low is this share of their spread: it leaves that
- * range by less (the Lebesgue constant of the nodes with 0 is below 2.2). */
-static const double SURE = 0.6;
-
 /* Values at the start and at the nodes. */
 typedef struct {
     double value[RADAU_MAX + 1];
@@ -247,7 +247,7 @@ static double descent(const Guard *g, Watch watch, const Leap *leap, Trace s) {
 
 static inline double crossing(const Guard *g, Watch watch, const Leap *leap) {
     const Trace s = trace_of(g, watch, leap);
-    return s.low > SURE * (s.high - s.low) ? INFINITY : descent(g, watch, leap, s);
+    return s.low > BEYOND_NODES * (s.high - s.low) ? INFINITY : descent(g, watch, leap, s);
 }
 
 /* How what is watched changes at the end of a leap, and what of it is rounding. */
@@ -381,14 +381,14 @@ static bool is_speed_monotone(const Leap *leap) {
     Trace s = {.value = {leap->start.alpha}};
     for (int j = 0; j < leap->method->stages; j++) s.value[j + 1] = leap->node[j].alpha;
     enclose(&s, leap->method->stages);
-    return fmax(s.low, -s.high) > SURE * (s.high - s.low);
+    return fmax(s.low, -s.high) > BEYOND_NODES * (s.high - s.low);
 }
 
 /* The largest size of what the trace is of. */
 static double peak_of(const Way *way, const Leap *leap, const Trace *s, double known, int contact) {
     const Radau *r = leap->method;
     const double ends = fmax(fabs(s->value[0]), fabs(s->value[r->stages]));
-    if (fmax(fabs(s->low), fabs(s->high)) + SURE * (s->high - s->low) <= known) return ends;
+    if (fmax(fabs(s->low), fabs(s->high)) + BEYOND_NODES * (s->high - s->low) <= known) return ends;
     const Bernstein p = radau_polynomial(r, s->value);
     if (bernstein_is_monotone(&p)) return ends;
     const double x = bernstein_peak(&p);
@@ -489,8 +489,7 @@ bool passage_find(const Way *way, const Balance *start, double room, double left
         passage->at_border = false;
         const double longer = fmin(4.0, fmax(factor_of(leap, order_of(leap)), 1.0));
         passage->next = (Stride){leap->h * longer, leap->method->stages};
-        /* a length that was the border's says little */
-        passage->for_border = leap->h == to_border;
+        passage->for_border = leap->h == to_border; /* then its length says little */
         if (passage->for_border) passage->next = (Stride){fmax(passage->next.h, first->h), first->stages};
         if (find_event(&g, passage, &good) == SETTLED) return true;
         length = 0.125 * good;

@@ -52,7 +52,7 @@ static Edge edge_at(const Walk *w, double theta) {
     edge.pattern += 4 + (flank[0] > 0 ? 2 : 0) + (flank[1] > 0 ? 1 : 0);
     for (int i = 0; i < 2; i++) {
         const double x = fabs(t.axial[i] * F_0);
-        edge.heat[i] = g.friction[i] * x * cam_length(&g, i) * cam_length(&g, i) * g.turn[i];
+        edge.heat[i] = cam_heat(&g, i) * x;
         edge.reaction[i] = x * cam_length(&g, i);
     }
     return edge;

@@ -27,7 +27,8 @@ void rates_of_motion(const Mechanism *m, Rates *out) {
     *out = (Rates){.theta = {0.0}};
     if (!is_slip(now.mode)) return;
     if (is_closed_form(m)) {
-        slip_rates(m, &m->model.slip[now.slip], out);
+        Slip room;
+        slip_rates(m, slip_of(m, now.slip, &room), out);
         return;
     }
     const Way way = way_from_here(m, now.slip);

@@ -62,9 +62,7 @@ bool rigid_effort(const Params *p, const Piece *piece, const Moment *now, Effort
 }
 
 double rigid_kinetic(const Params *p, const Station *s, double omega) {
-    const InertiaParams *i = &p->inertia;
-    const double lift = s->geometry.lift, turn = s->geometry.turn[0];
-    return 0.5 * (i->shaft + i->follower_mass * lift * lift + i->follower * turn * turn) * omega * omega;
+    return kinetic_energy_of(&p->inertia, s->geometry.lift, s->geometry.turn[0], omega);
 }
 
 void rigid_describe_wedge(Fault *fault, const Moment *now) {

@@ -13,12 +13,12 @@ enum { FORMAT = 3 }; /* to be raised when the meaning of the bytes changes but t
 
 /* Equal states must have equal bytes, so the few bytes that belong to no member are cleared. A new member
  * fails here (or at model_clear_padding()) until its padding is looked at. */
-enum { PARAMS_END = offsetof(Params, ledger) + sizeof(bool) };
-_Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int) + TABLE_PATH_SIZE,
-               "padding in CamParams");
+enum { PARAMS_END = offsetof(Params, table) + sizeof(((Params *)NULL)->table) };
+_Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int), "padding in CamParams");
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
-                                 sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool),
+                                 sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool) +
+                                 2 * TABLE_PATH_SIZE,
                "padding in Params");
 _Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
 _Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");

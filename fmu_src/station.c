@@ -84,5 +84,5 @@ double station_rho_rate(const Station *station, int direction, const Bearing *be
 /* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) (section 4) */
 double station_heat(const Station *station, const Bearing *bearing, int i) {
     const Geometry *g = &station->geometry;
-    return g->friction[i] * fabs(bearing->x[i]) * cam_length(g, i) * cam_length(g, i) * g->turn[i];
+    return cam_heat(g, i) * fabs(bearing->x[i]);
 }

@@ -121,7 +121,8 @@ static bool carry(const Mechanism *m, const Leg *leg, const Inputs *inputs, doub
     if (way.kind == FLOW_QUASISTATIC) {
         carry_along_edge(m, leg, t, v);
     } else if (leg->kind == LEG_ARC) {
-        carry_along_arc(&m->model.slip[index], t, &v->x);
+        Slip room;
+        carry_along_arc(slip_of(m, index, &room), t, &v->x);
     } else {
         const Leap *leap = &leg->passage.leap;
         way = way_of(&m->params, &m->model.course, inputs, leap->start.theta, way.direction, way.flank);

@@ -30,6 +30,7 @@ const Unit UNITS[UNIT_COUNT] = {
 #define PATH_CONTACT outputs.contact
 #endif
 #define PATH_ENERGY outputs.energy
+#define PATH_AUDIT outputs.audit
 #define PATH_STEP outputs.step
 #define PATH_TIME listed
 #define PATH_INDICATORS listed
@@ -47,6 +48,11 @@ typedef char *TypeOf_TEXT;
                               #id ": field of another type");)
 #include "variables.def"
 
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, ...)                          \
+    IN_##model(_Static_assert(VARIABILITY_##variability != VARIABILITY_TUNABLE || KIND_##kind == KIND_REAL, \
+                              #id ": only a Real can be tunable");)
+#include "variables.def"
+
 enum {
     TYPE_OF_REAL = TYPE_REAL,
     TYPE_OF_INTEGER = TYPE_INTEGER,
@@ -55,6 +61,10 @@ enum {
     TYPE_OF_BOOLEAN = TYPE_BOOLEAN,
     TYPE_OF_TEXT = TYPE_STRING
 };
+
+/* Of a power of ten; emit.c refuses other nominal values. */
+#define MAGNITUDE(x) \
+    ((x) >= 1e4 ? 4 : (x) >= 1e3 ? 3 : (x) >= 1e2 ? 2 : (x) >= 1e1 ? 1 : (x) >= 1.0 ? 0 : (x) >= 1e-1 ? -1 : (x) >= 1e-2 ? -2 : -3)
 
 const Variable VARIABLES[VARIABLE_COUNT] = {
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, \
@@ -68,7 +78,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .start = start_,                                                            \
                              .min = min_,                                                                \
                              .max = max_,                                                                \
-                             .nominal = nominal_,                                                        \
+                             .magnitude = MAGNITUDE(nominal_),                                           \
                              .name = name_,                                                              \
                              .unit = UNIT_##unit_},)
 #include "variables.def"
@@ -99,6 +109,12 @@ void variables_start(Values *values) {
         if ((variable->group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
             write_start(variable, (char *)values + variable->offset);
     }
+}
+
+double variable_nominal(const Variable *variable) {
+    double power = 1.0;
+    for (int k = 0; k < abs(variable->magnitude); k++) power *= 10.0;
+    return variable->magnitude < 0 ? 1.0 / power : power;
 }
 
 bool variable_allows(const Variable *variable, double value) {

@@ -63,9 +63,10 @@ typedef enum SMALL {
     GROUP_LOADS = 16,
     GROUP_CONTACT = 32,
     GROUP_ENERGY = 64,
-    GROUP_STEP = 128,
-    GROUP_TIME = 256,
-    GROUP_INDICATORS = 512
+    GROUP_AUDIT = 128,
+    GROUP_STEP = 256,
+    GROUP_TIME = 512,
+    GROUP_INDICATORS = 1024
 } Group;
 
 typedef enum SMALL {
@@ -90,14 +91,15 @@ typedef struct {
 } Unit;
 
 typedef struct {
-    size_t offset; /* bytes, in Values */
+    uint32_t offset; /* bytes, in Values */
     Group group;
     Type type;
     Kind kind;
     Causality causality;
     Variability variability;
     UnitId unit;
-    double start, min, max, nominal; /* as in variables.def */
+    int8_t magnitude;       /* decimal exponent of the nominal value */
+    double start, min, max; /* as in variables.def */
     const char *name;
 } Variable; /* less its description, which only the XML has */
 
@@ -124,6 +126,9 @@ const char *type_name(Type type); /* as this version of FMI writes it: "Real", "
 
 /* Writes the start values of all parameters and inputs. */
 void variables_start(Values *values);
+
+/* A power of ten. */
+double variable_nominal(const Variable *variable);
 
 /* Range check of a Real, Integer or Boolean value, and of the length of a String. */
 bool variable_allows(const Variable *variable, double value);

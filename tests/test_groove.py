@@ -25,7 +25,29 @@ class CamParams(Structure):
         *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b", "friction")),
         ("profile", c_int),
         ("ellipse_curvature", c_int),
-        ("table", c_char * 1024),
+    ]
+
+
+class Cam(CamParams):
+    """With the path of its table, which Params hold."""
+
+    table = b""
+
+
+class StopParams(Structure):
+    _fields_ = [(n, c_double) for n in ("lower", "upper", "restitution")]
+
+
+class Params(Structure):
+    _fields_ = [
+        ("cam", CamParams * 2),
+        *((name, c_double * n) for name, n in (("spring", 4), ("damper", 4), ("inertia", 3), ("shaft", 2))),
+        ("stop", StopParams),
+        ("initial", c_double * 2),
+        ("tolerance", c_double),
+        ("contacts", c_int),
+        ("ledger", c_bool),
+        ("table", c_char * 1024 * 2),
     ]
 
 
@@ -50,6 +72,7 @@ class Groove(Structure):
         ("profile", c_int),
         *((n, c_double) for n in ("radius", "gain", "height", "rate", "S0", "C0")),
         ("table", Table),
+        ("path", c_char_p),
         ("first", c_double),
         ("last", c_double),
     ]
@@ -72,7 +95,7 @@ class Spot(Structure):
 class Course(Structure):
     _fields_ = [
         ("groove", Groove * 2),
-        ("radius", c_double * 2),
+        ("cam", CamParams * 2),
         ("lower", c_double),
         ("upper", c_double),
         ("count", c_size_t),
@@ -84,23 +107,32 @@ class Course(Structure):
 
 
 FILES = ["course", "groove", "groove_table", "groove_csv", "platform"]
-STRUCTURES = [CamParams, Fault, GroovePoint, TablePiece, Table, Groove, Piece, Spot, Course]
+STRUCTURES = [
+    CamParams,
+    StopParams,
+    Params,
+    Fault,
+    GroovePoint,
+    TablePiece,
+    Table,
+    Groove,
+    Piece,
+    Spot,
+    Course,
+]
 
 
 @pytest.fixture(scope="module")
 def library(core):
     c = core(FILES, STRUCTURES, SHIM)
     for name, result, arguments in (
-        ("groove_build", c_bool, [POINTER(Groove), POINTER(CamParams), c_int, c_char_p, POINTER(Fault)]),
+        ("groove_build", c_bool, [POINTER(Groove), POINTER(Params), c_int, c_char_p, POINTER(Fault)]),
         ("groove_free", None, [POINTER(Groove)]),
         ("groove_at", GroovePoint, [POINTER(Groove), c_double]),
         ("groove_angle", c_double, [POINTER(Groove), c_double]),
         ("groove_slope", c_double, [POINTER(Groove), c_double, c_double]),
-        (
-            "course_build",
-            c_bool,
-            [POINTER(Course), POINTER(CamParams), c_double, c_double, c_char_p, POINTER(Fault)],
-        ),
+        ("course_build", c_bool, [POINTER(Course), POINTER(Params), c_char_p, POINTER(Fault)]),
+        ("course_is_of", c_bool, [POINTER(Course), POINTER(Params)]),
         ("course_free", None, [POINTER(Course)]),
         ("course_piece", POINTER(Piece), [POINTER(Course), c_double, c_int]),
         ("course_gamma", c_double, [POINTER(Course), c_double]),
@@ -113,7 +145,16 @@ def library(core):
 
 
 def cam(profile=HELIX, radius=0.02, lead=0.8, a=0.05, b=0.05, kappa=-1, table=""):
-    return CamParams(radius, lead, a, b, 0.14, profile, kappa, str(table).encode())
+    made = Cam(radius, lead, a, b, 0.14, profile, kappa)
+    made.table = str(table).encode()
+    return made
+
+
+def params_of(first, second, lower=0.0, upper=1.3963):
+    params = Params(cam=(first, second), stop=StopParams(lower, upper, 0.0))
+    for place, one in zip(params.table, (first, second), strict=True):
+        place.value = one.table
+    return params
 
 
 def write_table(path, psi, z):
@@ -128,7 +169,8 @@ def grooves(library):
 
     def build(params, resources=None):
         groove, fault = Groove(), Fault()
-        assert library.groove_build(byref(groove), byref(params), 1, resources, byref(fault)), fault.text
+        both = params_of(params, params)
+        assert library.groove_build(byref(groove), byref(both), 1, resources, byref(fault)), fault.text
         made.append(groove)
         return groove
 
@@ -144,8 +186,8 @@ def courses(library):
 
     def build(first, second, lower=0.0, upper=1.3963):
         course, fault = Course(), Fault()
-        cams = (CamParams * 2)(first, second)
-        good = library.course_build(byref(course), cams, lower, upper, None, byref(fault))
+        params = params_of(first, second, lower, upper)
+        good = library.course_build(byref(course), byref(params), None, byref(fault))
         assert good, fault.text.decode()
         made.append(course)
         return course
@@ -159,15 +201,16 @@ def courses(library):
 
 def groove_refusal(library, params, resources=None):
     groove, fault = Groove(), Fault()
-    assert not library.groove_build(byref(groove), byref(params), 2, resources, byref(fault))
+    both = params_of(params, params)
+    assert not library.groove_build(byref(groove), byref(both), 2, resources, byref(fault))
     assert not groove.table.piece
     return fault.text.decode()
 
 
 def course_refusal(library, first, second, lower=0.0, upper=1.3963):
     course, fault = Course(), Fault()
-    cams = (CamParams * 2)(first, second)
-    assert not library.course_build(byref(course), cams, lower, upper, None, byref(fault))
+    params = params_of(first, second, lower, upper)
+    assert not library.course_build(byref(course), byref(params), None, byref(fault))
     assert not course.piece and course.count == 0
     text = fault.text.decode()
     assert len(text) < 511 and ("must" in text or "allowed" in text)
@@ -292,7 +335,8 @@ def scratch(tmp_path_factory):
 def test_table_stays_monotone_and_smooth(library, scratch, data):
     psi, z = steps_of(data)
     groove, fault = Groove(), Fault()
-    params = cam(TABLE, table=write_table(scratch, psi.tolist(), z.tolist()))
+    sampled = cam(TABLE, table=write_table(scratch, psi.tolist(), z.tolist()))
+    params = params_of(sampled, sampled)
     assert library.groove_build(byref(groove), byref(params), 1, None, byref(fault)), fault.text
     at = lambda x: library.groove_at(byref(groove), x)  # noqa: E731
     scale = z[-1] + 1e-300
@@ -631,7 +675,29 @@ def test_too_many_pieces(library, tmp_path):
     psi = np.linspace(0.0, 2.0, 30_001)
     table = write_table(tmp_path / "t.csv", psi.tolist(), (0.02 * psi).tolist())
     course, fault = Course(), Fault()
-    cams = (CamParams * 2)(cam(TABLE, table=table), cam(HELIX, lead=math.pi / 4))
-    assert library.course_build(byref(course), cams, 0.0, 1.0, None, byref(fault)), fault.text
+    params = params_of(cam(TABLE, table=table), cam(HELIX, lead=math.pi / 4), 0.0, 1.0)
+    assert library.course_build(byref(course), byref(params), None, byref(fault)), fault.text
     assert 7500 <= course.count <= 27500
     library.course_free(byref(course))
+
+
+def test_course_is_of_its_grooves_and_stops(library, laws, courses):
+    first, second = laws["wavy"], laws["flattening"]
+    course = courses(first, second, 0.0, 1.0)
+
+    def fits(*changes):
+        params = params_of(first, second, 0.0, 1.0)
+        for change in changes:
+            change(params)
+        return library.course_is_of(byref(course), byref(params))
+
+    def path(i, text):
+        return lambda params: setattr(params.table[i], "value", text)
+
+    assert fits()
+    assert fits(lambda p: setattr(p.cam[0], "friction", 0.3), path(1, b"of no matter to an ellipse"))
+    assert not fits(path(0, b"another.csv"))
+    assert not fits(lambda p: setattr(p.cam[1], "radius", 0.021))
+    assert not fits(lambda p: setattr(p.cam[0], "profile", HELIX))
+    assert not fits(lambda p: setattr(p.stop, "upper", 0.9))
+    assert not library.course_is_of(byref(Course()), byref(params_of(first, second, 0.0, 0.0)))

@@ -325,7 +325,7 @@ FUSED = re.compile(r"\b(fn?m(add|sub)|fml[as])\b")
 def test_no_fused_multiply_add(tmp_path, contract):
     """Where the processor has one (aarch64), the compiler would use it and change the last digits."""
     assembly = tmp_path / "oscillator.s"
-    flags = ["-target", "aarch64-linux-gnu.2.17", "-O2", "-S", "-Wno-unused-command-line-argument"]
+    flags = ["-target", "aarch64-linux-gnu.2.17", "-O2", "-g0", "-S", "-Wno-unused-command-line-argument"]
     flags += ["-ffp-contract=fast"] if contract else []
     build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "fmu_src/oscillator.c"], assembly)
     text = assembly.read_text()

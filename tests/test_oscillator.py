@@ -12,7 +12,7 @@ mpmath.mp.dps = 50
 class Oscillator(ctypes.Structure):
     _fields_ = [
         (n, ctypes.c_double)
-        for n in ("decay2", "stiffness", "separation", "frequency", "half_period", "horizon")
+        for n in ("decay2", "stiffness", "separation", "frequency", "half_period", "rate", "horizon")
     ]
 
 
@@ -32,6 +32,8 @@ def library(core):
     c.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
     c.oscillator_zero.restype = ctypes.c_double
     c.oscillator_zero.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.c_double]
+    c.oscillator_offset_zero.restype = ctypes.c_double
+    c.oscillator_offset_zero.argtypes = [ctypes.POINTER(Oscillator), *[ctypes.c_double] * 3]
     c.oscillator_kernel.argtypes = [ctypes.POINTER(Oscillator), ctypes.c_double, ctypes.POINTER(Kernel)]
     return c
 
@@ -129,6 +131,63 @@ def test_integral_of_square(library, kind):
         got += q[3] * alpha**2 + 2 * q[4] * alpha * drive + q[5] * drive**2
         with mpmath.workdps(25):
             assert got == pytest.approx(float(mpmath.quad(square, cuts)), rel=1e-13)
+
+
+def gram(decay2, stiffness, t, lead):
+    """The quadratic form of oscillator_square, by integrals of exponentials."""
+    one, two = roots(decay2, stiffness)
+    w2 = mpmath.mpf(stiffness)
+    c = (-two / (one - two), one / (one - two), 0)  # of exp(one t), exp(two t) and 1
+    s = (1 / (one - two), -1 / (one - two), 0)
+    p1 = (-c[0] / w2, -c[1] / w2, 1 / w2)
+    of_alpha = tuple(x - mpmath.mpf(lead) * y for x, y in zip(s, c, strict=True))
+
+    def integral(rate):
+        return mpmath.expm1(rate * t) / rate if rate != 0 else mpmath.mpf(t)
+
+    def product(u, v):
+        rates = (one, two, 0)
+        return mpmath.re(sum(u[i] * v[j] * integral(rates[i] + rates[j]) for i in range(3) for j in range(3)))
+
+    forms = (c, of_alpha, p1)
+    return [product(forms[i], forms[j]) for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-9, 1e-5, 2e-3, 0.03, 0.3, 0.99, 1.01, 1.9])
+@pytest.mark.parametrize("angle", [3.0, 70.0, 5e4])
+def test_integral_of_square_of_a_vibration(library, ratio, angle):
+    """2a = ratio w over many turns of w t: what vibrates for long must not lose digits to what settles."""
+    t, w = 0.7, angle / 0.7
+    osc, k = kernel_of(library, ratio * w, w * w, t)
+    library.oscillator_square(ctypes.byref(osc), ctypes.byref(k))
+    form = gram(ratio * w, w * w, t, k.lead)
+    size = [mpmath.sqrt(form[i]) for i in (0, 3, 5)]
+    pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+    for got, wanted, (i, j) in zip(k.square, form, pairs, strict=True):
+        assert abs(got - wanted) <= 1e-14 * size[i] * size[j]
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 0.0, -100.0])
+def test_zero_of_an_undamped_offset(library, stiffness):
+    """y = offset + y0 C + dy0 S vanishes at t* to rounding and not before; NAN or < 0: it does not vanish."""
+    rng = np.random.default_rng(300)
+    osc, w = library.oscillator_of(0.0, stiffness), 10.0
+    seen = 0
+    for offset, y0, dy0 in rng.normal(size=(200, 3)):
+        if stiffness == 0.0:  # offset stands for y''/2
+            at = lambda t, p=(y0, w * dy0, w * w * offset): p[0] + t * (p[1] + t * p[2])  # noqa: E731
+            t = library.oscillator_offset_zero(osc, y0, w * dy0, 2 * w * w * offset)
+        else:
+            C, S = (np.cos, np.sin) if stiffness > 0 else (np.cosh, np.sinh)
+            at = lambda t, p=(offset, y0, dy0), f=(C, S): p[0] + p[1] * f[0](w * t) + p[2] * f[1](w * t)  # noqa: E731
+            t = library.oscillator_offset_zero(osc, offset + y0, w * dy0, -stiffness * y0)
+        before = np.linspace(0.0, t if t > 0 else 1.0, 2000)[:-1]
+        if t > 0:
+            seen += 1
+            growth = np.cosh(w * t) if stiffness <= 0 else 1.0
+            assert abs(at(t)) <= 1e-13 * growth * (abs(offset) + abs(y0) + abs(dy0))
+        assert len(set(np.sign(at(before)))) == 1
+    assert seen > 60
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -25,12 +25,21 @@ import worst_step
 SCENES = {scene.name: scene for scene in worst_step.scenes()}
 QUIET = Console(quiet=True)
 counts = pytest.mark.skipif(not instructions.available(), reason="valgrind is not installed")
+PLAIN_GLIBC = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW"  # see manual of glibc, Tunables
 is_x86 = sys.platform == "linux" and platform.machine() == "x86_64"
 
 
 def rig_of(name, steps):
     parameters = SCENES[name].parameters
     return worst_step.Rig(parameters, worst_step.program(steps, worst_step.Levels.of(parameters)))
+
+
+def run_alone(test):
+    """A test of this file in a process of its own, whose memcpy and exp are those for older processors."""
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", f"{__file__}::{test}"]
+    environment = os.environ | {"GLIBC_TUNABLES": PLAIN_GLIBC}
+    made = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert made.returncode == 0, made.stdout
 
 
 @pytest.fixture(scope="module")
@@ -47,10 +56,14 @@ def single_step(tmp_path_factory):
 @counts
 @pytest.mark.skipif(not is_x86, reason="x86-64 under Linux has the trap flag")
 @pytest.mark.parametrize("name", ["helices", "ellipses"])
-def test_callgrind_counts_what_the_processor_executes(name, single_step):
+def test_callgrind_counts_what_the_processor_executes(name, request):
     """In the same run without a saved state, of steps with and without mode changes. The loop around the
-    calls, which callgrind leaves out, is the same for all; memcpy and exp may differ by some instructions,
-    since the C library takes others on the processor that callgrind shows it."""
+    calls, which callgrind leaves out, is the same for all. In a process whose C library may take no
+    instructions that callgrind's processor lacks: its memcpy would be shorter."""
+    if os.environ.get("GLIBC_TUNABLES") != PLAIN_GLIBC:
+        run_alone(request.node.name)
+        return
+    single_step = request.getfixturevalue("single_step")
     rig = rig_of(name, 1500)
     changes = np.diff(rig.record()[0][:, 1], prepend=0)
     chosen = np.sort(np.concatenate([np.flatnonzero(changes == n)[-2:] for n in (0, 1)]))
@@ -65,7 +78,7 @@ def test_callgrind_counts_what_the_processor_executes(name, single_step):
         )
     around = np.array(executed) - counted
     assert counted.min() > 300 and counted.max() > 5000
-    assert np.all(np.abs(around) < 150)
+    assert np.all(around > 0) and np.all(around < 150)
 
 
 @counts

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import pytest
 from driver import ERROR, OK, VARIABLES, Driver
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from reference import (
     LOADING,
@@ -212,7 +212,43 @@ def refused_for_a_reason(fmu: Driver) -> bool:
     return any(why in fmu.messages[-1].text for why in reasons)
 
 
+SETTLES_AT_ONCE = {
+    "cam1.radius": 1.0,
+    "cam2.radius": 1.0,
+    "cam1.lead_angle": math.pi / 2 - 1e-5,
+    "cam2.lead_angle": 1.0,
+    "cam1.friction": 0.0,
+    "cam2.friction": 0.0,
+    "spring.preload": 1.0,
+    "spring.stiffness": 0.0,
+    "damper.c_load": 0.0,
+    "damper.c_release": 1000.0,
+    "inertia.shaft": 0.0,
+    "inertia.follower_mass": 0.0,
+    "inertia.follower": 1e-4,
+    "shaft.damping": 0.0,
+    "stop.lower": 0.0,
+    "stop.upper": 1.0,
+    "stop.restitution": 0.0,
+    "initial.omega": -1.0,
+}  # releasing, within 1e-17 s
+SETTLES_SLOWLY = SETTLES_AT_ONCE | {
+    "cam1.lead_angle": 1.0,
+    "cam2.friction": 0.1,
+    "spring.preload": 0.0,
+    "damper.c_release": 0.0,
+    "inertia.follower_mass": 1.0,
+    "inertia.follower": 1.0,
+    "shaft.damping": 100.0,
+    "stop.lower": -1.0,
+}  # so that curvatures vanish while rates do not
+RAMP, BOTH = (1.0, -1.0, -1.0, 0.0, 0.0), (1.0, -1.0, -1.0, -1.0, 0.0)
+PUSHED_BACK = [RAMP, RAMP, BOTH, RAMP, BOTH, (1.0, 0.0, 0.0, 0.0, -1.0)]
+
+
 @FIXTURE
+@example(parameters=SETTLES_AT_ONCE, steps=[(1.0, -1.0, -1.0, 0.0, -10.0), (1.0, -1.0, 0.0, 0.0, -10.0)])
+@example(parameters=SETTLES_SLOWLY, steps=PUSHED_BACK)
 @given(PARAMETERS, STEPS)
 def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
     fmu = started(make, parameters)
