@@ -13,7 +13,7 @@ usage: ./build.sh [command] [arguments]
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
-  bench    build, then run all of the following six (about ten minutes), which writes benchmarks/results/ and
+  bench    build, then run all of the following six (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks/step_cost.py (half a minute): what a step costs, and its limit
   loop     build, then run benchmarks/loop_cost.py (seconds): a control loop in Python
@@ -22,7 +22,7 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks/growth.py (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
-  stress   build, then run benchmarks/stress.py (ten minutes), which writes docs/stress.md; arguments go to it
+  stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
@@ -110,7 +110,7 @@ case $command in
     design) run_program . system_examples/designed_groove.py "$@" ;;
     ssp) run_program . system_examples/ssp_run.py "$@" ;;
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
-    fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long "$@" ;;
+    fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' benchmarks/bench.py "$@" ;;
     cost) run_program . benchmarks/step_cost.py "$@" ;;
     worst) run_program . benchmarks/worst_step.py "$@" ;;

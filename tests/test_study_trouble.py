@@ -1,15 +1,20 @@
 """Studies in a world that does not help: other FMUs, damaged files, folders in use, plans with slips, scripts
 and clusters that cannot work. What cannot be done is told, with what, its value and what is allowed."""
 
+import itertools
 import math
+import multiprocessing
 import os
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 import zipfile
+from contextlib import suppress
+from pathlib import Path
 
 import build_fmu
 import numpy as np
@@ -19,7 +24,7 @@ from test_study import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, r
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError
-from dualcam.study import Controller, Plan, Scenario, Study, Vary, load, read
+from dualcam.study import Controller, Plan, Scenario, Study, Vary, execution, load, read
 from dualcam.study.execution import DIED
 from dualcam.study.store import RECORD
 
@@ -405,6 +410,69 @@ def test_workers_that_die_of_every_run(tmp_path):
     table = one.run(tmp_path, workers=2, chunk=2)
     every_run_once(tmp_path, one)
     assert list(table["message"]) == [DIED] * 3
+
+
+class Interruption:
+    """Ctrl-C, KeyboardInterrupt in this thread, at the n-th line that is executed in the file of that name or
+    in what it calls; it counts the lines."""
+
+    def __init__(self, file, place=math.inf):
+        self.file, self.place, self.lines = str(file), place, 0
+
+    def __enter__(self):
+        self.before = sys.gettrace()
+        sys.settrace(self.trace)
+        return self
+
+    def __exit__(self, *error):
+        sys.settrace(self.before)
+
+    def trace(self, frame, event, argument):
+        inside = frame.f_code.co_filename == self.file or frame.f_back.f_trace == self.trace
+        if inside and event == "line":
+            self.lines += 1
+            if self.lines == self.place:
+                raise KeyboardInterrupt
+        return self.trace if inside else None
+
+
+def ended(processes, seconds=20.0):
+    deadline = time.monotonic() + seconds
+    while any(process.is_alive() for process in processes) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    return not any(process.is_alive() for process in processes)
+
+
+def test_an_interruption_anywhere_ends_a_study_of_processes(tmp_path, monkeypatch):
+    """And no process, no folder of an unpacked FMU is left; what is written is whole."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    Path(tempfile.tempdir).mkdir()
+    one = study(Plan("latin", DESIGN, runs=16))
+    with Interruption(execution.__file__) as quiet:
+        one.make(tmp_path / "whole", workers=2, chunk=2)
+    assert quiet.lines > 500
+    for number, place in enumerate(np.random.default_rng(7).integers(1, quiet.lines, 10)):
+        before, out = set(multiprocessing.active_children()), tmp_path / f"out{number}"
+        with suppress(KeyboardInterrupt), Interruption(execution.__file__, place):
+            one.make(out, workers=2, chunk=2)
+        assert ended(set(multiprocessing.active_children()) - before)
+        one.make(out, workers=0)
+        assert np.array_equal(every_run_once(out, one), every_run_once(tmp_path / "whole", one))
+    assert not list(Path(tempfile.tempdir).iterdir())
+
+
+def test_processes_killed_at_any_moment_lose_no_run(tmp_path):
+    """By somebody else: it is not the run that kills."""
+    one = study()
+    chunks = itertools.count()
+
+    def kill():
+        if next(chunks) in (0, 3, 4):
+            for process in multiprocessing.active_children():
+                process.kill()
+
+    one.make(tmp_path, workers=2, chunk=8, each=kill)
+    assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
 def cluster(**more):

@@ -10,14 +10,18 @@ import importlib
 import multiprocessing
 import os
 import pickle
+import signal
+import sys
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Generator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 from dualcam.fmu import Array
@@ -26,6 +30,7 @@ from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block, Job, Runner, run_rows
 
 AHEAD = 2  # chunks in flight for each worker: one that is computed, one that waits
+GRACE = 2.0  # s, for a process that is sent home in the middle of something
 UNREACHABLE_AFTER = "10s"
 NO_WORKERS_FOR = 30  # s, after that a cluster is given up
 DIED = "the process that made this run ended without a word (crashed or killed), also when it was alone"
@@ -55,59 +60,145 @@ def _alone(attempt: Callable[[Array], Block], rows: Array, width: int) -> Block:
 # ---- this machine ----
 
 
-def _pool(workers: int) -> ProcessPoolExecutor:
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_parent)
+class _Worker:
+    """A process that makes runs, and the two pipes to it, which nobody else has: whatever it is doing when it
+    dies, or when this process is interrupted, can hold up nobody.
+
+    Not concurrent.futures: Ctrl-C within its submit(), or a process that dies meanwhile, may leave an
+    executor that is waited for without end (CPython 3.11)."""
+
+    def __init__(self, job: Job) -> None:
+        context = multiprocessing.get_context("spawn")
+        orders, self._orders = context.Pipe(duplex=False)
+        self.answers, answers = context.Pipe(duplex=False)
+        self._process = context.Process(target=_serve, args=(job, orders, answers), daemon=True)
+        self._process.start()
+        orders.close()
+        answers.close()
+        self.lives = False
+        self.given: deque[range] = deque()
+
+    def give(self, runs: range, rows: Array) -> None:
+        self.given.append(runs)
+        with suppress(OSError):  # it is dead, and its answer will say so
+            self._orders.send(rows)
+
+    def receive(self) -> tuple[range, Block] | None:
+        """The first runs given and their block, which may take its time; None, which comes once before, says
+        that it lives. _Died if it does no more."""
+        try:
+            answer = self.answers.recv()
+        except (EOFError, OSError) as error:
+            raise _Died from error
+        if isinstance(answer, Exception):
+            raise answer
+        self.lives = True
+        return (self.given.popleft(), answer) if isinstance(answer, Block) else None
+
+    def dismiss(self) -> None:
+        if not self.given:
+            with suppress(OSError):
+                self._orders.send(None)
+        self._orders.close()
+
+    def join(self) -> None:
+        self._process.join(2.0 * GRACE)
+        self._process.kill()
+        self._process.join()
+        self.answers.close()
 
 
-def _end_with_parent() -> None:
-    """In a worker: it would wait for work for ever if the study's process is killed."""
-    parent = multiprocessing.parent_process()
-    assert parent is not None
+def _serve(job: Job, orders: Connection, answers: Connection) -> None:
+    """In a worker: its end tidies up, as the FMU's own does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it too, but its study sends it home
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(1))
+    waiting: SimpleQueue[Array | None] = SimpleQueue()
+    threading.Thread(target=_listen, args=(orders, waiting), daemon=True).start()
+    answers.send(None)
+    while (rows := waiting.get()) is not None:
+        try:
+            answer: Block | Exception = run_rows(job, rows)
+        except Exception as error:
+            answer = error
+        answers.send(answer)
 
-    def watch() -> None:
-        parent.join()
-        os._exit(1)
 
-    threading.Thread(target=watch, daemon=True).start()
+def _listen(orders: Connection, waiting: SimpleQueue[Array | None]) -> None:
+    """In a worker: orders are taken while it computes. Ends it where the study is over or its process
+    was killed."""
+    with suppress(EOFError, OSError):
+        while True:
+            waiting.put(rows := orders.recv())
+            if rows is None:
+                return
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(GRACE)
+    os._exit(1)
 
 
 def locally(job: Job, plan: Plan, chunks: list[range], workers: int) -> Blocks:
     _check_sendable(job)
     left = deque(chunks)
-    while left:
-        flying: dict[Future[Block], range] = {}
+    team: list[_Worker] = []
+    try:
+        for _ in range(workers if chunks else 0):
+            team.append(_Worker(job))  # one by one, so that those which began are sent home
+        while left or any(worker.given for worker in team):
+            for worker in team:
+                _occupy(worker, plan, left, AHEAD if len(left) > len(team) else 1)
+            yield from _answers(job, plan, left, team)
+    finally:
+        _send_home(team)
+
+
+def _occupy(worker: _Worker, plan: Plan, left: deque[range], most: int) -> None:
+    while left and len(worker.given) < most:
+        worker.give(left[0], plan.rows(left[0].start, left[0].stop))
+        left.popleft()
+
+
+def _answers(job: Job, plan: Plan, left: deque[range], team: list[_Worker]) -> Blocks:
+    """Those that are there, once one is."""
+    ready = wait([worker.answers for worker in team if worker.given])
+    for place, worker in enumerate(team):
+        if worker.answers not in ready:
+            continue
         try:
-            with _pool(workers) as pool:
-                try:
-                    yield from _flow(pool, job, plan, left, flying, workers)
-                except GeneratorExit:
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise
-        except BrokenProcessPool:
-            _check_start()
-            for runs in flying.values():
-                rows = plan.rows(runs.start, runs.stop)
-                yield runs, _alone(lambda rows: _attempt_locally(job, rows), rows, len(job.results))
+            made = worker.receive()
+        except _Died:
+            team[place] = _Worker(job)
+            _send_home([worker])
+            runs, *others = worker.given
+            left.extendleft(reversed(others))
+            rows = plan.rows(runs.start, runs.stop)
+            made = runs, _alone(partial(_attempt_locally, job), rows, len(job.results))
+        if made is not None:
+            yield made
 
 
-def _flow(
-    pool: ProcessPoolExecutor,
-    job: Job,
-    plan: Plan,
-    left: deque[range],
-    flying: dict[Future[Block], range],
-    workers: int,
-) -> Blocks:
-    while left or flying:
-        while left and len(flying) < AHEAD * workers:
-            rows = plan.rows(left[0].start, left[0].stop)
-            flying[pool.submit(run_rows, job, rows)] = left[0]
-            left.popleft()
-        done, _ = wait(flying, return_when=FIRST_COMPLETED)
-        for future in done:
-            block = future.result()
-            yield flying.pop(future), block
+def _attempt_locally(job: Job, rows: Array) -> Block:
+    worker = _Worker(job)
+    try:
+        worker.give(range(len(rows)), rows)
+        made = worker.receive() or worker.receive()
+    except _Died as error:
+        if worker.lives:
+            raise
+        raise StudyError(
+            "processes die as they start. A script is read by each of them: what starts a study there "
+            'belongs under `if __name__ == "__main__":`; or use workers = 0'
+        ) from error
+    finally:
+        _send_home([worker])
+    assert made is not None
+    return made[1]
+
+
+def _send_home(team: list[_Worker]) -> None:
+    for worker in team:
+        worker.dismiss()
+    for worker in team:
+        worker.join()
 
 
 def _check_sendable(job: Job) -> None:
@@ -118,26 +209,6 @@ def _check_sendable(job: Job) -> None:
             f"this study cannot be sent to other processes: {error}: let a function of a module make the "
             "controller, or use workers = 0"
         ) from error
-
-
-def _check_start() -> None:
-    """Whether it is the process that cannot live, rather than the run."""
-    try:
-        with _pool(1) as pool:
-            pool.submit(os.getpid).result()
-    except BrokenProcessPool as error:
-        raise StudyError(
-            "processes die as they start. A script is read by each of them: what starts a study there "
-            'belongs under `if __name__ == "__main__":`; or use workers = 0'
-        ) from error
-
-
-def _attempt_locally(job: Job, rows: Array) -> Block:
-    with _pool(1) as pool:
-        try:
-            return pool.submit(run_rows, job, rows).result()
-        except BrokenProcessPool as error:
-            raise _Died from error
 
 
 # ---- a cluster ----
