@@ -1168,6 +1168,7 @@ REASONS = {
     "too often": '"the mode changes too often"',
     "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
+    "describing the grooves": '"describing the grooves in between takes more than ... polynomials"',
     "is refused": '"... is refused: allowed is ..."',
 }
 

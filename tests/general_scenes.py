@@ -104,13 +104,15 @@ def wrong_modes(read: Sequence[Mapping[str, Any]], points: Sequence[Point]) -> l
 def nudged(
     params: Mapping[str, Any], intervals: Sequence[Interval], rng: np.random.Generator, by: float = 2.0**-52
 ) -> tuple[dict[str, Any], list[Interval]]:
-    """The same scene with its data changed, in the last digit or by more."""
+    """The same scene, its data changed in the last digit or by more; a restitution of 1 only downwards."""
     fixed = {"initial.theta", "stop.lower", "stop.upper", *INTEGERS}
 
     def nudge(value: float) -> float:
         return value * (1 + rng.choice([-1, 1]) * by)
 
     changed = {n: nudge(v) if isinstance(v, float) and n not in fixed else v for n, v in params.items()}
+    if "stop.restitution" in changed:
+        changed["stop.restitution"] = min(changed["stop.restitution"], 1.0)
     return changed, [replace(i, tau=nudge(i.tau), F_ext=nudge(i.F_ext)) for i in intervals]
 
 

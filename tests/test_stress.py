@@ -3,6 +3,7 @@
 import sys
 
 import driver
+import numpy as np
 import pytest
 from driver import ROOT
 
@@ -35,6 +36,14 @@ def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
 
 def test_some_at_random(libraries, tmp_path):
     assert not wrong(stress.fuzz(stress.Tables(tmp_path), 60, seed=1), libraries)
+
+
+def test_changed_data_stay_within_their_limits():
+    """Else the changed scene is refused, and nothing seems to amplify what changed."""
+    rng, scene = np.random.default_rng(3), {"stop.restitution": 1.0, "cam1.radius": 0.02}
+    changed = [stress.general_scenes.nudged(scene, [], rng, 1e-9)[0] for _ in range(20)]
+    assert {c["stop.restitution"] for c in changed} == {1.0 - 1e-9, 1.0}
+    assert {c["cam1.radius"] for c in changed} == {0.02 * (1.0 - 1e-9), 0.02 * (1.0 + 1e-9)}
 
 
 def test_a_wrong_reference_is_noticed(libraries, tmp_path):
