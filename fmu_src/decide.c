@@ -133,9 +133,14 @@ static Look look_at_any_form(const Mechanism *m, int index) {
     return look;
 }
 
+/* See decide() for `built`. */
+static Look look_into(const Mechanism *m, int index, Slip *built) {
+    return is_closed_form(m) ? look_at_closed_form(m, slip_of(m, index, built)) : look_at_any_form(m, index);
+}
+
 Look look_at(const Mechanism *m, int index) {
     Slip room;
-    return is_closed_form(m) ? look_at_closed_form(m, slip_of(m, index, &room)) : look_at_any_form(m, index);
+    return look_into(m, index, &room);
 }
 
 /* ---- does a way to slip agree with itself? ---- */
@@ -186,13 +191,13 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
 }
 
-int decide_slip(const Mechanism *m, int direction, bool at_rest) {
+static int choose_slip(const Mechanism *m, int direction, bool at_rest, Slip *built) {
     const int s = load_sign(m, direction);
     const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
     int unstable = -1;
     for (int k = 0; k < 4; k++) {
         const int index = slip_index(direction, candidate[k]);
-        const Look look = look_at(m, index);
+        const Look look = look_into(m, index, built);
         if (!agrees(m, index, &look, at_rest)) continue;
         if (look.stable) return index;
         if (unstable < 0) unstable = index;
@@ -200,39 +205,45 @@ int decide_slip(const Mechanism *m, int direction, bool at_rest) {
     return unstable;
 }
 
+int decide_slip(const Mechanism *m, int direction, bool at_rest) {
+    Slip room;
+    return choose_slip(m, direction, at_rest, &room);
+}
+
 static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-static Decision decide_at_rest(const Mechanism *m) {
+static Decision decide_at_rest(const Mechanism *m, Slip *built) {
     const int direction = stick_pressed(m);
     if (direction == 0) return (Decision){.mode = stick_mode(m), .slip = -1};
     if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
         return (Decision){.mode = MODE_UPPER_STOP, .slip = -1};
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip = -1};
-    const int slip = decide_slip(m, direction, true);
+    const int slip = choose_slip(m, direction, true, built);
     if (slip < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip = -1};
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : slip_mode(direction), .slip = slip};
 }
 
 /* While slipping the flanks stay as they are as long as they agree. */
-static Decision decide_moving(const Mechanism *m) {
+static Decision decide_moving(const Mechanism *m, Slip *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
     const int present = slip_index(direction, m->state.flank);
-    const Look look = look_at(m, present);
+    const Look look = look_into(m, present, built);
     if (m->state.mode == mode && agrees(m, present, &look, false)) return (Decision){.mode = mode, .slip = present};
-    const int slip = decide_slip(m, direction, false);
+    const int slip = choose_slip(m, direction, false, built);
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : mode, .slip = slip};
 }
 
-Decision decide(const Mechanism *m) {
-    return has_inertia(&m->params) && m->state.omega.hi != 0.0 ? decide_moving(m) : decide_at_rest(m);
+Decision decide(const Mechanism *m, Slip *built) {
+    return has_inertia(&m->params) && m->state.omega.hi != 0.0 ? decide_moving(m, built) : decide_at_rest(m, built);
 }
 
 Decision decision_of(const Mechanism *m) {
-    if (!m->continuous) return decide(m);
+    Slip room;
+    if (!m->continuous) return decide(m, &room);
     const Mode mode = m->state.mode;
     const int direction = mode == MODE_LOADING ? 1 : -1;
     return (Decision){.mode = mode, .slip = is_slip(mode) ? slip_index(direction, m->state.flank) : -1};

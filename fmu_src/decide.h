@@ -10,8 +10,9 @@ typedef struct {
     int slip; /* index into Model.slip; used in the slip modes */
 } Decision;
 
-/* The mode that state and present inputs ask for. */
-Decision decide(const Mechanism *m);
+/* The mode that state and present inputs ask for. What was built last to decide it, of what the model has not built,
+ * is in *built; mostly that is the way to slip that is taken. */
+Decision decide(const Mechanism *m, Slip *built);
 
 /* The mode that counts at this instant: that one, or, where somebody else integrates, the present one. */
 Decision decision_of(const Mechanism *m);

@@ -51,7 +51,7 @@ enum { USE_CLOSED_FORM = 0 };
 enum { USE_CLOSED_FORM = 1 };
 #endif
 
-RARE static void keep_slip(Mechanism *m, int index) {
+static void keep_slip(Mechanism *m, int index) {
     slip_of(m, index, &m->model.slip[index]);
     m->model.slips |= 1u << index;
 }
@@ -95,7 +95,7 @@ static void build_model(Mechanism *m) {
     forget(&m->cache);
 }
 
-RARE bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+bool mechanism_rebuild(Mechanism *m, Fault *fault) {
     if (!check_params(&m->params, fault) || !check_course(&m->params, m->resources, &m->model.course, fault)) return false;
     build_model(m);
     return true;
@@ -114,6 +114,19 @@ static void enter(Mechanism *m, Decision d) {
         m->cache.hold.valid = false;
     }
     if (is_slip(d.mode)) slip_flanks(d.slip, state->flank);
+}
+
+/* What has been built for it is kept. */
+static void enter_anew(Mechanism *m) {
+    Slip built;
+    built.direction = 0;
+    const Decision d = decide(m, &built);
+    if (built.direction != 0) {
+        const int index = slip_index(built.direction, built.flank);
+        m->model.slip[index] = built;
+        m->model.slips |= 1u << index;
+    }
+    enter(m, d);
 }
 
 /* ---- holding ---- */
@@ -464,7 +477,7 @@ static double follow_by_torque(Mechanism *m, int direction, double t, Leg *leg) 
     play_jump(m, direction, after.tau[0], 0.0, &jump);
     if (!take_jump(m, direction, &jump, leg)) return NAN;
     m->inputs = after;
-    enter(m, decide(m));
+    enter_anew(m);
     if (is_slip(m->state.mode)) {
         const Way way = way_from_here(m, present_index(m));
         m->state.omega = sum_of(balance_from_here(m, &way).omega);
@@ -662,7 +675,7 @@ static bool nothing_resists(const Mechanism *m) {
 }
 
 void leg_enter(Mechanism *m) {
-    enter(m, decide(m));
+    enter_anew(m);
 }
 
 double leg_run(Mechanism *m, double left, Leg *leg) {
@@ -826,7 +839,7 @@ bool mechanism_settle(Mechanism *m, Fault *fault) {
     if (m->continuous) land_where_it_is(m); /* a step has done so */
     int jams = 0;
     for (; jams < MAX_JAMS_PER_STEP; jams++) {
-        enter(m, decide(m));
+        enter_anew(m);
         if (!is_jammed(m)) break;
         jam(m);
     }
@@ -873,7 +886,7 @@ RARE void mechanism_rewind(Mechanism *m) {
 
 /* ---- start and tuning ---- */
 
-RARE bool mechanism_start(Mechanism *m, Fault *fault) {
+bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
@@ -883,7 +896,7 @@ RARE bool mechanism_start(Mechanism *m, Fault *fault) {
     };
     arrive(m);
     ledger_open(&m->state.ledger, stored_energy(m));
-    enter(m, decide(m));
+    enter_anew(m);
     m->state.events = 0;
     return true;
 }

@@ -1,6 +1,7 @@
 /* How functions are compiled where that is not left to the compiler.
  *
- * RARE   runs at the start, or when somebody asks, but never in a step: its code is to be small rather than fast
+ * RARE   runs when somebody asks, but never in a step: its code is to be small rather than fast. What starts a run is
+ *        not rare: a study starts 200,000 a second
  * APART  large, and called from several places: not to be drawn into each */
 #ifndef DUALCAM_RARE_H
 #define DUALCAM_RARE_H

@@ -41,32 +41,43 @@ void snapshot_take(Snapshot *snapshot, const Instance *instance) {
     clear_padding(snapshot);
 }
 
+/* A table's path is zeros from its end on, so that no path need not be copied over no path. */
+static void put_params(const Params *params, Params *to) {
+    memcpy(to, params, offsetof(Params, table));
+    for (int i = 0; i < 2; i++)
+        if (params->table[i][0] != '\0' || to->table[i][0] != '\0')
+            memcpy(to->table[i], params->table[i], sizeof to->table[i]);
+}
+
 static void put(const Snapshot *snapshot, Instance *instance) {
     Machine *machine = &instance->values.machine;
-    machine->params = snapshot->params;
+    put_params(&snapshot->params, &machine->params);
     machine->inputs = snapshot->inputs;
     machine->state = snapshot->state;
     instance->run = snapshot->run;
     machine->continuous = instance_has_begun(instance) && instance->run.use == MODEL_EXCHANGE;
 }
 
+static bool put_and_build(const Snapshot *snapshot, Instance *instance, Fault *fault) {
+    Snapshot before;
+    snapshot_take(&before, instance);
+    put(snapshot, instance);
+    if (model_rebuild(&instance->values.machine, fault)) return true;
+    put(&before, instance);
+    return false;
+}
+
 /* A state of another use is refused: its phase would be none of this instance's. Before the run has begun there is
  * nothing to build yet: the parameters may not even be possible. */
 bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault) {
-    const bool begun = (snapshot->run.phase & PHASES_BEFORE_START) == 0;
     if (snapshot->run.use != instance->run.use) {
         snprintf(fault->text, sizeof fault->text,
                  "FMU state of %s: allowed is one of the way in which this instance is used",
                  use_name((Use)snapshot->run.use));
         return false;
     }
-    Snapshot before;
-    snapshot_take(&before, instance);
-    put(snapshot, instance);
-    if (begun && !model_rebuild(&instance->values.machine, fault)) {
-        put(&before, instance);
-        return false;
-    }
+    if (snapshot->run.phase & PHASES_BEFORE_START) put(snapshot, instance);
+    else if (!put_and_build(snapshot, instance, fault)) return false;
     instance_changed(instance);
     return true;
 }
