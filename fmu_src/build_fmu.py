@@ -53,22 +53,22 @@ ARITHMETIC = ["-std=c17", "-ffp-contract=off", "-fno-math-errno"]
 NO_TABLES = ("-fno-asynchronous-unwind-tables", "-fno-unwind-tables")
 LIBRARY = ["-fPIC", "-fvisibility=hidden"]
 LTO = "-flto"  # one concept per file costs no call
-# Size is promised, and so is the time of a step. What is not on its way is compiled for size, and apart, so
-# that it is not drawn into what is; what is on it, for speed, with loops unrolled where that was measured to
-# matter; what only hands on, or is for steps with events (where unrolling was measured to gain nothing), for
-# size, but together with its callers.
+# Size is promised, and so is the time of a step and of a run. What is not on their way is compiled for size,
+# and apart, so that it is not drawn into what is; what is on it, for speed, with loops unrolled where that
+# was measured to matter; what only hands on, or is for steps with events (where unrolling was measured to
+# gain nothing), for size, but together with its callers.
 FOR_SIZE, FOR_SPEED = "-Os", "-O3"
 SMALL = "-fno-unroll-loops"
 OUTLINED = ("-mllvm", "-enable-machine-outliner=always")  # what functions have in common becomes one
 SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what nobody calls
 OFF_THE_WAY = {
-    *("check", "dependencies", "exchange", "groove", "groove_csv", "groove_table", "inverse_rates"),
-    *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity", "snapshot"),
-    *("state_access", "step_sensitivity", "taylor", "variables"),
+    *("dependencies", "exchange", "groove", "groove_csv", "groove_table", "inverse_rates"),
+    *("inverse_sensitivity", "jet", "platform", "play", "rates", "resources", "sensitivity"),
+    *("step_sensitivity", "taylor"),
 }
 WITH_LOOPS = {"balance", "flow", "glide", "instance", "mechanism", "radau"}
 WITH_EVENTS = {"bernstein", "leap", "passage"}
-HANDING_ON = {"course", "fmi3", "model_forward", "model_inverse"}
+HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "event", "flow", "glide", "mechanism", "oscillator"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
