@@ -196,7 +196,7 @@ static bool retune(Instance *instance, const char *function, const ValueReferenc
 
 /* Not inputs alone. */
 static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                               const double value[]) {
+                          const double value[]) {
     if (!are_good_reals(instance, function, vr, n, value)) return false;
     if (!instance_has_begun(instance)) write_reals(&instance->values, vr, n, value);
     else if (!retune(instance, function, vr, n, value)) return false;
