@@ -191,7 +191,7 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
 }
 
-static int choose_slip(const Mechanism *m, int direction, bool at_rest, Slip *built) {
+int decide_slip(const Mechanism *m, int direction, bool at_rest, Slip *built) {
     const int s = load_sign(m, direction);
     const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
     int unstable = -1;
@@ -205,11 +205,6 @@ static int choose_slip(const Mechanism *m, int direction, bool at_rest, Slip *bu
     return unstable;
 }
 
-int decide_slip(const Mechanism *m, int direction, bool at_rest) {
-    Slip room;
-    return choose_slip(m, direction, at_rest, &room);
-}
-
 static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
@@ -221,7 +216,7 @@ static Decision decide_at_rest(const Mechanism *m, Slip *built) {
         return (Decision){.mode = MODE_UPPER_STOP, .slip = -1};
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip = -1};
-    const int slip = choose_slip(m, direction, true, built);
+    const int slip = decide_slip(m, direction, true, built);
     if (slip < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip = -1};
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : slip_mode(direction), .slip = slip};
 }
@@ -233,7 +228,7 @@ static Decision decide_moving(const Mechanism *m, Slip *built) {
     const int present = slip_index(direction, m->state.flank);
     const Look look = look_into(m, present, built);
     if (m->state.mode == mode && agrees(m, present, &look, false)) return (Decision){.mode = mode, .slip = present};
-    const int slip = choose_slip(m, direction, false, built);
+    const int slip = decide_slip(m, direction, false, built);
     return (Decision){.mode = slip < 0 ? MODE_WEDGED : mode, .slip = slip};
 }
 

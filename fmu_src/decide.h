@@ -10,8 +10,8 @@ typedef struct {
     int slip; /* index into Model.slip; used in the slip modes */
 } Decision;
 
-/* The mode that state and present inputs ask for. What was built last to decide it, of what the model has not built,
- * is in *built; mostly that is the way to slip that is taken. */
+/* The mode that state and present inputs ask for. Of the ways to slip that the model has not built, the last that had
+ * to be for it is in *built, mostly the one that is taken; if none had to be, *built is left alone. */
 Decision decide(const Mechanism *m, Slip *built);
 
 /* The mode that counts at this instant: that one, or, where somebody else integrates, the present one. */
@@ -19,8 +19,8 @@ Decision decision_of(const Mechanism *m);
 
 /* The way to slip in `direction` (+1, -1) whose flanks agree with their own reactions, or -1: index into
  * Model.slip. Several can agree where a contact locks; then both supporting flanks come first, as in section 3
- * of the mechanism page. */
-int decide_slip(const Mechanism *m, int direction, bool at_rest);
+ * of the mechanism page. *built: as in decide(). */
+int decide_slip(const Mechanism *m, int direction, bool at_rest, Slip *built);
 
 /* The coefficients of a way to slip in closed form, see flow.h: the model's, or, if that has not built them, in *room.
  * index: see slip_index(). */

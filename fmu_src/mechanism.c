@@ -51,14 +51,18 @@ enum { USE_CLOSED_FORM = 0 };
 enum { USE_CLOSED_FORM = 1 };
 #endif
 
-static void keep_slip(Mechanism *m, int index) {
-    slip_of(m, index, &m->model.slip[index]);
+/* A way to slip that has been built; none if its direction is 0. */
+static void keep_slip(Mechanism *m, const Slip *built) {
+    if (built->direction == 0) return;
+    const int index = slip_index(built->direction, built->flank);
+    m->model.slip[index] = *built;
     m->model.slips |= 1u << index;
 }
 
 /* That way to slip, built if it has not been yet. */
 static inline const Slip *kept_slip(Mechanism *m, int index) {
-    if ((m->model.slips >> index & 1u) == 0) keep_slip(m, index);
+    Slip built;
+    if ((m->model.slips >> index & 1u) == 0) keep_slip(m, slip_of(m, index, &built));
     return &m->model.slip[index];
 }
 
@@ -121,11 +125,7 @@ static void enter_anew(Mechanism *m) {
     Slip built;
     built.direction = 0;
     const Decision d = decide(m, &built);
-    if (built.direction != 0) {
-        const int index = slip_index(built.direction, built.flank);
-        m->model.slip[index] = built;
-        m->model.slips |= 1u << index;
-    }
+    keep_slip(m, &built);
     enter(m, d);
 }
 
@@ -317,7 +317,10 @@ static void hit_stop(Mechanism *m, int direction) {
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0) {
-        const int slip = decide_slip(m, -direction, false);
+        Slip built;
+        built.direction = 0;
+        const int slip = decide_slip(m, -direction, false, &built);
+        keep_slip(m, &built);
         const double size = largest_angle(&m->params);
         const double back = slip < 0 ? 0.0 : direction * look_at(m, slip).alpha;
         if (state->omega.hi * state->omega.hi < 2.0 * back * NO_BOUNCE * size) stand_still(m);

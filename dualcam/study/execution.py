@@ -96,6 +96,7 @@ class _Worker:
         return (self.given.popleft(), answer) if isinstance(answer, Block) else None
 
     def dismiss(self) -> None:
+        """One that has nothing to do ends by itself, one that has as it finds its pipe closed."""
         if not self.given:
             with suppress(OSError):
                 self._orders.send(None)
