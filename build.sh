@@ -86,7 +86,7 @@ install_dependencies() {
     printf '%s\n' "$stamp" >"$name"
 }
 
-build() { .venv/bin/python fmu_src/build_fmu.py "$@"; }
+build() { .venv/bin/python fmu_src/tools/build_fmu.py "$@"; }
 
 # run_program REQUIREMENT [-m] PROGRAM [ARGUMENTS]: installs, builds, and becomes that Python program.
 run_program() {

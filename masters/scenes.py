@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 import build_fmu  # noqa: E402
 
 Array = NDArray[np.float64]

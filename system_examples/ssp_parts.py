@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "system_examples/ssp"
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 import build_fmu  # noqa: E402
 
 FOLDER = build_fmu.BUILD / "ssp/parts"

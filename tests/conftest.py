@@ -7,7 +7,7 @@ from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 sys.path.insert(0, str(ROOT))  # dualcam is the one here, wherever another one is installed
 import build_fmu
 

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from driver import ROOT, Driver, load, models
 
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import build_fmu
 import reference_results

@@ -21,7 +21,7 @@ from lxml import etree
 from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
 from reference import LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
 
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 import build_fmu
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema/fmi3"

@@ -11,7 +11,7 @@ import pytest
 from driver import OK, ROOT, models
 from fmpy.validation import validate_fmu
 
-sys.path.insert(0, str(ROOT / "fmu_src"))
+sys.path.insert(0, str(ROOT / "fmu_src/tools"))
 import build_fmu
 
 FORWARD, INVERSE = models.values()

@@ -1,0 +1,117 @@
+#include "contact/check.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static bool is_level_helix(const CamParams *cam) {
+    return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
+}
+
+bool check_params(const Params *p, Fault *fault) {
+    if (is_level_helix(&p->cam[0]) && is_level_helix(&p->cam[1])) {
+        snprintf(fault->text, sizeof fault->text,
+                 "cam1.lead_angle = 0 and cam2.lead_angle = 0: at least one must be > 0, or nothing fixes the pin");
+        return false;
+    }
+    if (!(p->stop.lower < p->stop.upper)) {
+        snprintf(fault->text, sizeof fault->text, "stop.lower = %.17g must be < stop.upper = %.17g", p->stop.lower,
+                 p->stop.upper);
+        return false;
+    }
+    return true;
+}
+
+bool check_initial(const Params *p, Fault *fault) {
+    if (p->initial.theta >= p->stop.lower && p->initial.theta <= p->stop.upper) return true;
+    snprintf(fault->text, sizeof fault->text,
+             "initial.theta = %.17g must lie in [stop.lower, stop.upper] = [%.17g, %.17g]", p->initial.theta,
+             p->stop.lower, p->stop.upper);
+    return false;
+}
+
+/* ---- jam ---- */
+
+/* A piece is one smooth polynomial; where a table has many of them each is short. */
+enum { SAMPLES_OF_FEW = 64, SAMPLES_OF_MANY = 8, MANY = 64 };
+
+/* Delta of the supporting flanks at sigma = +1 (mechanism page, section 3), m^4: with n_i = a_i + mu_i r_i >= 0
+ * it has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
+static double load_margin(const Params *p, const double slope[2]) {
+    double n[2], d[2];
+    for (int i = 0; i < 2; i++) {
+        n[i] = slope[i] + p->cam[i].friction * p->cam[i].radius;
+        d[i] = p->cam[i].radius - p->cam[i].friction * slope[i];
+    }
+    return p->cam[1].radius * d[0] * n[1] + p->cam[0].radius * d[1] * n[0];
+}
+
+static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
+    const TransmissionPoint point = piece_at(piece, theta);
+    return load_margin(p, point.slope) > 0.0;
+}
+
+/* Straight grooves are the same everywhere, however far the stops are. */
+static bool loads_in_straight(const Params *p, const TransmissionPiece *piece) {
+    const double slope[2] = {piece->slope[0][0], piece->slope[0][1]};
+    return load_margin(p, slope) > 0.0;
+}
+
+/* The first theta, to rounding, at which it jams; it does not at `good` and does at `bad`. */
+static double first_jam(const Params *p, const TransmissionPiece *piece, double good, double bad) {
+    for (double middle = 0.5 * (good + bad); middle > good && middle < bad; middle = 0.5 * (good + bad)) {
+        if (loads_at(p, piece, middle)) good = middle;
+        else bad = middle;
+    }
+    return bad;
+}
+
+/* Where in the piece it jams first, or NAN. */
+static double jam_in(const Params *p, const TransmissionPiece *piece, int samples) {
+    double good = piece->lower;
+    if (!loads_at(p, piece, good)) return good;
+    for (int k = 1; k <= samples; k++) {
+        const double theta = k == samples ? piece->upper : piece->lower + (piece->upper - piece->lower) * k / samples;
+        if (!loads_at(p, piece, theta)) return first_jam(p, piece, good, theta);
+        good = theta;
+    }
+    return NAN;
+}
+
+/* `cam1.lead_angle = 1.5` of a helix; of other grooves the lead angle at that place. */
+static void name_lead(char text[80], const Params *p, int i, double slope) {
+    if (p->cam[i].profile == PROFILE_HELIX) snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
+    else snprintf(text, 80, "lead angle %.17g of cam%d there", atan(slope / p->cam[i].radius), i + 1);
+}
+
+static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece *piece, double theta) {
+    const TransmissionPoint point = piece_at(piece, theta); /* of a helix only the parameter is named */
+    char lead[2][80];
+    for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, point.slope[i]);
+    snprintf(fault->text, sizeof fault->text,
+             "the contacts jam when loading at theta = %.17g: %s and %s with cam1.friction = %.17g and "
+             "cam2.friction = %.17g; kappa_1 + kappa_2 must be > 0 from stop.lower to stop.upper",
+             theta, lead[0], lead[1], p->cam[0].friction, p->cam[1].friction);
+}
+
+bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
+    const int samples = transmission->count < MANY ? SAMPLES_OF_FEW : SAMPLES_OF_MANY;
+    if (transmission->straight && loads_in_straight(p, transmission->piece)) return true;
+    for (size_t i = 0; i < transmission->count; i++) {
+        const TransmissionPiece *piece = &transmission->piece[i];
+        const double theta = transmission->straight ? piece->lower : jam_in(p, piece, samples);
+        if (isnan(theta)) continue;
+        describe_jam(fault, p, piece, theta);
+        return false;
+    }
+    return true;
+}
+
+bool check_transmission(const Params *p, const char *resources, Transmission *transmission, Fault *fault) {
+    if (transmission_is_of(transmission, p)) return check_jam(p, transmission, fault);
+    Transmission made;
+    if (!transmission_build(&made, p, resources, fault)) return false;
+    const bool good = check_jam(p, &made, fault);
+    transmission_free(good ? transmission : &made);
+    if (good) *transmission = made;
+    return good;
+}

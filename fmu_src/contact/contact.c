@@ -1,0 +1,52 @@
+#include "contact/contact.h"
+
+#include <math.h>
+
+Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) {
+    double n[2], d[2];
+    for (int i = 0; i < 2; i++) {
+        const double mu = direction * flank[i] * g->friction[i];
+        n[i] = g->slope[i] + mu * g->radius[i];
+        d[i] = g->radius[i] - mu * g->slope[i];
+    }
+    const double rn[2] = {g->radius[0] * n[0], g->radius[1] * n[1]};
+    const double delta = rn[1] * d[0] + rn[0] * d[1];
+    const bool regular = delta != 0.0;
+    const double inverse = regular ? 1.0 / delta : 0.0;
+    return (Transfer){
+        .regular = regular,
+        .rho = rn[0] * rn[1] * inverse,
+        .rho_kappa1 = d[0] * rn[1] * inverse,
+        .axial = {rn[1] * inverse, rn[0] * inverse},
+        .moment = {-d[1] * inverse, d[0] * inverse},
+    };
+}
+
+/* A pair of flanks carries F > 0 at rest or at constant speed if both reactions have its signs. */
+static bool carries(const Transfer *t, const int flank[2]) {
+    return t->regular && flank[0] * t->axial[0] >= 0.0 && flank[1] * t->axial[1] >= 0.0;
+}
+
+/* Loading: both supporting flanks. Releasing: the same, unless one contact locks and the other does not; then the
+ * unlocked pin bears on its other flank. */
+bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
+    static const int candidate[3][2] = {{1, 1}, {1, -1}, {-1, 1}};
+    const int candidates = direction > 0 ? 1 : 3;
+    for (int k = 0; k < candidates; k++) {
+        *transfer = contact_transfer(g, direction, candidate[k]);
+        flank[0] = candidate[k][0];
+        flank[1] = candidate[k][1];
+        if (carries(transfer, flank)) return true;
+    }
+    return false;
+}
+
+BandFactors contact_band(const Geometry *g) {
+    int flank[2];
+    Transfer t;
+    const double load = contact_edge(g, 1, flank, &t) ? t.rho : INFINITY;
+    /* both lead angles exactly at the friction angle: n_1 = n_2 = 0, no torque at any load */
+    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1])
+        return (BandFactors){.load = load, .release = 0.0};
+    return (BandFactors){.load = load, .release = contact_edge(g, -1, flank, &t) ? t.rho : -INFINITY};
+}

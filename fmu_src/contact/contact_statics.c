@@ -1,0 +1,89 @@
+#include "contact/contact_statics.h"
+
+#include <float.h>
+#include <math.h>
+
+/* A reaction below this share of what adds up to it is none, and suits either flank. */
+static const double NO_REACTION = 16.0 * DBL_EPSILON;
+
+/* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2) by the quotient rule, with b_i = da_i/dtheta:
+ *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
+ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta) {
+    const TransmissionPoint point = piece_at(piece, theta);
+    ContactStatics statics = {.geometry = cam_geometry(params->cam, point.slope),
+                              .dslope_dtheta = {point.dslope_dtheta[0], point.dslope_dtheta[1]},
+                              .z = point.z};
+    const double *dpsi_dtheta = statics.geometry.dpsi_dtheta, sum = point.slope[0] + point.slope[1];
+    statics.d2gamma_dtheta2 = (dpsi_dtheta[1] * point.dslope_dtheta[1] - dpsi_dtheta[0] * point.dslope_dtheta[0]) / sum;
+    statics.d2z_dtheta2 = dpsi_dtheta[0] * dpsi_dtheta[0] * point.dslope_dtheta[0] +
+                          dpsi_dtheta[1] * dpsi_dtheta[1] * point.dslope_dtheta[1];
+    return statics;
+}
+
+/* ---- flanks ---- */
+
+static void bear(const Load *b, ContactForces *forces) {
+    const Transfer *t = &forces->transfer;
+    forces->torque = t->rho * b->axial + t->rho_kappa1 * b->moment;
+    for (int i = 0; i < 2; i++) forces->x[i] = t->axial[i] * b->axial + t->moment[i] * b->moment;
+}
+
+bool contact_statics_is_idle(const ContactForces *forces, const Load *b, int i) {
+    const Transfer *t = &forces->transfer;
+    const double size = fabs(t->axial[i]) * b->axial_size + fabs(t->moment[i]) * b->moment_size;
+    return fabs(forces->x[i]) <= NO_REACTION * size;
+}
+
+static bool agrees(const Load *b, const ContactForces *forces) {
+    if (!forces->transfer.regular || !isfinite(forces->torque)) return false;
+    for (int i = 0; i < 2; i++)
+        if (forces->flank[i] * forces->x[i] < 0.0 && !contact_statics_is_idle(forces, b, i)) return false;
+    return true;
+}
+
+bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
+    const int s = load->axial < -NO_REACTION * load->axial_size ? -1 : 1;
+    const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
+    for (int k = 0; k < 4; k++) {
+        forces->flank[0] = candidate[k][0];
+        forces->flank[1] = candidate[k][1];
+        forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);
+        bear(load, forces);
+        if (agrees(load, forces)) return true;
+    }
+    return false;
+}
+
+/* For F_0 < 0 both flanks change and so does the direction that decides (same products). */
+bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
+    const int side = F_0 < 0.0 ? -1 : 1;
+    if (!contact_edge(&statics->geometry, side * direction, forces->flank, &forces->transfer)) return false;
+    for (int i = 0; i < 2; i++) forces->flank[i] *= side;
+    const Load load = {.axial = F_0};
+    bear(&load, forces);
+    return true;
+}
+
+/* rho = r_1 r_2 n_1 n_2/Delta, n_i = a_i + c_i r_i, d_i = r_i - c_i a_i, c_i = sigma e_i mu_i,
+ * Delta = r_2 d_1 n_2 + r_1 d_2 n_1; with b_i = da_i/dtheta, n_i' = b_i and d_i' = -c_i b_i. */
+double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces) {
+    const Geometry *g = &statics->geometry;
+    double n[2], d[2], n_rate[2], d_rate[2];
+    for (int i = 0; i < 2; i++) {
+        const double c = direction * forces->flank[i] * g->friction[i];
+        n[i] = g->slope[i] + c * g->radius[i];
+        d[i] = g->radius[i] - c * g->slope[i];
+        n_rate[i] = statics->dslope_dtheta[i];
+        d_rate[i] = -c * statics->dslope_dtheta[i];
+    }
+    const double r1 = g->radius[0], r2 = g->radius[1];
+    const double delta = r2 * d[0] * n[1] + r1 * d[1] * n[0];
+    const double delta_rate = r2 * (d_rate[0] * n[1] + d[0] * n_rate[1]) + r1 * (d_rate[1] * n[0] + d[1] * n_rate[0]);
+    return (r1 * r2 * (n_rate[0] * n[1] + n[0] * n_rate[1]) - forces->transfer.rho * delta_rate) / delta;
+}
+
+/* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) (section 4) */
+double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i) {
+    const Geometry *g = &statics->geometry;
+    return cam_heat(g, i) * fabs(forces->x[i]);
+}

@@ -1,0 +1,143 @@
+#include <string.h>
+
+#include "fmi/variables.h"
+#include "forward/motion_derivatives.h"
+#include "sensitivity/sensitivity.h"
+#include "sensitivity/step_sensitivity.h"
+
+bool model_start(Machine *m, Fault *fault) {
+    return mechanism_start(m, fault);
+}
+
+bool model_rebuild(Machine *m, Fault *fault) {
+    return mechanism_rebuild(m, fault);
+}
+
+bool model_retune(Machine *m, const Params *params, Fault *fault) {
+    return mechanism_retune(m, params, fault);
+}
+
+void model_free(Machine *m) {
+    mechanism_free(m);
+}
+
+bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
+    (void)with_rates; /* a derivative that is not given is zero */
+    return mechanism_advance(m, h, fault);
+}
+
+bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault) {
+    (void)with_rates;
+    return mechanism_advance_watched(m, h, watcher, fault);
+}
+
+void model_forget_rates(Inputs *inputs) {
+    for (int order = 1; order <= INPUT_ORDER; order++) {
+        inputs->tau[order] = 0.0;
+        inputs->F_ext[order] = 0.0;
+    }
+}
+
+bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *fault) {
+    (void)fault; /* every state has outputs */
+    if (groups & GROUP_MOTION) mechanism_motion(m, &outputs->motion);
+    if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
+    if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
+    if (groups & GROUP_AUDIT) mechanism_audit(m, &outputs->audit);
+    if (groups & GROUP_STEP) step_sensitivity(m, &outputs->step);
+    return true;
+}
+
+double model_output_derivative(const Machine *m, unsigned reference, int order) {
+    MotionDerivatives rates;
+    motion_derivatives(m, &rates);
+    switch (reference) {
+        case VR_THETA: return rates.theta[order - 1];
+        case VR_OMEGA: return rates.theta[order];
+        case VR_Z: return rates.z[order - 1];
+        default: return rates.z[order];
+    }
+}
+
+int model_known(unsigned reference) {
+    switch (reference) {
+        case VR_THETA: return KNOWN_THETA;
+        case VR_OMEGA: return KNOWN_OMEGA;
+        case VR_TAU: return KNOWN_TAU;
+        case VR_F_EXT: return KNOWN_F_EXT;
+        default: return tunable_known(reference);
+    }
+}
+
+int model_row(unsigned reference) {
+    switch (reference) {
+        case VR_THETA: return 0;
+        case VR_OMEGA: return 1;
+        case VR_ALPHA: return 2;
+        case VR_Z: return 3;
+        case VR_V: return 4;
+        default: return -1;
+    }
+}
+
+/* Angle and speed are states: they depend on nothing but themselves. */
+bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {
+    switch (reference) {
+        case VR_THETA: *out = (Partials){.by = {[KNOWN_THETA] = 1.0}}; return true;
+        case VR_OMEGA: *out = (Partials){.by = {[KNOWN_OMEGA] = 1.0}}; return true;
+        case VR_Z: mechanism_axial_partials(m, 0, out); return true;
+        case VR_V: mechanism_axial_partials(m, 1, out); return true;
+        default: return mechanism_alpha_partials(m, out, fault);
+    }
+}
+
+/* ---- model exchange ---- */
+
+bool model_begin_exchange(Machine *m, Fault *fault) {
+    if (!ode_is_possible(m, fault)) return false;
+    m->continuous = true;
+    return true;
+}
+
+void model_set_states(Machine *m, const double x[]) {
+    ode_set_states(m, x);
+}
+
+void model_get_states(const Machine *m, double x[]) {
+    ode_get_states(m, x);
+}
+
+bool model_state_rates(const Machine *m, double rate[], Fault *fault) {
+    return ode_rates(m, rate, fault);
+}
+
+void model_indicators(const Machine *m, double indicator[]) {
+    ode_indicators(m, indicator);
+}
+
+unsigned model_state_reference(int state) {
+    return state == 0 ? VR_THETA : VR_OMEGA;
+}
+
+bool model_settle(Machine *m, Fault *fault) {
+    return mechanism_settle(m, fault);
+}
+
+bool model_accept(Machine *m, double h, Fault *fault) {
+    (void)m, (void)h, (void)fault; /* the states are all there is */
+    return true;
+}
+
+/* A new member fails here until its padding is looked at. */
+enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
+_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int), "padding in State");
+_Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
+               "padding in Step");
+_Static_assert(sizeof(Tunables) == 2 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
+               "padding in Tunables");
+_Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger) + sizeof(Step) + sizeof(Tunables),
+               "padding in State");
+
+void model_clear_padding(State *state) {
+    memset((char *)state + STATE_GAP, 0, offsetof(State, ledger) - STATE_GAP);
+}

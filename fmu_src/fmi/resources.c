@@ -1,0 +1,82 @@
+#include "fmi/resources.h"
+
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Locale-free, unlike <ctype.h>. */
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+/* What follows `prefix` (in lower case) in `text`, or NULL if it does not begin so in whatever case. */
+static const char *after(const char *text, const char *prefix) {
+    for (; *prefix != '\0'; text++, prefix++)
+        if (lower(*text) != *prefix) return NULL;
+    return text;
+}
+
+/* The encoded path, from its slash on, or NULL if the URI is none of a local file. */
+static const char *path_of(const char *location) {
+    const char *rest = location != NULL ? after(location, "file:") : NULL;
+    if (rest == NULL) return NULL;
+    const char *authority = after(rest, "//");
+    if (authority == NULL) return *rest == '/' ? rest : NULL;
+    const char *host = after(authority, "localhost");
+    const char *path = host != NULL ? host : authority;
+    return *path == '/' ? path : NULL;
+}
+
+static int hex(char c) {
+    const char digit = lower(c);
+    if (digit >= '0' && digit <= '9') return digit - '0';
+    return digit >= 'a' && digit <= 'f' ? digit - 'a' + 10 : -1;
+}
+
+/* Percent codes are replaced; a lone percent sign stays. The text does not get longer. */
+static void decode(const char *encoded, char *text) {
+    while (*encoded != '\0') {
+        const int high = *encoded == '%' ? hex(encoded[1]) : -1;
+        const int low = high >= 0 ? hex(encoded[2]) : -1;
+        *text++ = low >= 0 ? (char)(16 * high + low) : *encoded;
+        encoded += low >= 0 ? 3 : 1;
+    }
+    *text = '\0';
+}
+
+/* "//x" is "/x", "/C:/x" is "C:/x". */
+static const char *without_extra_slash(const char *path) {
+    while (path[0] == '/' && path[1] == '/') path++;
+    const bool drive = lower(path[1]) >= 'a' && lower(path[1]) <= 'z' && path[2] == ':';
+    return drive ? path + 1 : path;
+}
+
+static void drop_last_slashes(char *path) {
+    for (size_t n = strlen(path); n > 1 && path[n - 1] == '/' && path[n - 2] != ':'; n--) path[n - 1] = '\0';
+}
+
+bool resources_directory(const char *location, char **directory) {
+    *directory = NULL;
+    const char *encoded = path_of(location);
+    if (encoded == NULL) return true;
+    char *path = malloc(strlen(encoded) + 1);
+    if (path == NULL) return false;
+    decode(encoded, path);
+    const char *rest = without_extra_slash(path);
+    memmove(path, rest, strlen(rest) + 1);
+    drop_last_slashes(path);
+    *directory = path;
+    return true;
+}
+
+bool resources_from_path(const char *path, char **directory) {
+    *directory = NULL;
+    if (path == NULL || *path == '\0') return true;
+    if (after(path, "file:") != NULL) return resources_directory(path, directory);
+    const size_t size = strlen(path) + 1;
+    *directory = malloc(size);
+    if (*directory == NULL) return false;
+    memcpy(*directory, path, size);
+    drop_last_slashes(*directory);
+    return true;
+}

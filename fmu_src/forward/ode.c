@@ -1,0 +1,99 @@
+#include "forward/ode.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "closed_form/linear_event.h"
+#include "forward/decide.h"
+#include "forward/stick.h"
+
+/* An event is late by this much, so that it is one: beyond what the inclusion takes for a tie. Else the mode
+ * would stay as it is, with the indicator already past its zero. Stops are not: to fall on beyond them would make
+ * the smallest bounces go on for ever. */
+static const double LATE_SPEED = 1e-10; /* rad/s */
+static const double LATE_TIES = 4.0;    /* ties of torque */
+static const double LATE_LOADS = 1e-11; /* of the terms of x_i; NO_REACTION and what decide.c makes of it are less */
+
+/* How far a solver may look beyond the stops: there the polynomials of the course still hold. */
+static const double OVERSHOOT = 0.05; /* of the last piece's width */
+
+bool ode_is_possible(const Mechanism *m, Fault *fault) {
+    if (has_inertia(&m->params)) return true;
+    snprintf(fault->text, sizeof fault->text,
+             "model exchange needs inertia, without it the speed is no state: allowed is inertia.shaft, "
+             "inertia.follower_mass or inertia.follower > 0 (co-simulation needs none)");
+    return false;
+}
+
+void ode_set_states(Mechanism *m, const double x[ODE_STATES]) {
+    const Transmission *transmission = &m->model.transmission;
+    const TransmissionPiece *first = &transmission->piece[0], *last = &transmission->piece[transmission->count - 1];
+    const double lower = m->params.stop.lower - OVERSHOOT * (first->upper - first->lower);
+    const double upper = m->params.stop.upper + OVERSHOOT * (last->upper - last->lower);
+    mechanism_set_motion(m, fmin(fmax(x[0], lower), upper), x[1]);
+}
+
+void ode_get_states(const Mechanism *m, double x[ODE_STATES]) {
+    x[0] = m->state.theta.hi;
+    x[1] = m->state.omega.hi;
+}
+
+bool ode_rates(const Mechanism *m, double rate[ODE_STATES], Fault *fault) {
+    rate[0] = m->state.omega.hi;
+    rate[1] = 0.0;
+    const Decision now = decision_of(m);
+    if (!is_slip(now.mode)) return true;
+    const SlipMode slip = present_slip_mode(m, now.slip_index);
+    const Balance balance = balance_from_here(m, &slip);
+    if (balance.rhs.possible && isfinite(balance.alpha)) {
+        rate[1] = balance.alpha;
+        return true;
+    }
+    snprintf(fault->text, sizeof fault->text,
+             "theta = %.17g, omega = %.17g, tau = %.17g: friction jams the motion; allowed is a geometry in which the "
+             "inertia felt is positive",
+             m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0]);
+    return false;
+}
+
+/* At rest: the torque's way to an edge of the band, in the direction `sign`; pressed: it is beyond already. */
+static double way_to_edge(const Mechanism *m, double factor, double sign, bool pressed) {
+    if (isinf(factor)) return 1.0;
+    const double late = LATE_TIES * stick_tie(m) * stick_torque_size(m, factor);
+    const double slip = sign * (stick_edge(factor, stick_axial_load(m)) - m->inputs.tau[0]);
+    return pressed ? slip - late : slip + late;
+}
+
+static void indicate_rest(const Mechanism *m, double indicator[ODE_INDICATORS]) {
+    const EdgeFactors f = stick_edges(m, stick_axial_load(m));
+    indicator[INDICATOR_LOAD] = way_to_edge(m, f.load, 1.0, m->state.mode == MODE_UPPER_STOP);
+    indicator[INDICATOR_RELEASE] = way_to_edge(m, f.release, -1.0, m->state.mode == MODE_LOWER_STOP);
+}
+
+static void indicate_slip(const Mechanism *m, int index, double indicator[ODE_INDICATORS]) {
+    const double theta = m->state.theta.hi;
+    const int direction = slip_direction(index);
+    indicator[INDICATOR_VELOCITY] = direction * m->state.omega.hi + LATE_SPEED;
+    if (direction > 0) indicator[INDICATOR_UPPER] = m->params.stop.upper - theta;
+    if (direction < 0) indicator[INDICATOR_LOWER] = theta - m->params.stop.lower;
+    if (!has_friction(&m->params)) return;
+    const SlipMode slip = present_slip_mode(m, index);
+    const Balance balance = balance_from_here(m, &slip);
+    BalanceRates rates;
+    balance_rates(&slip, &balance, 0.0, &rates);
+    for (int i = 0; i < 2; i++) {
+        const double late = LATE_LOADS * rates.size[i] + DBL_MIN; /* without any load the flank does not matter */
+        indicator[INDICATOR_FLANK_1 + i] = slip.flank[i] * balance.x[i] + late;
+    }
+}
+
+void ode_indicators(const Mechanism *m, double indicator[ODE_INDICATORS]) {
+    for (int i = 0; i < ODE_INDICATORS; i++) indicator[i] = 1.0;
+    const Decision now = decision_of(m);
+    if (is_slip(now.mode)) {
+        indicate_slip(m, now.slip_index, indicator);
+    } else {
+        indicate_rest(m, indicator);
+    }
+}

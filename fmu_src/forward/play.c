@@ -1,0 +1,253 @@
+#include "forward/play.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "forward/stick.h"
+#include "numerics/radau.h"
+
+/* Samples per piece, at least, between which the edge torque is taken to cross tau at most once. */
+enum { SAMPLES = 32 };
+
+/* The first sample is this share of a piece away; each is up to twice as far from the last as that from its own. */
+static const double FIRST_SAMPLE = 1e-6;
+
+enum { MAX_DEPTH = 30, MAX_HALVINGS = 5000 };
+
+/* Two rules of order 13 that agree are more exact than their difference. */
+static const double SHARE_OF_TOLERANCE = 0.1;
+
+/* Along the edge of the band, through one piece. */
+typedef struct {
+    const Mechanism *m;
+    const TransmissionPiece *piece;
+    int direction;
+    double torque; /* N.m, to be held */
+    int *halvings; /* left: a bound of the time a jump takes */
+} EdgePath;
+
+/* The band's edge at one angle. */
+typedef struct {
+    double torque;      /* N.m; infinite: no torque moves it on */
+    int pattern;        /* sign of F_0 and flanks: where it changes the edge has a kink */
+    double dz_dtheta;   /* m/rad */
+    double heat[2];     /* N.m, friction heat per angle at contact i */
+    double reaction[2]; /* N, |R_i|, total */
+} Edge;
+
+static Edge edge_at(const EdgePath *path, double theta) {
+    const Mechanism *m = path->m;
+    const TransmissionPoint point = piece_at(path->piece, theta);
+    const Geometry g = cam_geometry(m->params.cam, point.slope);
+    const double F_0 = spring_force(&m->params.spring, point.z) + m->inputs.F_ext[0];
+    const int away = F_0 < 0.0 ? -path->direction : path->direction; /* the band is mirrored */
+    Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = F_0 < 0.0 ? 8 : 0};
+    int flank[2];
+    Transfer t;
+    if (!contact_edge(&g, away, flank, &t)) {
+        edge.torque = F_0 == 0.0 ? 0.0 : (double)path->direction * (double)INFINITY;
+        return edge;
+    }
+    edge.torque = t.rho * F_0;
+    edge.pattern += 4 + (flank[0] > 0 ? 2 : 0) + (flank[1] > 0 ? 1 : 0);
+    for (int i = 0; i < 2; i++) {
+        const double x = fabs(t.axial[i] * F_0);
+        edge.heat[i] = cam_heat(&g, i) * x;
+        edge.reaction[i] = x * cam_length(&g, i);
+    }
+    return edge;
+}
+
+/* Torque beyond the edge, in the direction of the jump. */
+static double beyond(const EdgePath *path, double theta) {
+    return path->direction * (path->torque - edge_at(path, theta).torque);
+}
+
+/* The angle between `from`, where the torque is beyond the edge, and `to`, where it is not, at which it is held. */
+static double held_between(const EdgePath *path, double from, double to) {
+    double f_from = beyond(path, from), f_to = beyond(path, to);
+    for (int n = 0; n < 200; n++) {
+        const double middle = 0.5 * (from + to), span = f_from - f_to;
+        double theta =
+            n % 3 != 2 && span > 0.0 && isfinite(span) && f_from > 0.0 ? from + (to - from) * f_from / span : middle;
+        if (!(path->direction * (theta - from) > 0.0 && path->direction * (to - theta) > 0.0)) theta = middle;
+        if (theta == from || theta == to) break;
+        const double f = beyond(path, theta);
+        if (f == 0.0) return theta;
+        if (f > 0.0) {
+            from = theta;
+            f_from = f;
+        } else {
+            to = theta;
+            f_to = f;
+        }
+    }
+    return isfinite(f_to) ? to : from; /* a contact locks there */
+}
+
+/* Rule of order 13 over [from, to]; the heats and the work along the edge. */
+static Booking sum_over(const EdgePath *path, double from, double to) {
+    const Radau *r = radau_of(RADAU_MAX);
+    Booking sum = {.work_in = 0.0};
+    for (int j = 0; j < r->stages; j++) {
+        const Edge edge = edge_at(path, from + r->node[j] * (to - from));
+        const double weight = (to - from) * r->weight[j];
+        sum.work_in += weight * edge.torque;
+        for (int i = 0; i < 2; i++) sum.heat_cam[i] += fabs(weight) * edge.heat[i];
+        sum.work_ext += weight * edge.dz_dtheta * path->m->inputs.F_ext[0];
+    }
+    return sum;
+}
+
+static void add(Booking *sum, const Booking *part) {
+    sum->work_in += part->work_in;
+    sum->work_ext += part->work_ext;
+    for (int i = 0; i < 2; i++) sum->heat_cam[i] += part->heat_cam[i];
+}
+
+static bool alike(const Booking *a, const Booking *b, double scale) {
+    double differ = fabs(a->work_in - b->work_in) + fabs(a->work_ext - b->work_ext);
+    for (int i = 0; i < 2; i++) differ += fabs(a->heat_cam[i] - b->heat_cam[i]);
+    return !(differ > scale); /* nor is there a reason to go on where it is not a number */
+}
+
+/* Halved until the halves agree with the whole. */
+static Booking integrate(const EdgePath *path, double from, double to, const Booking *whole, double allowed,
+                         int depth) {
+    const double middle = 0.5 * (from + to);
+    const Booking left = sum_over(path, from, middle);
+    const Booking right = sum_over(path, middle, to);
+    Booking sum = left;
+    add(&sum, &right);
+    if (depth >= MAX_DEPTH || --*path->halvings < 0 || alike(&sum, whole, allowed)) return sum;
+    sum = integrate(path, from, middle, &left, allowed, depth + 1);
+    const Booking rest = integrate(path, middle, to, &right, allowed, depth + 1);
+    add(&sum, &rest);
+    return sum;
+}
+
+/* The largest reaction i between two angles that enclose one maximum, by golden sections. */
+static double largest_between(const EdgePath *path, double from, double to, int i) {
+    const double GOLDEN = 0.6180339887498949;
+    double left = from, right = to, a = right - GOLDEN * (right - left), b = left + GOLDEN * (right - left);
+    double f_a = edge_at(path, a).reaction[i], f_b = edge_at(path, b).reaction[i];
+    for (int n = 0; n < 40; n++) {
+        if (f_a > f_b) {
+            right = b;
+            b = a;
+            f_b = f_a;
+            a = right - GOLDEN * (right - left);
+            f_a = edge_at(path, a).reaction[i];
+        } else {
+            left = a;
+            a = b;
+            f_a = f_b;
+            b = left + GOLDEN * (right - left);
+            f_b = edge_at(path, b).reaction[i];
+        }
+    }
+    return fmax(f_a, f_b);
+}
+
+/* Raises the largest reactions to those on the way from `from` to `to`. */
+static void look_for_peaks(const EdgePath *path, double from, double to, Jump *jump) {
+    enum { PARTS = 4 };
+    double reaction[2][PARTS + 1];
+    for (int k = 0; k <= PARTS; k++) {
+        const Edge edge = edge_at(path, from + (to - from) * k / (int)PARTS);
+        for (int i = 0; i < 2; i++) reaction[i][k] = edge.reaction[i];
+    }
+    for (int i = 0; i < 2; i++) {
+        int best = 0;
+        for (int k = 1; k <= PARTS; k++) best = reaction[i][k] > reaction[i][best] ? k : best;
+        double largest = reaction[i][best];
+        const double step = (to - from) / (int)PARTS;
+        const double left = from + step * fmax(best - 1, 0.0), right = from + step * fmin(best + 1, (double)(int)PARTS);
+        if (largest > 0.99 * jump->reaction[i]) largest = fmax(largest, largest_between(path, left, right, i));
+        jump->reaction[i] = fmax(jump->reaction[i], largest);
+    }
+}
+
+static void book(const EdgePath *path, double from, double to, Jump *jump) {
+    const Mechanism *m = path->m;
+    if (!m->params.ledger || from == to) return;
+    look_for_peaks(path, from, to, jump);
+    const Booking whole = sum_over(path, from, to);
+    const double size = fabs(whole.work_in) + fabs(whole.work_ext) + whole.heat_cam[0] + whole.heat_cam[1];
+    /* on a dwell z and with it every energy stays what it is, but for rounding */
+    const double z = fabs(m->configuration.z) + m->model.transmission.z_size;
+    const double rounding = 64.0 * DBL_EPSILON * (size + stick_axial_size(m) * z);
+    const double allowed = SHARE_OF_TOLERANCE * m->params.tolerance * size + rounding;
+    const Booking sum = integrate(path, from, to, &whole, allowed, 0);
+    add(&jump->booking, &sum);
+}
+
+/* Books from `from` to `to`, between which there is at most one kink. */
+static void book_past_kink(const EdgePath *path, double from, double to, Jump *jump) {
+    if (!path->m->params.ledger) return;
+    const int pattern = edge_at(path, from).pattern;
+    double left = from, right = to;
+    if (edge_at(path, to).pattern == pattern) left = right;
+    for (int n = 0; n < 100 && left != right; n++) {
+        const double middle = 0.5 * (left + right);
+        if (middle == left || middle == right) break;
+        if (edge_at(path, middle).pattern == pattern) {
+            left = middle;
+        } else {
+            right = middle;
+        }
+    }
+    book(path, from, left, jump);
+    book(path, left, to, jump);
+}
+
+/* The first place in between where a contact locks, or NAN. */
+static double lock_between(const EdgePath *path, double from, double to) {
+    const Radau *r = radau_of(RADAU_MAX);
+    for (int j = 0; has_friction(&path->m->params) && j < r->stages; j++) {
+        const double theta = from + r->node[j] * (to - from);
+        if (isinf(edge_at(path, theta).torque)) return theta;
+    }
+    return NAN;
+}
+
+/* Goes on from jump->dtheta through one piece, to where the torque is held, or to its end. Returns true if held. */
+static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jump) {
+    /* where the edge is level, being on it is not being held */
+    const Mechanism *m = path->m;
+    const double tie = stick_tie(m) * stick_torque_size(m, m->configuration.geometry.dz_dtheta) + bump;
+    const double start = m->state.theta.hi, width = path->piece->upper - path->piece->lower;
+    const int direction = path->direction;
+    double from = start + jump->dtheta, step = FIRST_SAMPLE * width;
+    while (direction * (end - from) > 0.0) {
+        double to = from + direction * step;
+        if (!(direction * (end - to) > 0.0)) to = end;
+        const double lock = lock_between(path, from, to);
+        if (!isnan(lock)) to = lock;
+        const double left = beyond(path, to);
+        const bool held = isinf(left) || !(left >= -tie);
+        if (held) to = held_between(path, from, to);
+        book_past_kink(path, from, to, jump);
+        jump->dtheta = to - start;
+        if (held) return true;
+        from = to;
+        step = fmin(2.0 * step, width / (int)SAMPLES);
+    }
+    return false;
+}
+
+void play_jump(const Mechanism *m, int direction, double torque, double bump, Jump *jump) {
+    const Transmission *transmission = &m->model.transmission;
+    const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+    const TransmissionPiece *last = direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
+    int halvings = MAX_HALVINGS;
+    EdgePath path = {m, transmission_piece(transmission, m->state.theta.hi, direction), direction, torque, &halvings};
+    *jump = (Jump){.stopped = false};
+    for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
+    for (;; path.piece += direction) {
+        const double breakpoint = direction > 0 ? path.piece->upper : path.piece->lower;
+        if (cross_piece(&path, path.piece == last ? stop : breakpoint, bump, jump)) return;
+        if (path.piece == last) break;
+    }
+    jump->stopped = true;
+}

@@ -1,0 +1,185 @@
+#include "forward/stick.h"
+
+#include <math.h>
+
+#include "contact/balance.h"
+#include "numerics/bernstein.h"
+
+double stick_axial_load(const Mechanism *m) {
+    return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
+}
+
+double stick_axial_size(const Mechanism *m) {
+    const SpringParams *s = &m->params.spring;
+    const double TRANSMISSION_SHARE = 0.1; /* the course's digits are of its size */
+    const double z = fabs(axial_position(m)) + TRANSMISSION_SHARE * m->model.transmission.z_size;
+    return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
+           fabs(m->inputs.F_ext[0]);
+}
+
+double stick_torque_size(const Mechanism *m, double factor) {
+    /* a factor can vanish, on a dwell or where a contact begins to lock; its rounding does not */
+    const double TRANSMISSION_SHARE = 0.01; /* the course's digits are of its size */
+    const double rest = m->configuration.geometry.dz_dtheta + TRANSMISSION_SHARE * m->model.transmission.slope_size;
+    const double lever = m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
+    return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
+}
+
+BandFactors stick_band(const Mechanism *m) {
+    return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
+}
+
+/* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
+EdgeFactors stick_edges(const Mechanism *m, double side) {
+    const BandFactors band = stick_band(m);
+    if (side >= 0.0) return (EdgeFactors){.release = band.release, .load = band.load};
+    return (EdgeFactors){.release = band.load, .load = band.release};
+}
+
+double stick_edge(double factor, double F_0) {
+    return F_0 == 0.0 ? 0.0 : factor * F_0; /* no load, no friction, however locked */
+}
+
+/* The sign that F_0 has, or is about to take where it is no more than rounding. */
+static double side_of(const Mechanism *m, double F_0) {
+    if (fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return F_0;
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (m->inputs.F_ext[k] != 0.0) return m->inputs.F_ext[k];
+    return F_0;
+}
+
+/* k-th time derivative of tau - factor F_0 at rest; what is left of two that cancel is none. */
+static double excess_rate(const Mechanism *m, double factor, int k) {
+    const double CANCELLED = m->model.closed_form ? 0.0 : 1e-12;
+    const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
+    return fabs(tau - load) <= CANCELLED * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
+}
+
+/* Is tau beyond factor F_0, on the side of `sign`? At the edge itself its first derivative that is not zero decides.
+ * No torque is beyond an infinite edge. */
+static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
+    if (isinf(factor)) return false;
+    const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
+    if (fabs(excess) > stick_tie(m) * stick_torque_size(m, factor)) return sign * excess > 0.0;
+    for (int k = 1; k <= INPUT_ORDER; k++) {
+        const double rate = excess_rate(m, factor, k);
+        if (rate != 0.0) return sign * rate > 0.0;
+    }
+    return false;
+}
+
+int stick_pressed(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
+}
+
+bool stick_is_on_edge(const Mechanism *m, int direction) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    const double factor = direction > 0 ? f.load : f.release;
+    if (isinf(factor)) return false;
+    const double LEVEL = 1e-9; /* of the rates that should cancel */
+    const double tau = m->inputs.tau[1], load = stick_edge(factor, m->inputs.F_ext[1]);
+    if (fabs(tau - load) > LEVEL * (fabs(tau) + fabs(load))) return false;
+    return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
+}
+
+Mode stick_mode(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m), balance = m->configuration.geometry.dz_dtheta;
+    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    if (isinf(f.release) && is_beyond(m, balance, F_0, -1.0)) return MODE_WEDGED;
+    if (isinf(f.load) && is_beyond(m, balance, F_0, 1.0)) return MODE_WEDGED;
+    return MODE_STICK;
+}
+
+/* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
+static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
+    const double balance = m->configuration.geometry.dz_dtheta, excess = m->inputs.tau[0] - balance * F_0;
+    return fabs(excess) <= stick_tie(m) * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
+}
+
+/* The torque interval in which the present mode of rest stays while F_0 has the sign of `side`. */
+static EdgeFactors rest_factors(const Mechanism *m, double F_0, double side) {
+    const EdgeFactors band = stick_edges(m, side);
+    const double balance = m->configuration.geometry.dz_dtheta;
+    const double release = isfinite(band.release) ? band.release : balance;
+    const double load = isfinite(band.load) ? band.load : balance;
+    const double open = side < 0.0 ? -INFINITY : INFINITY;
+    const EdgeFactors above = {.release = load, .load = open}, below = {.release = -open, .load = release};
+    switch (m->state.mode) {
+        case MODE_LOWER_STOP: return below;
+        case MODE_UPPER_STOP: return above;
+        case MODE_WEDGED: return wedged_above(m, &band, F_0) ? above : below;
+        default: return (EdgeFactors){.release = release, .load = load};
+    }
+}
+
+/* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
+static double margin(const Mechanism *m, double factor) {
+    if (m->state.mode == MODE_STICK) return 0.0;
+    return 4.0 * stick_tie(m) * fabs(factor) * stick_axial_size(m) + DBL_MIN;
+}
+
+RestInterval stick_rest_interval(const Mechanism *m) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = rest_factors(m, F_0, F_0);
+    return (RestInterval){
+        .lower = isinf(f.release) ? -INFINITY : stick_edge(f.release, F_0) + margin(m, f.release),
+        .upper = isinf(f.load) ? INFINITY : stick_edge(f.load, F_0) - margin(m, f.load),
+        .F_ext = m->inputs.F_ext[0],
+        .valid = m->state.mode != MODE_WEDGED || stick_pressed(m) == 0,
+    };
+}
+
+/* First time in (0, t_end] at which the polynomial u, with sign, rises above zero; it starts at or below, or within
+ * rounding above. Infinity if it does not. */
+static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
+    if (u[2] == 0.0 && u[3] == 0.0) { /* linear: exact */
+        if (!(sign * u[1] > 0.0)) return INFINITY;
+        const double t = fmax(-sign * u[0], 0.0) / (sign * u[1]);
+        return t <= t_end ? t : INFINITY;
+    }
+    double below[INPUT_ORDER + 1];
+    for (int k = 0; k <= INPUT_ORDER; k++) below[k] = -sign * u[k];
+    below[0] = fmax(below[0], 0.0);
+    const Bernstein p = bernstein_of_taylor(below, t_end);
+    return t_end * bernstein_descent(&p);
+}
+
+/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, or infinity. */
+static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double t_end) {
+    if (isinf(factor)) return INFINITY;
+    double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
+    for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = excess_rate(m, factor, k);
+    return time_above(excess, sign, t_end);
+}
+
+/* First time in (0, left] at which F_0 changes its sign. */
+static double time_to_mirror(const Mechanism *m, double F_0, double left) {
+    double force[INPUT_ORDER + 1] = {F_0};
+    for (int k = 1; k <= INPUT_ORDER; k++) force[k] = m->inputs.F_ext[k];
+    const double side = side_of(m, F_0);
+    if (side * F_0 <= 0.0) force[0] = 0.0; /* about to take the sign of `side` */
+    if (force[0] == 0.0 && inputs_within(&m->inputs, 1)) return INFINITY;
+    return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
+}
+
+/* To the torque leaving the interval, or to F_0 changing its sign: the band is mirrored there, so the hold is
+ * looked at anew. */
+double stick_rest_time(const Mechanism *m, double left) {
+    const double F_0 = stick_axial_load(m);
+    const EdgeFactors f = rest_factors(m, F_0, side_of(m, F_0));
+    const double t_end = fmin(time_to_mirror(m, F_0, left), left);
+    const double above = time_beyond(m, f.load, F_0, 1.0, t_end), below = time_beyond(m, f.release, F_0, -1.0, t_end);
+    return fmin(t_end, fmin(above, below));
+}
+
+double stick_sharing(const Mechanism *m, int i) {
+    const Geometry *g = &m->configuration.geometry;
+    return g->dpsi_dtheta[i] * cam_length(g, i) / g->radius[i] / m->params.contacts;
+}
+
+double stick_reaction(const Mechanism *m, int i) {
+    return stick_axial_load(m) * stick_sharing(m, i);
+}

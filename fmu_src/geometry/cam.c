@@ -1,0 +1,17 @@
+#include "geometry/cam.h"
+
+#include <math.h>
+
+Geometry cam_geometry(const CamParams cam[2], const double slope[2]) {
+    Geometry g = {.dz_dtheta = 0.0};
+    for (int i = 0; i < 2; i++) {
+        g.radius[i] = cam[i].radius;
+        g.friction[i] = cam[i].friction;
+        g.slope[i] = fmax(slope[i], 0.0); /* level, but for rounding */
+    }
+    const double sum = g.slope[0] + g.slope[1];
+    g.dpsi_dtheta[0] = g.slope[1] / sum;
+    g.dpsi_dtheta[1] = g.slope[0] / sum;
+    g.dz_dtheta = g.slope[0] * g.dpsi_dtheta[0];
+    return g;
+}

@@ -1,0 +1,35 @@
+/* Samples of a groove from a CSV file: header `psi_rad,z_m`, then two numbers per line. */
+#ifndef DUALCAM_GROOVE_CSV_H
+#define DUALCAM_GROOVE_CSV_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "model/fault.h"
+
+enum { QUOTED_PATH = 120 }; /* bytes of a path in a message */
+enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
+
+typedef struct {
+    double psi; /* rad */
+    double z;   /* m */
+} Sample;
+
+/* psi strictly increases and includes 0; z does not decrease. */
+typedef struct {
+    Sample *sample; /* owned */
+    size_t count;
+} Samples;
+
+/* Reads the file `path`: absolute, or relative to the directory `resources` (NULL: there is none).
+ * `variable` is the parameter that names the file, for messages. On failure returns false with the
+ * reason in `fault`; `samples` is then empty. */
+bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault);
+
+/* Safe on zeroed Samples, and twice. */
+void samples_free(Samples *samples);
+
+/* How many bytes of a text to quote in a message: at most `limit`, no UTF-8 character cut. */
+int samples_quoted(const char *text, int limit);
+
+#endif

@@ -1,0 +1,28 @@
+/* What an output can be differentiated by. */
+#ifndef DUALCAM_KNOWN_H
+#define DUALCAM_KNOWN_H
+
+typedef enum {
+    KNOWN_THETA, /* state of the forward FMU, input of the inverse; so omega */
+    KNOWN_OMEGA,
+    KNOWN_ALPHA,
+    KNOWN_TAU,
+    KNOWN_F_EXT,
+    KNOWN_FRICTION_1, /* tunable parameters from here on */
+    KNOWN_FRICTION_2,
+    KNOWN_PRELOAD,
+    KNOWN_STIFFNESS,
+    KNOWN_STIFFNESS2,
+    KNOWN_STIFFNESS3,
+    KNOWN_C_LOAD,
+    KNOWN_Q_LOAD,
+    KNOWN_C_RELEASE,
+    KNOWN_Q_RELEASE,
+    KNOWN_COUNT
+} Known;
+
+typedef struct {
+    double by[KNOWN_COUNT]; /* unit of the output per unit of the knob */
+} Partials;
+
+#endif

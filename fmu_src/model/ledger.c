@@ -1,0 +1,42 @@
+#include "model/ledger.h"
+
+#include <math.h>
+#include <stddef.h>
+
+void ledger_open(Ledger *ledger, double stored) {
+    *ledger = (Ledger){.start = stored};
+}
+
+/* Most scenes lack these sinks; a sink that takes nothing costs a comparison. */
+static void add(Sum *account, double joule) {
+    if (joule != 0.0) sum_add(account, joule);
+}
+
+void ledger_book(Ledger *ledger, const Booking *booking) {
+    sum_add(&ledger->work_in, booking->work_in);
+    sum_add(&ledger->heat_cam[0], booking->heat_cam[0]);
+    sum_add(&ledger->heat_cam[1], booking->heat_cam[1]);
+    add(&ledger->work_ext, booking->work_ext);
+    add(&ledger->heat_damper, booking->heat_damper);
+    add(&ledger->heat_shaft, booking->heat_shaft);
+}
+
+double ledger_residual(const Ledger *ledger, double stored) {
+    const Sum *sink[] = {&ledger->work_ext,    &ledger->heat_cam[0], &ledger->heat_cam[1],
+                         &ledger->heat_damper, &ledger->heat_shaft,  &ledger->heat_stop};
+    Sum residual = ledger->work_in;
+    sum_add(&residual, ledger->work_tuning.hi);
+    sum_add(&residual, ledger->work_tuning.lo);
+    for (size_t i = 0; i < sizeof sink / sizeof sink[0]; i++) {
+        sum_add(&residual, -sink[i]->hi);
+        sum_add(&residual, -sink[i]->lo);
+    }
+    sum_add(&residual, ledger->start);
+    sum_add(&residual, -stored);
+    return residual.hi;
+}
+
+void peak_raise(double *peak, double value) {
+    const double size = fabs(value);
+    *peak = size > *peak ? size : *peak; /* no branch: nothing foretells which */
+}

@@ -1,0 +1,46 @@
+/* Accounts in joules and the largest values seen. */
+#ifndef DUALCAM_LEDGER_H
+#define DUALCAM_LEDGER_H
+
+#include "numerics/sum.h"
+
+typedef struct {
+    double torque;      /* N.m, largest |tau| */
+    double omega;       /* rad/s, largest |omega| */
+    double reaction[2]; /* N, largest |R_i| per contact */
+} Peaks;
+
+typedef struct {
+    Sum work_in;     /* integral of tau omega */
+    Sum work_ext;    /* integral of F_ext v: work done against F_ext */
+    Sum work_tuning; /* jumps of the spring's energy when it is tuned */
+    Sum heat_cam[2]; /* friction at contact i */
+    Sum heat_damper; /* integral of D(v) v */
+    Sum heat_shaft;  /* integral of b omega^2 */
+    Sum heat_stop;   /* kinetic energy lost at the end stops */
+    double start;    /* spring and kinetic energy at the start */
+    Peaks peak;
+} Ledger;
+
+/* Apart from the accounts: it takes longer than all of them. */
+typedef struct {
+    double residual; /* J, see ledger_residual() */
+} Audit;
+
+/* What one stretch of motion in one mode adds. All in J. */
+typedef struct {
+    double work_in, work_ext;
+    double heat_cam[2], heat_damper, heat_shaft;
+} Booking;
+
+/* An empty ledger of a mechanism that holds `stored` joules at the start. */
+void ledger_open(Ledger *ledger, double stored);
+void ledger_book(Ledger *ledger, const Booking *booking);
+
+/* work_in + work_tuning - work_ext - heats - (stored - start): zero to rounding. */
+double ledger_residual(const Ledger *ledger, double stored);
+
+/* Raises *peak to |value|. */
+void peak_raise(double *peak, double value);
+
+#endif

@@ -1,0 +1,135 @@
+/* What the user chooses (Params) and what acts from outside (Inputs). SI units throughout. */
+#ifndef DUALCAM_PARAMS_H
+#define DUALCAM_PARAMS_H
+
+#include <math.h>
+#include <stdbool.h>
+
+enum { INPUT_ORDER = 3 }; /* highest time derivative of an input that a step can carry */
+
+enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
+enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
+
+typedef struct {
+    double radius;     /* m, > 0 */
+    double lead_angle; /* rad, in [0, pi/2) */
+    double ellipse_a;  /* m */
+    double ellipse_b;  /* m */
+    double friction;   /* Coulomb coefficient mu */
+    int profile;       /* PROFILE_* */
+    int ellipse_curvature;
+} CamParams;
+
+typedef struct {
+    double preload;    /* N */
+    double stiffness;  /* N/m */
+    double stiffness2; /* N/m^2 */
+    double stiffness3; /* N/m^3 */
+} SpringParams;
+
+typedef struct {
+    double c_load;    /* N.s/m, acts while v > 0 */
+    double q_load;    /* N.s^2/m^2 */
+    double c_release; /* N.s/m, acts while v < 0 */
+    double q_release; /* N.s^2/m^2 */
+} DamperParams;
+
+typedef struct {
+    double shaft;         /* kg.m^2, J */
+    double follower_mass; /* kg, m */
+    double follower;      /* kg.m^2, I */
+} InertiaParams;
+
+typedef struct {
+    double damping;   /* N.m.s/rad, b */
+    double stiffness; /* N.m/rad, K between port and cam 2; 0: rigid. Only inverse dynamics uses it. */
+} ShaftParams;
+
+typedef struct {
+    double lower;       /* rad */
+    double upper;       /* rad, > lower */
+    double restitution; /* e in [0, 1] */
+} StopParams;
+
+typedef struct {
+    double theta; /* rad */
+    double omega; /* rad/s; without inertia the speed is no state and this is not used */
+} InitialParams;
+
+typedef struct {
+    CamParams cam[2];
+    SpringParams spring;
+    DamperParams damper;
+    InertiaParams inertia;
+    ShaftParams shaft;
+    StopParams stop;
+    InitialParams initial;
+    double tolerance;               /* relative, of what is integrated step by step; no variable of the FMU */
+    int contacts;                   /* follower ends that share the load, 1 or 2 */
+    bool ledger;                    /* keep energy and peak accounts */
+    char table[2][TABLE_PATH_SIZE]; /* file with the sampled groove of each cam */
+} Params;
+
+/* What may change at a communication point. */
+typedef struct {
+    double friction[2];
+    SpringParams spring;
+    DamperParams damper;
+} Tunables;
+
+/* value[k] is the k-th time derivative at the start of the step: u(t) = sum value[k] t^k / k! */
+typedef struct {
+    double tau[INPUT_ORDER + 1];   /* N.m, applied to cam 2, + loads */
+    double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
+} Inputs;
+
+/* The input's value and derivatives t later. */
+static inline void input_shift(double u[INPUT_ORDER + 1], double t) {
+    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
+    u[1] += t * (u[2] + t / 2.0 * u[3]);
+    u[2] += t * u[3];
+}
+
+/* rad, between the stops: what the rounding of theta is of. */
+static inline double largest_angle(const Params *p) {
+    return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+}
+
+/* J: (J + m z'^2 + I gamma'^2) omega^2/2, of `lift` z' and `turn` gamma'. */
+static inline double kinetic_energy_of(const InertiaParams *i, double dz_dtheta, double dpsi_dtheta, double omega) {
+    return 0.5 * (i->shaft + i->follower_mass * dz_dtheta * dz_dtheta + i->follower * dpsi_dtheta * dpsi_dtheta) *
+           omega * omega;
+}
+
+static inline bool has_inertia(const Params *p) {
+    return p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0;
+}
+
+static inline bool has_friction(const Params *p) {
+    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
+}
+
+/* Is the input a polynomial of at most that degree? */
+static inline bool inputs_within(const Inputs *inputs, int degree) {
+    for (int k = degree + 1; k <= INPUT_ORDER; k++)
+        if (inputs->tau[k] != 0.0 || inputs->F_ext[k] != 0.0) return false;
+    return true;
+}
+
+/* Is every force linear in position and speed? Then slip in straight grooves has a closed form. */
+static inline bool is_linear(const Params *p) {
+    return p->spring.stiffness2 == 0.0 && p->spring.stiffness3 == 0.0 && p->damper.q_load == 0.0 &&
+           p->damper.q_release == 0.0;
+}
+
+static inline bool inputs_load_constant(const Inputs *inputs) {
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (inputs->F_ext[k] != 0.0) return false;
+    return true;
+}
+
+static inline bool inputs_constant(const Inputs *inputs) {
+    return inputs_within(inputs, 0);
+}
+
+#endif

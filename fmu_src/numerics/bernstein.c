@@ -1,0 +1,170 @@
+#include "numerics/bernstein.h"
+
+#include <math.h>
+
+enum { MAX_DEPTH = 48 }; /* halvings: below that an interval has no width in double precision */
+
+double bernstein_value(const Bernstein *p, double x) {
+    double c[BERNSTEIN_MAX + 1];
+    for (int i = 0; i <= p->degree; i++) c[i] = p->c[i];
+    for (int level = p->degree; level > 0; level--)
+        for (int i = 0; i < level; i++) c[i] += x * (c[i + 1] - c[i]);
+    return c[0];
+}
+
+bool bernstein_is_monotone(const Bernstein *p) {
+    bool rises = true, falls = true;
+    for (int i = 0; i < p->degree; i++) {
+        rises = rises && p->c[i + 1] >= p->c[i];
+        falls = falls && p->c[i + 1] <= p->c[i];
+    }
+    return rises || falls;
+}
+
+/* The halves of p, each on [0, 1] again (de Casteljau). */
+static void halve(const Bernstein *p, Bernstein *left, Bernstein *right) {
+    const int n = p->degree;
+    left->degree = right->degree = n;
+    *right = *p;
+    for (int level = 0; level <= n; level++) {
+        left->c[level] = right->c[0];
+        for (int i = 0; i < n - level; i++) right->c[i] = 0.5 * (right->c[i] + right->c[i + 1]);
+    }
+}
+
+static bool has_negative(const Bernstein *p) {
+    for (int i = 0; i <= p->degree; i++)
+        if (p->c[i] < 0.0) return true;
+    return false;
+}
+
+static int sign_changes(const Bernstein *p) {
+    int changes = 0;
+    double last = 0.0;
+    for (int i = 0; i <= p->degree; i++) {
+        if (p->c[i] == 0.0) continue;
+        if (last != 0.0 && (last > 0.0) != (p->c[i] > 0.0)) changes++;
+        last = p->c[i];
+    }
+    return changes;
+}
+
+/* The zero of sign p in (left, right], of which the values there are f_left >= 0 and f_right <= 0, to `width`: bisection
+ * and regula falsi by turns. */
+static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
+                           double width) {
+    for (int n = 0; n < 100 && right - left > width; n++) {
+        const double span = f_left - f_right;
+        double x = n % 3 == 2 || !(span > 0.0) ? 0.5 * (left + right) : left + (right - left) * f_left / span;
+        if (!(x > left && x < right)) x = 0.5 * (left + right);
+        const double f = sign * bernstein_value(p, x);
+        if (f > 0.0) {
+            left = x;
+            f_left = f;
+        } else {
+            right = x;
+            f_right = f;
+        }
+    }
+    return right;
+}
+
+/* The one zero of p in (0, 1], p > 0 before and < 0 after it. */
+static double only_zero(const Bernstein *p) {
+    return zero_between(p, 1.0, 0.0, fmax(p->c[0], 0.0), 1.0, fmin(p->c[p->degree], 0.0), 1e-15);
+}
+
+static double descent(const Bernstein *p, int depth) {
+    if (!has_negative(p)) return INFINITY;
+    if (sign_changes(p) == 1 && p->c[p->degree] < 0.0) return only_zero(p);
+    if (depth >= MAX_DEPTH) return p->c[p->degree] < 0.0 ? 1.0 : INFINITY;
+    Bernstein left, right;
+    halve(p, &left, &right);
+    double x = descent(&left, depth + 1);
+    if (x < INFINITY) return 0.5 * x;
+    if (left.c[left.degree] < 0.0) return 0.5; /* it fell in between, within rounding */
+    x = descent(&right, depth + 1);
+    return x < INFINITY ? 0.5 + 0.5 * x : INFINITY;
+}
+
+double bernstein_descent(const Bernstein *p) {
+    Bernstein q = *p;
+    int first = 0; /* first coefficient that tells which way it goes */
+    while (first <= q.degree && !(q.c[first] > 0.0) && !(q.c[first] < 0.0)) first++;
+    if (first > q.degree) return INFINITY;
+    if (q.c[0] < 0.0) {
+        if (q.degree == 0 || !(q.c[1] > q.c[0])) return 0.0;
+        q.c[0] = 0.0;
+        return descent(&q, 0);
+    }
+    if (q.c[first] < 0.0) return 0.0;
+    return descent(&q, 0);
+}
+
+/* The sign of the first (step 1) or last (step -1) coefficient that has one, or 0. */
+static int outer_sign(const Bernstein *p, int step) {
+    for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step)
+        if (p->c[i] != 0.0) return p->c[i] > 0.0 ? 1 : -1;
+    return 0;
+}
+
+static double only_crossing(const Bernstein *p) {
+    Bernstein falling = *p;
+    const double sign = outer_sign(p, 1);
+    for (int i = 0; i <= p->degree; i++) falling.c[i] *= sign;
+    return only_zero(&falling);
+}
+
+/* Adds those of p, which is the whole polynomial on [from, from + width]. */
+static int collect_crossings(const Bernstein *p, double from, double width, int depth, double *x, int count) {
+    const int changes = sign_changes(p);
+    if (changes == 0 || (depth >= MAX_DEPTH && changes % 2 == 0) || count >= BERNSTEIN_MAX) return count;
+    if (changes == 1 || depth >= MAX_DEPTH) {
+        x[count] = from + width * only_crossing(p);
+        return count + 1;
+    }
+    Bernstein left, right;
+    halve(p, &left, &right);
+    count = collect_crossings(&left, from, 0.5 * width, depth + 1, x, count);
+    const bool between = right.c[0] == 0.0 && outer_sign(&left, -1) * outer_sign(&right, 1) < 0;
+    if (between && count < BERNSTEIN_MAX) x[count++] = from + 0.5 * width;
+    return collect_crossings(&right, from + 0.5 * width, 0.5 * width, depth + 1, x, count);
+}
+
+int bernstein_crossings(const Bernstein *p, double x[BERNSTEIN_MAX]) {
+    return collect_crossings(p, 0.0, 1.0, 0, x, 0);
+}
+
+Bernstein bernstein_derivative(const Bernstein *p) {
+    Bernstein d = {.degree = p->degree > 0 ? p->degree - 1 : 0};
+    for (int i = 0; i < p->degree; i++) d.c[i] = p->degree * (p->c[i + 1] - p->c[i]);
+    return d;
+}
+
+/* Candidates are the ends and a maximum near the largest of 16 samples. */
+double bernstein_peak(const Bernstein *p) {
+    enum { SAMPLES = 16 };
+    int best = 0;
+    double largest = -1.0;
+    for (int i = 0; i <= SAMPLES; i++) {
+        const double size = fabs(bernstein_value(p, (double)i / (int)SAMPLES));
+        if (size > largest) {
+            largest = size;
+            best = i;
+        }
+    }
+    const double sign = bernstein_value(p, (double)best / (int)SAMPLES) < 0.0 ? -1.0 : 1.0;
+    const Bernstein d = bernstein_derivative(p);
+    double left = fmax(best - 1.0, 0.0) / (int)SAMPLES, right = fmin(best + 1.0, (double)(int)SAMPLES) / (int)SAMPLES;
+    const double rises = sign * bernstein_value(&d, left), falls = sign * bernstein_value(&d, right);
+    if (rises <= 0.0 || falls >= 0.0) return (double)best / (int)SAMPLES; /* no maximum inside */
+    return zero_between(&d, sign, left, rises, right, falls, 1e-10);
+}
+
+Bernstein bernstein_of_taylor(const double u[4], double t_end) {
+    const double a0 = u[0], a1 = u[1] * t_end, a2 = u[2] * t_end * t_end / 2.0, a3 = u[3] * t_end * t_end * t_end / 6.0;
+    return (Bernstein){
+        .degree = 3,
+        .c = {a0, a0 + a1 / 3.0, a0 + 2.0 * a1 / 3.0 + a2 / 3.0, a0 + a1 + a2 + a3},
+    };
+}

@@ -1,0 +1,60 @@
+#include "numerics/jet.h"
+
+Jet jet_of_derivatives(const double u[JET_TERMS]) {
+    Jet a = {.c = {{u[0], 0.0}}};
+    double factorial = 1.0;
+    for (int k = 1; k < JET_TERMS; k++) {
+        factorial *= k;
+        a.c[k].value = u[k] / factorial;
+    }
+    return a;
+}
+
+Jet jet_line(Dual offset, Dual factor, const Jet *a) {
+    Jet line;
+    for (int k = 0; k < JET_TERMS; k++) line.c[k] = dual_multiply(factor, a->c[k]);
+    line.c[0] = dual_add(line.c[0], offset);
+    return line;
+}
+
+void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b) {
+    for (int k = 0; k < JET_TERMS; k++)
+        for (int j = 0; j <= k; j++)
+            sum->c[k] = dual_add(sum->c[k], dual_scale(factor, dual_multiply(a->c[j], b->c[k - j])));
+}
+
+void jet_add_scaled(Jet *sum, double factor, const Jet *a) {
+    for (int k = 0; k < JET_TERMS; k++) sum->c[k] = dual_add(sum->c[k], dual_scale(factor, a->c[k]));
+}
+
+Jet jet_multiply(const Jet *a, const Jet *b) {
+    Jet product = {.c = {{0.0, 0.0}}};
+    jet_add_product(&product, 1.0, a, b);
+    return product;
+}
+
+Jet jet_divide(const Jet *a, const Jet *b) {
+    Jet quotient;
+    for (int k = 0; k < JET_TERMS; k++) {
+        Dual rest = a->c[k];
+        for (int j = 1; j <= k; j++) rest = dual_add(rest, dual_scale(-1.0, dual_multiply(b->c[j], quotient.c[k - j])));
+        const double value = rest.value / b->c[0].value;
+        quotient.c[k] = (Dual){value, (rest.slope - value * b->c[0].slope) / b->c[0].value};
+    }
+    return quotient;
+}
+
+Jet jet_rate(const Jet *a) {
+    Jet rate = {.c = {{0.0, 0.0}}};
+    for (int k = 1; k < JET_TERMS; k++) rate.c[k - 1] = dual_scale(k, a->c[k]);
+    return rate;
+}
+
+Jet jet_polynomial(const double *p, int degree, const Jet *x) {
+    Jet sum = {.c = {{p[degree], 0.0}}};
+    for (int k = degree - 1; k >= 0; k--) {
+        sum = jet_multiply(&sum, x);
+        sum.c[0].value += p[k];
+    }
+    return sum;
+}

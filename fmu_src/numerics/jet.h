@@ -1,0 +1,34 @@
+/* Truncated Taylor polynomials in time, f(t) = sum c_k t^k, and the arithmetic that carries them along, exactly: the
+ * k-th time derivative of f is k! c_k. Each coefficient is a dual number: a derivative by one knob comes along.
+ * (A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapter 13.) */
+#ifndef DUALCAM_JET_H
+#define DUALCAM_JET_H
+
+#include "numerics/dual.h"
+
+enum { JET_TERMS = 4 };
+
+typedef struct {
+    Dual c[JET_TERMS];
+} Jet;
+
+/* The function whose value and derivatives at t = 0 are u. */
+Jet jet_of_derivatives(const double u[JET_TERMS]);
+
+/* offset + factor a */
+Jet jet_line(Dual offset, Dual factor, const Jet *a);
+
+/* sum += factor a b, sum += factor a */
+void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b);
+void jet_add_scaled(Jet *sum, double factor, const Jet *a);
+
+Jet jet_multiply(const Jet *a, const Jet *b);
+Jet jet_divide(const Jet *a, const Jet *b);
+
+/* da/dt; its last coefficient is unknown and left 0. */
+Jet jet_rate(const Jet *a);
+
+/* p[0] + p[1] x + ... + p[degree] x^degree */
+Jet jet_polynomial(const double *p, int degree, const Jet *x);
+
+#endif

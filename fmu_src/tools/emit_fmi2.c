@@ -1,0 +1,173 @@
+/* modelDescription.xml of FMI 2.0. */
+#include "tools/emit.h"
+
+static void put_type(Sink *sink, const Unit *unit) {
+    put(sink, "    <SimpleType");
+    put_attribute(sink, "name", unit->quantity);
+    put(sink, "><Real");
+    put_attribute(sink, "quantity", unit->quantity);
+    put_attribute(sink, "unit", unit->name);
+    if (unit->display[0] != '\0') put_attribute(sink, "displayUnit", unit->display);
+    put(sink, "/></SimpleType>\n");
+}
+
+/* ---- variables ----
+ * A continuous state and its derivative have a second name each, of their own, after all others: Maestro 3.1.1 takes
+ * an output that is a state, with a derivative in the list of derivatives, for one whose derivatives it has to hand
+ * on to inputs that are interpolated, and fails over that. */
+
+static unsigned rate_count(void) {
+    unsigned n = 0;
+    while (RATES[n].rate != VARIABLE_COUNT) n++;
+    return n;
+}
+
+/* Places in the list of variables, from 1. */
+static unsigned index_of(unsigned reference) {
+    return reference + 1;
+}
+
+static unsigned index_of_state(unsigned row) {
+    return VARIABLE_COUNT + row + 1;
+}
+
+static unsigned index_of_rate(unsigned row) {
+    return VARIABLE_COUNT + rate_count() + row + 1;
+}
+
+static unsigned index_of_known(unsigned reference) {
+    for (unsigned row = 0; row < rate_count(); row++)
+        if (RATES[row].state == reference) return index_of_state(row);
+    return index_of(reference);
+}
+
+static void put_variable(Sink *sink, unsigned reference) {
+    const Variable *variable = &VARIABLES[reference];
+    put(sink, "    <ScalarVariable");
+    put_variable_attributes(sink, reference);
+    print(sink, ">\n      <%s", type_name(variable->type));
+    put_unit_and_range(sink, variable);
+    Digits room;
+    if (has_start(variable))
+        put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(variable, &room));
+    put(sink, "/>\n    </ScalarVariable>\n");
+}
+
+static void put_second_name(Sink *sink, unsigned reference, const char *format, const char *state) {
+    char name[64];
+    snprintf(name, sizeof name, format, state);
+    put(sink, "    <ScalarVariable");
+    put_attribute(sink, "name", name);
+    put_number(sink, "valueReference", reference);
+    print(sink, " causality=\"local\" variability=\"continuous\" initial=\"calculated\"");
+    print(sink, " description=\"Of model exchange: another name of %s\"", VARIABLES[reference].name);
+    put(sink, ">\n      <Real");
+    put_unit_and_range(sink, &VARIABLES[reference]);
+}
+
+static void put_states(Sink *sink) {
+    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++) {
+        put_second_name(sink, row->state, "state.%s", VARIABLES[row->state].name);
+        put(sink, " reinit=\"true\"/>\n    </ScalarVariable>\n"); /* end stops, and what friction stops */
+    }
+    for (unsigned row = 0; row < rate_count(); row++) {
+        put_second_name(sink, RATES[row].rate, "der(state.%s)", VARIABLES[RATES[row].state].name);
+        put_number(sink, "derivative", index_of_state(row));
+        put(sink, "/>\n    </ScalarVariable>\n");
+    }
+}
+
+static void put_variables(Sink *sink) {
+    put(sink, "  <ModelVariables>\n");
+    for (unsigned i = 0; i < VARIABLE_COUNT; i++) put_variable(sink, i);
+    put_states(sink);
+    put(sink, "  </ModelVariables>\n");
+}
+
+/* ---- model structure ---- */
+
+static void put_unknown(Sink *sink, unsigned index, unsigned reference, const Dependency *list) {
+    print(sink, "      <Unknown index=\"%u\"", index);
+    put_dependencies(sink, reference, list, index_of_known);
+    put(sink, "/>\n");
+}
+
+static void put_outputs(Sink *sink, const Dependency *list) {
+    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+        if (is_output(i)) put_unknown(sink, index_of(i), i, list);
+}
+
+static void put_rates(Sink *sink, const Dependency *list) {
+    for (unsigned row = 0; row < rate_count(); row++) put_unknown(sink, index_of_rate(row), RATES[row].rate, list);
+}
+
+static void put_structure(Sink *sink) {
+    put(sink, "  <ModelStructure>\n    <Outputs>\n");
+    put_outputs(sink, DEPENDENCIES);
+    put(sink, "    </Outputs>\n");
+    if (rate_count() > 0) {
+        put(sink, "    <Derivatives>\n");
+        put_rates(sink, DEPENDENCIES);
+        put(sink, "    </Derivatives>\n");
+    }
+    put(sink, "    <InitialUnknowns>\n");
+    put_outputs(sink, INITIAL_DEPENDENCIES);
+    for (unsigned row = 0; row < rate_count(); row++)
+        put_unknown(sink, index_of_state(row), RATES[row].state, INITIAL_DEPENDENCIES);
+    put_rates(sink, INITIAL_DEPENDENCIES);
+    put(sink, "    </InitialUnknowns>\n  </ModelStructure>\n");
+}
+
+/* ---- document ---- */
+
+static void put_sources(Sink *sink, char *const *sources) {
+    put(sink, "    <SourceFiles>\n");
+    for (char *const *source = sources; *source != NULL; source++) {
+        put(sink, "      <File");
+        put_attribute(sink, "name", *source);
+        put(sink, "/>\n");
+    }
+    put(sink, "    </SourceFiles>\n");
+}
+
+/* The end of the attributes, and the sources. */
+static void put_common_capabilities(Sink *sink, char *const *sources) {
+    put(sink, "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
+              "\n    canNotUseMemoryManagementFunctions=\"true\""
+              "\n    canGetAndSetFMUstate=\"true\""
+              "\n    canSerializeFMUstate=\"true\""
+              "\n    providesDirectionalDerivative=\"true\">\n");
+    put_sources(sink, sources);
+}
+
+static void put_exchange(Sink *sink, char *const *sources) {
+    put(sink, "  <ModelExchange\n   ");
+    put_attribute(sink, "modelIdentifier", IDENTIFIER);
+    put(sink, "\n    completedIntegratorStepNotNeeded=\"false\"");
+    put_common_capabilities(sink, sources);
+    put(sink, "  </ModelExchange>\n");
+}
+
+static void put_co_simulation(Sink *sink, char *const *sources) {
+    put(sink, "  <CoSimulation\n   ");
+    put_attribute(sink, "modelIdentifier", IDENTIFIER);
+    put(sink, "\n    canHandleVariableCommunicationStepSize=\"true\""
+              "\n    canInterpolateInputs=\"true\"");
+    print(sink, "\n    maxOutputDerivativeOrder=\"%d\"", (int)MAX_OUTPUT_ORDER);
+    put(sink, "\n    canRunAsynchronuously=\"false\"");
+    put_common_capabilities(sink, sources);
+    put(sink, "  </CoSimulation>\n");
+}
+
+void put_document(Sink *sink, const char *guid, char *const *sources) {
+    put_head(sink, "2.0", "guid", guid);
+    print(sink, "\n    numberOfEventIndicators=\"%d\">\n", (int)EVENT_INDICATORS);
+    put_exchange(sink, sources);
+    put_co_simulation(sink, sources);
+    put_units(sink);
+    put_types(sink, put_type);
+    put_categories_and_experiment(sink);
+    put_variables(sink);
+    put_structure(sink);
+    put(sink, "</fmiModelDescription>\n");
+}
