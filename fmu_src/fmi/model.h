@@ -24,8 +24,8 @@ enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 #endif
 
 #if MODEL_BUILT == MODEL_FORWARD
-#include "forward/mechanism.h"
 #include "forward/ode.h"
+#include "forward/state.h"
 typedef Mechanism Machine;
 typedef Inputs MachineInputs;
 typedef State MachineState;

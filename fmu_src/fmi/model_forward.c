@@ -1,7 +1,10 @@
 #include <string.h>
 
 #include "fmi/variables.h"
-#include "forward/motion_derivatives.h"
+#include "forward/configuration.h"
+#include "forward/lifecycle.h"
+#include "forward/outputs.h"
+#include "forward/step.h"
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"
 

@@ -4,19 +4,10 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "closed_form/linear_event.h"
+#include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
-
-/* An event is late by this much, so that it is one: beyond what the inclusion takes for a tie. Else the mode
- * would stay as it is, with the indicator already past its zero. Stops are not: to fall on beyond them would make
- * the smallest bounces go on for ever. */
-static const double LATE_SPEED = 1e-10; /* rad/s */
-static const double LATE_TIES = 4.0;    /* ties of torque */
-static const double LATE_LOADS = 1e-11; /* of the terms of x_i; NO_REACTION and what decide.c makes of it are less */
-
-/* How far a solver may look beyond the stops: there the polynomials of the course still hold. */
-static const double OVERSHOOT = 0.05; /* of the last piece's width */
+#include "model/tolerances.h"
 
 bool ode_is_possible(const Mechanism *m, Fault *fault) {
     if (has_inertia(&m->params)) return true;
@@ -29,8 +20,8 @@ bool ode_is_possible(const Mechanism *m, Fault *fault) {
 void ode_set_states(Mechanism *m, const double x[ODE_STATES]) {
     const Transmission *transmission = &m->model.transmission;
     const TransmissionPiece *first = &transmission->piece[0], *last = &transmission->piece[transmission->count - 1];
-    const double lower = m->params.stop.lower - OVERSHOOT * (first->upper - first->lower);
-    const double upper = m->params.stop.upper + OVERSHOOT * (last->upper - last->lower);
+    const double lower = m->params.stop.lower - SOLVER_OVERSHOOT * (first->upper - first->lower);
+    const double upper = m->params.stop.upper + SOLVER_OVERSHOOT * (last->upper - last->lower);
     mechanism_set_motion(m, fmin(fmax(x[0], lower), upper), x[1]);
 }
 
@@ -44,7 +35,7 @@ bool ode_rates(const Mechanism *m, double rate[ODE_STATES], Fault *fault) {
     rate[1] = 0.0;
     const Decision now = decision_of(m);
     if (!is_slip(now.mode)) return true;
-    const SlipMode slip = present_slip_mode(m, now.slip_index);
+    const SlipMode slip = slip_mode_from_here(m, now.slip_index);
     const Balance balance = balance_from_here(m, &slip);
     if (balance.rhs.possible && isfinite(balance.alpha)) {
         rate[1] = balance.alpha;
@@ -78,7 +69,7 @@ static void indicate_slip(const Mechanism *m, int index, double indicator[ODE_IN
     if (direction > 0) indicator[INDICATOR_UPPER] = m->params.stop.upper - theta;
     if (direction < 0) indicator[INDICATOR_LOWER] = theta - m->params.stop.lower;
     if (!has_friction(&m->params)) return;
-    const SlipMode slip = present_slip_mode(m, index);
+    const SlipMode slip = slip_mode_from_here(m, index);
     const Balance balance = balance_from_here(m, &slip);
     BalanceRates rates;
     balance_rates(&slip, &balance, 0.0, &rates);

@@ -4,7 +4,8 @@
 #ifndef DUALCAM_ODE_H
 #define DUALCAM_ODE_H
 
-#include "forward/mechanism.h"
+#include "forward/state.h"
+#include "model/fault.h"
 
 enum { ODE_STATES = 2 }; /* theta, rad; omega, rad/s */
 

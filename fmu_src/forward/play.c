@@ -3,19 +3,9 @@
 #include <float.h>
 #include <math.h>
 
+#include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/radau.h"
-
-/* Samples per piece, at least, between which the edge torque is taken to cross tau at most once. */
-enum { SAMPLES = 32 };
-
-/* The first sample is this share of a piece away; each is up to twice as far from the last as that from its own. */
-static const double FIRST_SAMPLE = 1e-6;
-
-enum { MAX_DEPTH = 30, MAX_HALVINGS = 5000 };
-
-/* Two rules of order 13 that agree are more exact than their difference. */
-static const double SHARE_OF_TOLERANCE = 0.1;
 
 /* Along the edge of the band, through one piece. */
 typedef struct {
@@ -66,7 +56,7 @@ static double beyond(const EdgePath *path, double theta) {
 /* The angle between `from`, where the torque is beyond the edge, and `to`, where it is not, at which it is held. */
 static double held_between(const EdgePath *path, double from, double to) {
     double f_from = beyond(path, from), f_to = beyond(path, to);
-    for (int n = 0; n < 200; n++) {
+    for (int n = 0; n < PLAY_MAX_BISECTIONS; n++) {
         const double middle = 0.5 * (from + to), span = f_from - f_to;
         double theta =
             n % 3 != 2 && span > 0.0 && isfinite(span) && f_from > 0.0 ? from + (to - from) * f_from / span : middle;
@@ -119,7 +109,7 @@ static Booking integrate(const EdgePath *path, double from, double to, const Boo
     const Booking right = sum_over(path, middle, to);
     Booking sum = left;
     add(&sum, &right);
-    if (depth >= MAX_DEPTH || --*path->halvings < 0 || alike(&sum, whole, allowed)) return sum;
+    if (depth >= PLAY_MAX_DEPTH || --*path->halvings < 0 || alike(&sum, whole, allowed)) return sum;
     sum = integrate(path, from, middle, &left, allowed, depth + 1);
     const Booking rest = integrate(path, middle, to, &right, allowed, depth + 1);
     add(&sum, &rest);
@@ -177,7 +167,7 @@ static void book(const EdgePath *path, double from, double to, Jump *jump) {
     /* on a dwell z and with it every energy stays what it is, but for rounding */
     const double z = fabs(m->configuration.z) + m->model.transmission.z_size;
     const double rounding = 64.0 * DBL_EPSILON * (size + stick_axial_size(m) * z);
-    const double allowed = SHARE_OF_TOLERANCE * m->params.tolerance * size + rounding;
+    const double allowed = PLAY_SHARE_OF_TOLERANCE * m->params.tolerance * size + rounding;
     const Booking sum = integrate(path, from, to, &whole, allowed, 0);
     add(&jump->booking, &sum);
 }
@@ -218,7 +208,7 @@ static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jum
     const double tie = stick_tie(m) * stick_torque_size(m, m->configuration.geometry.dz_dtheta) + bump;
     const double start = m->state.theta.hi, width = path->piece->upper - path->piece->lower;
     const int direction = path->direction;
-    double from = start + jump->dtheta, step = FIRST_SAMPLE * width;
+    double from = start + jump->dtheta, step = PLAY_FIRST_SAMPLE * width;
     while (direction * (end - from) > 0.0) {
         double to = from + direction * step;
         if (!(direction * (end - to) > 0.0)) to = end;
@@ -231,7 +221,7 @@ static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jum
         jump->dtheta = to - start;
         if (held) return true;
         from = to;
-        step = fmin(2.0 * step, width / (int)SAMPLES);
+        step = fmin(2.0 * step, width / (int)PLAY_SAMPLES);
     }
     return false;
 }
@@ -240,7 +230,7 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     const Transmission *transmission = &m->model.transmission;
     const double stop = direction > 0 ? m->params.stop.upper : m->params.stop.lower;
     const TransmissionPiece *last = direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
-    int halvings = MAX_HALVINGS;
+    int halvings = PLAY_MAX_HALVINGS;
     EdgePath path = {m, transmission_piece(transmission, m->state.theta.hi, direction), direction, torque, &halvings};
     *jump = (Jump){.stopped = false};
     for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;

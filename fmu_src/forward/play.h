@@ -1,19 +1,21 @@
-/* Without inertia and damping theta is the play operator of tau: where the torque is beyond the stick band, it moves
- * at once, along the band's edge, to the first place that holds the torque. */
+/* The play operator: without inertia and damping theta follows the torque. Where the torque is beyond the stick band,
+ * theta moves at once, along the band's edge, to the first angle at which the torque is held
+ * (docs/mechanism.md, section 6). */
 #ifndef DUALCAM_PLAY_H
 #define DUALCAM_PLAY_H
 
-#include "forward/mechanism.h"
+#include "forward/state.h"
 
 typedef struct {
     double dtheta;      /* rad */
-    bool stopped;       /* at the end stop */
-    Booking booking;    /* the torque taken is that of the edge */
-    double reaction[2]; /* N, total: largest |R_i| so far, the way included */
+    bool stopped;       /* the jump ends at the end stop */
+    Booking booking;    /* J; the torque on the way is that of the edge */
+    double reaction[2]; /* N, total: largest |R_i| of the run, the jump included */
 } Jump;
 
-/* From m->state.theta in `direction`, under the present F_ext, to where `torque`, N.m, is held. An edge that exceeds it by
- * less than `bump`, N.m, does not hold it. A torque that only grows leads to the same place, with the same accounts. */
+/* The jump from m->state.theta in `direction`, under the present F_ext, to where `torque`, N.m, is held. An edge that
+ * exceeds the torque by less than `bump`, N.m, does not hold the torque. A torque that only grows leads to the same
+ * angle, with the same accounts, in one jump or in many. */
 void play_jump(const Mechanism *m, int direction, double torque, double bump, Jump *jump);
 
 #endif

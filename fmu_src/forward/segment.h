@@ -1,30 +1,66 @@
-/* The legs of a step: from one event to the next, in one mode each. mechanism_advance() is a chain of them, less what
- * it can shorten; who wants to know what happened inside a step goes through them one by one. */
+/* A segment: a part of a step in one mode. A method proposes a segment, segment_apply() carries it out, and the event
+ * that ends the segment is handled afterwards (impact.h). */
 #ifndef DUALCAM_SEGMENT_H
 #define DUALCAM_SEGMENT_H
 
 #include "collocation/event_location.h"
-#include "forward/mechanism.h"
+#include "forward/configuration.h"
+#include "forward/state.h"
 
 typedef enum {
-    SEGMENT_REST,        /* it stands still */
-    SEGMENT_CLOSED_FORM, /* slip along the closed form */
-    SEGMENT_RADAU,       /* slip along a leap of the integrator */
-    SEGMENT_JUMP, /* without inertia and damping, along the band's edge to where the torque is held, or the stop */
-    SEGMENT_NONE, /* no time: it stood at the stop that it moves into, or the contacts jammed */
+    SEGMENT_REST,        /* at rest */
+    SEGMENT_CLOSED_FORM, /* slip, known in closed form */
+    SEGMENT_LOBATTO,     /* slip, one Lobatto step */
+    SEGMENT_RADAU,       /* slip, one Radau step */
+    SEGMENT_JUMP,        /* without inertia and damping: along the band's edge to where the torque is held, or the stop */
+    SEGMENT_JAM,         /* no time passes: the contacts jam */
+    SEGMENT_AT_STOP,     /* no time passes: the mechanism stands at the stop into which it moves */
 } SegmentKind;
 
 typedef struct {
     SegmentKind kind;
-    EventKind end;          /* what ended it */
-    double omega;           /* rad/s, after slip: before what ended it changed the speed */
-    EventLocation location; /* of a SEGMENT_RADAU */
+    EventKind end;         /* the event that ends the segment */
+    double duration;       /* s */
+    Sum theta, omega;      /* rad, rad/s: at the end, before its event is handled */
+    bool moves;            /* theta differs from that of the start */
+    bool books;            /* booking is set */
+    bool varies;           /* the inputs vary and time passes */
+    bool finds_speed;      /* the speed follows from the mode that is decided at the end, see jump.c */
+    bool ends_at_breakpoint; /* the segment was to end at a breakpoint of the transmission, as far as could be told */
+    Booking booking;       /* J; only with a ledger */
+    Peaks peak;            /* largest values of the run up to the end; only with a ledger */
+    const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
 } Segment;
 
-/* Sets the mode that state and inputs ask for. To be called before each leg, and once at the end of the step. */
-void segment_enter(Mechanism *m);
+/* Sets all members to those of a segment that changes nothing, except booking. */
+static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *segment) {
+    segment->kind = kind;
+    segment->end = EVENT_NONE;
+    segment->duration = 0.0;
+    segment->theta = m->state.theta;
+    segment->omega = m->state.omega;
+    segment->moves = segment->books = segment->varies = segment->finds_speed = segment->ends_at_breakpoint = false;
+    segment->peak = m->state.ledger.peak;
+    segment->location = NULL;
+}
 
-/* Spends up to `left` > 0 seconds; returns how long, or NAN if a value is not finite. */
-double segment_run(Mechanism *m, double left, Segment *segment);
+/* Carries the segment out: the only place where a step changes angle, speed, accounts and inputs. */
+static inline void segment_apply(Mechanism *m, const Segment *segment) {
+    State *state = &m->state;
+    if (m->params.ledger) {
+        if (segment->books) ledger_book(&state->ledger, &segment->booking);
+        state->ledger.peak = segment->peak;
+    }
+    state->omega = segment->omega;
+    if (segment->moves) {
+        state->theta = segment->theta;
+        update_configuration(m);
+    }
+    if (segment->varies) inputs_advance(&m->inputs, segment->duration);
+}
+
+/* Raises the segment's peak of |tau| to the largest of curved inputs in its first t seconds; at rest also the peaks of
+ * the reactions. Torque and load of straight ramps are largest at the ends. */
+void segment_raise_input_peaks(const Mechanism *m, double t, Segment *segment);
 
 #endif

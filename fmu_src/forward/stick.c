@@ -6,21 +6,19 @@
 #include "numerics/bernstein.h"
 
 double stick_axial_load(const Mechanism *m) {
-    return spring_force(&m->params.spring, axial_position(m)) + m->inputs.F_ext[0];
+    return spring_force(&m->params.spring, m->configuration.z) + m->inputs.F_ext[0];
 }
 
 double stick_axial_size(const Mechanism *m) {
     const SpringParams *s = &m->params.spring;
-    const double TRANSMISSION_SHARE = 0.1; /* the course's digits are of its size */
-    const double z = fabs(axial_position(m)) + TRANSMISSION_SHARE * m->model.transmission.z_size;
+    const double z = fabs(m->configuration.z) + STICK_HEIGHT_SHARE * m->model.transmission.z_size;
     return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
            fabs(m->inputs.F_ext[0]);
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    /* a factor can vanish, on a dwell or where a contact begins to lock; its rounding does not */
-    const double TRANSMISSION_SHARE = 0.01; /* the course's digits are of its size */
-    const double rest = m->configuration.geometry.dz_dtheta + TRANSMISSION_SHARE * m->model.transmission.slope_size;
+    /* The factor vanishes on a dwell, and where a contact begins to lock. Its rounding does not vanish. */
+    const double rest = m->configuration.geometry.dz_dtheta + STICK_SLOPE_SHARE * m->model.transmission.slope_size;
     const double lever = m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
     return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
 }
@@ -29,7 +27,7 @@ BandFactors stick_band(const Mechanism *m) {
     return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
 }
 
-/* For F_0 < 0 the pins bear on the other flanks: what was loading is now releasing. */
+/* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
 EdgeFactors stick_edges(const Mechanism *m, double side) {
     const BandFactors band = stick_band(m);
     if (side >= 0.0) return (EdgeFactors){.release = band.release, .load = band.load};
@@ -37,10 +35,10 @@ EdgeFactors stick_edges(const Mechanism *m, double side) {
 }
 
 double stick_edge(double factor, double F_0) {
-    return F_0 == 0.0 ? 0.0 : factor * F_0; /* no load, no friction, however locked */
+    return F_0 == 0.0 ? 0.0 : factor * F_0; /* without load there is no friction, also where contacts lock */
 }
 
-/* The sign that F_0 has, or is about to take where it is no more than rounding. */
+/* F_0, or, where F_0 is no more than rounding, the rate with which F_0 is about to take its sign. */
 static double side_of(const Mechanism *m, double F_0) {
     if (fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return F_0;
     for (int k = 1; k <= INPUT_ORDER; k++)
@@ -48,15 +46,15 @@ static double side_of(const Mechanism *m, double F_0) {
     return F_0;
 }
 
-/* k-th time derivative of tau - factor F_0 at rest; what is left of two that cancel is none. */
+/* k-th time derivative of tau - factor F_0 at rest; the rest of two terms that cancel is zero. */
 static double excess_rate(const Mechanism *m, double factor, int k) {
-    const double CANCELLED = m->model.closed_form ? 0.0 : 1e-12;
+    const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
-    return fabs(tau - load) <= CANCELLED * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
+    return fabs(tau - load) <= cancelled * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
 }
 
-/* Is tau beyond factor F_0, on the side of `sign`? At the edge itself its first derivative that is not zero decides.
- * No torque is beyond an infinite edge. */
+/* Is tau beyond factor F_0, on the side of `sign`? At the edge itself the first derivative that is not zero decides. No
+ * torque is beyond an infinite edge. */
 static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
     if (isinf(factor)) return false;
     const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
@@ -79,9 +77,8 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
     const EdgeFactors f = stick_edges(m, side_of(m, F_0));
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
-    const double LEVEL = 1e-9; /* of the rates that should cancel */
     const double tau = m->inputs.tau[1], load = stick_edge(factor, m->inputs.F_ext[1]);
-    if (fabs(tau - load) > LEVEL * (fabs(tau) + fabs(load))) return false;
+    if (fabs(tau - load) > STICK_EDGE_MOVES_ALONG * (fabs(tau) + fabs(load))) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
@@ -93,7 +90,7 @@ Mode stick_mode(const Mechanism *m) {
     return MODE_STICK;
 }
 
-/* On which side of the frictionless balance is it wedged? At the balance itself, where the edge is infinite. */
+/* Is the mechanism wedged above the frictionless balance? At the balance itself: on the side of the infinite edge. */
 static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
     const double balance = m->configuration.geometry.dz_dtheta, excess = m->inputs.tau[0] - balance * F_0;
     return fabs(excess) <= stick_tie(m) * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
@@ -115,10 +112,10 @@ static EdgeFactors rest_factors(const Mechanism *m, double F_0, double side) {
     }
 }
 
-/* A tie at the edge of the band is stick, so the other modes end short of it. N.m */
+/* By how much the other modes end short of the band's edge, N.m: a tie at the edge is stick. */
 static double margin(const Mechanism *m, double factor) {
     if (m->state.mode == MODE_STICK) return 0.0;
-    return 4.0 * stick_tie(m) * fabs(factor) * stick_axial_size(m) + DBL_MIN;
+    return STICK_MARGIN_TIES * stick_tie(m) * fabs(factor) * stick_axial_size(m) + DBL_MIN;
 }
 
 RestInterval stick_rest_interval(const Mechanism *m) {
@@ -165,8 +162,8 @@ static double time_to_mirror(const Mechanism *m, double F_0, double left) {
     return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
 }
 
-/* To the torque leaving the interval, or to F_0 changing its sign: the band is mirrored there, so the hold is
- * looked at anew. */
+/* Until the torque leaves the interval, or F_0 changes its sign. The band is mirrored there, so that rest is proposed
+ * anew. */
 double stick_rest_time(const Mechanism *m, double left) {
     const double F_0 = stick_axial_load(m);
     const EdgeFactors f = rest_factors(m, F_0, side_of(m, F_0));

@@ -4,7 +4,7 @@
 
 #include "contact/contact_statics.h"
 #include "forward/decide.h"
-#include "forward/motion_derivatives.h"
+#include "forward/outputs.h"
 
 /* z(theta), v = z' omega */
 void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
@@ -34,7 +34,7 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
     *out = (Partials){.by = {0.0}};
     const Decision now = decision_of(m);
     if (!is_slip(now.mode)) return true;
-    const SlipMode slip = present_slip_mode(m, now.slip_index);
+    const SlipMode slip = slip_mode_from_here(m, now.slip_index);
     if (slip.regime == REGIME_RATE_INDEPENDENT) {
         snprintf(fault->text, sizeof fault->text,
                  "alpha has no partial derivatives where angle follows torque: inertia.shaft, inertia.follower_mass, "

@@ -2,7 +2,7 @@
 #ifndef DUALCAM_SENSITIVITY_H
 #define DUALCAM_SENSITIVITY_H
 
-#include "forward/mechanism.h"
+#include "forward/state.h"
 #include "model/fault.h"
 #include "model/known.h"
 

@@ -3,7 +3,8 @@
 #include <math.h>
 
 #include "forward/decide.h"
-#include "forward/segment.h"
+#include "forward/lifecycle.h"
+#include "forward/step.h"
 #include "forward/stick.h"
 
 /* Per N.m of the torque's shift. */
@@ -17,12 +18,8 @@ static double finite_or_zero(double x) {
     return isfinite(x) ? x : 0.0;
 }
 
-static int present_direction(const Mechanism *m) {
-    return m->state.mode == MODE_LOADING ? 1 : -1;
-}
-
 static SlipMode present_slip(const Mechanism *m) {
-    return present_slip_mode(m, slip_index(present_direction(m), m->state.flank));
+    return slip_mode_from_here(m, present_slip_index(m));
 }
 
 static bool is_viscous(const Mechanism *m) {
@@ -38,7 +35,7 @@ static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, d
     Transfer transfer;
     if (!contact_edge(&m->configuration.geometry, side * direction, flank, &transfer)) return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
-    *slip = present_slip_mode(m, slip_index(direction, flank));
+    *slip = slip_mode_from_here(m, slip_index(direction, flank));
     slip->regime = REGIME_RATE_INDEPENDENT;
     *rho = transfer.rho;
     return true;
@@ -77,7 +74,7 @@ static double speed_on_edge(const SlipMode *slip, double theta) {
 
 /* ---- inside a leg ---- */
 
-static void carry_along_arc(const LinearSlipMode *slip, double t, Variation *x) {
+static void carry_in_closed_form(const LinearSlipMode *slip, double t, Variation *x) {
     Kernel k;
     oscillator_kernel(&slip->oscillator, t, &k);
     if (slip->regime == REGIME_VISCOUS) {
@@ -93,43 +90,45 @@ static void carry_along_arc(const LinearSlipMode *slip, double t, Variation *x) 
 /* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E'; at
  * the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge.
  * Following the edge ends at a fold, E' = 0, when the torque gets to the fold's. */
-static void carry_along_edge(const Mechanism *m, const Segment *segment, double t, Carried *v) {
+static void carry_along_edge(const Mechanism *m, const Segment *segment, Carried *v) {
     SlipMode slip = present_slip(m);
     double rho;
     const bool jumps = segment->kind == SEGMENT_JUMP;
-    const bool there = !jumps || slip_along_edge(m, present_direction(m), &slip, &rho);
+    const bool there = !jumps || slip_along_edge(m, direction_of(m->state.mode), &slip, &rho);
     const RightHandSide rhs = balance_rhs(&slip, m->state.theta.hi, 0.0, 0.0);
-    if (jumps && t > 0.0) v->delay = 0.0;
+    if (jumps && segment->duration > 0.0) v->delay = 0.0;
     v->x.theta = there ? give_of_edge(m, &rhs) + (jumps ? rhs.value * v->delay : 0.0) : 0.0;
     if (!jumps) v->delay = finite_or_zero(-1.0 / (rhs.value * rhs.by_theta));
 }
 
-/* `inputs`: those at the start of the leg. */
-static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, double t, Carried *v) {
-    if (segment->kind == SEGMENT_NONE && segment->end == EVENT_STOP) return true;
-    if (segment->kind ==
-        SEGMENT_NONE) { /* a jam: at an event, or before anything has varied, or for an unknown reason */
-        const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
-        v->x.omega = 0.0;
-        return known;
+/* Carries the variation through a segment that has been applied; `inputs`: at its start. False where the variation is
+ * not known. */
+static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, Carried *v) {
+    switch (segment->kind) {
+        case SEGMENT_AT_STOP: return true;
+        case SEGMENT_JAM: { /* at an event, or before anything has varied, or for an unknown reason */
+            const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
+            v->x.omega = 0.0;
+            return known;
+        }
+        case SEGMENT_REST: *v = (Carried){.x = {.theta = v->x.theta}}; return true;
+        default: break;
     }
-    if (segment->kind == SEGMENT_REST) {
-        *v = (Carried){.x = {.theta = v->x.theta}};
+    const int index = present_slip_index(m);
+    const SlipMode slip = slip_mode_from_here(m, index);
+    if (slip.regime == REGIME_RATE_INDEPENDENT) {
+        carry_along_edge(m, segment, v);
         return true;
     }
-    const int index = slip_index(present_direction(m), m->state.flank);
-    SlipMode slip = present_slip_mode(m, index);
-    if (slip.regime == REGIME_RATE_INDEPENDENT) {
-        carry_along_edge(m, segment, t, v);
-    } else if (segment->kind == SEGMENT_CLOSED_FORM) {
+    if (segment->kind == SEGMENT_CLOSED_FORM) {
         LinearSlipMode room;
-        carry_along_arc(linear_slip_of(m, index, &room), t, &v->x);
-    } else {
-        const RadauStep *radau = &segment->location.radau;
-        slip = slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta, slip.direction, slip.flank);
-        return radau_step_vary(&slip, radau, 1.0, &v->x);
+        carry_in_closed_form(linear_slip_of(m, index, &room), segment->duration, &v->x);
+        return true;
     }
-    return true;
+    const RadauStep *radau = &segment->location->radau;
+    const SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta,
+                                           slip.direction, slip.flank);
+    return radau_step_vary(&at_start, radau, 1.0, &v->x);
 }
 
 /* ---- at an event ---- */
@@ -150,7 +149,7 @@ static double delay_at_flank(const SlipMode *slip, const Balance *b, const Varia
 static void pass_inertial(const Mechanism *m, const Segment *segment, Carried *v) {
     const SlipMode slip = present_slip(m);
     Balance before;
-    balance_at(&slip, m->state.theta.hi, segment->omega, 0.0, &before);
+    balance_at(&slip, m->state.theta.hi, segment->omega.hi, 0.0, &before);
     if (segment->end == EVENT_FLANK) {
         v->delay = delay_at_flank(&slip, &before, &v->x);
         v->x.theta += before.omega * v->delay;
@@ -162,24 +161,24 @@ static void pass_inertial(const Mechanism *m, const Segment *segment, Carried *v
         v->x.omega = 0.0;
         return;
     }
-    v->delay = finite_or_zero(-v->x.theta / segment->omega);
-    v->x.omega = finite_or_zero(m->state.omega.hi / segment->omega) * (v->x.omega + before.alpha * v->delay);
+    v->delay = finite_or_zero(-v->x.theta / segment->omega.hi);
+    v->x.omega = finite_or_zero(m->state.omega.hi / segment->omega.hi) * (v->x.omega + before.alpha * v->delay);
     v->x.theta = 0.0;
 }
 
 /* It stops where its speed has vanished, or with a jump of its speed: where the torque is back in the band while the
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
 static void pass_without_inertia(const Mechanism *m, const Segment *segment, Carried *v) {
-    const double slope = spring_rate(&m->params.spring, axial_position(m)) * m->configuration.geometry.dz_dtheta;
+    const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
     v->delay = 0.0;
     if (segment->end == EVENT_STOP) {
         v->x.theta = 0.0;
     } else if (segment->end == EVENT_FLANK && !is_viscous(m)) {
-        v->delay = finite_or_zero(-slope * v->x.theta / (slope * segment->omega + m->inputs.F_ext[1]));
+        v->delay = finite_or_zero(-slope * v->x.theta / (slope * segment->omega.hi + m->inputs.F_ext[1]));
     } else if (segment->end == EVENT_REST && is_viscous(m)) {
-        v->delay = delay_at_edge(m, present_direction(m), v->x.theta, segment->omega);
+        v->delay = delay_at_edge(m, direction_of(m->state.mode), v->x.theta, segment->omega.hi);
     }
-    v->x.theta += segment->omega * v->delay;
+    v->x.theta += segment->omega.hi * v->delay;
 }
 
 static void pass_event(const Mechanism *m, const Segment *segment, Carried *v) {
@@ -191,22 +190,22 @@ static void pass_event(const Mechanism *m, const Segment *segment, Carried *v) {
  * Only where a contact locks can a damper let go with a jump. */
 static const double BEGINNING = 1e-9;
 
+/* Where slip without inertia ends in a mode of rest because the speed is no more than rounding: theta waits for the
+ * torque to reach the edge, or the mechanism just reaches the stop. `m` is in the new mode; omega, direction: before. */
+static void end_of_viscous_slip(const Mechanism *m, double omega, int direction, Carried *v) {
+    if (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP) v->x.theta = 0.0;
+    if (m->state.mode == MODE_STICK) v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
+}
+
 /* Back to a variation at a fixed time, by the motion that follows the event. */
-static void enter_next(Mechanism *m, Carried *v) {
-    const double omega = m->state.omega.hi;
-    const bool slipped = v->slipped && omega != 0.0 && is_viscous(m);
-    const int direction = present_direction(m);
-    segment_enter(m);
-    /* so slow that the torque is on the edge to rounding, it is taken to rest; or it just reaches the stop */
-    if (slipped && (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP)) v->x.theta = 0.0;
-    if (slipped && m->state.mode == MODE_STICK) v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
+static void end_delay(const Mechanism *m, Carried *v) {
     if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const SlipMode slip = present_slip(m);
     const Balance after = balance_from_here(m, &slip);
     const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > BEGINNING * after.rhs.size;
     if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT))
         v->delay = delay_at_edge(m, slip.direction, v->x.theta, 0.0);
-    if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* the delay is for a jump to know */
+    if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* a jump that follows needs the delay */
     v->x.theta -= after.omega * v->delay;
     v->x.omega -= after.alpha * v->delay;
     v->delay = 0.0;
@@ -214,32 +213,54 @@ static void enter_next(Mechanism *m, Carried *v) {
 
 /* ---- the step ---- */
 
-/* False where there is no variation. */
-static bool carry_through(Mechanism *m, double left, Carried *v) {
-    Segment segment;
-    for (;;) {
-        enter_next(m, v);
-        if (!(left > 0.0)) return true;
-        const Inputs inputs = m->inputs;
-        const double t = segment_run(m, left, &segment);
-        if (!(t <= left) || !carry(m, &segment, &inputs, t, v)) return false;
-        pass_event(m, &segment, v);
-        left -= t;
-        v->slipped = segment.kind == SEGMENT_CLOSED_FORM || segment.kind == SEGMENT_RADAU;
-        v->rested = segment.kind == SEGMENT_REST && left > 0.0;
-    }
+/* Carries the variation from segment to segment. */
+typedef struct {
+    StepVisitor visitor; /* first: the step knows no more */
+    Carried carried;
+    double left;            /* s */
+    double omega;           /* rad/s, before the decision */
+    int direction;          /* likewise */
+    bool viscous_slip_ends; /* if the decision finds a mode of rest */
+} Carrier;
+
+static void before_decision(StepVisitor *visitor, const Mechanism *m) {
+    Carrier *c = (Carrier *)visitor;
+    c->omega = m->state.omega.hi;
+    c->viscous_slip_ends = c->carried.slipped && c->omega != 0.0 && is_viscous(m);
+    c->direction = direction_of(m->state.mode);
+}
+
+static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
+    Carrier *c = (Carrier *)visitor;
+    if (c->viscous_slip_ends) end_of_viscous_slip(m, c->omega, c->direction, &c->carried);
+    end_delay(m, &c->carried);
+    return left;
+}
+
+static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
+                          Mode mode) {
+    (void)mode;
+    Carrier *c = (Carrier *)visitor;
+    if (!carry(m, segment, inputs, &c->carried)) return false;
+    pass_event(m, segment, &c->carried);
+    c->left -= segment->duration;
+    c->carried.slipped = segment->kind == SEGMENT_CLOSED_FORM || segment->kind == SEGMENT_RADAU;
+    c->carried.rested = segment->kind == SEGMENT_REST && c->left > 0.0;
+    return true;
 }
 
 void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
-    Mechanism again = *m; /* the course is m's own: not to be freed */
-    Carried v = {.delay = 0.0};
+    Mechanism again = *m; /* the transmission is m's own: not to be freed */
+    Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
+                 .left = m->state.step.h};
     *out = (StepSensitivity){0.0, 0.0};
     if (!(m->state.step.h > 0.0)) return;
     mechanism_rewind(&again);
     again.params.ledger = false;
-    if (!carry_through(&again, m->state.step.h, &v)) return;
+    if (!mechanism_go_through(&again, m->state.step.h, &c.visitor)) return;
+    Variation *x = &c.carried.x;
     const SlipMode slip = present_slip(&again);
-    if (again.state.omega.hi == 0.0) v.x.omega = 0.0;
-    else if (slip.regime == REGIME_RATE_INDEPENDENT) v.x.omega = speed_on_edge(&slip, again.state.theta.hi) * v.x.theta;
-    *out = (StepSensitivity){finite_or_zero(v.x.theta), finite_or_zero(v.x.omega)};
+    if (again.state.omega.hi == 0.0) x->omega = 0.0;
+    else if (slip.regime == REGIME_RATE_INDEPENDENT) x->omega = speed_on_edge(&slip, again.state.theta.hi) * x->theta;
+    *out = (StepSensitivity){finite_or_zero(x->theta), finite_or_zero(x->omega)};
 }

@@ -14,7 +14,7 @@
 #ifndef DUALCAM_STEP_SENSITIVITY_H
 #define DUALCAM_STEP_SENSITIVITY_H
 
-#include "forward/mechanism.h"
+#include "forward/state.h"
 
 /* Of the latest step as it was made, also if parameters were tuned or inputs set since. 0 before the first step. */
 void step_sensitivity(const Mechanism *m, StepSensitivity *out);

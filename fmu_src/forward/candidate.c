@@ -1,0 +1,147 @@
+#include "forward/candidate.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "collocation/radau_step.h"
+#include "forward/stick.h"
+
+/* ---- slip modes from the present state ---- */
+
+bool is_closed_form(const Mechanism *m) {
+    return m->model.closed_form && inputs_within(&m->inputs, 1);
+}
+
+SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear) {
+    return linear_slip_start(linear, &m->params, &m->configuration.geometry, m->state.theta.hi, m->state.omega.hi,
+                             &m->inputs);
+}
+
+const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *room) {
+    if (m->model.linear_slips >> index & 1u) return &m->model.linear_slip[index];
+    int flank[2];
+    slip_flanks(index, flank);
+    linear_slip_build(room, &m->params, &m->configuration.geometry, slip_direction(index), flank);
+    return room;
+}
+
+SlipMode slip_mode_from_here(const Mechanism *m, int index) {
+    int flank[2];
+    slip_flanks(index, flank);
+    return slip_mode_of(&m->params, &m->model.transmission, &m->inputs, m->state.theta.hi, slip_direction(index),
+                        flank);
+}
+
+Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
+    Balance now;
+    balance_at(slip, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
+    const bool starts = slip->regime == REGIME_INERTIAL && m->state.omega.hi == 0.0;
+    if (starts && slip->direction * now.alpha < 0.0) now.alpha = now.rhs.value = 0.0;
+    if (slip->regime == REGIME_VISCOUS && slip->direction * now.omega < 0.0) now.omega = now.rhs.value = 0.0;
+    return now;
+}
+
+/* ---- in closed form ---- */
+
+/* Without inertia a locked contact can reverse the damper's resistance: then less torque means more speed. */
+static bool is_backward(const LinearSlipMode *linear) {
+    return linear->regime == REGIME_VISCOUS && linear->damping < 0.0;
+}
+
+/* Without inertia and damping, on the edge of the stick band: unstable if the edge falls along the motion. */
+static bool is_stable(const LinearSlipMode *linear) {
+    return linear->regime == REGIME_RATE_INDEPENDENT ? linear->stiffness > 0.0 : !is_backward(linear);
+}
+
+static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode *linear) {
+    if (!linear->possible) return (Candidate){.possible = false};
+    const SlipStart l = slip_start_of(m, linear);
+    const LinearMotion start = linear_slip_motion_at_start(linear, &l);
+    Candidate candidate = {
+        .possible = true,
+        .regime = linear->regime,
+        .stable = is_stable(linear),
+        .net = is_backward(linear) ? -linear_slip_net_torque(linear, &l) : linear_slip_net_torque(linear, &l),
+        .net_size = stick_torque_size(m, linear->transfer.rho),
+        .tie = stick_tie(m),
+        .omega = l.omega,
+        .alpha = l.alpha,
+        .jerk = start.jerk,
+        .stiffness = linear->stiffness,
+    };
+    const Geometry *g = &m->configuration.geometry;
+    for (int i = 0; has_friction(&m->params) && i < 2; i++) {
+        candidate.axial[i] = linear->transfer.axial[i] * m->params.spring.stiffness;
+        candidate.contact[i] = linear_slip_contact(linear, &m->params, g, &l, &start, i);
+        candidate.size[i] = linear_slip_contact_size(linear, &m->params, g, &l, i);
+    }
+    return candidate;
+}
+
+/* ---- in grooves of any shape ---- */
+
+/* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the x_i of a little later does.
+ * That value takes the place of the second derivative. */
+static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
+    const double dt = CANDIDATE_LOOK_AHEAD * fmin(1.0, radau_step_time_scale(slip, now));
+    const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
+    const double theta =
+        now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));
+    Balance later;
+    balance_at(slip, theta, omega, dt, &later);
+    for (int i = 0; i < 2; i++) {
+        candidate->contact[i].curvature = later.x[i];
+        candidate->size[i].curvature = candidate->size[i].value;
+    }
+}
+
+static bool is_undecided(const Candidate *candidate, int i) {
+    return fabs(candidate->contact[i].value) <= NO_REACTION * candidate->size[i].value &&
+           fabs(candidate->contact[i].rate) <= NO_REACTION * candidate->size[i].rate;
+}
+
+/* However small a load is, theta is known to its rounding only. This is the effect of that on x_i, as a size. */
+static double noise_of_angle(const Mechanism *m, double by_angle) {
+    static const double ROUNDING = 4.0 * DBL_EPSILON / NO_REACTION;
+    return ROUNDING * largest_angle(&m->params) * fabs(by_angle);
+}
+
+static Candidate general_candidate(const Mechanism *m, int index) {
+    const SlipMode slip = slip_mode_from_here(m, index);
+    const Balance now = balance_from_here(m, &slip);
+    if (!now.rhs.possible || !isfinite(now.rhs.value)) return (Candidate){.possible = false};
+    BalanceRates rates;
+    balance_rates(&slip, &now, 0.0, &rates);
+    const bool inertial = slip.regime == REGIME_INERTIAL;
+    Candidate candidate = {
+        .possible = true,
+        .regime = slip.regime,
+        .stable = now.rhs.stable,
+        .net = slip.regime == REGIME_VISCOUS && !now.rhs.stable ? -rates.net : rates.net,
+        .net_size = rates.net_size,
+        .tie = stick_tie(m),
+        .omega = now.omega,
+        .alpha = inertial ? now.alpha : rates.rhs,
+        .jerk = inertial ? rates.rhs : 0.0,
+        .stiffness = now.rhs.by_theta,
+    };
+    const double spring = spring_rate(&m->params.spring, m->configuration.z);
+    for (int i = 0; i < 2; i++) {
+        candidate.axial[i] = now.axial[i] * spring;
+        candidate.contact[i] = (ContactLoad){.value = now.x[i], .rate = rates.contact[i]};
+        candidate.size[i] = (ContactLoad){.value = CANDIDATE_COARSE * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
+        if (slip.regime != REGIME_RATE_INDEPENDENT)
+            candidate.size[i].value += noise_of_angle(m, candidate.axial[i] * now.dz_dtheta);
+    }
+    if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
+    return candidate;
+}
+
+Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built) {
+    return is_closed_form(m) ? closed_form_candidate(m, linear_slip_of(m, index, built)) : general_candidate(m, index);
+}
+
+Candidate candidate_of(const Mechanism *m, int index) {
+    LinearSlipMode room;
+    return candidate_building(m, index, &room);
+}

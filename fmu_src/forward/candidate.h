@@ -1,0 +1,44 @@
+/* What each slip mode would do from the present state on: the candidates among which decide.c chooses. */
+#ifndef DUALCAM_CANDIDATE_H
+#define DUALCAM_CANDIDATE_H
+
+#include "contact/balance.h"
+#include "forward/state.h"
+
+typedef struct {
+    bool possible;
+    bool stable; /* more torque means more speed; an unstable candidate is taken only if no other one agrees */
+    Regime regime;
+    double net, net_size; /* N.m: torque beyond the torque that holds the load, and the size of its terms */
+    double tie;           /* share of net_size below which net counts as zero */
+    double omega, alpha;  /* rad/s, rad/s^2 */
+    double jerk;          /* rad/s^3 */
+    double stiffness;     /* N.m/rad: how the torque that holds the load grows with theta */
+    double axial[2];      /* N/m^2, x_i per z: through the spring */
+    ContactLoad contact[2]; /* x_i and its time derivatives, only with friction */
+    ContactLoad size[2];    /* sizes of the terms in them */
+} Candidate;
+
+/* The candidate of one slip mode; index: see slip_index(). */
+Candidate candidate_of(const Mechanism *m, int index);
+
+/* The same; where coefficients of the closed form had to be built, they are in *built, else *built stays as it is. */
+Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built);
+
+/* Is the motion known in closed form under the present inputs? */
+bool is_closed_form(const Mechanism *m);
+
+/* The coefficients of the closed form of one slip mode: the model's, or, if the model has none, built in *room. */
+const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *room);
+
+/* The start of closed-form slip from the present state. */
+SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear);
+
+/* One slip mode from the present angle on, for grooves of any shape. */
+SlipMode slip_mode_from_here(const Mechanism *m, int index);
+
+/* The balance of forces now, in that slip mode. Where slip begins, speed and acceleration keep to its direction:
+ * rounding at the edge of the stick band does not start the motion backwards. */
+Balance balance_from_here(const Mechanism *m, const SlipMode *slip);
+
+#endif

@@ -1,0 +1,88 @@
+#include "forward/closed_form_slip.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "forward/decide.h"
+#include "forward/stick.h"
+
+/* T per F_0 at the edge of the stick band that the torque has passed. */
+static double band_edge(const Mechanism *m, int direction) {
+    const EdgeFactors edges = stick_edges(m, stick_axial_load(m));
+    return direction > 0 ? edges.load : edges.release;
+}
+
+LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
+    const bool viscous = linear->regime == REGIME_VISCOUS;
+    return (LinearSegment){
+        .linear = linear,
+        .params = &m->params,
+        .geometry = &m->configuration.geometry,
+        .start = slip_start_of(m, linear),
+        .room = room_ahead(m, linear->direction),
+        .flanks = has_friction(&m->params),
+        .edge = viscous ? band_edge(m, linear->direction) : linear->transfer.rho,
+    };
+}
+
+static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
+    event_peaks(s, ends, peak);
+    peak_raise(&peak->torque, s->start.tau);
+    peak_raise(&peak->torque, s->start.tau + s->start.tau_rate * ends->motion.t);
+}
+
+/* The segment that `ends` and `kernel` describe. False if a value is not finite. */
+static inline bool propose(const Mechanism *m, const LinearSegment *s, const SegmentEnds *ends, Kernel *kernel,
+                           Segment *segment) {
+    const LinearMotion *motion = &ends->motion;
+    double all = motion->dtheta + motion->omega;
+    segment_begin(m, SEGMENT_CLOSED_FORM, segment);
+    if (m->params.ledger) {
+        Booking *booking = &segment->booking;
+        *booking = linear_slip_booking(s->linear, s->params, s->geometry, &s->start, motion, kernel);
+        all += booking->work_in + booking->heat_cam[0] + booking->heat_cam[1] + booking->heat_damper;
+        segment->books = true;
+    }
+    if (!(fabs(all) <= DBL_MAX)) return false;
+    if (m->params.ledger) raise_peaks(s, ends, &segment->peak);
+    segment->duration = motion->t;
+    segment->theta = theta_after(m, motion->dtheta);
+    segment->moves = true;
+    if (s->linear->regime == REGIME_INERTIAL && !motion->settled) {
+        sum_add(&segment->omega, motion->domega);
+    } else {
+        segment->omega = sum_of(motion->omega);
+    }
+    segment->varies = s->start.tau_rate != 0.0 || s->start.F_ext_rate != 0.0;
+    return true;
+}
+
+bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
+    if (!is_slip(m->state.mode)) return false;
+    const int index = present_slip_index(m);
+    const LinearSlipMode *linear = kept_linear_slip(m, index);
+    if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
+    const LinearSegment s = linear_segment_from_here(m, linear);
+    Kernel *kernel = &m->cache.kernel[index];
+    if (kernel->t != h) oscillator_kernel(&linear->oscillator, h, kernel);
+    SegmentEnds ends;
+    event_ends(&s, kernel, &ends);
+    return event_quiet(&s, &ends) && propose(m, &s, &ends, kernel, segment);
+}
+
+bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
+    const int index = present_slip_index(m);
+    const LinearSlipMode *linear = kept_linear_slip(m, index);
+    const LinearSegment s = linear_segment_from_here(m, linear);
+    const Event last = event_last(&s, fmin(left, linear->oscillator.horizon));
+    Kernel kernel = m->cache.kernel[index];
+    if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);
+    SegmentEnds ends;
+    event_ends(&s, &kernel, &ends);
+    const bool quiet = last.kind == EVENT_NONE && event_quiet(&s, &ends);
+    const EventKind end = quiet ? EVENT_NONE : event_first(&s, last, &kernel, &ends).kind;
+    if (!propose(m, &s, &ends, &kernel, segment)) return false;
+    segment->end = end;
+    segment->duration = kernel.t;
+    return true;
+}

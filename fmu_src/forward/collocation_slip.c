@@ -1,0 +1,196 @@
+#include "forward/collocation_slip.h"
+
+#include <math.h>
+
+#include "collocation/lobatto_step.h"
+#include "collocation/radau_step.h"
+#include "forward/candidate.h"
+#include "forward/impact.h"
+#include "forward/jump.h"
+#include "forward/rest.h"
+#include "forward/stick.h"
+
+/* Does the mechanism move, in the direction of its mode? */
+static bool slips_on(const Mechanism *m) {
+    return is_slip(m->state.mode) && direction_of(m->state.mode) == sign_of(m->state.omega.hi);
+}
+
+/* ---- Radau steps ---- */
+
+static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
+    Peaks *peak = &segment->peak;
+    const RadauStep *radau = &location->radau;
+    const double known[2] = {peak->reaction[0] * m->params.contacts, peak->reaction[1] * m->params.contacts};
+    event_location_peaks(slip, location, peak->omega, known);
+    peak_raise(&peak->omega, location->omega);
+    peak_raise(&peak->torque, radau->start.tau);
+    peak_raise(&peak->torque, radau->node[radau->method->stages - 1].tau);
+    segment_raise_input_peaks(m, radau->h, segment);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], location->reaction[i] / m->params.contacts);
+}
+
+/* Without inertia: the speed that the law gives at the end's own angle, not at the last iterate or beyond a breakpoint. */
+static double speed_at_end(const Mechanism *m, const SlipMode *slip, double theta, double t) {
+    const SlipMode here =
+        slip_mode_of(&m->params, &m->model.transmission, &m->inputs, theta, slip->direction, slip->flank);
+    return balance_rhs(&here, theta, 0.0, t).value;
+}
+
+/* The segment along a Radau step to its end. False if a value is not finite. */
+static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
+    const RadauStep *radau = &location->radau;
+    const Balance *end = &radau->node[radau->method->stages - 1];
+    const Booking *b = &radau->booking;
+    if (!isfinite(radau->dtheta + end->omega + b->work_in + b->heat_cam[0] + b->heat_cam[1] + b->heat_damper))
+        return false;
+    segment_begin(m, SEGMENT_RADAU, segment);
+    segment->books = true;
+    segment->booking = *b;
+    if (m->params.ledger) raise_radau_peaks(m, slip, location, segment);
+    segment->end = location->kind;
+    segment->duration = radau->h;
+    segment->theta = theta_after(m, radau->dtheta);
+    segment->moves = segment->varies = true;
+    if (slip->regime == REGIME_INERTIAL) {
+        sum_add(&segment->omega, radau->domega);
+    } else {
+        segment->omega = sum_of(speed_at_end(m, slip, segment->theta.hi, radau->h));
+    }
+    segment->ends_at_breakpoint = location->for_breakpoint;
+    segment->location = location;
+    m->cache.proposal = location->next;
+    return true;
+}
+
+/* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
+static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
+                          EventLocation *location, Segment *segment) {
+    const double room = room_ahead(m, slip->direction);
+    if (room <= 0.0) {
+        segment_begin(m, SEGMENT_AT_STOP, segment);
+        segment->end = EVENT_STOP;
+        return true;
+    }
+    const bool found = event_location_find(slip, start, room, left, &m->cache.proposal, location);
+    if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
+        const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
+        if (jump != JUMP_NONE) return jump == JUMP_PROPOSED;
+        if (!found) {
+            rest_propose(m, left, segment);
+            return true;
+        }
+    }
+    if (found) return radau_segment(m, slip, location, segment);
+    jam_propose(m, segment);
+    return true;
+}
+
+bool collocation_slip_propose(Mechanism *m, double left, EventLocation *location, Segment *segment) {
+    const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
+    const Balance start = balance_from_here(m, &slip);
+    return propose_along(m, &slip, &start, left, location, segment);
+}
+
+/* ---- Lobatto steps ---- */
+
+/* Without inertia slip starts from rest at any time: is the mechanism still driven, and on the spring's flanks, which
+ * are then the damper's too? */
+static bool is_driven(const Mechanism *m, const SlipMode *slip) {
+    const double load = stick_axial_load(m);
+    const bool on_spring_flanks = slip->flank[0] * load > 0.0 && slip->flank[1] * load > 0.0;
+    return (on_spring_flanks || !has_friction(&m->params)) && stick_pressed(m) == slip->direction;
+}
+
+static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double left, LobattoStep *lobatto) {
+    const State *s = &m->state;
+    if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_VISCOUS && !is_driven(m, slip)))
+        return false;
+    const LobattoStart from = {s->theta.hi,
+                               s->omega.hi,
+                               m->configuration.z,
+                               &m->configuration.geometry,
+                               room_ahead(m, slip->direction),
+                               &s->ledger.peak};
+    return lobatto_step_along(slip, &from, left, lobatto);
+}
+
+/* The largest values inside a Lobatto step, by way of a Radau step over the same time. */
+static void raise_peaks_inside(const Mechanism *m, const SlipMode *slip, double h, Segment *segment) {
+    const Balance start = balance_from_here(m, slip);
+    EventLocation location;
+    if (radau_step_solve(slip, &start, h, RADAU_MAX, &location.radau)) raise_radau_peaks(m, slip, &location, segment);
+}
+
+static void raise_lobatto_peaks(const Mechanism *m, const SlipMode *slip, const LobattoStep *lobatto,
+                                Segment *segment) {
+    Peaks *peak = &segment->peak;
+    peak_raise(&peak->omega, lobatto->peak_omega);
+    peak_raise(&peak->torque, m->inputs.tau[0]);
+    peak_raise(&peak->torque, lobatto->tau);
+    segment_raise_input_peaks(m, lobatto->h, segment);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], lobatto->peak_reaction[i]);
+    if (lobatto->peaks_inside) raise_peaks_inside(m, slip, lobatto->h, segment);
+}
+
+static void lobatto_segment(const Mechanism *m, const SlipMode *slip, const LobattoStep *lobatto, Segment *segment) {
+    segment_begin(m, SEGMENT_LOBATTO, segment);
+    segment->books = true;
+    segment->booking = lobatto->booking;
+    if (m->params.ledger) raise_lobatto_peaks(m, slip, lobatto, segment);
+    segment->duration = lobatto->h;
+    segment->theta = theta_after(m, lobatto->dtheta);
+    segment->moves = true;
+    segment->varies = !slip->steady;
+    if (slip->regime == REGIME_INERTIAL) {
+        sum_add(&segment->omega, lobatto->domega);
+    } else {
+        segment->omega = sum_of(lobatto->omega);
+    }
+}
+
+static bool lobatto_propose(const Mechanism *m, const SlipMode *slip, double left, LobattoHint *hint,
+                            Segment *segment) {
+    LobattoStep lobatto;
+    lobatto.accurate = false;
+    const bool found = find_lobatto_step(m, slip, left, &lobatto);
+    *hint = (LobattoHint){.refused = !found, .accurate = lobatto.accurate};
+    if (found) lobatto_segment(m, slip, &lobatto, segment);
+    return found;
+}
+
+bool collocation_slip_quiet(const Mechanism *m, double h, LobattoHint *hint, Segment *segment) {
+    *hint = (LobattoHint){.refused = true};
+    if (!slips_on(m)) return false;
+    const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
+    return lobatto_propose(m, &slip, h, hint, segment);
+}
+
+/* ---- going on ---- */
+
+/* Is each contact on its flank by more than rounding? Else the rate of its reaction tells, which needs a decision. */
+static bool is_firm(const Mechanism *m, const SlipMode *slip, const Balance *b) {
+    const double load = balance_load_size(&m->params, b->force, b->damper, b->dz_dtheta * b->alpha);
+    return balance_is_firm(slip, 0, b->x[0], b->axial[0], load) && balance_is_firm(slip, 1, b->x[1], b->axial[1], load);
+}
+
+/* Would a decision find this slip mode again? A short test for the common case. */
+static bool goes_on(const Mechanism *m, const SlipMode *slip, const Balance *start) {
+    if (!start->rhs.possible || !(slip->direction * start->omega > 0.0)) return false;
+    if (has_friction(&m->params) && !is_firm(m, slip, start)) return false;
+    if (slip->regime == REGIME_INERTIAL) return true;
+    return slip->regime == REGIME_VISCOUS && start->rhs.stable && is_driven(m, slip);
+}
+
+SlipProposal collocation_slip_continue(Mechanism *m, double left, const LobattoHint *hint, EventLocation *location,
+                                       Segment *segment) {
+    if (!slips_on(m)) return SLIP_UNDECIDED;
+    const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
+    StepProposal *proposal = &m->cache.proposal;
+    LobattoHint latest = *hint;
+    const bool suits = !hint->refused && left <= proposal->h; /* else the step needs more stages than Lobatto's four */
+    if (suits && lobatto_propose(m, &slip, left, &latest, segment)) return SLIP_PROPOSED;
+    const Balance start = balance_from_here(m, &slip);
+    if (!goes_on(m, &slip, &start)) return SLIP_UNDECIDED;
+    if (!latest.accurate && proposal->stages <= RADAU_MIN) proposal->stages = RADAU_MIN + 2;
+    return propose_along(m, &slip, &start, left, location, segment) ? SLIP_PROPOSED : SLIP_NOT_FINITE;
+}

@@ -1,0 +1,47 @@
+/* What theta implies, and the energies and distances that follow from the state alone. */
+#ifndef DUALCAM_CONFIGURATION_H
+#define DUALCAM_CONFIGURATION_H
+
+#include "forward/state.h"
+
+/* To be called whenever theta has changed. */
+static inline void update_configuration(Mechanism *m) {
+    const Transmission *transmission = &m->model.transmission;
+    Configuration *c = &m->configuration;
+    const double theta = m->state.theta.hi;
+    if (transmission->straight) {
+        c->z = c->geometry.dz_dtheta * theta;
+        return;
+    }
+    const TransmissionPoint point = piece_point(transmission_piece(transmission, theta, 0), theta, TRANSMISSION_SLOPES);
+    c->geometry = cam_geometry(m->params.cam, point.slope);
+    c->z = point.z;
+}
+
+/* theta + dtheta, rad. theta is known to rounding, which must not carry theta past a stop. */
+static inline Sum theta_after(const Mechanism *m, double dtheta) {
+    Sum theta = m->state.theta;
+    sum_add(&theta, dtheta);
+    if (theta.hi > m->params.stop.upper) theta = sum_of(m->params.stop.upper);
+    if (theta.hi < m->params.stop.lower) theta = sum_of(m->params.stop.lower);
+    return theta;
+}
+
+/* The angle of the end stop ahead in `direction` (+1, -1), rad. */
+static inline double stop_ahead(const Mechanism *m, int direction) {
+    return direction > 0 ? m->params.stop.upper : m->params.stop.lower;
+}
+
+/* The angle left to the end stop ahead, rad, >= 0. */
+static inline double room_ahead(const Mechanism *m, int direction) {
+    const double stop = stop_ahead(m, direction);
+    return fmax(direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
+}
+
+/* Sets theta (rad) and omega (rad/s). The mode stays. */
+void mechanism_set_motion(Mechanism *m, double theta, double omega);
+
+double kinetic_energy(const Mechanism *m); /* J */
+double stored_energy(const Mechanism *m);  /* J, spring and kinetic energy */
+
+#endif

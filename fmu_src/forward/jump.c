@@ -1,0 +1,134 @@
+#include "forward/jump.h"
+
+#include <math.h>
+
+#include "forward/closed_form_slip.h"
+#include "forward/decide.h"
+#include "forward/play.h"
+#include "forward/rest.h"
+#include "forward/stick.h"
+#include "numerics/bernstein.h"
+
+/* ---- two helices ---- */
+
+static void book_helices(const Mechanism *m, const LinearSegment *s, double dtheta, Segment *segment) {
+    const double dF = s->params->spring.stiffness * s->geometry->dz_dtheta * dtheta;
+    segment->booking = linear_slip_jump_booking(s->linear, s->params, s->geometry, &s->start, dtheta);
+    segment->books = true;
+    peak_raise(&segment->peak.torque, s->start.tau);
+    for (int i = 0; i < 2; i++) {
+        const double reaction = s->linear->transfer.axial[i] * s->linear->reaction[i]; /* per force */
+        peak_raise(&segment->peak.reaction[i], reaction * s->start.force);
+        peak_raise(&segment->peak.reaction[i], reaction * (s->start.force + dF));
+    }
+}
+
+JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, Segment *segment) {
+    const LinearSegment s = linear_segment_from_here(m, linear);
+    const double sign = linear->direction, force = s.start.force;
+    const double net = sign * linear_slip_net_torque(linear, &s.start);
+    const bool stable = linear->stiffness > 0.0; /* else the motion asks for less and less torque */
+    const Candidate candidate = candidate_of(m, present_slip_index(m));
+    if (stable && !begins_with_jump(&candidate, linear->direction)) return JUMP_NONE;
+    const double spring = sign * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
+    const bool mirrors = force * spring < 0.0 && fabs(force) > stick_tie(m) * stick_axial_size(m);
+    const double to_edge = stable ? net / linear->stiffness : INFINITY;
+    const double to_mirror = mirrors ? -force / spring : INFINITY;
+    const double distance = fmin(to_edge, fmin(to_mirror, s.room));
+    segment_begin(m, SEGMENT_JUMP, segment);
+    if (m->params.ledger) book_helices(m, &s, sign * distance, segment);
+    segment->theta = theta_after(m, sign * distance);
+    segment->omega = sum_of(0.0);
+    segment->moves = true;
+    if (distance == s.room) segment->end = EVENT_STOP;
+    return JUMP_PROPOSED;
+}
+
+/* ---- grooves of any shape ---- */
+
+bool jump_is_due(const Mechanism *m) {
+    const int index = present_slip_index(m);
+    if (slip_mode_from_here(m, index).regime != REGIME_RATE_INDEPENDENT) return false;
+    const Candidate candidate = candidate_of(m, index);
+    return !(candidate.stiffness > 0.0) || begins_with_jump(&candidate, direction_of(m->state.mode));
+}
+
+/* The segment of a jump. */
+static JumpProposal propose(const Mechanism *m, const Jump *jump, Segment *segment) {
+    const Booking *b = &jump->booking;
+    if (!isfinite(jump->dtheta + b->work_in + b->work_ext + b->heat_cam[0] + b->heat_cam[1])) return JUMP_NOT_FINITE;
+    segment_begin(m, SEGMENT_JUMP, segment);
+    segment->books = true;
+    segment->booking = *b;
+    peak_raise(&segment->peak.torque, m->inputs.tau[0]);
+    for (int i = 0; i < 2; i++) peak_raise(&segment->peak.reaction[i], jump->reaction[i] / m->params.contacts);
+    segment->theta = theta_after(m, jump->dtheta);
+    segment->omega = sum_of(0.0);
+    segment->moves = true;
+    if (jump->stopped) segment->end = EVENT_STOP;
+    return JUMP_PROPOSED;
+}
+
+bool jump_propose(Mechanism *m, double left, Segment *segment) {
+    Jump jump;
+    play_jump(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0, &jump);
+    if (jump.stopped || jump.dtheta != 0.0) return propose(m, &jump, segment) == JUMP_PROPOSED;
+    rest_propose(m, left, segment);
+    return true;
+}
+
+/* ---- folds ---- */
+
+bool jump_is_at_fold(const SlipMode *slip, const EventLocation *location, double left) {
+    const RadauStep *radau = &location->radau;
+    if (location->kind != EVENT_NONE || location->at_breakpoint || radau->h >= left) return false;
+    const bool slower = fabs(radau->node[radau->method->stages - 1].omega) < fabs(radau->start.omega);
+    const bool noisy = radau->noise > slip->params->tolerance * fabs(radau->dtheta);
+    const bool near = fabs(radau->dtheta) <= FOLD_SHARE * (slip->piece->upper - slip->piece->lower);
+    return !slower && ((noisy && inputs_load_constant(slip->inputs)) || near);
+}
+
+/* How much higher than here the edge is at the fold, at most, N.m. */
+static double fold_height(const SlipMode *slip, const Balance *start) {
+    return FOLD_SHARE * (slip->piece->upper - slip->piece->lower) * fabs(start->rhs.by_theta);
+}
+
+/* For how long, up to `left` seconds, the torque grows in `direction` while F_ext stays; 0 if F_ext does not stay. */
+static double growing_time(const Inputs *in, int direction, double left) {
+    if (!inputs_load_constant(in)) return 0.0;
+    const double rate[INPUT_ORDER + 1] = {direction * in->tau[1], direction * in->tau[2], direction * in->tau[3]};
+    const Bernstein p = bernstein_of_taylor(rate, left);
+    return left * fmin(bernstein_descent(&p), 1.0);
+}
+
+/* Where the edge of the band is level, theta does not tell the time, but the torque tells theta: as long as the torque
+ * grows, theta goes where a jump of the torque would take theta. */
+static JumpProposal follow_torque(const Mechanism *m, int direction, double t, Segment *segment) {
+    Inputs after = m->inputs;
+    inputs_advance(&after, t);
+    Jump jump;
+    play_jump(m, direction, after.tau[0], 0.0, &jump);
+    if (propose(m, &jump, segment) != JUMP_PROPOSED) return JUMP_NOT_FINITE;
+    peak_raise(&segment->peak.torque, after.tau[0]);
+    segment->duration = t;
+    segment->varies = segment->finds_speed = true;
+    return JUMP_PROPOSED;
+}
+
+JumpProposal jump_past_fold(const Mechanism *m, const SlipMode *slip, const Balance *start, double left,
+                            Segment *segment) {
+    const double grows = growing_time(&m->inputs, slip->direction, left);
+    if (grows > 0.0) return follow_torque(m, slip->direction, grows, segment);
+    Jump jump;
+    play_jump(m, slip->direction, m->inputs.tau[0], fold_height(slip, start), &jump);
+    return jump.stopped || jump.dtheta != 0.0 ? propose(m, &jump, segment) : JUMP_NONE;
+}
+
+void jump_find_speed(Mechanism *m) {
+    enter_decided_mode(m);
+    if (is_slip(m->state.mode)) {
+        const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
+        m->state.omega = sum_of(balance_from_here(m, &slip).omega);
+    }
+    if (m->params.ledger) peak_raise(&m->state.ledger.peak.omega, m->state.omega.hi);
+}

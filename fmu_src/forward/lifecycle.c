@@ -1,0 +1,113 @@
+#include "forward/lifecycle.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "contact/check.h"
+#include "forward/configuration.h"
+#include "forward/decide.h"
+#include "platform/attributes.h"
+
+/* ---- model ---- */
+
+/* A test switches the closed form off and compares: then every scene is integrated like general grooves. */
+#ifdef DUALCAM_NO_CLOSED_FORM
+enum { USE_CLOSED_FORM = 0 };
+#else
+enum { USE_CLOSED_FORM = 1 };
+#endif
+
+void forget_cache(Cache *cache) {
+    cache->rest.valid = false;
+    cache->proposal = (StepProposal){INFINITY, 0};
+    for (int i = 0; i < SLIP_MODE_COUNT; i++) cache->kernel[i].t = NAN;
+}
+
+/* All that follows from params and transmission. */
+static void build_model(Mechanism *m) {
+    const Transmission *transmission = &m->model.transmission;
+    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params);
+    if (transmission->straight) {
+        const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
+        m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};
+        m->configuration.band = contact_band(&m->configuration.geometry);
+    }
+    m->model.linear_slips = 0;
+    update_configuration(m);
+    forget_cache(&m->cache);
+}
+
+bool mechanism_rebuild(Mechanism *m, Fault *fault) {
+    if (!check_params(&m->params, fault)) return false;
+    if (!check_transmission(&m->params, m->resources, &m->model.transmission, fault)) return false;
+    build_model(m);
+    return true;
+}
+
+void mechanism_free(Mechanism *m) {
+    transmission_free(&m->model.transmission);
+    m->model.transmission = (Transmission){.count = 0};
+}
+
+/* ---- start ---- */
+
+bool mechanism_start(Mechanism *m, Fault *fault) {
+    if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
+    m->state = (State){
+        .theta = sum_of(m->params.initial.theta),
+        .omega = sum_of(has_inertia(&m->params) ? m->params.initial.omega : 0.0),
+        .mode = MODE_STICK,
+        .flank = {1, 1},
+    };
+    update_configuration(m);
+    ledger_open(&m->state.ledger, stored_energy(m));
+    enter_decided_mode(m);
+    m->state.events = 0;
+    return true;
+}
+
+/* ---- tuning ---- */
+
+static Tunables tunables_of(const Params *p) {
+    return (Tunables){{p->cam[0].friction, p->cam[1].friction}, p->spring, p->damper};
+}
+
+/* Keeps the parameters of the latest step, so that the step can be repeated after they have changed. */
+static void remember_tunables(Mechanism *m, const Params *next) {
+    const Tunables before = tunables_of(&m->params), after = tunables_of(next);
+    State *s = &m->state;
+    if (!(s->step.h > 0.0) || s->step.retuned || memcmp(&before, &after, sizeof before) == 0) return;
+    s->tunables = before;
+    s->step.retuned = 1;
+}
+
+bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
+    if (!check_params(params, fault) || !check_jam(params, &m->model.transmission, fault)) return false;
+    const double z = m->configuration.z;
+    const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
+    if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
+    remember_tunables(m, params);
+    m->params = *params;
+    build_model(m);
+    return true;
+}
+
+COLD void mechanism_rewind(Mechanism *m) {
+    State *s = &m->state;
+    const Step *step = &s->step;
+    s->theta = step->theta;
+    s->omega = step->omega;
+    s->mode = step->mode;
+    memcpy(s->flank, step->flank, sizeof s->flank);
+    m->inputs = step->inputs;
+    if (!step->retuned) {
+        update_configuration(m);
+        forget_cache(&m->cache);
+        return;
+    }
+    const Tunables *t = &s->tunables;
+    for (int i = 0; i < 2; i++) m->params.cam[i].friction = t->friction[i];
+    m->params.spring = t->spring;
+    m->params.damper = t->damper;
+    build_model(m);
+}

@@ -1,0 +1,14 @@
+/* Segments at rest: in stick, at an end stop, wedged. */
+#ifndef DUALCAM_REST_H
+#define DUALCAM_REST_H
+
+#include "forward/segment.h"
+
+/* The fast exit of a step at rest: under constant inputs, and in a rest interval that is known from before, nothing
+ * changes but the peak of the torque. Returns false if the step needs more. */
+bool rest_goes_on(Mechanism *m);
+
+/* Proposes rest for up to `left` seconds: until the torque leaves the rest interval or F_0 changes its sign. */
+void rest_propose(Mechanism *m, double left, Segment *segment);
+
+#endif

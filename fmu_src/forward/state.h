@@ -1,0 +1,167 @@
+/* forward: forward dynamics, torque in and motion out. This room may include platform, numerics, model, geometry,
+ * contact, closed_form and collocation.
+ *
+ * The mechanism: two coaxial cylindrical cams share one follower pin, which a spring and a damper load along the axis.
+ * Cam 1 is fixed. The torque tau acts on cam 2, which rotates by theta and moves the follower by z.
+ *
+ * Source of the model: M. Monfrini, R. Pagani, A. Borboni, "Optimisation of a Dual Cylindrical Cam Mechanism for Energy
+ * Storage and Torque Efficiency", Reports in Mechanical Engineering, 2026, with the corrections of docs/mechanism.md,
+ * section 8. All values are in SI units. Nothing here knows of FMI.
+ *
+ * Four kinds of data are kept apart:
+ *   Params   the user's choice; constant while the mechanism moves
+ *   Inputs   torque and axial force, polynomials of time over the coming step
+ *   State    all that a restored run needs; one assignment saves the state
+ *   Outputs  computed from the other three, on request only
+ * Model holds what Params imply. Configuration holds what theta implies. Cache holds values that a step can compute
+ * again bit for bit, so the cache is never saved.
+ *
+ * Files, in the order in which a step uses them:
+ *   step               the step as an outline: decide the mode, propose a segment, apply it, handle its event
+ *   decide, candidate  which mode comes next (friction inclusion), and what each slip mode would do
+ *   stick              the stick band and how long rest lasts
+ *   segment            one proposal of time in one mode, and the one function that applies a proposal
+ *   rest, closed_form_slip, collocation_slip, jump    the methods that propose segments
+ *   play               the play operator: how far the angle moves along the edge of the stick band
+ *   impact             end stops and jams
+ *   configuration, lifecycle, outputs, ode            what theta implies; start and tuning; outputs; model exchange */
+#ifndef DUALCAM_STATE_H
+#define DUALCAM_STATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "closed_form/linear_slip.h"
+#include "collocation/radau_step.h"
+#include "contact/contact.h"
+#include "geometry/cam.h"
+#include "geometry/transmission.h"
+#include "model/ledger.h"
+#include "model/mode.h"
+#include "model/params.h"
+#include "numerics/sum.h"
+
+/* What the latest step started from. With these values the step can be repeated. */
+typedef struct {
+    Sum theta, omega; /* rad, rad/s */
+    Inputs inputs;
+    double h; /* s; 0: there has been no step */
+    Mode mode;
+    int flank[2];
+    int retuned; /* 1: parameters have been tuned since the step, see State.tunables; else 0 */
+} Step;
+
+typedef struct {
+    Sum theta;      /* rad */
+    Sum omega;      /* rad/s */
+    int64_t events; /* mode changes so far */
+    Mode mode;
+    int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
+    Ledger ledger;
+    Step step;
+    Tunables tunables; /* of the latest step if step.retuned, else 0 */
+} State;
+
+typedef struct {
+    double z; /* m */
+    double v; /* m/s */
+} Motion;
+
+typedef struct {
+    double alpha;            /* rad/s^2 */
+    double gamma;            /* rad */
+    double spring_force;     /* N */
+    double damper_force;     /* N */
+    double reaction[2];      /* N, per contact, signed: + on the flank that supports F > 0 */
+    double sliding_speed[2]; /* m/s */
+    double torque_load;      /* N.m, upper edge of the stick band; +inf: jammed */
+    double torque_release;   /* N.m, lower edge of the stick band; -inf: wedged */
+    double efficiency;       /* torque_release / torque_load */
+    int mode;                /* Mode, decided with the present inputs */
+    int64_t events;
+} LoadOutputs;
+
+typedef struct {
+    double work_in, work_ext, work_tuning;
+    double spring, kinetic;
+    double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* all in J */
+} Energy;
+
+/* Of the latest step, where the torque of the whole step is shifted by a constant: see step_sensitivity.h. */
+typedef struct {
+    double dtheta_dtau; /* rad/(N.m) */
+    double domega_dtau; /* rad/s/(N.m) */
+} StepSensitivity;
+
+typedef struct {
+    Motion motion;
+    LoadOutputs loads;
+    Energy energy;
+    Audit audit;
+    StepSensitivity step;
+} Outputs;
+
+/* What Params imply. */
+typedef struct {
+    Transmission transmission; /* geometry along theta; the only member that owns memory */
+    bool closed_form;          /* helices and linear forces: slip is known at any time (linear_slip.h) */
+    LinearSlipMode linear_slip[SLIP_MODE_COUNT]; /* by slip_index(); coefficients of the closed form */
+    unsigned linear_slips;                       /* bit k: linear_slip[k] has been built; most are never needed */
+} Model;
+
+/* What theta implies. */
+typedef struct {
+    Geometry geometry;
+    double z;         /* m */
+    BandFactors band; /* T_load / F_0 and T_release / F_0; for helices only, see stick_band() */
+} Configuration;
+
+/* The interval of torque in which a mechanism at rest stays at rest. */
+typedef struct {
+    double lower, upper; /* N.m */
+    double F_ext;        /* N, the axial force for which the interval holds */
+    bool valid;
+} RestInterval;
+
+typedef struct {
+    RestInterval rest;
+    Kernel kernel[SLIP_MODE_COUNT]; /* propagation over the latest quiet step, by slip_index() */
+    StepProposal proposal;          /* for the next collocation step of this communication step */
+} Cache;
+
+typedef struct {
+    Params params;
+    Inputs inputs;
+    State state;
+    Model model;
+    Configuration configuration; /* belongs to state.theta */
+    Cache cache;
+    const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */
+    bool continuous;       /* model exchange (ode.h): modes change in mechanism_settle() only */
+} Mechanism;
+
+static inline bool is_slip(Mode mode) {
+    return mode == MODE_LOADING || mode == MODE_RELEASING;
+}
+
+/* sigma of a mode of slip: +1 loading, -1 releasing. */
+static inline int direction_of(Mode mode) {
+    return mode == MODE_LOADING ? 1 : -1;
+}
+
+/* The slip mode of an index, see slip_index(). */
+static inline int slip_direction(int index) {
+    return index < 4 ? 1 : -1;
+}
+
+static inline void slip_flanks(int index, int flank[2]) {
+    flank[0] = index & 2 ? -1 : 1;
+    flank[1] = index & 1 ? -1 : 1;
+}
+
+/* Index of the slip mode that the state is in; the mode is one of slip. */
+static inline int present_slip_index(const Mechanism *m) {
+    return slip_index(direction_of(m->state.mode), m->state.flank);
+}
+
+#endif

@@ -1,0 +1,285 @@
+#include "forward/step.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "forward/closed_form_slip.h"
+#include "forward/collocation_slip.h"
+#include "forward/decide.h"
+#include "forward/impact.h"
+#include "forward/jump.h"
+#include "forward/lifecycle.h"
+#include "forward/rest.h"
+#include "forward/stick.h"
+#include "model/tolerances.h"
+#include "platform/attributes.h"
+
+typedef enum {
+    OUTCOME_DONE,
+    OUTCOME_GOES_ON,
+    OUTCOME_STOPPED, /* by the visitor */
+    OUTCOME_NOT_FINITE,
+    OUTCOME_TOO_MANY_JAMS,
+    OUTCOME_TOO_MANY_EVENTS,
+} Outcome;
+
+/* A step while it is made. */
+typedef struct {
+    double left;            /* s */
+    StepVisitor *visitor;   /* or NULL */
+    bool settles;           /* jams at the very end are carried out as well */
+    bool decided;           /* the mode has been decided in this step */
+    bool rests_on;          /* the latest segment is rest under constant inputs: a decision would change nothing */
+    bool goes_on;           /* the latest segment is a collocation step without event: the mode probably goes on */
+    LobattoHint hint;       /* of the segment ahead */
+    int segments, jams;     /* so far; segments without those that end at a breakpoint of the transmission */
+    int next_check;         /* stall guard: the number of segments at which the progress is checked */
+    double left_at_check;   /* s */
+    double least_progress;  /* s */
+} Run;
+
+static Run run_of(double h, StepVisitor *visitor) {
+    return (Run){.left = h, .visitor = visitor, .left_at_check = INFINITY, .least_progress = STALL_GUARD_PROGRESS * h};
+}
+
+/* ---- limits ---- */
+
+/* Bounds the work of a step, and finds a step that does not get on. */
+static Outcome check_limits(Run *run) {
+    if (run->jams >= MAX_JAMS_PER_STEP) return OUTCOME_TOO_MANY_JAMS;
+    if (run->segments >= MAX_SEGMENTS_PER_STEP) return OUTCOME_TOO_MANY_EVENTS;
+    if (run->segments < run->next_check) return OUTCOME_GOES_ON;
+    if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_EVENTS;
+    run->left_at_check = run->left;
+    run->next_check = run->segments + STALL_GUARD_SEGMENTS;
+    return OUTCOME_GOES_ON;
+}
+
+/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. With a follower that has mass the shaft's
+ * damping alone does not help: the speed is a state then. */
+static bool nothing_resists(const Mechanism *m) {
+    const bool damped = m->params.shaft.damping > 0.0 && !has_inertia(&m->params);
+    const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
+    return follower_only &&
+           m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
+}
+
+/* ---- one segment ---- */
+
+static void decide_mode(Mechanism *m, Run *run) {
+    StepVisitor *visitor = run->visitor;
+    if (visitor != NULL && visitor->before_decision != NULL) visitor->before_decision(visitor, m);
+    enter_decided_mode(m);
+    run->decided = true;
+    if (visitor != NULL) run->left = visitor->after_decision(visitor, m, run->left);
+}
+
+/* Proposes a segment in the mode that has been decided. */
+static bool propose(Mechanism *m, double left, EventLocation *location, Segment *segment) {
+    if (is_jammed(m)) {
+        jam_propose(m, segment);
+        return true;
+    }
+    /* Pressed beyond a finite edge, and no motion agrees with its forces: the motion would be infinitely fast. */
+    if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_pressed(m) != 0) return false;
+    if (!is_slip(m->state.mode)) {
+        rest_propose(m, left, segment);
+        return true;
+    }
+    if (!is_closed_form(m))
+        return jump_is_due(m) ? jump_propose(m, left, segment) : collocation_slip_propose(m, left, location, segment);
+    const LinearSlipMode *linear = kept_linear_slip(m, present_slip_index(m));
+    const bool may_jump = linear->regime == REGIME_RATE_INDEPENDENT;
+    if (may_jump && jump_of_helices(m, linear, segment) == JUMP_PROPOSED) return true;
+    return closed_form_slip_propose(m, left, segment);
+}
+
+/* Applies the segment, handles its event and does the book-keeping of the run. Returns false if the visitor stops. */
+static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
+    StepVisitor *visitor = run->visitor;
+    const Mode mode = m->state.mode;
+    Inputs inputs;
+    if (visitor != NULL) inputs = m->inputs;
+    segment_apply(m, segment);
+    handle_event(m, direction_of(mode), segment->end);
+    if (segment->finds_speed) jump_find_speed(m);
+    run->left -= segment->duration;
+    run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
+    run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
+    run->hint = (LobattoHint){.refused = false};
+    const bool counts = segment->kind != SEGMENT_LOBATTO && !segment->ends_at_breakpoint;
+    run->segments += counts;
+    run->jams += segment->kind == SEGMENT_JAM;
+    return visitor == NULL || visitor->after_segment(visitor, m, segment, &inputs, mode);
+}
+
+/* ---- the step ---- */
+
+/* Is the mode at the end of the step known without a decision? */
+static bool is_mode_known(const Run *run) {
+    return run->left == 0.0 && !run->settles && (run->rests_on || !run->decided);
+}
+
+/* Is all done, the mode having been decided? */
+static bool is_over(const Mechanism *m, const Run *run) {
+    return run->left == 0.0 && !(run->settles && is_jammed(m));
+}
+
+/* The next segment in the mode of the latest one, if that surely goes on. */
+static SlipProposal go_on(Mechanism *m, Run *run, EventLocation *location, Segment *segment) {
+    const bool may = run->goes_on && run->left > 0.0 && !(run->visitor != NULL && run->visitor->every_decision);
+    return may ? collocation_slip_continue(m, run->left, &run->hint, location, segment) : SLIP_UNDECIDED;
+}
+
+/* While time is left: decide the mode, propose a segment in it, apply the segment, handle its event. */
+NOINLINE static Outcome go_through(Mechanism *m, Run *run) {
+    EventLocation location;
+    Segment segment;
+    for (;;) {
+        if (is_mode_known(run)) return OUTCOME_DONE;
+        const Outcome limits = run->left > 0.0 || run->settles ? check_limits(run) : OUTCOME_GOES_ON;
+        if (limits != OUTCOME_GOES_ON) return limits;
+        const SlipProposal same_mode = go_on(m, run, &location, &segment);
+        if (same_mode == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
+        if (same_mode == SLIP_UNDECIDED) {
+            decide_mode(m, run);
+            if (is_over(m, run)) return OUTCOME_DONE;
+            if (!propose(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
+        }
+        if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
+    }
+}
+
+/* ---- failures ---- */
+
+/* To be asked while the mechanism is where the step failed. */
+static const char *reason_of(const Mechanism *m, Outcome outcome) {
+    if (nothing_resists(m))
+        return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
+               "be > 0";
+    switch (outcome) {
+        case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
+        case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";
+        default: return "the mode changes too often";
+    }
+}
+
+/* After undo(): the fault of a step of h seconds. */
+static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
+    snprintf(fault->text, sizeof fault->text,
+             "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values, %d mode "
+             "changes, of which %d take at least %g of the step, and %d jams",
+             h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, (int)MAX_SEGMENTS_PER_STEP,
+             (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS, (int)MAX_JAMS_PER_STEP);
+}
+
+static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
+    m->state = *state;
+    m->inputs = *inputs;
+    update_configuration(m);
+    forget_cache(&m->cache);
+}
+
+/* ---- steps of the master ---- */
+
+/* Tells the watcher of mode changes. */
+typedef struct {
+    StepVisitor visitor; /* first: go_through() knows no more */
+    Watcher *watcher;
+} WatchingVisitor;
+
+static double tell_of_decision(StepVisitor *visitor, const Mechanism *m, double left) {
+    Watcher *watcher = ((WatchingVisitor *)visitor)->watcher;
+    const int mode = (int)m->state.mode;
+    if (watcher->mode == 0 || watcher->mode == mode || is_jammed(m)) return left;
+    watcher->mode = mode;
+    const double on = watcher->changed(watcher, left);
+    watcher->cut += left - on;
+    return on;
+}
+
+static bool tell_of_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
+                            Mode mode) {
+    (void)m, (void)inputs;
+    if (segment->duration > 0.0) ((WatchingVisitor *)visitor)->watcher->mode = (int)mode;
+    return true;
+}
+
+/* The step segment by segment. `first`: a segment to begin with, or NULL. */
+static bool advance_by_segments(Mechanism *m, double h, const Segment *first, const LobattoHint *hint,
+                                Watcher *watcher, Fault *fault) {
+    const State state = m->state;
+    const Inputs inputs = m->inputs;
+    WatchingVisitor watching = {{.after_decision = tell_of_decision, .after_segment = tell_of_segment}, watcher};
+    Run run = run_of(h, watcher != NULL ? &watching.visitor : NULL);
+    Step step;
+    begin_step(m, h, &step);
+    m->cache.proposal = (StepProposal){INFINITY, 0}; /* a step depends on nothing but state and inputs */
+    run.goes_on = !is_closed_form(m);
+    run.hint = *hint;
+    if (first != NULL) carry_out(m, &run, first);
+    const Outcome outcome = go_through(m, &run);
+    if (outcome == OUTCOME_DONE) {
+        if (watcher != NULL) step.h -= watcher->cut;
+        forget_tunables(&m->state);
+        m->state.step = step;
+        return true;
+    }
+    const char *const reason = reason_of(m, outcome);
+    undo(m, &state, &inputs);
+    describe_failure(fault, m, h, reason);
+    return false;
+}
+
+/* A step that is one segment in the mode of the last one costs no decision: that is the common case. */
+bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
+    const bool constant = inputs_constant(&m->inputs);
+    if (constant && rest_goes_on(m)) {
+        remember_step(m, h);
+        return true;
+    }
+    Segment segment;
+    LobattoHint hint = {.refused = true};
+    const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
+    const bool quiet = closed_form ? closed_form_slip_quiet(m, h, &segment)
+                                   : collocation_slip_quiet(m, h, &hint, &segment);
+    if (quiet && segment.duration == h) {
+        remember_step(m, h);
+        segment_apply(m, &segment);
+        return true;
+    }
+    return advance_by_segments(m, h, quiet ? &segment : NULL, &hint, watcher, fault);
+}
+
+bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
+    return mechanism_advance_watched(m, h, NULL, fault);
+}
+
+bool mechanism_go_through(Mechanism *m, double h, StepVisitor *visitor) {
+    Run run = run_of(h, visitor);
+    return go_through(m, &run) == OUTCOME_DONE;
+}
+
+/* ---- mode changes without time ---- */
+
+/* A solver finds the instant at which the mechanism is at a stop to the solver's own rounding, on either side. */
+static void land_where_it_is(Mechanism *m) {
+    if (!is_slip(m->state.mode)) return;
+    const int direction = direction_of(m->state.mode);
+    if (direction * m->state.omega.hi <= 0.0) m->state.omega = sum_of(0.0);
+    if (room_ahead(m, direction) <= AT_STOP * largest_angle(&m->params)) hit_stop(m, direction);
+}
+
+bool mechanism_settle(Mechanism *m, Fault *fault) {
+    const State before = m->state;
+    if (m->continuous) land_where_it_is(m); /* a step has done so */
+    Run run = run_of(0.0, NULL);
+    run.settles = true;
+    const Outcome outcome = go_through(m, &run);
+    if (m->continuous) m->state.ledger = before.ledger;
+    if (outcome == OUTCOME_DONE) return true;
+    const char *const reason = reason_of(m, outcome);
+    undo(m, &before, &m->inputs);
+    describe_failure(fault, m, 0.0, reason);
+    return false;
+}
