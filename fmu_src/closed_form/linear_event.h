@@ -10,11 +10,10 @@
 #define DUALCAM_LINEAR_EVENT_H
 
 #include "closed_form/linear_slip.h"
+#include "model/event_kind.h"
 
 /* A reaction this small against the loads that make it is zero: the flank is decided by its rate. */
 #define NO_REACTION 1e-13
-
-typedef enum { EVENT_NONE, EVENT_REST, EVENT_STOP, EVENT_FLANK } EventKind;
 
 typedef struct {
     EventKind kind;
