@@ -2,6 +2,7 @@
 #ifndef DUALCAM_CANDIDATE_H
 #define DUALCAM_CANDIDATE_H
 
+#include "closed_form/linear_event.h"
 #include "contact/balance.h"
 #include "forward/state.h"
 
@@ -9,12 +10,12 @@ typedef struct {
     bool possible;
     bool stable; /* more torque means more speed; an unstable candidate is taken only if no other one agrees */
     Regime regime;
-    double net, net_size; /* N.m: torque beyond the torque that holds the load, and the size of its terms */
-    double tie;           /* share of net_size below which net counts as zero */
-    double omega, alpha;  /* rad/s, rad/s^2 */
-    double jerk;          /* rad/s^3 */
-    double stiffness;     /* N.m/rad: how the torque that holds the load grows with theta */
-    double axial[2];      /* N/m^2, x_i per z: through the spring */
+    double net, net_size;   /* N.m: torque beyond the torque that holds the load, and the size of its terms */
+    double tie;             /* share of net_size below which net counts as zero */
+    double omega, alpha;    /* rad/s, rad/s^2 */
+    double jerk;            /* rad/s^3 */
+    double stiffness;       /* N.m/rad: how the torque that holds the load grows with theta */
+    double axial[2];        /* N/m^2, x_i per z: through the spring */
     ContactLoad contact[2]; /* x_i and its time derivatives, only with friction */
     ContactLoad size[2];    /* sizes of the terms in them */
 } Candidate;

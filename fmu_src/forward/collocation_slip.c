@@ -9,6 +9,7 @@
 #include "forward/jump.h"
 #include "forward/rest.h"
 #include "forward/stick.h"
+#include "numerics/sign.h"
 
 /* Does the mechanism move, in the direction of its mode? */
 static bool slips_on(const Mechanism *m) {
@@ -105,12 +106,9 @@ static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double l
     const State *s = &m->state;
     if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_VISCOUS && !is_driven(m, slip)))
         return false;
-    const LobattoStart from = {s->theta.hi,
-                               s->omega.hi,
-                               m->configuration.z,
-                               &m->configuration.geometry,
-                               room_ahead(m, slip->direction),
-                               &s->ledger.peak};
+    const LobattoStart from = {
+        s->theta.hi,    s->omega.hi, m->configuration.z, &m->configuration.geometry, room_ahead(m, slip->direction),
+        &s->ledger.peak};
     return lobatto_step_along(slip, &from, left, lobatto);
 }
 

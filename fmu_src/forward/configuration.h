@@ -27,15 +27,9 @@ static inline Sum theta_after(const Mechanism *m, double dtheta) {
     return theta;
 }
 
-/* The angle of the end stop ahead in `direction` (+1, -1), rad. */
-static inline double stop_ahead(const Mechanism *m, int direction) {
-    return direction > 0 ? m->params.stop.upper : m->params.stop.lower;
-}
-
 /* The angle left to the end stop ahead, rad, >= 0. */
 static inline double room_ahead(const Mechanism *m, int direction) {
-    const double stop = stop_ahead(m, direction);
-    return fmax(direction * (stop - m->state.theta.hi - m->state.theta.lo), 0.0);
+    return distance_to_stop(&m->params.stop, direction, m->state.theta);
 }
 
 /* Sets theta (rad) and omega (rad/s). The mode stays. */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "forward/stick.h"
+#include "numerics/sign.h"
 
 /* ---- does a slip mode agree with itself? ---- */
 
@@ -55,11 +56,12 @@ static int load_sign(const Mechanism *m, int direction) {
 
 /* Of the coefficients that the model lacks, those built last are in *built: mostly those of the mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, LinearSlipMode *built) {
-    const int s = load_sign(m, direction);
-    const int flanks[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
+    const int sign = load_sign(m, direction);
     int unstable = -1;
-    for (int k = 0; k < 4; k++) {
-        const int index = slip_index(direction, flanks[k]);
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int flank[2];
+        flank_pair(k, sign, flank);
+        const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
         if (!agrees(m, index, &candidate, at_rest)) continue;
         if (candidate.stable) return index;

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "forward/decide.h"
+#include "model/tolerances.h"
 
 static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
@@ -22,7 +23,7 @@ static bool is_bounce_invisible(Mechanism *m, int direction) {
 void hit_stop(Mechanism *m, int direction) {
     State *state = &m->state;
     const double before = kinetic_energy(m);
-    state->theta = sum_of(stop_ahead(m, direction));
+    state->theta = sum_of(stop_ahead(&m->params.stop, direction));
     update_configuration(m);
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
     if (!has_inertia(&m->params)) stand_still(m);

@@ -11,7 +11,7 @@
 
 /* ---- two helices ---- */
 
-static void book_helices(const Mechanism *m, const LinearSegment *s, double dtheta, Segment *segment) {
+static void book_helices(const LinearSegment *s, double dtheta, Segment *segment) {
     const double dF = s->params->spring.stiffness * s->geometry->dz_dtheta * dtheta;
     segment->booking = linear_slip_jump_booking(s->linear, s->params, s->geometry, &s->start, dtheta);
     segment->books = true;
@@ -36,7 +36,7 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     const double to_mirror = mirrors ? -force / spring : INFINITY;
     const double distance = fmin(to_edge, fmin(to_mirror, s.room));
     segment_begin(m, SEGMENT_JUMP, segment);
-    if (m->params.ledger) book_helices(m, &s, sign * distance, segment);
+    if (m->params.ledger) book_helices(&s, sign * distance, segment);
     segment->theta = theta_after(m, sign * distance);
     segment->omega = sum_of(0.0);
     segment->moves = true;

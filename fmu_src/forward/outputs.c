@@ -5,6 +5,7 @@
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
+#include "numerics/sign.h"
 
 /* ---- motion and loads ---- */
 

@@ -5,6 +5,7 @@
 
 #include "forward/configuration.h"
 #include "forward/stick.h"
+#include "numerics/golden_section.h"
 #include "numerics/radau.h"
 
 /* Along the edge of the band, through one piece. */
@@ -116,27 +117,15 @@ static Booking integrate(const EdgePath *path, double from, double to, const Boo
     return sum;
 }
 
-/* The largest reaction i between two angles that enclose one maximum, by golden sections. */
-static double largest_between(const EdgePath *path, double from, double to, int i) {
-    const double GOLDEN = 0.6180339887498949;
-    double left = from, right = to, a = right - GOLDEN * (right - left), b = left + GOLDEN * (right - left);
-    double f_a = edge_at(path, a).reaction[i], f_b = edge_at(path, b).reaction[i];
-    for (int n = 0; n < 40; n++) {
-        if (f_a > f_b) {
-            right = b;
-            b = a;
-            f_b = f_a;
-            a = right - GOLDEN * (right - left);
-            f_a = edge_at(path, a).reaction[i];
-        } else {
-            left = a;
-            a = b;
-            f_a = f_b;
-            b = left + GOLDEN * (right - left);
-            f_b = edge_at(path, b).reaction[i];
-        }
-    }
-    return fmax(f_a, f_b);
+/* Reaction i along the edge. */
+typedef struct {
+    const EdgePath *path;
+    int i;
+} EdgeReaction;
+
+static double reaction_at(const void *context, double theta) {
+    const EdgeReaction *r = context;
+    return edge_at(r->path, theta).reaction[r->i];
 }
 
 /* Raises the largest reactions to those on the way from `from` to `to`. */
@@ -153,7 +142,11 @@ static void look_for_peaks(const EdgePath *path, double from, double to, Jump *j
         double largest = reaction[i][best];
         const double step = (to - from) / (int)PARTS;
         const double left = from + step * fmax(best - 1, 0.0), right = from + step * fmin(best + 1, (double)(int)PARTS);
-        if (largest > 0.99 * jump->reaction[i]) largest = fmax(largest, largest_between(path, left, right, i));
+        if (largest > PLAY_NEAR_PEAK * jump->reaction[i]) {
+            const EdgeReaction reaction_i = {path, i};
+            const int steps = PLAY_GOLDEN_STEPS;
+            largest = fmax(largest, golden_section_maximum(reaction_at, &reaction_i, left, right, steps).value);
+        }
         jump->reaction[i] = fmax(jump->reaction[i], largest);
     }
 }

@@ -12,23 +12,23 @@ typedef enum {
     SEGMENT_CLOSED_FORM, /* slip, known in closed form */
     SEGMENT_LOBATTO,     /* slip, one Lobatto step */
     SEGMENT_RADAU,       /* slip, one Radau step */
-    SEGMENT_JUMP,        /* without inertia and damping: along the band's edge to where the torque is held, or the stop */
-    SEGMENT_JAM,         /* no time passes: the contacts jam */
-    SEGMENT_AT_STOP,     /* no time passes: the mechanism stands at the stop into which it moves */
+    SEGMENT_JUMP,    /* without inertia and damping: along the band's edge to where the torque is held, or the stop */
+    SEGMENT_JAM,     /* no time passes: the contacts jam */
+    SEGMENT_AT_STOP, /* no time passes: the mechanism stands at the stop into which it moves */
 } SegmentKind;
 
 typedef struct {
     SegmentKind kind;
-    EventKind end;         /* the event that ends the segment */
-    double duration;       /* s */
-    Sum theta, omega;      /* rad, rad/s: at the end, before its event is handled */
-    bool moves;            /* theta differs from that of the start */
-    bool books;            /* booking is set */
-    bool varies;           /* the inputs vary and time passes */
-    bool finds_speed;      /* the speed follows from the mode that is decided at the end, see jump.c */
+    EventKind end;           /* the event that ends the segment */
+    double duration;         /* s */
+    Sum theta, omega;        /* rad, rad/s: at the end, before its event is handled */
+    bool moves;              /* theta differs from that of the start */
+    bool books;              /* booking is set */
+    bool varies;             /* the inputs vary and time passes */
+    bool finds_speed;        /* the speed follows from the mode that is decided at the end, see jump.c */
     bool ends_at_breakpoint; /* the segment was to end at a breakpoint of the transmission, as far as could be told */
-    Booking booking;       /* J; only with a ledger */
-    Peaks peak;            /* largest values of the run up to the end; only with a ledger */
+    Booking booking;         /* J; only with a ledger */
+    Peaks peak;              /* largest values of the run up to the end; only with a ledger */
     const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
 } Segment;
 

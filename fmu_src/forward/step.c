@@ -25,17 +25,17 @@ typedef enum {
 
 /* A step while it is made. */
 typedef struct {
-    double left;            /* s */
-    StepVisitor *visitor;   /* or NULL */
-    bool settles;           /* jams at the very end are carried out as well */
-    bool decided;           /* the mode has been decided in this step */
-    bool rests_on;          /* the latest segment is rest under constant inputs: a decision would change nothing */
-    bool goes_on;           /* the latest segment is a collocation step without event: the mode probably goes on */
-    LobattoHint hint;       /* of the segment ahead */
-    int segments, jams;     /* so far; segments without those that end at a breakpoint of the transmission */
-    int next_check;         /* stall guard: the number of segments at which the progress is checked */
-    double left_at_check;   /* s */
-    double least_progress;  /* s */
+    double left;           /* s */
+    StepVisitor *visitor;  /* or NULL */
+    bool settles;          /* jams at the very end are carried out as well */
+    bool decided;          /* the mode has been decided in this step */
+    bool rests_on;         /* the latest segment is rest under constant inputs: a decision would change nothing */
+    bool goes_on;          /* the latest segment is a collocation step without event: the mode probably goes on */
+    LobattoHint hint;      /* of the segment ahead */
+    int segments, jams;    /* so far; segments without those that end at a breakpoint of the transmission */
+    int next_check;        /* stall guard: the number of segments at which the progress is checked */
+    double left_at_check;  /* s */
+    double least_progress; /* s */
 } Run;
 
 static Run run_of(double h, StepVisitor *visitor) {
@@ -60,8 +60,7 @@ static Outcome check_limits(Run *run) {
 static bool nothing_resists(const Mechanism *m) {
     const bool damped = m->params.shaft.damping > 0.0 && !has_inertia(&m->params);
     const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
-    return follower_only &&
-           m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
+    return follower_only && m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
 }
 
 /* ---- one segment ---- */
@@ -206,8 +205,8 @@ static bool tell_of_segment(StepVisitor *visitor, const Mechanism *m, const Segm
 }
 
 /* The step segment by segment. `first`: a segment to begin with, or NULL. */
-static bool advance_by_segments(Mechanism *m, double h, const Segment *first, const LobattoHint *hint,
-                                Watcher *watcher, Fault *fault) {
+static bool advance_by_segments(Mechanism *m, double h, const Segment *first, const LobattoHint *hint, Watcher *watcher,
+                                Fault *fault) {
     const State state = m->state;
     const Inputs inputs = m->inputs;
     WatchingVisitor watching = {{.after_decision = tell_of_decision, .after_segment = tell_of_segment}, watcher};
@@ -241,8 +240,8 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
     Segment segment;
     LobattoHint hint = {.refused = true};
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
-    const bool quiet = closed_form ? closed_form_slip_quiet(m, h, &segment)
-                                   : collocation_slip_quiet(m, h, &hint, &segment);
+    const bool quiet =
+        closed_form ? closed_form_slip_quiet(m, h, &segment) : collocation_slip_quiet(m, h, &hint, &segment);
     if (quiet && segment.duration == h) {
         remember_step(m, h);
         segment_apply(m, &segment);

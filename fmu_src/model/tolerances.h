@@ -88,6 +88,12 @@ enum { PLAY_SAMPLES = 32 };
 /* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. */
 static const double PLAY_SHARE_OF_TOLERANCE = 0.1;
 
+/* Play operator: a sampled reaction below this share of the largest reaction so far is not looked at closely. */
+static const double PLAY_NEAR_PEAK = 0.99;
+
+/* Play operator: golden section finds a peak to 4e-9 of the interval, and its value to rounding. */
+enum { PLAY_GOLDEN_STEPS = 40 };
+
 /* Play operator: bounds of the work of one jump. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200 };
 

@@ -126,8 +126,8 @@ static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inpu
         return true;
     }
     const RadauStep *radau = &segment->location->radau;
-    const SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta,
-                                           slip.direction, slip.flank);
+    const SlipMode at_start =
+        slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta, slip.direction, slip.flank);
     return radau_step_vary(&at_start, radau, 1.0, &v->x);
 }
 

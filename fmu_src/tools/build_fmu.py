@@ -67,7 +67,7 @@ OFF_THE_WAY = {
     *("inverse_sensitivity", "jet", "platform", "play", "motion_derivatives", "resources", "sensitivity"),
     *("step_sensitivity", "taylor"),
 }
-WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "instance", "mechanism", "radau"}
+WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "instance", "step", "radau"}
 WITH_EVENTS = {"bernstein", "radau_step", "event_location"}
 HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
