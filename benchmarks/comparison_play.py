@@ -1,0 +1,189 @@
+"""Plays a scene in an FMU, and compares two records of it bit for bit or to a tolerance."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from comparison_fmu import OK, Fmu, Instance, Names, Record
+from comparison_scenes import Move, Scene, polynomial
+
+MOST_EARLY_RETURNS = 200  # in one step
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One value that is not the same in both builds."""
+
+    scene: str
+    time: float  # s
+    what: str
+    old: float | int | None
+    new: float | int | None
+
+    def __str__(self) -> str:
+        return f"{self.scene}, t = {self.time:.9g} s: {self.what}: {_shown(self.old)} -> {_shown(self.new)}"
+
+
+def _shown(value: float | int | None) -> str:
+    return f"{value!r} ({value.hex()})" if isinstance(value, float) else repr(value)
+
+
+# ---- playing ----
+
+
+def play(fmu: Fmu, names: Names, scene: Scene) -> Record:
+    """All that the FMU returns in that scene."""
+    record = Record()
+    instance = Instance(fmu, names, record, scene.use, events=scene.use == "early return")
+    try:
+        if not instance.start(scene.parameters | dict(scene.moves[0].values), scene.tolerance):
+            return record
+        _read_all(instance)
+        if scene.use == "exchange":
+            _exchange(instance, scene)
+        else:
+            _co_simulate(instance, scene)
+    finally:
+        instance.free()
+    return record
+
+
+def _read_all(instance: Instance) -> None:
+    instance.read()
+    instance.read_step()
+    instance.read_output_derivatives()
+    instance.read_jacobian()
+
+
+def _co_simulate(instance: Instance, scene: Scene) -> None:
+    kept: tuple[object, float] | None = None
+    failures = 0
+    for number, move in enumerate(scene.moves, start=1):
+        if move.state == "keep":
+            kept = instance.take_state(), instance.time
+        elif move.state and kept is not None:
+            state = kept[0] if move.state == "restore" else instance.copy_state(kept[0])  # type: ignore[arg-type]
+            instance.restore_state(state, kept[1])  # type: ignore[arg-type]
+        failures += not _step(instance, scene, move)
+        if failures > 3:
+            break
+        last = number == len(scene.moves)
+        if last or number % scene.read_every == 0:
+            instance.read()
+        if last or number % scene.read_most_every == 0:
+            instance.read_step()
+            instance.read_output_derivatives()
+            instance.read_jacobian()
+
+
+def _step(instance: Instance, scene: Scene, move: Move) -> bool:
+    """False if the FMU refuses."""
+    if scene.use != "early return":
+        instance.set(move.values)
+        instance.set_derivatives(move.derivatives)
+        return instance.step(move.length)
+    start, end = instance.time, instance.time + move.length
+    inputs = {n: [v, *move.derivatives.get(n, ())] for n, v in move.values.items() if isinstance(v, float)}
+
+    def input_at(time: float) -> Mapping[str, float]:
+        return {name: polynomial(u, time - start)[0] for name, u in inputs.items()}
+
+    instance.input_at = input_at
+    for _ in range(MOST_EARLY_RETURNS):
+        if not end - instance.time > 1e-12 * end:
+            return True
+        instance.set(dict(input_at(instance.time)))
+        if not instance.step(end - instance.time):
+            return False
+        instance.read()
+        instance.read_step()
+    return True
+
+
+def _exchange(instance: Instance, scene: Scene) -> None:
+    if instance.fmu.version == 2:
+        instance.settle()
+    else:
+        instance.call("EnterEventMode")
+        instance.settle()
+    states, indicators = instance.names.states, instance.names.indicators
+    rates = "GetDerivatives" if instance.fmu.version == 2 else "GetContinuousStateDerivatives"
+    for number, move in enumerate(scene.moves, start=1):
+        instance.set(move.values)
+        x = instance.vector("GetContinuousStates", states, "states")
+        f = instance.vector(rates, states, "derivatives")
+        instance.vector("GetEventIndicators", indicators, "indicators")
+        euler = [a + move.length * b for a, b in zip(x, f, strict=True)]
+        instance.set_continuous(instance.time + move.length, move.states or euler)
+        instance.read()
+        instance.vector(rates, states, "derivatives")
+        instance.vector("GetEventIndicators", indicators, "indicators")
+        if instance.completed_step() or number % 7 == 0:
+            if instance.call("EnterEventMode") == OK:
+                instance.settle()
+            instance.vector("GetContinuousStates", states, "states")
+        if number % scene.read_most_every == 0:
+            instance.read()
+            instance.read_jacobian()
+
+
+# ---- comparing ----
+
+
+def _unpack(record: Record, what: str, data: bytes) -> Iterator[tuple[str, float | int]]:
+    labels, kind = record.labels[what]
+    return zip(labels, struct.unpack(f"{len(labels)}{kind}", data), strict=True)
+
+
+def _scales(records: tuple[Record, Record]) -> dict[tuple[str, str], float]:
+    """Largest finite value of each variable in the scene; the accounts of energy share theirs."""
+    found: dict[tuple[str, str], float] = {}
+    for record in records:
+        for _, what, data in record.rows:
+            for label, value in _unpack(record, what, data):
+                key = what, _scale_name(label)
+                if math.isfinite(value):
+                    found[key] = max(found.get(key, 0.0), abs(value))
+    return found
+
+
+def _scale_name(label: str) -> str:
+    return "energy" if label.startswith("energy.") else label
+
+
+def compare(title: str, old: Record, new: Record, tolerance: float = 0.0) -> list[Difference]:
+    """All values that differ: in any bit, or by more than `tolerance` of the variable's largest value in the
+    scene. Whole numbers have to be equal in any case. A record that ends early counts as one difference."""
+    if old.rows == new.rows:
+        return []
+    scales = _scales((old, new)) if tolerance else {}
+    found = []
+    for before, after in zip_longest(old.rows, new.rows):
+        if before is None or after is None or before[1] != after[1]:
+            time = (before or after or (math.nan,))[0]
+            names = [row[1] if row else "nothing" for row in (before, after)]
+            found.append(Difference(title, time, f"the order of calls: {names[0]} -> {names[1]}", None, None))
+            break
+        time, what, data = before
+        if data == after[2] and (time == after[0] or tolerance):
+            continue
+        if data == after[2]:
+            found.append(Difference(title, time, f"{what}: time", time, after[0]))
+            continue
+        pairs = zip(_unpack(old, what, data), _unpack(new, what, after[2]), strict=True)
+        for (label, a), (_, b) in pairs:
+            if not _same(a, b, tolerance * scales.get((what, _scale_name(label)), 0.0)):
+                found.append(Difference(title, time, f"{label} ({what})", a, b))
+    return found
+
+
+def _same(a: float | int, b: float | int, allowed: float) -> bool:
+    if isinstance(a, int) or isinstance(b, int):
+        return a == b
+    if struct.pack("d", a) == struct.pack("d", b):
+        return True
+    return allowed > 0.0 and (abs(a - b) <= allowed or (math.isnan(a) and math.isnan(b)))
