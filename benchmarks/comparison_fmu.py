@@ -137,6 +137,7 @@ class Record:
     def __init__(self) -> None:
         self.rows: list[tuple[float, str, bytes]] = []
         self.values = 0
+        self.refusals: dict[int, str] = {}  # by index of a row: message of the call that failed
         self.labels: dict[str, tuple[tuple[str, ...], str]] = {}  # of a row: names and format of its values
 
     def add(self, time: float, what: str, data: bytes, labels: Sequence[str], kind: str = "d") -> None:
@@ -157,8 +158,8 @@ class _Buffer:
         self.names, self.kind, self.count = tuple(names), kind, len(names)
         self.references = (c_uint * self.count)(*(fmu.variables[n].reference for n in names))
         boolean_3 = kind == "Boolean" and fmu.version == 3
-        element = {"Real": c_double, "Integer": c_int}.get(kind, c_bool if boolean_3 else c_int)
-        self.values = (element * self.count)()
+        element: Any = c_bool if boolean_3 else c_double if kind == "Real" else c_int
+        self.values: Any = (element * self.count)()
         self.sizes = (c_size_t(self.count),) if fmu.version == 3 else ()
 
 
@@ -168,7 +169,7 @@ class Instance:
     def __init__(self, fmu: Fmu, names: Names, record: Record, use: str, *, events: bool = False) -> None:
         """use: `co-simulation` or `exchange`. events (FMI 3.0): with event mode and early return."""
         self.fmu, self.names, self.record, self.use, self.events = fmu, names, record, use, events
-        self.time, self.messages = 0.0, 0
+        self.time, self.messages, self.text = 0.0, 0, ""
         self.input_at: Callable[[float], Mapping[str, float]] | None = None
         self._prefix = f"fmi{fmu.version}"
         self._state = "FMUstate" if fmu.version == 2 else "FMUState"
@@ -189,13 +190,13 @@ class Instance:
     def _instantiate(self) -> int:
         library, token = self.fmu.library, self.fmu.token
         if self.fmu.version == 2:
-            logger = _LOGGER_2(lambda *_: self._count())
+            logger = _LOGGER_2(lambda *message: self._log(message[-1]))
             callbacks = Callbacks(logger=logger)
             self._keep = logger, callbacks
             kind, uri = int(self.use == "co-simulation"), self.fmu.resources.as_uri().encode()
             return library.fmi2Instantiate(b"scene", kind, token, uri, byref(callbacks), 0, 0)
         resources = f"{self.fmu.resources}/".encode()
-        logger_3 = _LOGGER_3(lambda *_: self._count())
+        logger_3 = _LOGGER_3(lambda *message: self._log(message[-1]))
         texts = b"scene", token, resources, c_bool(False), c_bool(False)
         if self.use == "exchange":
             self._keep = logger_3
@@ -209,8 +210,9 @@ class Instance:
             *texts, *flags, references, c_size_t(len(sampled)), None, logger_3, update
         )
 
-    def _count(self) -> None:
+    def _log(self, text: bytes) -> None:
         self.messages += 1
+        self.text = text.decode(errors="replace")
 
     def _update(self, _environment: object, time: float, asks: bool, *_: object) -> None:
         """fmi3IntermediateUpdate: the inputs at the times at which the FMU asks for them."""
@@ -230,28 +232,41 @@ class Instance:
     def call(self, name: str, *arguments: object) -> int:
         """Call that function; its status and the number of log messages so far are recorded."""
         status = self._function(name)(self.component, *arguments)
-        data = struct.pack("2i", status, self.messages)
-        self.record.add(self.time, f"{self._prefix}{name}", data, STATUS_LABELS, "i")
+        self._record_status(f"{self._prefix}{name}", status)
         return status
+
+    def _record_status(self, what: str, status: int) -> None:
+        if status != OK:
+            self.record.refusals[len(self.record.rows)] = self.text
+        self.record.add(self.time, what, struct.pack("2i", status, self.messages), STATUS_LABELS, "i")
 
     # ---- start ----
 
-    def start(self, parameters: Mapping[str, Scalar], tolerance: float | None) -> bool:
-        """To the end of initialization mode. False if the FMU refuses."""
+    def enter(self, parameters: Mapping[str, Scalar], tolerance: float | None) -> bool:
+        """To initialization mode. False if the FMU refuses."""
         self.set(parameters)
         given, value = tolerance is not None, c_double(tolerance or 0.0)
         if self.fmu.version == 2:
             self.call("SetupExperiment", c_int(given), value, c_double(0.0), c_int(0), c_double(0.0))
-            entered = self.call("EnterInitializationMode")
-        else:
-            entered = self.call(
-                "EnterInitializationMode", c_bool(given), value, c_double(0.0), c_bool(False), c_double(0.0)
-            )
-        if entered != OK or self.call("ExitInitializationMode") != OK:
+            return self.call("EnterInitializationMode") == OK
+        times = c_double(0.0), c_bool(False), c_double(0.0)
+        return self.call("EnterInitializationMode", c_bool(given), value, *times) == OK
+
+    def leave(self) -> bool:
+        """Initialization mode, and event mode behind it. False if the FMU refuses."""
+        if self.call("ExitInitializationMode") != OK:
             return False
-        if self.events:
+        if self.events or self.use == "exchange":
             self.settle()
         return True
+
+    def start(self, parameters: Mapping[str, Scalar], tolerance: float | None) -> bool:
+        """To the end of initialization mode. False if the FMU refuses."""
+        return self.enter(parameters, tolerance) and self.leave()
+
+    def reset(self) -> None:
+        self.call("Reset")
+        self.time = 0.0
 
     # ---- variables ----
 
@@ -277,8 +292,7 @@ class Instance:
         for name, value in values.items():
             status = self._set_one(name, value)
             if status != OK:
-                data = struct.pack("2i", status, self.messages)
-                self.record.add(self.time, f"set {name}", data, STATUS_LABELS, "i")
+                self._record_status(f"set {name}", status)
 
     def set_derivatives(self, derivatives: Mapping[str, Sequence[float]]) -> None:
         """FMI 2.0: derivatives of inputs by time, orders 1 to 3, for the next step."""
@@ -301,9 +315,7 @@ class Instance:
         if kind == "Boolean" and self.fmu.version == 3:
             data = struct.pack(f"{group.count}i", *group.values)
         if status != OK:
-            self.record.add(
-                self.time, f"get {what}", struct.pack("2i", status, self.messages), STATUS_LABELS, "i"
-            )
+            self._record_status(f"get {what}", status)
         self.record.add(self.time, what, data, group.names, FORMATS[kind])
 
     def read(self) -> None:
@@ -327,25 +339,29 @@ class Instance:
             status = function(self.component, group.references, size, orders, group.values, *group.sizes)
             what = f"output derivatives of order {order}"
             if status != OK:
-                data = struct.pack("2i", status, self.messages)
-                self.record.add(self.time, f"status of {what}", data, STATUS_LABELS, "i")
+                self._record_status(f"status of {what}", status)
             self.record.add(self.time, what, bytes(group.values), group.names)
 
-    def read_jacobian(self, unknowns: Sequence[str] = (), knowns: Sequence[str] = ()) -> None:
-        """Partial derivatives of all unknowns by all knowns, one call for each known."""
-        rows = self._buffer(unknowns or self.names.unknowns, "Real")
-        seed = byref(c_double(1.0))
-        for known in knowns or self.names.knowns:
-            reference = byref(c_uint(self.fmu.variables[known].reference))
-            arguments = rows.references, c_size_t(rows.count), reference, c_size_t(1)
-            sizes = (c_size_t(1), rows.values, c_size_t(rows.count)) if rows.sizes else (rows.values,)
-            status = self._function("GetDirectionalDerivative")(self.component, *arguments, seed, *sizes)
-            what = f"derivatives by {known}"
-            if status != OK:
-                data = struct.pack("2i", status, self.messages)
-                self.record.add(self.time, f"status of {what}", data, STATUS_LABELS, "i")
-            else:
-                self.record.add(self.time, what, bytes(rows.values), rows.names)
+    def read_jacobian(self) -> None:
+        """Partial derivatives of all unknowns by all knowns; where they are refused together, one by one."""
+        for known in self.names.knowns:
+            if self.read_derivatives(self.names.unknowns, known) != OK:
+                for unknown in self.names.unknowns:
+                    self.read_derivatives((unknown,), known)
+
+    def read_derivatives(self, unknowns: tuple[str, ...], known: str) -> int:
+        """Partial derivatives by `known`; the status."""
+        rows = self._buffer(unknowns, "Real")
+        reference, seed = byref(c_uint(self.fmu.variables[known].reference)), byref(c_double(1.0))
+        arguments = rows.references, c_size_t(rows.count), reference, c_size_t(1), seed
+        sizes = (c_size_t(1), rows.values, c_size_t(rows.count)) if rows.sizes else (rows.values,)
+        status = self._function("GetDirectionalDerivative")(self.component, *arguments, *sizes)
+        what = f"derivative{'s' if len(unknowns) > 1 else f' of {unknowns[0]}'} by {known}"
+        if status == OK:
+            self.record.add(self.time, what, bytes(rows.values), rows.names)
+        else:
+            self._record_status(f"status of {what}", status)
+        return status
 
     # ---- co-simulation ----
 

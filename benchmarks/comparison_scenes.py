@@ -10,7 +10,7 @@ import gzip
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -48,6 +48,8 @@ class Scene:
     tolerance: float | None = None
     version: int = 2
     use: str = "co-simulation"  # or exchange, or early return (FMI 3.0)
+    resets: bool = False  # plays some moves and resets the FMU before
+    probes: bool = False  # reads every derivative of a variable by another one, after both ends of the scene
     read_every: int = 1  # moves
     read_most_every: int = 5  # moves; then derivatives and step.* are read, too
 
@@ -123,7 +125,7 @@ class Size:
 
 
 def draw_grooves(rng: Rng, helical: bool, name: str, folder: Path) -> tuple[dict[str, Scalar], np.ndarray]:
-    """Parameters of stops, grooves and friction; and dz/dtheta, dgamma/dtheta, loading torque per axial force."""
+    """Parameters of stops, grooves and friction; and dz/dtheta, dgamma/dtheta, loading torque per force."""
     while True:
         p: dict[str, Scalar] = {}
         upper = p["stop.upper"] = rng.uniform(0.3, 2.5)
@@ -225,7 +227,7 @@ def polynomial(u: Sequence[float], t: float) -> list[float]:
 
 
 def draw_cuts(rng: Rng, duration: float) -> list[float]:
-    """Times at which an interval is cut: whole, in parts, in steps of about 1 ms, or very near to its ends."""
+    """Times at which an interval is cut: whole, in parts, about each 1 ms, or very near to its ends."""
     kind = rng.choice(4, p=[0.45, 0.3, 0.2, 0.05])
     if kind == 0:
         return [0.0, duration]
@@ -292,8 +294,8 @@ def random_scene(helical: bool, number: int, folder: Path) -> Scene:
     p |= draw_start(rng, p, size)
     moves = tuned(rng, p, draw_moves(rng, size))
     tolerance = None if rng.random() < 0.3 else float(rng.choice(TOLERANCES))
-    every = int(rng.choice([1, 1, 3, 1000]))
-    return Scene(f"{kind} {number}", FORWARD, p, moves, tolerance, read_every=every)
+    every, resets = int(rng.choice([1, 1, 3, 1000])), bool(rng.random() < 0.1)
+    return Scene(f"{kind} {number}", FORWARD, p, moves, tolerance, resets=resets, read_every=every)
 
 
 # ---- inverse ----
@@ -358,6 +360,34 @@ def early_return_scene(number: int, folder: Path) -> Scene:
     return Scene(f"early return {number}", FORWARD, p, moves, None, 3, "early return", read_most_every=1)
 
 
+def curved_scene(number: int, folder: Path) -> Scene:
+    """A cubic torque on the default mechanism: FMI 3.0 with early return, or FMI 2.0 in few steps."""
+    rng = np.random.default_rng([8, number])
+    duration = float(rng.uniform(0.02, 0.3))
+    scale = [2.0, 5.0 / duration, 10.0 / duration**2, 30.0 / duration**3]
+    tau = [float(size * x) for size, x in zip(scale, rng.uniform(-1.0, 1.0, 4), strict=True)]
+    title = f"curved torque {number}"
+    if number % 2 == 0:
+        moves = list(cut(duration, {"tau": tau}, [0.0, duration]))
+        return Scene(title, FORWARD, {}, moves, None, 3, "early return")
+    moves = list(cut(duration, {"tau": tau}, draw_cuts(rng, duration)))
+    if number == 1:  # ends 1e-12 s behind a breakaway
+        derivatives = [5.204793012928848, 2.410753348015536, -3.5484609676281345]
+        moves = [Move(0.08870064548360176, {"tau": 0.1920512627236736}, {"tau": derivatives})]
+    return Scene(title, FORWARD, {}, moves)
+
+
+def probing_scene(number: int, folder: Path) -> Scene:
+    """Which derivatives are allowed, and all their values."""
+    if number % 4 == 3:
+        return replace(inverse_scene(number, folder), version=2 + number // 4 % 2, probes=True)
+    if number % 4 == 2:
+        return replace(exchange_scene(number // 4, folder), probes=True)
+    scene = random_scene(number % 8 == 0, 30_000_000 + number, folder)
+    moves = [replace(move, derivatives={}) for move in scene.moves]
+    return replace(scene, moves=moves, version=2 + number % 2, probes=True)
+
+
 def plain_3_scene(number: int, folder: Path) -> Scene:
     """FMI 3.0, plain co-simulation with constant inputs."""
     scene = random_scene(number % 2 == 0, 10_000_000 + number, folder)
@@ -374,10 +404,10 @@ GROOVES: tuple[dict[str, Scalar], ...] = (
     {**ELLIPSES},
     {**ELLIPSES, "cam1.profile": 1, "cam1.ellipse_curvature": 1},
 )
-FORCES: dict[str, Scalar] = {"spring.stiffness2": 1e5, "spring.stiffness3": 1e6} | {
-    f"damper.{name}": value
-    for name, value in (("c_load", 20.0), ("q_load", 50.0), ("c_release", 30.0), ("q_release", 40.0))
-}
+FORCES: dict[str, Scalar] = {
+    "spring.stiffness2": 1e5, "spring.stiffness3": 1e6, "damper.c_load": 20.0, "damper.q_load": 50.0,
+    "damper.c_release": 30.0, "damper.q_release": 40.0,
+}  # fmt: skip
 FOLLOWER: dict[str, Scalar] = {
     "inertia.follower_mass": 0.3, "inertia.follower": 3e-5, "shaft.damping": 0.01, "stop.restitution": 0.5
 }  # fmt: skip
