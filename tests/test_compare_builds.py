@@ -87,7 +87,7 @@ def test_a_step_that_only_one_build_refuses(job):
 
 def test_a_scene_that_takes_too_long_is_reported_apart(job, monkeypatch):
     monkeypatch.setattr(compare_builds, "TIME_OF_MOVE", 0.0)
-    impatient = dataclasses.replace(job, patience=0.02)
+    impatient = dataclasses.replace(job, patience=1e-3)
     fine = scenes.KNOWN_SCENES // 2  # the first of those in steps of 1 ms, about 800 of them
     outcome = run(impatient, Group("slow", 2, lambda k, folder: scenes.known_scene(fine + k, folder)))
     assert outcome.scenes == 2 and outcome.differences == 0
