@@ -21,6 +21,7 @@ import signal
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -36,7 +37,10 @@ ROOT = Path(__file__).resolve().parent.parent
 MODELS = [(model, version) for version in (2, 3) for model in (FORWARD, INVERSE)]
 OLD, NEW = "old", "new"
 TIME_OF_MOVE = 2e-3  # s of CPU time, more than ten times what a move takes
-LISTED = 5  # differences of a group that are shown
+PATIENCE_ELSEWHERE = 4.0  # times as much for scenes without early return: of these, no build hangs for ever
+SCATTER = 7919  # a prime: its multiples modulo a group's size reach every scene, of all kinds early
+LISTED = 5  # differences of a group that are shown, and variables
+LISTED_OF_SCENE = 2  # differences
 Fmus = Mapping[tuple[str, str, int], Fmu]  # by build, model, version of FMI
 
 
@@ -55,6 +59,7 @@ class Outcome:
     values: int = 0
     differences: int = 0
     shown: list[str] = field(default_factory=list)
+    variables: Counter[str] = field(default_factory=Counter)  # that differ, how often
     apart: list[str] = field(default_factory=list)  # the old build, or both, hang; only the old one refuses
 
     def add(self, other: Outcome) -> None:
@@ -62,6 +67,7 @@ class Outcome:
         self.values += other.values
         self.differences += other.differences
         self.shown = (self.shown + other.shown)[:LISTED]
+        self.variables += other.variables
         self.apart += other.apart
 
     def __str__(self) -> str:
@@ -73,11 +79,11 @@ class Outcome:
 
 
 def groups(helical: int, general: int, share: float) -> list[Group]:
-    """`share`: part of the scenes of the other groups that is played, evenly spread."""
+    """`share`: part of the scenes of the other groups that is played, of all kinds."""
 
     def part(title: str, count: int, make: Callable[[int, Path], Scene]) -> Group:
         played = max(1, round(share * count))
-        return Group(title, played, lambda k, folder: make(k * count // played, folder))
+        return Group(title, played, lambda k, folder: make(SCATTER * k % count, folder))
 
     found = [part("mechanisms of the tests", scenes.KNOWN_SCENES, scenes.known_scene)]
     for fine in (False, True):
@@ -176,9 +182,10 @@ class Message:
 def judge(scene: Scene, old: Record, new: Record, tolerance: float) -> Outcome:
     found = compare(scene.title, old, new, tolerance)
     counted = [difference for difference in found if not difference.mended]
-    shown = [str(difference) for difference in counted[:LISTED]]
+    shown = [str(difference) for difference in counted[:LISTED_OF_SCENE]]
     apart = [str(difference) for difference in found if difference.mended]
-    return Outcome(1, old.values, len(counted), shown, apart)
+    variables = Counter(difference.what for difference in counted)
+    return Outcome(1, old.values, len(counted), shown, variables, apart)
 
 
 def _play_group(connection: Connection, job: Job, group: Group, first: int, skipped: frozenset[str]) -> None:
@@ -192,6 +199,7 @@ def _play_group(connection: Connection, job: Job, group: Group, first: int, skip
                 continue
             connection.send(Message(number, scene.title, build))
             limit = job.patience + TIME_OF_MOVE * len(scene.moves)
+            limit *= 1.0 if scene.use == "early return" else PATIENCE_ELSEWHERE
             signal.setitimer(signal.ITIMER_PROF, limit)  # the timer's signal ends this process
             records[build] = play(job.fmus[build, *key], job.names[key], scene)
             signal.setitimer(signal.ITIMER_PROF, 0.0)
@@ -270,7 +278,10 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="REL",
         help="a difference up to this part of the variable's largest value in the scene is none",
     )
-    patience = f"CPU time for one scene in one build, s, beside {TIME_OF_MOVE:g} s for each step of it"
+    patience = (
+        f"CPU time for one scene with early return in one build, s, beside {TIME_OF_MOVE:g} s for each step; "
+        f"{PATIENCE_ELSEWHERE:g} times as much for others"
+    )
     parser.add_argument("--patience", type=float, default=1.0, help=patience)
     return parser.parse_args(arguments)
 
@@ -284,6 +295,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{title:45} {outcome}", flush=True)
         for text in (*outcome.shown, *outcome.apart[:LISTED]):
             print(f"    {text}")
+        if outcome.variables:
+            common = outcome.variables.most_common(LISTED)
+            print(f"    most often: {', '.join(f'{what} {number}' for what, number in common)}")
         whole.add(outcome)
 
     with tempfile.TemporaryDirectory() as name:

@@ -349,6 +349,21 @@ class Instance:
                 for unknown in self.names.unknowns:
                     self.read_derivatives((unknown,), known)
 
+        if self.fmu.version == 3:
+            self._read_adjoint()
+
+    def _read_adjoint(self) -> None:
+        """FMI 3.0: partial derivatives of each unknown by all knowns."""
+        columns = self._buffer(self.names.knowns, "Real")
+        seed, one = byref(c_double(1.0)), c_size_t(1)
+        for unknown in self.names.unknowns:
+            reference = byref(c_uint(self.fmu.variables[unknown].reference))
+            pair = reference, one, columns.references, c_size_t(columns.count)
+            result = columns.values, c_size_t(columns.count)
+            if self.call("GetAdjointDerivative", *pair, seed, one, *result) == OK:
+                what = f"adjoint derivatives of {unknown}"
+                self.record.add(self.time, what, bytes(columns.values), columns.names)
+
     def read_derivatives(self, unknowns: tuple[str, ...], known: str) -> int:
         """Partial derivatives by `known`; the status."""
         rows = self._buffer(unknowns, "Real")
