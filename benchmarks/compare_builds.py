@@ -113,6 +113,10 @@ def _every(first: int, every: int, tolerance: float, fine: bool, number: int, fo
 # ---- builds ----
 
 
+def fmu_path(directory: Path, model: str, version: int) -> Path:
+    return directory / ("fmi3" if version == 3 else "") / f"{model}.fmu"
+
+
 def load(
     directories: Mapping[str, Path], folder: Path
 ) -> tuple[Fmus, dict[tuple[str, int], Names], list[str]]:
@@ -120,7 +124,7 @@ def load(
     fmus, names, missing = {}, {}, []
     for model, version in MODELS:
         for build, directory in directories.items():
-            path = directory / ("fmi3" if version == 3 else "") / f"{model}.fmu"
+            path = fmu_path(directory, model, version)
             fmus[build, model, version] = Fmu(path, folder / build / str(version) / model, version)
         old, new = fmus[OLD, model, version], fmus[NEW, model, version]
         names[model, version] = _common(old.names(), set(new.variables))
@@ -283,7 +287,13 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
         f"{PATIENCE_ELSEWHERE:g} times as much for others"
     )
     parser.add_argument("--patience", type=float, default=1.0, help=patience)
-    return parser.parse_args(arguments)
+    given = parser.parse_args(arguments)
+    for directory in (given.old, given.new):
+        for model, version in MODELS:
+            path = fmu_path(directory, model, version)
+            if not path.exists():
+                parser.error(f"{path} is missing: run ./build.sh in the tree of that build")
+    return given
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Iterator, Mapping
+from ctypes import c_void_p
 from dataclasses import dataclass
 from itertools import zip_longest
 
@@ -12,6 +13,7 @@ from comparison_fmu import OK, Fmu, Instance, Names, Record
 from comparison_scenes import Move, Scene, polynomial
 
 MOST_EARLY_RETURNS = 200  # in one step
+MOST_FAILURES = 3  # steps of a scene that the FMU refuses before the scene ends
 
 
 @dataclass(frozen=True)
@@ -83,16 +85,16 @@ def _read_all(instance: Instance) -> None:
 
 
 def _co_simulate(instance: Instance, scene: Scene) -> None:
-    kept: tuple[object, float] | None = None
+    kept: tuple[c_void_p, float] | None = None
     failures = 0
     for number, move in enumerate(scene.moves, start=1):
         if move.state == "keep":
             kept = instance.take_state(), instance.time
         elif move.state and kept is not None:
-            state = kept[0] if move.state == "restore" else instance.copy_state(kept[0])  # type: ignore[arg-type]
-            instance.restore_state(state, kept[1])  # type: ignore[arg-type]
+            state, time = kept
+            instance.restore_state(state if move.state == "restore" else instance.copy_state(state), time)
         failures += not _step(instance, scene, move)
-        if failures > 3:
+        if failures > MOST_FAILURES:
             break
         last = number == len(scene.moves)
         if last or number % scene.read_every == 0:
