@@ -22,6 +22,8 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks/growth.py (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
+  compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
+           15 seconds), benchmarks/compare_builds.py
   stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
@@ -125,6 +127,7 @@ case $command in
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --figure docs/study.png
         run_program '.[study]' -m dualcam study "$@"
         ;;
+    compare) run_program . benchmarks/compare_builds.py "$@" ;;
     stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
     masters) run_program . masters/run.py "$@" ;;
     all)
