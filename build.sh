@@ -24,6 +24,7 @@ usage: ./build.sh [command] [arguments]
            solvers; arguments go to it, as to each of these
   stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
+  figures  draw the figures of docs/mechanism.md (seconds), docs/figures/mechanism.py; arguments go to it
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
@@ -126,6 +127,10 @@ case $command in
         run_program '.[study]' -m dualcam study "$@"
         ;;
     stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
+    figures)
+        install_dependencies .
+        exec .venv/bin/python docs/figures/mechanism.py "$@"
+        ;;
     masters) run_program . masters/run.py "$@" ;;
     all)
         install_dependencies .
