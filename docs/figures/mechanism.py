@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -74,16 +74,28 @@ def curved_arrow(axes: Axes, points: Array, color: str, width: float = 2.4) -> N
     arrow(axes, tuple(points[-3]), tuple(points[-1]), color, width)
 
 
-def text(axes: Axes, place: Point, words: str, color: str = INK, size: float = 15.0, **more: Any) -> None:
-    options: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 10} | more
-    axes.text(*place, words, color=color, fontsize=size, **options)
+def text(
+    axes: Axes,
+    place: Point,
+    words: str,
+    color: str = INK,
+    size: float = 15.0,
+    *,
+    ha: Literal["left", "center", "right"] = "center",
+    weight: str = "normal",
+    rotation: float = 0.0,
+) -> None:
+    font = {"color": color, "size": size, "weight": weight}
+    axes.text(*place, words, fontdict=font, ha=ha, va="center", rotation=rotation, zorder=10)
 
 
-def pointer(axes: Axes, words_at: Point, target: Point, words: str, color: str, **more: Any) -> None:
+def pointer(
+    axes: Axes, words_at: Point, target: Point, words: str, color: str, ha: Literal["left", "right"]
+) -> None:
     """Words with a thin line to what they name; the line ends in a dot there."""
     axes.plot(*zip(words_at, target, strict=True), color=color, lw=1.0, zorder=9)
     axes.plot(*target, "o", color=color, ms=4.0, zorder=9)
-    text(axes, words_at, words, color, **more)
+    text(axes, words_at, words, color, ha=ha)
 
 
 def bare(axes: Axes, x: Point, y: Point) -> None:
