@@ -129,8 +129,8 @@ def test_kinematics(theta):
 
 
 def newton_euler(lead, radius, friction, sigma, flank, axial, twist):
-    """R_1, R_2 and T from the forces on the pin as vectors (tangential, axial): normal forces on the flanks, and
-    friction against the sliding in each groove. The groove of cam 2 rises to the other side."""
+    """R_1, R_2 and T from the forces on the pin as vectors (tangential, axial): normal forces, and friction
+    against the sliding in each groove. The groove of cam 2 rises to the other side."""
     rows = np.zeros((2, 2))
     for i, side in enumerate((1, -1)):
         along = np.array([side * math.cos(lead[i]), math.sin(lead[i])])
