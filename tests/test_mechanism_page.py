@@ -416,3 +416,9 @@ def test_script_draws_the_pictures(tmp_path):
         if drawn[0] == committed[0]:
             assert drawn[1] == committed[1], name
             assert drawn[2] == pytest.approx(committed[2], abs=1e-3), name
+
+
+def test_build_knows_the_pictures():
+    text = (ROOT / "build.sh").read_text(encoding="utf-8")
+    assert "  figures " in text and "docs/figures/mechanism.py" in text
+    assert "`./build.sh figures`" in PAGE
