@@ -26,6 +26,7 @@ usage: ./build.sh [command] [arguments]
            15 seconds), benchmarks/compare_builds.py
   stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
+  figures  draw the figures of docs/mechanism.md (seconds), docs/figures/mechanism.py; arguments go to it
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
@@ -129,6 +130,10 @@ case $command in
         ;;
     compare) run_program . benchmarks/compare_builds.py "$@" ;;
     stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
+    figures)
+        install_dependencies .
+        exec .venv/bin/python docs/figures/mechanism.py "$@"
+        ;;
     masters) run_program . masters/run.py "$@" ;;
     all)
         install_dependencies .

@@ -1,4 +1,4 @@
-"""How friction shares force and torque (mechanism page, sections 3 and 8), for whole arrays at once.
+"""How friction shares force and torque (docs/mechanism.md, sections 3 and 8), for whole arrays at once.
 
 With the slope a_i = dz/dpsi = r_i tan(lambda_i) of groove i, moving in direction sigma against F > 0,
 
