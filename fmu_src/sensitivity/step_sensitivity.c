@@ -87,37 +87,37 @@ static void carry_in_closed_form(const LinearSlipMode *slip, double t, Variation
     x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
 }
 
-/* Without inertia and damping theta is where the edge is the torque, whatever it was before: d theta = d tau/E'; at
- * the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge.
- * Following the edge ends at a fold, E' = 0, when the torque gets to the fold's. */
-static void carry_along_edge(const Mechanism *m, const Segment *segment, Carried *v) {
-    SlipMode slip = present_slip(m);
-    double rho;
-    const bool jumps = segment->kind == SEGMENT_JUMP;
-    const bool there = !jumps || slip_along_edge(m, direction_of(m->state.mode), &slip, &rho);
-    const RightHandSide rhs = balance_rhs(&slip, m->state.theta.hi, 0.0, 0.0);
-    if (jumps && segment->duration > 0.0) v->delay = 0.0;
-    v->x.theta = there ? give_of_edge(m, &rhs) + (jumps ? rhs.value * v->delay : 0.0) : 0.0;
-    if (!jumps) v->delay = finite_or_zero(-1.0 / (rhs.value * rhs.by_theta));
+/* Without inertia and damping theta is where the edge E(theta) equals the torque, whatever theta was before:
+ * d theta = d tau/E'. Following the edge ends at a fold, E' = 0, when the torque gets to the torque of the fold. */
+static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *v) {
+    const RightHandSide rhs = balance_rhs(slip, m->state.theta.hi, 0.0, 0.0);
+    v->x.theta = give_of_edge(m, &rhs);
+    v->delay = finite_or_zero(-1.0 / (rhs.value * rhs.by_theta));
 }
 
-/* Carries the variation through a segment that has been applied; `inputs`: at its start. False where the variation is
- * not known. */
-static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, Carried *v) {
-    switch (segment->kind) {
-        case SEGMENT_AT_STOP: return true;
-        case SEGMENT_JAM: { /* at an event, or before anything has varied, or for an unknown reason */
-            const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
-            v->x.omega = 0.0;
-            return known;
-        }
-        case SEGMENT_REST: *v = (Carried){.x = {.theta = v->x.theta}}; return true;
-        default: break;
-    }
+/* At the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge. */
+static void carry_over_jump(const Mechanism *m, int direction, double duration, Carried *v) {
+    SlipMode slip;
+    double rho;
+    if (duration > 0.0) v->delay = 0.0;
+    v->x.theta = 0.0;
+    if (!slip_along_edge(m, direction, &slip, &rho)) return;
+    const RightHandSide rhs = balance_rhs(&slip, m->state.theta.hi, 0.0, 0.0);
+    v->x.theta = give_of_edge(m, &rhs) + rhs.value * v->delay;
+}
+
+/* At an event, or before anything has varied, a jam ends the motion whatever the variation. */
+static bool carry_through_jam(Carried *v) {
+    const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
+    v->x.omega = 0.0;
+    return known;
+}
+
+static bool carry_along_slip(const Mechanism *m, const Segment *segment, const Inputs *inputs, Carried *v) {
     const int index = present_slip_index(m);
     const SlipMode slip = slip_mode_from_here(m, index);
     if (slip.regime == REGIME_RATE_INDEPENDENT) {
-        carry_along_edge(m, segment, v);
+        carry_along_edge(m, &slip, v);
         return true;
     }
     if (segment->kind == SEGMENT_CLOSED_FORM) {
@@ -129,6 +129,18 @@ static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inpu
     const SlipMode at_start =
         slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta, slip.direction, slip.flank);
     return radau_step_vary(&at_start, radau, 1.0, &v->x);
+}
+
+/* Carries the variation through a segment in `mode` that has been applied; `inputs`: at its start. False where the
+ * variation is not known. */
+static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, Mode mode, Carried *v) {
+    switch (segment->kind) {
+        case SEGMENT_AT_STOP: return true;
+        case SEGMENT_JAM: return carry_through_jam(v);
+        case SEGMENT_REST: *v = (Carried){.x = {.theta = v->x.theta}}; return true;
+        case SEGMENT_JUMP: carry_over_jump(m, direction_of(mode), segment->duration, v); return true;
+        default: return carry_along_slip(m, segment, inputs, v);
+    }
 }
 
 /* ---- at an event ---- */
@@ -239,9 +251,8 @@ static double after_decision(StepVisitor *visitor, const Mechanism *m, double le
 
 static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
                           Mode mode) {
-    (void)mode;
     Carrier *c = (Carrier *)visitor;
-    if (!carry(m, segment, inputs, &c->carried)) return false;
+    if (!carry(m, segment, inputs, mode, &c->carried)) return false;
     pass_event(m, segment, &c->carried);
     c->left -= segment->duration;
     c->carried.slipped = segment->kind == SEGMENT_CLOSED_FORM || segment->kind == SEGMENT_RADAU;
