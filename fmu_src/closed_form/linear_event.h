@@ -10,9 +10,8 @@
 
 #include "closed_form/linear_peaks.h"
 #include "closed_form/linear_segment.h"
+#include "model/event_kind.h"
 #include "model/tolerances.h"
-
-typedef enum { EVENT_NONE, EVENT_REST, EVENT_STOP, EVENT_FLANK } EventKind;
 
 typedef struct {
     EventKind kind;

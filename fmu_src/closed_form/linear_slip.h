@@ -16,10 +16,10 @@
 #include "closed_form/oscillator.h"
 #include "contact/contact.h"
 #include "geometry/cam.h"
+#include "model/elements.h"
 #include "model/ledger.h"
 #include "model/params.h"
-
-typedef enum { REGIME_INERTIAL, REGIME_VISCOUS, REGIME_RATE_INDEPENDENT } Regime;
+#include "model/regime.h"
 
 /* One way to slip and its constant coefficients. */
 typedef struct {
@@ -36,13 +36,6 @@ typedef struct {
     double heat[2];     /* heat flow at contact i = heat x_i omega, >= 0 */
     double damper;      /* N.s/m, c in this direction */
 } LinearSlipMode;
-
-enum { SLIP_MODE_COUNT = 8 }; /* direction x flank of cam 1 x flank of cam 2 */
-
-/* Index of a way to slip in a table of SLIP_MODE_COUNT. */
-static inline int slip_index(int direction, const int flank[2]) {
-    return (direction > 0 ? 0 : 4) + (flank[0] > 0 ? 0 : 2) + (flank[1] > 0 ? 0 : 1);
-}
 
 /* Start of a stretch of motion. Rates are those of the inputs over the stretch (inputs are linear). */
 typedef struct {
@@ -78,16 +71,6 @@ LinearMotion linear_slip_motion_at_start(const LinearSlipMode *linear,
 void linear_slip_motion(const LinearSlipMode *linear, const SlipStart *start, const Kernel *kernel,
                         LinearMotion *motion);
 
-/* State of contact i along the arc: x_i and its first and second time derivatives. */
-typedef struct {
-    double value, rate, curvature;
-} ContactLoad;
-
-/* x_i and its first time derivative, of both contacts. */
-typedef struct {
-    double value[2], rate[2];
-} ContactLoadPair;
-
 /* With F_s + F_ext and its rate, at the speed, alpha and jerk of the arc's end. */
 ContactLoadPair linear_slip_contacts(const LinearSlipMode *linear, double force, double force_rate,
                                      const LinearMotion *motion);
@@ -107,12 +90,5 @@ Booking linear_slip_booking(const LinearSlipMode *linear, const Params *params, 
 /* The quasi-static jump by dtheta along the edge of the stick band: the torque taken is rho F. */
 Booking linear_slip_jump_booking(const LinearSlipMode *linear, const Params *params, const Geometry *g,
                                  const SlipStart *start, double dtheta);
-
-double spring_force(const SpringParams *spring, double z);  /* N */
-double spring_rate(const SpringParams *spring, double z);   /* N/m */
-double spring_energy(const SpringParams *spring, double z); /* J, 0 at z = 0 */
-
-/* N, of the side that acts in this direction: v (c + q |v|) */
-double damper_force(const DamperParams *damper, int direction, double v);
 
 #endif

@@ -13,10 +13,12 @@
 #ifndef DUALCAM_BALANCE_H
 #define DUALCAM_BALANCE_H
 
-#include "closed_form/linear_slip.h"
 #include "geometry/transmission.h"
+#include "model/elements.h"
 #include "model/known.h"
+#include "model/ledger.h"
 #include "model/params.h"
+#include "model/regime.h"
 #include "numerics/dual.h"
 
 /* Grooves and friction at one theta, with derivatives by theta. */

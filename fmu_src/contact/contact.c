@@ -30,12 +30,10 @@ static bool carries(const Transfer *t, const int flank[2]) {
 /* Loading: both supporting flanks. Releasing: the same, unless one contact locks and the other does not; then the
  * unlocked pin bears on its other flank. */
 bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
-    static const int candidate[3][2] = {{1, 1}, {1, -1}, {-1, 1}};
-    const int candidates = direction > 0 ? 1 : 3;
+    const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     for (int k = 0; k < candidates; k++) {
-        *transfer = contact_transfer(g, direction, candidate[k]);
-        flank[0] = candidate[k][0];
-        flank[1] = candidate[k][1];
+        flank_pair(k, 1, flank);
+        *transfer = contact_transfer(g, direction, flank);
         if (carries(transfer, flank)) return true;
     }
     return false;

@@ -31,6 +31,32 @@ typedef struct {
     double load, release; /* m */
 } BandFactors;
 
+/* x_i of a contact and its first and second time derivatives, or their sizes. */
+typedef struct {
+    double value, rate, curvature;
+} ContactLoad;
+
+/* x_i and its first time derivative, of both contacts. */
+typedef struct {
+    double value[2], rate[2];
+} ContactLoadPair;
+
+/* ---- flanks and slip modes ---- */
+
+enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };
+
+/* The pairs of flanks in the order in which a search tries them: (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`, the
+ * sign of the axial load. The supporting flanks come first. */
+static inline void flank_pair(int k, int sign, int flank[2]) {
+    flank[0] = k < 2 ? sign : -sign;
+    flank[1] = k % 2 == 0 ? sign : -sign;
+}
+
+/* Index of a slip mode in a table of SLIP_MODE_COUNT. */
+static inline int slip_index(int direction, const int flank[2]) {
+    return (direction > 0 ? 0 : 4) + (flank[0] > 0 ? 0 : 2) + (flank[1] > 0 ? 0 : 1);
+}
+
 /* direction: +1 loading, -1 releasing; flank[i] = e_i: +1 or -1. */
 Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]);
 

@@ -42,11 +42,9 @@ static bool agrees(const Load *b, const ContactForces *forces) {
 }
 
 bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
-    const int s = load->axial < -NO_REACTION * load->axial_size ? -1 : 1;
-    const int candidate[4][2] = {{s, s}, {s, -s}, {-s, s}, {-s, -s}};
-    for (int k = 0; k < 4; k++) {
-        forces->flank[0] = candidate[k][0];
-        forces->flank[1] = candidate[k][1];
+    const int sign = load->axial < -NO_REACTION * load->axial_size ? -1 : 1;
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        flank_pair(k, sign, forces->flank);
         forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);
         bear(load, forces);
         if (agrees(load, forces)) return true;

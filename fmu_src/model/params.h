@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "numerics/sum.h"
+
 enum { INPUT_ORDER = 3 }; /* highest time derivative of an input that a step can carry */
 
 enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
@@ -93,6 +95,16 @@ static inline void input_shift(double u[INPUT_ORDER + 1], double t) {
 /* rad, between the stops: what the rounding of theta is of. */
 static inline double largest_angle(const Params *p) {
     return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+}
+
+/* rad: the end stop ahead in `direction` (+1 or -1) */
+static inline double stop_ahead(const StopParams *stop, int direction) {
+    return direction > 0 ? stop->upper : stop->lower;
+}
+
+/* rad, >= 0: how far theta is from that stop */
+static inline double distance_to_stop(const StopParams *stop, int direction, Sum theta) {
+    return fmax(direction * (stop_ahead(stop, direction) - theta.hi - theta.lo), 0.0);
 }
 
 /* J: (J + m z'^2 + I gamma'^2) omega^2/2, of `lift` z' and `turn` gamma'. */

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "numerics/golden_section.h"
+
 enum { KNOTS = 15, PLACES = KNOTS + 2, MAX_DEPTH = 40, MAX_PANELS = 20000, GOLDEN_STEPS = 40 };
 
 /* Shares of the whole way and of what is integrated along it. */
@@ -64,33 +66,23 @@ static double integrate(const Panel *panel, double total[RATE_COUNT], double *si
 
 /* ---- peaks ---- */
 
-static double size_at(const Quadrature *s, int c, double x) {
+/* One of the magnitudes of the integrand as a function of the coordinate. */
+typedef struct {
+    const Quadrature *quadrature;
+    int component;
+} Magnitude;
+
+static double magnitude_at(const void *context, double x) {
+    const Magnitude *magnitude = context;
     QuadratureSample seen;
-    s->integrand(s->scene, x, &seen);
-    return seen.size[c];
+    magnitude->quadrature->integrand(magnitude->quadrature->scene, x, &seen);
+    return seen.size[magnitude->component];
 }
 
-/* The largest value between a and b, by golden section: there is one maximum. */
+/* The largest value of magnitude c between a and b. */
 static double maximum(const Quadrature *s, int c, double a, double b) {
-    static const double RATIO = 0.61803398874989485;
-    double left = b - RATIO * (b - a), right = a + RATIO * (b - a);
-    double f_left = size_at(s, c, left), f_right = size_at(s, c, right);
-    for (int i = 0; i < GOLDEN_STEPS; i++) {
-        if (f_left > f_right) {
-            b = right;
-            right = left;
-            f_right = f_left;
-            left = b - RATIO * (b - a);
-            f_left = size_at(s, c, left);
-        } else {
-            a = left;
-            left = right;
-            f_left = f_right;
-            right = a + RATIO * (b - a);
-            f_right = size_at(s, c, right);
-        }
-    }
-    return fmax(f_left, f_right);
+    const Magnitude magnitude = {s, c};
+    return golden_section_maximum(magnitude_at, &magnitude, a, b, GOLDEN_STEPS).value;
 }
 
 static void raise_peaks(Quadrature *s, const Panel *panel) {

@@ -20,7 +20,7 @@ static double share(double a, double f_a, double b, double f_b, double c, double
 }
 
 /* b is the latest point, a the one before on the other side, c the one that a or b replaced. */
-double root_between(RootFunction *f, const void *scene, double a, double f_a, double b, double f_b) {
+double root_between(ScalarFunction *f, const void *context, double a, double f_a, double b, double f_b) {
     if (f_a == 0.0) return a;
     if (f_b == 0.0) return b;
     double t = isfinite(f_a) && isfinite(f_b) ? f_a / (f_a - f_b) : 0.5; /* the secant's, from a */
@@ -29,7 +29,7 @@ double root_between(RootFunction *f, const void *scene, double a, double f_a, do
         if (width <= near) break;
         const double least = 0.5 * near / width;
         const double x = a + fmin(fmax(t, least), 1.0 - least) * (b - a);
-        const double f_x = f(scene, x);
+        const double f_x = f(context, x);
         if (f_x == 0.0) return x;
         const bool on_side_of_a = same_sign(f_x, f_a);
         const double c = on_side_of_a ? a : b, f_c = on_side_of_a ? f_a : f_b;
