@@ -1,37 +1,37 @@
-/* A stretch of slip through grooves of any shape, to its end: the step's end, or the first event in it. */
+/* Event location: a segment of slip through grooves of any shape, up to its first event.
+ *
+ * One Radau step is taken, as long as the step control accepts. If an indicator crosses zero on the step's polynomial,
+ * the step is solved again with a shorter length, until it ends on the crossing to rounding: so the event does not
+ * carry the error of the polynomial. (L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
+ * Computers and Mathematics with Applications 39, 2000; A. C. Hindmarsh et al., SUNDIALS, ACM TOMS 31, 2005.)
+ *
+ * The length h of the shortened step is sought by Newton's method inside a bracket. Bracket invariant: the indicator f
+ * is not negative at the end of a step of length `left`; f is negative at the end of a step of length `right`, once
+ * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection. */
 #ifndef DUALCAM_EVENT_LOCATION_H
 #define DUALCAM_EVENT_LOCATION_H
 
-#include "closed_form/linear_event.h"
+#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
+#include "collocation/radau_variation.h"
+#include "model/event_kind.h"
 
 typedef struct {
     RadauStep radau;
-    EventKind kind;      /* what ended it */
-    bool at_breakpoint;  /* it ended at the end of a piece */
-    bool for_breakpoint; /* its length was that to the end of a piece, as far as could be told */
-    StepProposal next;   /* to try for the next one */
-    double reaction[2];  /* N, largest |R_i| on the way, total */
-    double omega;        /* rad/s, largest |omega| on the way */
+    EventKind kind;      /* what ended the segment */
+    bool at_breakpoint;  /* the segment ended at a breakpoint of the transmission */
+    bool for_breakpoint; /* the length of the step was the time to the breakpoint */
+    StepProposal next;   /* for the next segment */
+    double reaction[2];  /* N, largest |R_i| in the segment, total: see event_location_peaks() */
+    double omega;        /* rad/s, largest |omega| in the segment */
 } EventLocation;
 
-/* The end of the piece ahead, rad from the start on, and how far a step may go beyond. */
-typedef struct {
-    double distance, beyond;
-} Breakpoint;
-
-Breakpoint event_location_breakpoint(const SlipMode *slip, double theta);
-
-/* Time, s, in which constant acceleration takes it over `distance`, rad; speed and alpha in the direction of the way.
- * Infinite if it never gets there. */
-double ballistic_time(double speed, double alpha, double distance);
-
-/* The longest passage of at most `left` seconds from `start`. `room` is the way to the end stop ahead, rad; `first` what
- * to try first. Returns false where the contacts jam it on the spot. */
+/* The longest segment of at most `left` seconds from `start`. `room`: angle to the end stop ahead, rad. `first`: the
+ * proposal of the segment before. False where no step is accepted: the contacts jam the motion on the spot. */
 bool event_location_find(const SlipMode *slip, const Balance *start, double room, double left,
                          const StepProposal *first, EventLocation *location);
 
-/* Fills in the largest speed and reactions; below `known` they are not looked for closely. */
+/* Fills in the largest speed and reactions. Values below the known ones are not searched for. */
 void event_location_peaks(const SlipMode *slip, EventLocation *location, double known_omega,
                           const double known_reaction[2]);
 

@@ -1,14 +1,17 @@
-/* One step of the integrator: Radau IIA collocation along one way to slip.
+/* One step of the motion in one slip mode: Radau IIA collocation with 3, 5 or 7 stages, and its error.
  *
- * Inertial: the unknowns are the accelerations at the nodes,
- *     alpha_i = alpha(theta_i, omega_i, t_i)    omega_i = omega_0 + h sum once_ij alpha_j
- *     theta_i = theta_0 + c_i h omega_0 + h^2 sum twice_ij alpha_j
- * Viscous: the speeds, omega_i = omega(theta_i, t_i) and theta_i = theta_0 + h sum once_ij omega_j. Both are solved by
- * Newton's method with the exact partial derivatives at every node, so stiffness costs no step. Quasi-static: theta_i
- * solves the edge of the stick band at t_i. In each case the step is a polynomial in time, which serves to find
- * events, and its nodes are where the ledger's integrals are taken (order 2s - 1 as well).
+ * Room collocation: motion in one slip mode by numerical integration, in grooves of any shape, and the events that end
+ * the mode. May include platform, numerics, model, geometry and contact.
  *
- * A one-step method: nothing of an earlier step is used. */
+ * With inertia or damping the step solves the equations of radau_system.h. In the rate-independent regime it follows
+ * the edge of the stick band, radau_edge.h. In each case the motion over the step is a polynomial in time. Events are
+ * located on this polynomial. The integrals of work and heat are taken at its nodes, with order 2s - 1 as well.
+ *
+ * Error estimate: the polynomial through the nodes misses the derivative at the start by a defect d_0. Between the
+ * nodes the defect is about d_0 prod(1 - c/c_i); its integrals over the step are the errors of speed and angle
+ * (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, sections IV.5 and IV.8).
+ *
+ * A one-step method: the result depends on the start of the step only, not on earlier steps. */
 #ifndef DUALCAM_RADAU_STEP_H
 #define DUALCAM_RADAU_STEP_H
 
@@ -19,48 +22,30 @@ typedef struct {
     const Radau *method;
     double h; /* s */
     Balance start;
-    Balance node[RADAU_MAX];  /* the last one is the end */
-    double turned[RADAU_MAX]; /* rad, theta at the node since the start, not rounded to theta's digits */
-    double dtheta, domega;    /* rad, rad/s: increments over the step; domega only if inertial */
-    Booking booking;          /* J, work and heat over the step */
-    double error;             /* estimate over what the tolerance allows: up to 1 is good */
-    double energy_error;      /* what the energy balance misses, likewise */
-    double stiffness;         /* of the step: large where a fast decay is stepped over */
-    double noise;             /* rad, quasi-static only: how far the rounding of the torques moves theta */
+    Balance node[RADAU_MAX];       /* the last one is the end of the step */
+    double node_dtheta[RADAU_MAX]; /* rad, theta at the node less theta at the start, not rounded to theta's digits */
+    double dtheta, domega;         /* rad, rad/s: increments over the step; domega only with inertia */
+    Booking booking;               /* J, work and heat over the step */
+    double error;                  /* estimate over the error that the tolerance allows: the step is good up to 1 */
+    double energy_error;           /* residual of the energy balance, likewise: see step_energy.h */
+    double noise;                  /* rad, rate-independent only: how far the rounding of the torques moves theta */
 } RadauStep;
 
-/* What to try: a length, s, which may be infinite, and the least number of stages. */
+/* What the next step tries first: a length, s, which may be infinite, and the least number of stages. */
 typedef struct {
     double h;
     int stages;
 } StepProposal;
 
-/* Solves the step of length h from `start`, the balance at the time of the way's inputs. False if Newton's method
- * does not converge or a node leaves where the way is possible: then a shorter step is to be tried. */
-bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int stages, RadauStep *radau);
+/* The step of length h from `start`, the balance at the time of slip->inputs. False if Newton's method does not
+ * converge, or if a node leaves the range in which the slip mode is possible: then a shorter step may succeed. */
+bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int stages, RadauStep *step);
 
-/* The ends of a step, as far as its energy balance needs them. */
-typedef struct {
-    double z[2], kinetic[2]; /* m, J: at the start and at the end; without inertia no kinetic energy counts */
-    double spring_force;     /* N, at the start */
-    double tau;              /* N.m, at the end */
-    double angle_noise;      /* rad, how far rounding moves theta */
-} EnergyEnds;
-
-/* What the balance of the step misses, over what the tolerance allows of the energies that pass: up to 1 is good. It
- * checks the integrals of the ledger, which the defect of the motion does not see, and the motion once more. */
-double radau_step_energy_error(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
-
-/* A small change of angle and speed, and what it becomes. Without inertia the angle alone is a state. */
-typedef struct {
-    double theta, omega; /* rad, rad/s */
-} Variation;
-
-/* The derivative of the step, not quasi-static: carries a variation at its start, and a constant shift of the torque
- * by `torque`, N.m, to its end. False if that has no solution. */
-bool radau_step_vary(const SlipMode *slip, const RadauStep *radau, double torque, Variation *v);
-
-/* Time scale of the motion, s: h over this is small where few stages do. */
+/* Time scale of the motion, s: where h is a small share of it, few stages suffice. */
 double radau_step_time_scale(const SlipMode *slip, const Balance *start);
+
+static inline const Balance *radau_step_end(const RadauStep *step) {
+    return &step->node[step->method->stages - 1];
+}
 
 #endif

@@ -26,7 +26,206 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 
 /* ---- closed_form ---- */
 
+/* Share of the sum of |terms| of x_i, or of dx_i/dt, below which the sum is zero: a few roundings. The flank of a zero
+ * reaction follows from the first derivative that is not zero. */
+#define NO_REACTION 1e-13
+
+/* Share of its value at the start below which a derivative at the end of a segment has died away, so that its sign is
+ * rounding. */
+static const double LINEAR_DECAYED = 1e-12;
+
+/* Share of the rate at the start of an interval below which the rate has died away, so that its sign is rounding. */
+static const double LINEAR_DECAYED_RATE = 1e-13;
+
+/* Share of the torques whose sum is M alpha below which M alpha is rounding: 45 times the unit roundoff. */
+static const double LINEAR_TORQUE_ROUNDING = 1e-14;
+
+/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times NO_REACTION: a few unit
+ * roundoffs of the start. */
+static const double LINEAR_START_SHARE = 0.01;
+
+/* Newton step times the largest rate of the motion, below which the second derivative is constant over the step. */
+static const double LINEAR_NEWTON_SHORT = 0.1;
+
+/* Limit of the root finder's iterations. Every other iteration halves the bracket at least, so about 120 reach two
+ * neighbouring numbers. */
+enum { LINEAR_ROOT_ITERATIONS = 200 };
+
 /* ---- collocation ---- */
+
+/* Radau step */
+
+/* Newton's method ends when a correction is this share of what the tolerance allows. */
+static const double RADAU_NEWTON_SHARE = 0.05;
+
+/* Share of alpha (without inertia omega), or of the terms that add up to it, below which a correction is rounding. */
+static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
+
+/* Multiple of that rounding which the last correction may have when the iteration no longer converges: the rounding of
+ * the forces can be that much larger than the rounding of their sum. */
+static const double RADAU_STALLED = 100.0;
+
+/* Multiple of a small correction below which the matrix of the iteration before serves once more: what is left is a
+ * correction of a correction. */
+static const double RADAU_CHORD_BELOW = 1e6;
+
+/* Stiffness of a step, h |by_omega| + h^2 |by_theta|, below which three terms of a series solve the linear system, with
+ * the derivatives at the start. */
+static const double RADAU_SERIES_STIFFNESS = 0.05;
+
+/* Stiffness above which the first iterate solves the equations linearised at the start: the tangent would lead far
+ * off. */
+static const double RADAU_TANGENT_STIFFNESS = 0.3;
+
+/* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
+static const double RADAU_BEYOND_PIECE = 0.05;
+
+/* Factor on the error estimate. With it the errors of all scenes of benchmarks/integrators.py stay below ten times the
+ * tolerance. */
+static const double RADAU_ERROR_SAFETY = 10.0;
+
+/* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
+static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
+
+/* Newton iterations of one trial. A trial that needs more is repeated with a shorter step. */
+enum { RADAU_NEWTON_ITERATIONS = 12 };
+
+/* Edge of the stick band */
+
+/* Share of theta below which a Newton step along the edge is rounding. */
+static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON;
+
+/* Share of the torques on the edge that is their rounding. */
+static const double EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
+
+/* Iterations of the root finder; a bisection halves the bracket, so 60 reach two neighbouring numbers. */
+enum { EDGE_ITERATIONS = 100 };
+
+/* Energy balance of a step */
+
+/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth. */
+static const double STEP_ENERGY_SHARE = 0.1;
+
+/* Share of all energies in the balance that is their rounding. */
+static const double STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
+
+/* Breakpoints: overshoot as a share of the narrower piece's width */
+
+/* Between two polynomials of one smooth groove. */
+static const double BREAKPOINT_OVERSHOOT = 0.02;
+
+/* At a table knot, times the root of the tolerance: the error that the jump of the third derivative causes grows with
+ * the square of the overshoot. */
+static const double BREAKPOINT_KNOT_OVERSHOOT = 0.03;
+
+/* At a table knot along the edge of the stick band, which may have its fold there. */
+static const double BREAKPOINT_EDGE_OVERSHOOT = 1e-10;
+
+/* Share of the time to a breakpoint by which its improvement may change the time: beyond, a polynomial of third degree
+ * in time does not describe the motion. */
+static const double BREAKPOINT_TIME_CHANGE = 0.1;
+
+/* Step control */
+
+/* h over the time scale of the motion below which three, or five, stages suffice. */
+static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5;
+
+/* Tolerance above which a step never starts with seven stages. */
+static const double STEP_7_STAGES_TOLERANCE = 1e-6;
+
+/* First step of a vibration of angular frequency w: STEP_FIRST_LENGTH tolerance^(1/STEP_FIRST_ORDER)/w, which is 1/w at
+ * the tolerance 1e-9. Measured: about the length that a step of seven stages turns out to have. */
+static const double STEP_FIRST_LENGTH = 6.6, STEP_FIRST_ORDER = 11.0;
+
+/* Margin on the factor that changes h, and the least error that the factor is made of. */
+static const double STEP_SAFETY = 0.9, STEP_LEAST_ERROR = 1e-12;
+
+/* Share of the order with which the error of a rejected step falls: the step is too long for its full order. */
+static const double STEP_REJECTED_ORDER = 0.7;
+
+/* Factors on h: after a rejected step at least MOST and at most LEAST, after an accepted one at most GROWTH, where the
+ * equations have no solution UNSOLVED. */
+static const double STEP_LEAST_SHORTENING = 0.8, STEP_MOST_SHORTENING = 0.1;
+static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
+
+/* Share of the proposed length above which a step takes over the proposed number of stages. */
+static const double STEP_SIMILAR = 0.5;
+
+/* Trials of one step. */
+enum { STEP_TRIALS = 60 };
+
+/* Event location */
+
+/* Share of the step before which a crossing of an indicator that starts from zero is rounding: the mode decision has
+ * found the indicator to rise. */
+static const double CROSSING_AT_ONCE = 1e-9;
+
+/* Share of the largest value of an indicator below which a coefficient of its polynomial is rounding. */
+static const double CROSSING_COEFFICIENT = 1e-14;
+
+/* Share of the torques by which the edge of the stick band must differ from the torque at which the speed is zero. */
+static const double BAND_EDGE_SAME = 1e-12;
+
+/* Share of the step's length below which a change of the length is rounding. */
+static const double LOCATION_ROUNDING = 4.0 * DBL_EPSILON;
+
+/* Share of the step before which the time to the stop follows from constant acceleration. */
+static const double LOCATION_BALLISTIC = 1e-3;
+
+/* Share of the largest angle by which theta is uncertain at a stop: a segment adds up that many roundings. */
+static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON;
+
+/* Steps tried to reach one crossing. */
+enum { LOCATION_ITERATIONS = 150 };
+
+/* Past a zero: the first extension as a share of the step's length, and the number of extensions, each four times the
+ * one before. */
+static const double LOCATION_FIRST_EXTENSION = 8.0 * DBL_EPSILON;
+enum { LOCATION_EXTENSIONS = 11 };
+
+/* An event that shows in shorter steps only: the factor on the length, and the shortest length as a share of the time
+ * left. */
+static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
+
+/* Lobatto step */
+
+/* Share of what the tolerance allows that the next sweep may change. */
+static const double LOBATTO_SWEEP_SHARE = 0.05;
+
+/* Factor by which a sweep must reduce the change of the sweep before: else Newton's method is faster. */
+static const double LOBATTO_CONTRACTION = 0.1;
+
+/* Sweeps of one step. */
+enum { LOBATTO_SWEEPS = 8 };
+
+/* Share of the largest alpha (without inertia omega) below which a change is rounding. */
+static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
+
+/* Share of the distance to a breakpoint by which a step that aims at it may miss it. */
+static const double LOBATTO_AIM_SHARE = 1e-8;
+
+/* Ratio of the cubic term to the square term, and of that to the linear one, in a motion that four nodes resolve. */
+static const double LOBATTO_DECAY = 0.3;
+
+/* Share of theta below which an error of the angle is rounding. */
+static const double LOBATTO_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
+
+/* Variation of a step */
+
+/* Mobility at the last node over that at the node before, above which the last node is a pole. */
+static const double VARIATION_POLE = 1e3;
+
+/* Share of the variation by which one step and two half steps may differ. */
+static const double VARIATION_TOLERANCE = 1e-9;
+
+/* Share of the time from the start and to the end of the step below which only rounding can differ. */
+static const double VARIATION_SHORT = 0.25;
+
+/* Shortest part, as a share of the step. */
+static const double VARIATION_SHORTEST = 1e-4;
+
+/* Parts tried in one step. */
+enum { VARIATION_TRIALS = 300 };
 
 /* ---- forward ---- */
 

@@ -65,15 +65,17 @@ SECTIONS = ("-ffunction-sections", "-fdata-sections")  # the linker drops what n
 OFF_THE_WAY = {
     *("dependencies", "ode", "groove", "groove_csv", "groove_table", "inverse_derivatives"),
     *("inverse_sensitivity", "jet", "platform", "play", "motion_derivatives", "resources", "sensitivity"),
-    *("step_sensitivity", "taylor"),
+    *("radau_variation", "step_sensitivity", "taylor"),
 }
-WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "instance", "step", "radau"}
-WITH_EVENTS = {"bernstein", "radau_step", "event_location"}
+WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "lobatto_system", "instance", "step", "radau"}
+WITH_EVENTS = {"bernstein", "lu", "radau_system", "radau_edge", "radau_step", "radau_peaks", "step_energy"}
+WITH_EVENTS |= {"breakpoint", "step_control", "step_indicator", "event_location"}
 HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
-NUMERIC = {"balance", "linear_event", "linear_slip", "lobatto_step", "mechanism", "oscillator"}
+NUMERIC = {"balance", "linear_segment", "linear_peaks", "linear_slip", "lobatto_step", "lobatto_system"}
+NUMERIC |= {"mechanism", "oscillator"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
-NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "oscillator"}
+NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "lobatto_system", "oscillator"}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,229 @@
+#include "closed_form/linear_search.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "model/tolerances.h"
+
+/* Under constant inputs the indicator is a constant plus a decaying oscillation. Its first minimum is the lowest, its
+ * first maximum the highest; both are among the first two extrema. */
+enum { EXTREMA = 2 };
+
+static const Oscillator *oscillator_of_indicator(const LinearIndicator *indicator) {
+    return &indicator->segment->linear->oscillator;
+}
+
+/* ---- root finder ---- */
+
+typedef enum { OF_VALUE, OF_RATE } RootOrder;
+
+/* f and its derivatives. f is the indicator (OF_VALUE) or its rate (OF_RATE). */
+typedef struct {
+    double f, first, second, third;
+} Derivatives;
+
+static Derivatives derivatives_of(const LinearIndicator *indicator, const IndicatorSample *k, RootOrder order) {
+    const Oscillator *osc = oscillator_of_indicator(indicator);
+    if (order == OF_VALUE) return (Derivatives){k->value, k->rate, k->second, k->third};
+    return (Derivatives){k->rate, k->second, k->third, -osc->decay2 * k->third - osc->stiffness * k->second};
+}
+
+/* The zero that f would have after `a` without damping and without a drive; the middle of the bracket if that zero is
+ * outside. */
+static double first_guess(const LinearIndicator *indicator, RootOrder order, const IndicatorSample *a, double right) {
+    const Derivatives f = derivatives_of(indicator, a, order);
+    const double t = a->t + oscillator_offset_zero(oscillator_of_indicator(indicator), f.f, f.first, f.second);
+    return t > a->t && t < right ? t : 0.5 * (a->t + right);
+}
+
+/* True if a Newton step from t ends at the root to rounding. Newton's method misses the root by at most half the
+ * largest |f''| on the step times step^2/|f'|. f'' is homogeneous, so |f''| + |f'''| |step| bounds it where the step
+ * is short against the motion. A motion that is over within the rounding of t does not satisfy this. */
+static bool is_last_step(const LinearIndicator *indicator, const Derivatives *f, double step, double t) {
+    const double size = fabs(step), second = fabs(f->second) + fabs(f->third) * size;
+    const bool exact = size <= DBL_EPSILON * t || second * size * size <= 0.25 * DBL_EPSILON * t * fabs(f->first);
+    return exact && oscillator_of_indicator(indicator)->rate * size <= LINEAR_NEWTON_SHORT;
+}
+
+/* The root of f in [a->t, right], where f changes its sign. Ends when the Newton step is exact to rounding, when the
+ * bracket is two neighbouring numbers, or when the indicator is 0. A rate that has decayed counts as past its zero. */
+static double find_root(const LinearIndicator *indicator, RootOrder order, const IndicatorSample *a, double right) {
+    const double f_left = derivatives_of(indicator, a, order).f;
+    const double decayed = order == OF_VALUE ? 0.0 : LINEAR_DECAYED_RATE * fabs(f_left);
+    double left = a->t, t = first_guess(indicator, order, a, right), width = right - left;
+    for (int n = 0; n < LINEAR_ROOT_ITERATIONS; n++) {
+        const IndicatorSample k = linear_indicator_at(indicator, t);
+        const Derivatives f = derivatives_of(indicator, &k, order);
+        if (f.f == 0.0 && order == OF_VALUE) return t;
+        const bool significant = fabs(f.f) > decayed;
+        if (significant && (f.f > 0.0) == (f_left > 0.0)) {
+            left = t;
+        } else {
+            right = t;
+        }
+        const double step = -f.f / f.first;
+        double next = t + step;
+        if (significant && is_last_step(indicator, &f, step, t))
+            return fabs(step) <= DBL_EPSILON * t ? t : fmin(fmax(next, left), right);
+        const bool inside = next > left && next < right, slow = right - left > 0.5 * width;
+        width = right - left;
+        if (!inside || (slow && n % 2 == 1)) next = 0.5 * (left + right);
+        if (!(next > left && next < right)) return right;
+        t = next;
+    }
+    return right;
+}
+
+double linear_search_zero(const LinearIndicator *indicator, double t_end) {
+    const IndicatorSample start = linear_indicator_at_start(indicator);
+    return find_root(indicator, OF_VALUE, &start, t_end);
+}
+
+/* ---- intervals ---- */
+
+/* Downward crossing between a and b, where the indicator is monotone, or infinity. */
+static double crossing_if_monotone(const LinearIndicator *indicator, const IndicatorSample *a,
+                                   const IndicatorSample *b) {
+    if (!(b->value < -b->rounding)) return INFINITY;
+    if (a->value <= 0.0) return a->rate > 0.0 ? INFINITY : a->t;
+    return find_root(indicator, OF_VALUE, a, b->t);
+}
+
+/* The rate is monotone between a and b. True if the rate may have a zero there. A rate that has decayed at b may. */
+static bool has_extremum(const IndicatorSample *a, const IndicatorSample *b) {
+    if (a->rate == 0.0) return false;
+    return (a->rate > 0.0) != (b->rate > 0.0) || fabs(b->rate) < LINEAR_DECAYED_RATE * fabs(a->rate);
+}
+
+/* The value where the tangents at a and b intersect. With a monotone rate the indicator lies between its chord and
+ * that value. */
+static double tangents_intersection(const IndicatorSample *a, const IndicatorSample *b) {
+    const double length = b->t - a->t;
+    const double x = (b->value - a->value - b->rate * length) / (a->rate - b->rate);
+    return a->value + a->rate * fmin(fmax(x, 0.0), length);
+}
+
+/* True if the indicator stays above zero between a and b: then its extremum need not be found. */
+static bool is_above_zero(const IndicatorSample *a, const IndicatorSample *b) {
+    return fmin(fmin(a->value, b->value), tangents_intersection(a, b)) > a->rounding + b->rounding;
+}
+
+/* Downward crossing between a and b, where the rate is monotone, or infinity. */
+static double crossing_if_rate_monotone(const LinearIndicator *indicator, const IndicatorSample *a,
+                                        const IndicatorSample *b) {
+    if (!has_extremum(a, b)) return crossing_if_monotone(indicator, a, b);
+    if (is_above_zero(a, b)) return INFINITY;
+    const IndicatorSample extremum = linear_indicator_at(indicator, find_root(indicator, OF_RATE, a, b->t));
+    const double t = crossing_if_monotone(indicator, a, &extremum);
+    return t < INFINITY ? t : crossing_if_monotone(indicator, &extremum, b);
+}
+
+/* ---- first crossing ---- */
+
+static double first_extremum(const LinearIndicator *indicator, const IndicatorSample *start) {
+    return oscillator_zero(oscillator_of_indicator(indicator), start->rate, start->second);
+}
+
+/* Constant inputs: the indicator is monotone between the zeros of its rate. */
+static double crossing_at_constant_inputs(const LinearIndicator *indicator, double t_end) {
+    IndicatorSample a = linear_indicator_at_start(indicator);
+    double next = first_extremum(indicator, &a);
+    for (int n = 0; n < EXTREMA; n++) {
+        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
+        const double t = crossing_if_monotone(indicator, &a, &b);
+        if (t < INFINITY || next >= t_end) return t;
+        a = b;
+        next += oscillator_of_indicator(indicator)->half_period;
+    }
+    return INFINITY;
+}
+
+/* How many whole half periods after `k` hold no crossing. The indicator is a straight line plus a decaying oscillation
+ * y; y and y' follow from y'' and y''' by the homogeneous equation. */
+static double half_periods_to_skip(const LinearIndicator *indicator, const IndicatorSample *k) {
+    const Oscillator *osc = oscillator_of_indicator(indicator);
+    const double dy = -(k->third + osc->decay2 * k->second) / osc->stiffness;
+    const double y = -(k->second + osc->decay2 * dy) / osc->stiffness;
+    const double drift = k->rate - dy;
+    if (!(drift < 0.0)) return INFINITY; /* later minima lie higher than the earlier ones */
+    const double phase = (dy + 0.5 * osc->decay2 * y) / osc->frequency, amplitude = sqrt(y * y + phase * phase);
+    const double clear = (k->value - y - amplitude) / -drift;
+    return floor(fmax(clear, 0.0) / osc->half_period);
+}
+
+/* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped. */
+double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
+    enum { WITH_FIRST_MINIMUM = 3 }; /* intervals that hold the first minimum, whatever the phase */
+    if (has_constant_inputs(&indicator->segment->start)) return crossing_at_constant_inputs(indicator, t_end);
+    const Oscillator *osc = oscillator_of_indicator(indicator);
+    IndicatorSample a = linear_indicator_at_start(indicator);
+    double next = oscillator_zero(osc, a.second, a.third);
+    for (int interval = 1;; interval++) {
+        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
+        const double t = crossing_if_rate_monotone(indicator, &a, &b);
+        if (t < INFINITY) return t;
+        if (next >= t_end) return INFINITY;
+        a = b;
+        if (interval >= WITH_FIRST_MINIMUM) {
+            const double skip = half_periods_to_skip(indicator, &a);
+            if (next + skip * osc->half_period >= t_end) return INFINITY;
+            if (skip > 0.0) {
+                next += skip * osc->half_period;
+                a = linear_indicator_at(indicator, next);
+            }
+        }
+        next += osc->half_period;
+    }
+}
+
+/* ---- peaks ---- */
+
+/* Largest |indicator| between a and b, where the rate is monotone, as far as it exceeds `known`. */
+static double peak_if_rate_monotone(const LinearIndicator *indicator, const IndicatorSample *a,
+                                    const IndicatorSample *b, double known) {
+    const double ends = fmax(fabs(a->value), fabs(b->value));
+    if (!has_extremum(a, b) || fabs(tangents_intersection(a, b)) <= fmax(ends, known)) return ends;
+    return fmax(ends, fabs(linear_indicator_at(indicator, find_root(indicator, OF_RATE, a, b->t)).value));
+}
+
+/* Largest |indicator| from `from` on, over `intervals` intervals of monotone rate, of which the first ends at `next`. */
+static double peak_in_intervals(const LinearIndicator *indicator, double from, double next, double t_end, int intervals,
+                                double known) {
+    double peak = 0.0;
+    IndicatorSample a = linear_indicator_at(indicator, from);
+    for (int n = 0; n < intervals && a.t < t_end; n++) {
+        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
+        peak = fmax(peak, peak_if_rate_monotone(indicator, &a, &b, fmax(peak, known)));
+        a = b;
+        next += oscillator_of_indicator(indicator)->half_period;
+    }
+    return peak;
+}
+
+static double peak_at_constant_inputs(const LinearIndicator *indicator, double t_end) {
+    const IndicatorSample start = linear_indicator_at_start(indicator);
+    double t = first_extremum(indicator, &start), peak = 0.0;
+    for (int n = 0; n < EXTREMA && t < t_end; n++) {
+        peak = fmax(peak, fabs(linear_indicator_at(indicator, t).value));
+        t += oscillator_of_indicator(indicator)->half_period;
+    }
+    return peak;
+}
+
+/* A straight line plus a decaying oscillation: successive maxima form a convex sequence, so the largest maximum is
+ * among the first ones or the last ones. */
+double linear_search_peak(const LinearIndicator *indicator, double t_end, double known) {
+    enum { INTERVALS = 4 };
+    if (has_constant_inputs(&indicator->segment->start)) return peak_at_constant_inputs(indicator, t_end);
+    const Oscillator *osc = oscillator_of_indicator(indicator);
+    const IndicatorSample start = linear_indicator_at_start(indicator);
+    const double first = oscillator_zero(osc, start.second, start.third);
+    double peak = peak_in_intervals(indicator, 0.0, first, t_end, INTERVALS, known);
+    const double late = floor((t_end - first) / osc->half_period) - (INTERVALS - 2);
+    if (late > 0.0) {
+        const double from = first + late * osc->half_period;
+        peak = fmax(peak,
+                    peak_in_intervals(indicator, from, from + osc->half_period, t_end, INTERVALS, fmax(peak, known)));
+    }
+    return peak;
+}

@@ -1,0 +1,26 @@
+/* Zeros and peaks of an indicator of the closed form, none of them missed.
+ *
+ * The zeros of the indicator's second derivative are known (oscillator_zero). Between two of them the rate is
+ * monotone, so the rate has at most one zero there. The zero of the rate divides the interval into two intervals on
+ * which the indicator itself is monotone. On such an interval the signs at the two ends tell whether the indicator
+ * crosses zero. Under constant inputs the rate is homogeneous too: its zeros are known and divide time directly.
+ *
+ * Root finder: Newton's method inside a bracket. Bracket invariant: the indicator has the sign of the left end at
+ * `left` and not at `right`. A Newton step that leaves the bracket, or that follows a step in which the bracket was
+ * not halved, is replaced by a bisection. (W. H. Press et al., Numerical Recipes, 3rd ed., section 9.4.) */
+#ifndef DUALCAM_LINEAR_SEARCH_H
+#define DUALCAM_LINEAR_SEARCH_H
+
+#include "closed_form/linear_indicator.h"
+
+/* Time of the first downward crossing of zero in [0, t_end], s, or infinity. */
+double linear_search_crossing(const LinearIndicator *indicator, double t_end);
+
+/* Time of the zero in [0, t_end], s. The indicator is positive at 0, monotone, and not positive at t_end. */
+double linear_search_zero(const LinearIndicator *indicator, double t_end);
+
+/* Largest |indicator| at an extremum in [0, t_end], where it exceeds `known`. Values at the ends of the segment may be
+ * included. */
+double linear_search_peak(const LinearIndicator *indicator, double t_end, double known);
+
+#endif

@@ -1,0 +1,59 @@
+#include "collocation/breakpoint.h"
+
+#include <math.h>
+
+#include "model/tolerances.h"
+
+double ballistic_time(double speed, double alpha, double distance) {
+    const double root = speed * speed + 2.0 * alpha * distance;
+    if (!(root > 0.0)) return INFINITY;
+    const double sum = speed + sqrt(root);
+    return sum > 0.0 ? 2.0 * distance / sum : INFINITY;
+}
+
+/* rad, of the transmission's piece beyond the breakpoint; infinite if there is none */
+static double next_width(const SlipMode *slip) {
+    const TransmissionPiece *piece = slip->piece, *first = slip->transmission->piece,
+                            *last = first + slip->transmission->count - 1;
+    if (piece == (slip->direction > 0 ? last : first)) return INFINITY;
+    const TransmissionPiece *next = piece + slip->direction;
+    return next->upper - next->lower;
+}
+
+/* Share of the narrower piece's width. At a table knot a third derivative jumps. Along the edge of the stick band the
+ * edge may have its fold there. */
+static double overshoot_share(const SlipMode *slip, bool is_knot) {
+    if (!is_knot) return BREAKPOINT_OVERSHOOT;
+    if (slip->regime == REGIME_RATE_INDEPENDENT) return BREAKPOINT_EDGE_OVERSHOOT;
+    return BREAKPOINT_KNOT_OVERSHOOT * sqrt(slip->params->tolerance);
+}
+
+Breakpoint breakpoint_ahead(const SlipMode *slip, double theta) {
+    if (slip->transmission->straight) return (Breakpoint){INFINITY, 0.0};
+    const TransmissionPiece *piece = slip->piece;
+    const bool up = slip->direction > 0;
+    const double share = overshoot_share(slip, up ? piece->knot_upper : piece->knot_lower);
+    return (Breakpoint){
+        .distance = fmax(slip->direction * ((up ? piece->upper : piece->lower) - theta), 0.0),
+        .overshoot = share * fmin(piece->upper - piece->lower, next_width(slip)),
+    };
+}
+
+double breakpoint_time(const SlipMode *slip, const Balance *start, const Breakpoint *breakpoint) {
+    const double distance = breakpoint_aim(breakpoint);
+    const double speed = slip->direction * start->omega, alpha = slip->direction * start->alpha;
+    double t = ballistic_time(speed, alpha, distance);
+    if (slip->regime == REGIME_RATE_INDEPENDENT) return t;
+    const RightHandSide *p = &start->rhs;
+    const double rate = slip->direction * (p->by_time + p->by_theta * start->omega + p->by_omega * start->alpha);
+    const bool inertial = slip->regime == REGIME_INERTIAL;
+    const double growth = inertial ? alpha : rate, jerk = inertial ? rate : 0.0;
+    for (int n = 0; n < 2 && t < INFINITY; n++) {
+        const double missed = distance - t * (speed + t / 2.0 * (growth + t / 3.0 * jerk));
+        const double arrival = speed + t * (growth + t / 2.0 * jerk);
+        const double next = t + missed / arrival;
+        if (!(fabs(next - t) < BREAKPOINT_TIME_CHANGE * t)) break;
+        t = next;
+    }
+    return t;
+}

@@ -1,0 +1,267 @@
+#include "collocation/lobatto_system.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "model/tolerances.h"
+#include "platform/attributes.h"
+
+/* ---- grooves at two nodes ---- */
+
+typedef struct {
+    Vector2 slope[2], dslope_dtheta[2], z;
+} PointPair;
+
+static inline PointPair point_pair(const TransmissionPiece *piece, Vector2 theta, TransmissionDepth depth) {
+    const TransmissionPoint a = piece_point(piece, theta[0], depth), b = piece_point(piece, theta[1], depth);
+    PointPair points = {.z = {a.z, b.z}};
+    for (int i = 0; i < 2; i++) {
+        points.slope[i] = (Vector2){a.slope[i], b.slope[i]};
+        points.dslope_dtheta[i] = (Vector2){a.dslope_dtheta[i], b.dslope_dtheta[i]};
+    }
+    return points;
+}
+
+NOINLINE static void find_slopes(const TransmissionPiece *piece, Vector2 theta, PointPair *out) {
+    *out = point_pair(piece, theta, TRANSMISSION_SLOPES);
+}
+
+NOINLINE static void find_slopes_and_derivatives(const TransmissionPiece *piece, Vector2 theta, PointPair *out) {
+    *out = point_pair(piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
+}
+
+static inline PointPair points_at(const SlipMode *slip, Vector2 theta) {
+    const TransmissionPiece *piece = slip->piece;
+    PointPair points;
+    if (slip->transmission->straight) {
+        const Vector2 none = {0.0, 0.0};
+        points = (PointPair){.slope = {none + piece->slope[0][0], none + piece->slope[0][1]}};
+        points.z = piece->z[0] + theta * piece->z[1];
+    } else if (slip->heavy) {
+        find_slopes_and_derivatives(piece, theta, &points);
+    } else {
+        find_slopes(piece, theta, &points);
+    }
+    return points;
+}
+
+/* A negative slope is rounding of the polynomial of a level groove. */
+static inline Vector2 not_negative(Vector2 v) {
+    return (Vector2){v[0] > 0.0 ? v[0] : 0.0, v[1] > 0.0 ? v[1] : 0.0};
+}
+
+/* The kinematics of docs/mechanism.md, section 2. */
+static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair *n) {
+    const PointPair points = points_at(slip, theta);
+    for (int i = 0; i < 2; i++) n->slope[i] = not_negative(points.slope[i]);
+    const Vector2 inverse = 1.0 / (n->slope[0] + n->slope[1]);
+    n->z = points.z;
+    n->dpsi_dtheta[0] = n->slope[1] * inverse;
+    n->dpsi_dtheta[1] = n->slope[0] * inverse;
+    n->dz_dtheta = n->slope[0] * n->dpsi_dtheta[0];
+    if (!slip->heavy) return;
+    n->d2gamma_dtheta2 =
+        (points.dslope_dtheta[1] * n->dpsi_dtheta[1] - points.dslope_dtheta[0] * n->dpsi_dtheta[0]) * inverse;
+    n->d2z_dtheta2 = points.dslope_dtheta[0] * n->dpsi_dtheta[0] * n->dpsi_dtheta[0] +
+                     points.dslope_dtheta[1] * n->dpsi_dtheta[1] * n->dpsi_dtheta[1];
+}
+
+/* ---- the balance at two nodes, see balance.h ---- */
+
+/* All that depends on theta and F_ext. */
+static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_ext, NodePair *n) {
+    const SpringParams *spring = &slip->params->spring;
+    find_kinematics(slip, theta, n);
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        n->rn[i] = r * (n->slope[i] + slip->mu[i] * r);
+        n->d[i] = r - slip->mu[i] * n->slope[i];
+    }
+    n->q = n->d[0] * n->rn[1];
+    n->p = n->rn[0] * n->rn[1];
+    n->delta = n->q + n->rn[0] * n->d[1];
+    const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
+    n->force = spring->preload + n->z * rate + F_ext;
+}
+
+static inline bool has_damper(const SlipMode *slip) {
+    return slip->c + slip->q > 0.0;
+}
+
+/* True if alpha depends on the speed. */
+static inline bool is_resisted(const SlipMode *slip) {
+    return slip->heavy || has_damper(slip) || slip->params->shaft.damping > 0.0;
+}
+
+/* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
+ * forces of a sweep. */
+static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
+    const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
+    return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
+}
+
+/* alpha */
+static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, NodePair *n) {
+    const InertiaParams *in = &slip->params->inertia;
+    const double b = slip->params->shaft.damping;
+    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    Vector2 net = n->delta * (tau - b * omega) - n->p * (n->force + n->damper), swirl = {0.0, 0.0};
+    n->mass = in->shaft * n->delta;
+    if (slip->heavy) {
+        const Vector2 m = n->p * in->follower_mass, I = n->q * in->follower;
+        n->mass += m * n->dz_dtheta + I * n->dpsi_dtheta[0];
+        swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
+        net -= swirl * omega;
+    }
+    if (is_resisted(slip)) {
+        const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
+        n->damping_rate = (b * n->delta + n->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
+    }
+    return net / n->mass;
+}
+
+/* omega from B omega + C omega |omega| = N, see balance.c. */
+static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
+    const Vector2 lever = n->p * n->dz_dtheta, net = n->delta * tau - n->p * n->force;
+    n->mass = slip->params->shaft.damping * n->delta + slip->c * lever;
+    Vector2 sum = 2.0 * n->mass;
+    if (slip->q > 0.0) {
+        const Vector2 square = n->mass * n->mass + (4.0 * slip->q * slip->direction) * lever * n->dz_dtheta * net;
+        sum = n->mass + (Vector2){sqrt(square[0]), sqrt(square[1])};
+    }
+    const Vector2 omega = 2.0 * net / sum;
+    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    return omega;
+}
+
+static inline void evaluate(LobattoSystem *s) {
+    const SlipMode *slip = s->slip;
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        NodePair *n = &s->pair[k];
+        find_factors(slip, s->theta + s->dtheta.half[k], s->F_ext.half[k], n);
+        if (lobatto_system_is_inertial(s)) s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], n);
+        else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
+    }
+}
+
+double lobatto_system_speed_at_end(const LobattoSystem *s) {
+    const int last = LOBATTO_HALVES - 1;
+    NodePair pair;
+    find_factors(s->slip, s->theta + s->dtheta.half[last], s->F_ext.half[last], &pair);
+    return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
+}
+
+/* True if at every node the slip mode is possible, and if without inertia the motion is stable and the flanks
+ * support it. */
+static inline bool is_possible(const LobattoSystem *s) {
+    bool possible = true;
+    for (int k = 0; k < LOBATTO_NODES; k++) {
+        const NodePair *n = &s->pair[k / 2];
+        const double mass = n->mass[k % 2], delta = n->delta[k % 2];
+        possible &=
+            lobatto_system_is_inertial(s) ? mass * delta > 0.0 : delta > 0.0 && mass >= 0.0 && n->p[k % 2] > 0.0;
+    }
+    return possible;
+}
+
+/* ---- iteration ---- */
+
+void lobatto_system_guess(LobattoSystem *s, double rhs) {
+    const double alpha = lobatto_system_is_inertial(s) ? rhs : 0.0;
+    s->y = lobatto_constant(rhs);
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const Vector2 t = s->h * LOBATTO.node.half[k];
+        s->speed.half[k] = s->omega + alpha * t;
+        s->dtheta.half[k] = t * (s->omega + 0.5 * alpha * t);
+    }
+}
+
+static inline void place_nodes(LobattoSystem *s) {
+    const double h = s->h;
+    const LobattoValues once = lobatto_combine(LOBATTO.once, &s->y);
+    if (!lobatto_system_is_inertial(s)) {
+        for (int k = 0; k < LOBATTO_HALVES; k++) s->dtheta.half[k] = h * once.half[k];
+        return;
+    }
+    const LobattoValues twice = lobatto_combine(LOBATTO.twice, &s->y);
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        s->dtheta.half[k] = h * (LOBATTO.node.half[k] * s->omega + h * twice.half[k]);
+        s->speed.half[k] = s->omega + h * once.half[k];
+    }
+}
+
+/* Estimate of the change of y by the next sweep. `change` is the change by the latest sweep. y is taken to grow with
+ * theta at its mean rate over the step; the known dependence on the speed is taken off. */
+static inline LobattoValues predict_change(const LobattoSystem *s, const LobattoValues *change) {
+    const double h = s->h, per_angle = 1.0 / s->dtheta.at[LOBATTO_END];
+    double growth = (s->y.at[LOBATTO_END] - s->y.at[0]) * per_angle;
+    LobattoValues next = lobatto_combine(LOBATTO.once, change);
+    if (!lobatto_system_is_inertial(s)) {
+        for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
+        return next;
+    }
+    const bool resisted = is_resisted(s->slip);
+    if (resisted)
+        growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
+    const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const Vector2 by_angle = growth * h * h * twice.half[k];
+        next.half[k] = resisted ? by_angle - s->pair[k].damping_rate * (h * next.half[k]) : by_angle;
+    }
+    return next;
+}
+
+static inline void find_inputs(LobattoSystem *s) {
+    const Inputs *in = s->slip->inputs;
+    s->tau = lobatto_constant(in->tau[0]);
+    s->F_ext = lobatto_constant(in->F_ext[0]);
+    for (int k = 1; k < LOBATTO_NODES && !s->slip->steady; k++) {
+        const double t = s->h * LOBATTO.node.at[k];
+        s->tau.at[k] = input_value(in->tau, t);
+        s->F_ext.at[k] = input_value(in->F_ext, t);
+    }
+}
+
+/* Corrects h so that the step ends at the angle; returns by how much the step missed the angle, rad. */
+static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
+    const int direction = s->slip->direction;
+    const double missed = end->distance - direction * s->dtheta.at[LOBATTO_END];
+    s->h += direction * missed / s->speed.at[LOBATTO_END];
+    place_nodes(s);
+    return missed;
+}
+
+/* One evaluation at the nodes; returns the change of y. */
+static inline LobattoValues sweep(LobattoSystem *s) {
+    LobattoValues change = s->y;
+    evaluate(s);
+    for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
+    return change;
+}
+
+bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
+    const SlipMode *slip = s->slip;
+    const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
+    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
+    double before = INFINITY, missed = 0.0;
+    for (int n = 0; n < LOBATTO_SWEEPS; n++) {
+        const double end_before = s->dtheta.at[LOBATTO_END];
+        if (n == 0 || (end->given && !slip->steady)) find_inputs(s);
+        const LobattoValues change = sweep(s);
+        const double size = lobatto_largest(lobatto_range(&change));
+        const LobattoValues next = predict_change(s, &change);
+        const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted;
+        for (int k = 0; k < LOBATTO_HALVES && !converged; k++) s->y.half[k] += next.half[k];
+        place_nodes(s);
+        if (end->given) missed = aim_at_end(s, end);
+        s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
+        const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
+        if (converged && at_end) return is_possible(s);
+        if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
+            const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
+            return at_end && size <= rounding && is_possible(s);
+        }
+        before = size;
+    }
+    return false;
+}

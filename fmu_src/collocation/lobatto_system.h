@@ -1,0 +1,55 @@
+/* The collocation equations of a Lobatto IIIA step in one slip mode, and their solution by functional iteration.
+ *
+ * With alpha_i = alpha(theta_i, omega_i, t_i) at the four nodes, of which the first is the start:
+ *     omega_i = omega_0 + h sum once_ij alpha_j    theta_i = theta_0 + c_i h omega_0 + h^2 sum twice_ij alpha_j
+ * or, without inertia, with omega_i = omega(theta_i, t_i):
+ *     theta_i = theta_0 + h sum once_ij omega_j
+ * The right-hand sides are those of balance.h. A sweep evaluates them at all nodes, two nodes per vector register, and
+ * needs values only, no derivatives. */
+#ifndef DUALCAM_LOBATTO_SYSTEM_H
+#define DUALCAM_LOBATTO_SYSTEM_H
+
+#include "contact/balance.h"
+#include "numerics/lobatto.h"
+
+/* The balance of forces at two nodes, with the names of balance.h. */
+typedef struct {
+    Vector2 slope[2], dpsi_dtheta[2], dz_dtheta;
+    Vector2 d2z_dtheta2, d2gamma_dtheta2; /* only if the follower has mass or inertia */
+    Vector2 rn[2], d[2], p, q, delta;
+    Vector2 z, force, damper; /* m, N, N: z, F_0, D */
+    Vector2 mass;             /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
+    Vector2 damping_rate;     /* 1/s, -d alpha/d omega; only if a force depends on the speed */
+} NodePair;
+
+typedef struct {
+    const SlipMode *slip;
+    double theta, omega, h; /* rad, rad/s at the start; s */
+    LobattoValues tau, F_ext;
+    LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
+    LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
+    double end_shift;            /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    NodePair pair[LOBATTO_HALVES];
+} LobattoSystem;
+
+/* An angle at which the step must end. Its length is then an unknown too. */
+typedef struct {
+    bool given;
+    double distance, slack; /* rad, from the start on; the step may miss the distance by the slack */
+} EndAngle;
+
+static inline bool lobatto_system_is_inertial(const LobattoSystem *system) {
+    return system->slip->regime == REGIME_INERTIAL;
+}
+
+/* A first iterate under constant acceleration. `rhs`: alpha, or without inertia omega, at the start. */
+void lobatto_system_guess(LobattoSystem *system, double rhs);
+
+/* Sweeps from the first iterate until the equations hold to a share of the tolerance. False if the iteration converges
+ * too slowly, or if the slip mode is not possible at a node. */
+bool lobatto_system_solve(LobattoSystem *system, const EndAngle *end);
+
+/* Without inertia: omega by the balance at the end of the step, rad/s. */
+double lobatto_system_speed_at_end(const LobattoSystem *system);
+
+#endif

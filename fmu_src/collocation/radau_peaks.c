@@ -1,0 +1,53 @@
+#include "collocation/radau_peaks.h"
+
+#include <math.h>
+
+typedef enum { PEAK_SPEED, PEAK_REACTION_1, PEAK_REACTION_2 } PeakQuantity;
+
+/* rad/s, or N in total */
+static double value_of(const Balance *b, PeakQuantity quantity) {
+    if (quantity == PEAK_SPEED) return b->omega;
+    const int i = quantity == PEAK_REACTION_1 ? 0 : 1;
+    return b->x[i] * sqrt(b->length2[i]);
+}
+
+static RadauValues values_of(const RadauStep *step, PeakQuantity quantity) {
+    RadauValues v = {.value = {value_of(&step->start, quantity)}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = value_of(&step->node[j], quantity);
+    radau_find_range(&v, step->method->stages);
+    return v;
+}
+
+/* The largest |value| in the step. Where the polynomial has its peak inside, a step that ends at the peak is solved:
+ * the end of a step is more exact than the polynomial inside. */
+static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
+    const Radau *r = step->method;
+    const RadauValues v = values_of(step, quantity);
+    const double ends = fmax(fabs(v.value[0]), fabs(v.value[r->stages]));
+    if (fmax(fabs(v.low), fabs(v.high)) + BEYOND_NODES * (v.high - v.low) <= known) return ends;
+    const Bernstein p = radau_polynomial(r, v.value);
+    if (bernstein_is_monotone(&p)) return ends;
+    const double x = bernstein_peak(&p);
+    const double size = fabs(bernstein_value(&p, x));
+    if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
+    RadauStep part;
+    if (!radau_step_solve(slip, &step->start, x * step->h, r->stages, &part)) return size;
+    return fmax(ends, fabs(value_of(radau_step_end(&part), quantity)));
+}
+
+/* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */
+static bool is_speed_monotone(const RadauStep *step) {
+    RadauValues v = {.value = {step->start.alpha}};
+    for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = step->node[j].alpha;
+    radau_find_range(&v, step->method->stages);
+    return fmax(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
+}
+
+RadauPeaks radau_step_peaks(const SlipMode *slip, const RadauStep *step, const RadauPeaks *known) {
+    const double at_ends = fmax(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
+    return (RadauPeaks){
+        .omega = is_speed_monotone(step) ? at_ends : peak_of(slip, step, PEAK_SPEED, known->omega),
+        .reaction = {peak_of(slip, step, PEAK_REACTION_1, known->reaction[0]),
+                     peak_of(slip, step, PEAK_REACTION_2, known->reaction[1])},
+    };
+}

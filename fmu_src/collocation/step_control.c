@@ -1,0 +1,80 @@
+#include "collocation/step_control.h"
+
+#include <math.h>
+
+#include "model/tolerances.h"
+
+/* Few stages while the motion is slow against the step. Along the edge of the stick band, which is solved for node by
+ * node, stages cost little against short steps. */
+static int stages_for(const SlipMode *slip, const Balance *start, double h) {
+    if (slip->regime == REGIME_RATE_INDEPENDENT) return RADAU_MAX;
+    const double ratio = h / radau_step_time_scale(slip, start);
+    if (ratio < STEP_FOR_3_STAGES) return 3;
+    return slip->params->tolerance > STEP_7_STAGES_TOLERANCE || ratio < STEP_FOR_5_STAGES ? 5 : 7;
+}
+
+/* x^(1/order), by functions that the closed form needs as well: pow() would add kilobytes of tables. */
+static double root_of(double x, double order) {
+    return exp(log1p(x - 1.0) / order);
+}
+
+/* Where damping rules the motion, stiffness does no harm to long steps. */
+double step_control_first_length(const SlipMode *slip, const Balance *start) {
+    const RightHandSide *p = &start->rhs;
+    const bool vibrates = slip->regime == REGIME_INERTIAL && p->by_omega * p->by_omega < fabs(p->by_theta);
+    if (!vibrates) return INFINITY;
+    return STEP_FIRST_LENGTH * root_of(slip->params->tolerance, STEP_FIRST_ORDER) / sqrt(fabs(p->by_theta));
+}
+
+/* The order of the error estimate in h. */
+static double order_of(const RadauStep *step) {
+    const double n = step->method->stages;
+    return (n + 1.0) * (0.5 + n / (n + 1.0));
+}
+
+/* The factor on h that brings the error to 1, less a margin. */
+static double length_factor(const RadauStep *step, double order) {
+    return STEP_SAFETY / root_of(fmax(fmax(step->error, step->energy_error), STEP_LEAST_ERROR), order);
+}
+
+/* The factor on h after a rejected step. Where the step is too long, the error falls more slowly than its order says,
+ * except along the edge of the stick band. */
+static double rejection_factor(const SlipMode *slip, const RadauStep *step) {
+    const double share = slip->regime == REGIME_RATE_INDEPENDENT ? 1.0 : STEP_REJECTED_ORDER;
+    return fmin(STEP_LEAST_SHORTENING, fmax(STEP_MOST_SHORTENING, length_factor(step, share * order_of(step))));
+}
+
+StepProposal step_control_next(const RadauStep *step) {
+    const double factor = fmin(STEP_MOST_GROWTH, fmax(length_factor(step, order_of(step)), 1.0));
+    return (StepProposal){step->h * factor, step->method->stages};
+}
+
+/* A step much shorter than the proposal needs no more stages than its own length asks for. */
+static int first_stages(const SlipMode *slip, const Balance *start, double h, const StepProposal *first) {
+    const int stages = stages_for(slip, start, h);
+    const bool similar = first->h == INFINITY || h >= STEP_SIMILAR * first->h;
+    return similar && stages < first->stages ? first->stages : stages;
+}
+
+/* The energy balance may miss no more than the last digits of the transmission itself, which no shorter step makes
+ * better: a residual that a trial has not halved is accepted. */
+bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
+                        RadauStep *step) {
+    double h = longest, energy_before = INFINITY;
+    int stages = first_stages(slip, start, h, first);
+    for (int n = 0; n < STEP_TRIALS; n++) {
+        if (!radau_step_solve(slip, start, h, stages, step)) {
+            h *= STEP_UNSOLVED_SHORTENING;
+            continue;
+        }
+        const bool stalled = step->energy_error > 0.5 * energy_before;
+        if (step->error <= 1.0 && (step->energy_error <= 1.0 || stalled)) return true;
+        energy_before = step->error <= 1.0 ? step->energy_error : INFINITY;
+        if (stages < RADAU_MAX) {
+            stages += 2;
+        } else {
+            h *= rejection_factor(slip, step);
+        }
+    }
+    return false;
+}
