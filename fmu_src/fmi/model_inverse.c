@@ -1,4 +1,6 @@
 #include "fmi/variables.h"
+#include "sensitivity/inverse_derivatives.h"
+#include "sensitivity/inverse_sensitivity.h"
 
 bool model_start(Machine *m, Fault *fault) {
     return inverse_start(m, fault);
@@ -16,7 +18,7 @@ void model_free(Machine *m) {
     inverse_free(m);
 }
 
-static Given given_by(unsigned with_rates) {
+static GivenInput given_by(unsigned with_rates) {
     if (with_rates >> VR_THETA & 1u) return GIVEN_THETA;
     if (with_rates >> VR_OMEGA & 1u) return GIVEN_OMEGA;
     return with_rates >> VR_ALPHA & 1u ? GIVEN_ALPHA : GIVEN_ENDS;
