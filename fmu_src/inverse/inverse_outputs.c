@@ -41,22 +41,22 @@ static CamState present_cam(const Inverse *m) {
     };
 }
 
-bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault) {
+bool inverse_motion_outputs(const Inverse *m, InverseMotionOutputs *out, Fault *fault) {
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const CamState cam = present_cam(m);
-    *out = (InverseMotion){
+    *out = (InverseMotionOutputs){
         .z = transmission_z(&m->transmission, cam.theta),
         .v = cam.statics.geometry.dz_dtheta * cam.omega,
     };
     return true;
 }
 
-bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault) {
+bool inverse_torque_outputs(const Inverse *m, InverseTorqueOutputs *out, Fault *fault) {
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     if (has_elastic_shaft(m)) {
         ElasticShaftState shaft;
         elastic_shaft_present(m, &shaft);
-        *out = (InverseContact){.tau = shaft.tau, .reaction = {shaft.reaction[0], shaft.reaction[1]}};
+        *out = (InverseTorqueOutputs){.tau = shaft.tau, .reaction = {shaft.reaction[0], shaft.reaction[1]}};
         return true;
     }
     const OperatingPoint at = rigid_shaft_operating_point(m);
@@ -86,7 +86,7 @@ static double damper_force_at(const Inverse *m, double v) {
     return v == 0.0 ? 0.0 : damper_force(&m->params.damper, v > 0.0 ? 1 : -1, v) + 0.0; /* + 0.0: no -0 */
 }
 
-bool inverse_loads(const Inverse *m, InverseLoadOutputs *out, Fault *fault) {
+bool inverse_load_outputs(const Inverse *m, InverseLoadOutputs *out, Fault *fault) {
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const CamState cam = present_cam(m);
     const Geometry *g = &cam.statics.geometry;
@@ -113,11 +113,11 @@ bool inverse_loads(const Inverse *m, InverseLoadOutputs *out, Fault *fault) {
 /* ---- energy ---- */
 
 /* Spring, kinetic and shaft; the accounts are zero. */
-static InverseEnergy stored_energy(const Inverse *m) {
+static InverseEnergyOutputs stored_energy(const Inverse *m) {
     const InverseState *state = &m->state;
     const double deflection = state->theta - state->cam, K = m->params.shaft.stiffness;
     const ContactStatics statics = contact_statics_at(&m->params, inverse_piece(m, state->cam, 0), state->cam);
-    return (InverseEnergy){
+    return (InverseEnergyOutputs){
         .spring = spring_energy(&m->params.spring, transmission_z(&m->transmission, state->cam)),
         .kinetic = has_elastic_shaft(m) ? 0.0 : rigid_shaft_kinetic_energy(&m->params, &statics, state->omega),
         .shaft = 0.5 * K * deflection * deflection,
@@ -125,11 +125,11 @@ static InverseEnergy stored_energy(const Inverse *m) {
 }
 
 double inverse_stored_energy(const Inverse *m) {
-    const InverseEnergy now = stored_energy(m);
+    const InverseEnergyOutputs now = stored_energy(m);
     return now.spring + now.kinetic + now.shaft;
 }
 
-void inverse_energy(const Inverse *m, InverseEnergy *out) {
+void inverse_energy_outputs(const Inverse *m, InverseEnergyOutputs *out) {
     const Ledger *l = &m->state.ledger;
     *out = stored_energy(m);
     out->work_in = l->work_in.hi;
@@ -142,6 +142,6 @@ void inverse_energy(const Inverse *m, InverseEnergy *out) {
     out->heat_stop = l->heat_stop.hi;
 }
 
-void inverse_audit(const Inverse *m, Audit *out) {
+void inverse_audit_outputs(const Inverse *m, Audit *out) {
     out->residual = m->params.ledger ? ledger_residual(&m->state.ledger, inverse_stored_energy(m)) : 0.0;
 }

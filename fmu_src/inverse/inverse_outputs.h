@@ -11,7 +11,7 @@
 typedef struct {
     double z; /* m */
     double v; /* m/s */
-} InverseMotion;
+} InverseMotionOutputs;
 
 typedef struct {
     double theta_cam;        /* rad */
@@ -29,28 +29,28 @@ typedef struct {
 typedef struct {
     double tau;         /* N.m */
     double reaction[2]; /* N, per contact, signed: + on the flank that supports F > 0 */
-} InverseContact;
+} InverseTorqueOutputs;
 
 /* All in J. */
 typedef struct {
     double work_in, work_ext, work_tuning;
     double spring, kinetic, shaft;
     double heat_cam[2], heat_damper, heat_shaft, heat_stop;
-} InverseEnergy;
+} InverseEnergyOutputs;
 
 typedef struct {
-    InverseMotion motion;
+    InverseMotionOutputs motion;
     InverseLoadOutputs loads;
-    InverseContact contact;
-    InverseEnergy energy;
+    InverseTorqueOutputs contact;
+    InverseEnergyOutputs energy;
     Audit audit;
 } InverseOutputs;
 
-bool inverse_motion(const Inverse *m, InverseMotion *out, Fault *fault);
-bool inverse_loads(const Inverse *m, InverseLoadOutputs *out, Fault *fault);
-bool inverse_contact(const Inverse *m, InverseContact *out, Fault *fault);
-void inverse_energy(const Inverse *m, InverseEnergy *out);
-void inverse_audit(const Inverse *m, Audit *out);
+bool inverse_motion_outputs(const Inverse *m, InverseMotionOutputs *out, Fault *fault);
+bool inverse_load_outputs(const Inverse *m, InverseLoadOutputs *out, Fault *fault);
+bool inverse_torque_outputs(const Inverse *m, InverseTorqueOutputs *out, Fault *fault);
+void inverse_energy_outputs(const Inverse *m, InverseEnergyOutputs *out);
+void inverse_audit_outputs(const Inverse *m, Audit *out);
 
 /* J, energy of spring, motion and shaft at the latest communication point. */
 double inverse_stored_energy(const Inverse *m);

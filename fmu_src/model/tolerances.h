@@ -53,4 +53,17 @@ enum {
 
 /* ---- fmi ---- */
 
+/* Relative tolerance of integration: where the master gives none, and the range that others are brought into. Below the
+ * range rounding is larger; above the range the results mean nothing. */
+static const double TOLERANCE_DEFAULT = 1e-9;
+static const double TOLERANCE_MIN = 1e-12;
+static const double TOLERANCE_MAX = 1e-2;
+
+/* A master adds up its time on its own: the time of a step may differ from the FMU's by this share. */
+static const double TIME_ROUNDING = 1e-12;
+
+/* Share of the largest input value: differences of sampled inputs below this share are rounding, as those of a constant
+ * or of a ramp are. */
+static const double SAMPLED_INPUT_ROUNDING = 8.0 * DBL_EPSILON;
+
 #endif

@@ -69,7 +69,7 @@ OFF_THE_WAY = {
 }
 WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "instance", "mechanism", "radau"}
 WITH_EVENTS = {"bernstein", "radau_step", "event_location"}
-HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
+HANDING_ON = {"fmi3", "fmi3_unsupported", "fmi3_variables", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "linear_event", "linear_slip", "lobatto_step", "mechanism", "oscillator"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
@@ -150,7 +150,13 @@ SHARED = [FOR_SPEED, *LIBRARY, "-shared", "-s", LTO, "-Wl,-z,defs"]  # for a var
 PAGE_BITS = 14  # a memory page of the newest Macs
 
 HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while building, not part of an FMU
-ONLY_IN = {2: {"fmi2.c"}, 3: {"fmi3.c", "dependencies.c", "dependencies.h"}}  # by version of FMI
+ONLY_IN = {  # by version of FMI
+    2: {"fmi2.c"},
+    3: {
+        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c", "version3.h"),
+        *("dependencies.c", "dependencies.def", "dependencies.h"),
+    },
+}
 
 # Both FMUs are compiled from the same files, but for the one that hands the FMI calls on (see model.h).
 MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
