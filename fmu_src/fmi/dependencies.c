@@ -1,16 +1,16 @@
 #include "fmi/dependencies.h"
 
 const Dependency DEPENDENCIES[] = {
-#define FOLLOWS(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
-#include "variables.def"
+#define DEPENDENCY(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
+#include "dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 const Dependency INITIAL_DEPENDENCIES[] = {
-#define STARTS_FROM(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
-#include "variables.def"
+#define INITIAL_DEPENDENCY(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
+#include "dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
-const Rate RATES[] = {
-#define RATE_OF(model, rate, state) IN_##model({VR_##rate, VR_##state}, )
-#include "variables.def"
+const StateDerivative STATE_DERIVATIVES[] = {
+#define STATE_DERIVATIVE(model, derivative, state) IN_##model({VR_##derivative, VR_##state}, )
+#include "dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT}};

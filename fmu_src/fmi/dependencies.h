@@ -1,5 +1,5 @@
-/* What depends on what, and what is the rate of what: the rows FOLLOWS, STARTS_FROM and RATE_OF of variables.def as
- * tables. Each ends with a row of VARIABLE_COUNT: no list may be empty in C. */
+/* The model structure: the rows of dependencies.def as tables. Each table ends with a row of VARIABLE_COUNT, since C
+ * has no empty arrays. */
 #ifndef DUALCAM_DEPENDENCIES_H
 #define DUALCAM_DEPENDENCIES_H
 
@@ -15,11 +15,11 @@ typedef struct {
 _Static_assert(VARIABLE_COUNT < UINT8_MAX, "value references fit");
 
 typedef struct {
-    uint8_t rate, state;
-} Rate;
+    uint8_t derivative, state; /* value references */
+} StateDerivative;
 
-extern const Dependency DEPENDENCIES[];         /* of outputs, rates and event indicators */
+extern const Dependency DEPENDENCIES[];         /* of outputs, state derivatives and event indicators */
 extern const Dependency INITIAL_DEPENDENCIES[]; /* of start values */
-extern const Rate RATES[];
+extern const StateDerivative STATE_DERIVATIVES[];
 
 #endif

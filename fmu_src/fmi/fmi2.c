@@ -1,12 +1,14 @@
-/* The functions of FMI 2.0, co-simulation and model exchange. What they promise: a call that returns fmi2Error has
- * logged one message that says what is allowed, and has changed nothing; the instance goes on as before it. Here
- * is only what FMI 2.0 has of its own: its types, and its words for what access.h, simulation.h and state_access.h
- * do. No physics here. */
+/* The functions of FMI 2.0, co-simulation and model exchange.
+ *
+ * A call that returns fmi2Error has logged one message that says what is allowed, and has changed nothing: the instance
+ * goes on as before. This file translates the types and names of FMI 2.0; access.h, derivatives.h, simulation.h and
+ * fmu_state.h do the work. */
 #include "fmi2Functions.h"
 
 #include "fmi/access.h"
+#include "fmi/derivatives.h"
+#include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
-#include "fmi/state_access.h"
 
 static fmi2Status status_of(bool good) {
     return good ? fmi2OK : fmi2Error;
@@ -22,8 +24,8 @@ const char *fmi2GetVersion(void) {
 
 /* ---- life ---- */
 
-/* FMI 2.0 reads a message as a printf format with #...# for variables, and masters differ in whether they
- * expand it: with % and # doubled the text is right where they do, and readable where they do not. */
+/* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and # doubled
+ * the text is right where it is expanded, and readable where it is not. */
 static void escape(char *escaped, size_t size, const char *text) {
     size_t length = 0;
     for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
@@ -41,7 +43,7 @@ static void log_error(const Log *log, const char *name, const char *text) {
     logger(log->environment, name, fmi2Error, ERROR_CATEGORY, message);
 }
 
-/* `loggingOn` is about debug messages, of which there are none: errors are always reported. */
+/* `loggingOn` concerns debug messages. There are none, and errors are always logged. */
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn) {
@@ -56,15 +58,15 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                   "fmi2Instantiate: fmuType: allowed are fmi2ModelExchange and fmi2CoSimulation");
         return NULL;
     }
-    const Wish wish = {
+    const InstanceRequest request = {
         .function = __func__,
         .name = instanceName,
         .guid = fmuGUID,
         .guid_name = "fmuGUID",
         .location = fmuResourceLocation,
-        .use = fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION,
+        .interface_type = fmuType == fmi2ModelExchange ? INTERFACE_MODEL_EXCHANGE : INTERFACE_CO_SIMULATION,
     };
-    return instance_new(&wish, &log);
+    return instance_new(&request, &log);
 }
 
 void fmi2FreeInstance(fmi2Component c) {
@@ -83,15 +85,15 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fm
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
-    return status_of(instance_go(c, __func__, PHASE_INSTANTIATED, PHASE_INITIALIZATION));
+    return status_of(instance_change_phase(c, __func__, PHASE_INSTANTIATED, PHASE_INITIALIZATION));
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
-    return status_of(simulation_begin(c, __func__));
+    return status_of(instance_exit_initialization(c, __func__));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c) {
-    return status_of(instance_go(c, __func__, PHASES_RUNNING, PHASE_TERMINATED));
+    return status_of(instance_change_phase(c, __func__, PHASES_RUNNING, PHASE_TERMINATED));
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
@@ -114,7 +116,7 @@ static void write_boolean(void *value, size_t i, bool content) {
     ((fmi2Boolean *)value)[i] = content ? fmi2True : fmi2False;
 }
 
-/* Any nonzero number is true: masters send 1 and -1. */
+/* Every number other than 0 is true: masters send 1 and -1. */
 static bool read_boolean(const void *value, size_t i) {
     return ((const fmi2Boolean *)value)[i] != fmi2False;
 }
@@ -147,46 +149,46 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[]) {
     const Jacobian jacobian = {vUnknown_ref, vKnown_ref, nUnknown, nKnown};
-    return status_of(access_directional(c, __func__, &jacobian, dvKnown, dvUnknown));
+    return status_of(derivatives_directional(c, __func__, &jacobian, dvKnown, dvUnknown));
 }
 
 /* ---- states ---- */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    return status_of(state_get(c, __func__, FMUstate));
+    return status_of(fmu_state_get(c, __func__, FMUstate));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
-    return status_of(state_set(c, __func__, FMUstate));
+    return status_of(fmu_state_set(c, __func__, FMUstate));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
-    return status_of(state_free(c, __func__, FMUstate));
+    return status_of(fmu_state_free(c, __func__, FMUstate));
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
-    return status_of(state_size(c, __func__, FMUstate, size));
+    return status_of(fmu_state_size(c, __func__, FMUstate, size));
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
-    return status_of(state_serialize(c, __func__, FMUstate, serializedState, size));
+    return status_of(fmu_state_serialize(c, __func__, FMUstate, serializedState, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate) {
-    return status_of(state_deserialize(c, __func__, serializedState, size, FMUstate));
+    return status_of(fmu_state_deserialize(c, __func__, serializedState, size, FMUstate));
 }
 
 /* ---- co-simulation ---- */
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                        const fmi2Integer order[], const fmi2Real value[]) {
-    return status_of(access_set_input_derivatives(c, __func__, vr, nvr, order, value));
+    return status_of(derivatives_set_of_inputs(c, __func__, vr, nvr, order, value));
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
-    return status_of(access_get_output_derivatives(c, __func__, vr, nvr, order, value));
+    return status_of(derivatives_get_of_outputs(c, __func__, vr, nvr, order, value));
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
@@ -195,7 +197,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     return status_of(simulation_step(c, __func__, currentCommunicationPoint, communicationStepSize));
 }
 
-/* A step is done when fmi2DoStep returns: nothing is ever pending. */
+/* fmi2DoStep returns when the step is done, so no step is ever pending. */
 fmi2Status fmi2CancelStep(fmi2Component c) {
     if (c == NULL) return fmi2Error;
     return status_of(instance_refuse(c, "%s: no step is ever pending: allowed is not to call it", __func__));
@@ -228,7 +230,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Int
     return refuse_status(c, __func__, s);
 }
 
-/* The mechanism never asks for the end of the simulation. */
+/* The FMU never asks for the end of the simulation. */
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     const Instance *instance = c;
     if (instance == NULL || s != fmi2Terminated) return refuse_status(instance, __func__, s);
@@ -245,27 +247,27 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
 /* ---- model exchange ---- */
 
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return status_of(instance_go(c, __func__, PHASE_CONTINUOUS, PHASE_EVENT));
+    return status_of(instance_change_phase(c, __func__, PHASE_CONTINUOUS, PHASE_EVENT));
 }
 
-/* One pass is enough, and there are no events in time. */
+/* One update is enough, and there are no time events. */
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) {
-    bool moved;
+    bool states_changed;
     if (c == NULL || !instance_has_pointer(c, __func__, eventInfo, "eventInfo") ||
-        !simulation_settle(c, __func__, &moved))
+        !simulation_update_discrete_states(c, __func__, &states_changed))
         return fmi2Error;
     *eventInfo = (fmi2EventInfo){
         .newDiscreteStatesNeeded = fmi2False,
         .terminateSimulation = fmi2False,
         .nominalsOfContinuousStatesChanged = fmi2False,
-        .valuesOfContinuousStatesChanged = moved ? fmi2True : fmi2False,
+        .valuesOfContinuousStatesChanged = states_changed ? fmi2True : fmi2False,
         .nextEventTimeDefined = fmi2False,
     };
     return fmi2OK;
 }
 
 fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
-    return status_of(instance_go(c, __func__, PHASE_EVENT, PHASE_CONTINUOUS));
+    return status_of(instance_change_phase(c, __func__, PHASE_EVENT, PHASE_CONTINUOUS));
 }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
@@ -273,7 +275,7 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
     (void)noSetFMUStatePriorToCurrentPoint;
     if (c == NULL || !instance_has_pointer(c, __func__, enterEventMode, "enterEventMode") ||
         !instance_has_pointer(c, __func__, terminateSimulation, "terminateSimulation") ||
-        !simulation_accept(c, __func__))
+        !simulation_complete_integrator_step(c, __func__))
         return fmi2Error;
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;
@@ -292,7 +294,7 @@ fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
-    return status_of(simulation_get_rates(c, __func__, derivatives, nx));
+    return status_of(simulation_get_derivatives(c, __func__, derivatives, nx));
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {

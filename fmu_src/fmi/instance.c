@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "fmi/resources.h"
+#include "model/tolerances.h"
 
 #ifndef MODEL_GUID
 #error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
@@ -18,7 +19,7 @@ const char *const ERROR_CATEGORY = "logStatusError";
 
 /* ---- messages ---- */
 
-/* Bytes that a caller passed in and that are not plain text do not get into the log. */
+/* Replaces bytes of the caller's texts that are not plain text. */
 static void clean(char *text) {
     for (char *c = text; *c != '\0'; c++)
         if (*c < ' ' || *c > '~') *c = '?';
@@ -41,7 +42,7 @@ bool instance_refuse(const Instance *instance, const char *format, ...) {
     return false;
 }
 
-/* The same where there is no instance. */
+/* instance_refuse() where there is no instance yet. */
 __attribute__((format(printf, 3, 4))) static Instance *refuse_instance(const Log *log, const char *name,
                                                                        const char *format, ...) {
     va_list arguments;
@@ -98,50 +99,50 @@ static char *copy_of(const char *text) {
     return copy;
 }
 
-/* Start values into zeroed ones. */
-static void start(Instance *instance) {
-    Machine *machine = &instance->values.machine;
+/* Sets start values; all values are zero before. */
+static void set_start_values(Instance *instance) {
+    FmuModel *model = &instance->values.model;
     variables_start(&instance->values);
-    machine->params.tolerance = TOLERANCE_DEFAULT;
-    machine->resources = instance->resources;
-    instance->run = (Run){.phase = PHASE_INSTANTIATED, .use = instance->run.use};
-    instance_changed(instance);
+    model->params.tolerance = TOLERANCE_DEFAULT;
+    model->resources = instance->resources;
+    instance->run = (Run){.phase = PHASE_INSTANTIATED, .interface_type = instance->run.interface_type};
+    instance_invalidate(instance);
 }
 
-Instance *instance_new(const Wish *wish, const Log *log) {
-    if (wish->name == NULL)
-        return refuse_instance(log, "", "%s: instanceName = NULL: allowed is any text", wish->function);
-    if (wish->guid == NULL || strcmp(wish->guid, MODEL_GUID) != 0)
-        return refuse_instance(log, wish->name, "%s: %s %s: allowed is only " MODEL_GUID, wish->function,
-                               wish->guid_name, wish->guid == NULL ? "= NULL" : "is not that of this FMU");
+Instance *instance_new(const InstanceRequest *request, const Log *log) {
+    if (request->name == NULL)
+        return refuse_instance(log, "", "%s: instanceName = NULL: allowed is any text", request->function);
+    if (request->guid == NULL || strcmp(request->guid, MODEL_GUID) != 0)
+        return refuse_instance(log, request->name, "%s: %s %s: allowed is only " MODEL_GUID, request->function,
+                               request->guid_name, request->guid == NULL ? "= NULL" : "is not that of this FMU");
     Instance *instance = calloc(1, sizeof *instance);
-    if (instance != NULL) instance->name = copy_of(wish->name);
+    if (instance != NULL) instance->name = copy_of(request->name);
     if (instance == NULL || instance->name == NULL ||
-        !(wish->location != NULL ? resources_directory(wish->location, &instance->resources)
-                                 : resources_from_path(wish->path, &instance->resources))) {
+        !(request->location != NULL ? resources_directory(request->location, &instance->resources)
+                                    : resources_from_path(request->path, &instance->resources))) {
         instance_free(instance);
-        return refuse_instance(log, wish->name, "%s: no memory left", wish->function);
+        return refuse_instance(log, request->name, "%s: no memory left", request->function);
     }
     instance->logs_errors = true;
     instance->log = *log;
-    instance->following = wish->following;
-    instance->run.use = (uint16_t)wish->use;
-    start(instance);
+    instance->intermediate = request->intermediate;
+    instance->run.interface_type = (uint16_t)request->interface_type;
+    set_start_values(instance);
     return instance;
 }
 
 void instance_free(Instance *instance) {
     if (instance == NULL) return;
-    model_free(&instance->values.machine);
+    model_free(&instance->values.model);
     free(instance->name);
     free(instance->resources);
     free(instance);
 }
 
 void instance_reset(Instance *instance) {
-    model_free(&instance->values.machine);
+    model_free(&instance->values.model);
     memset(&instance->values, 0, sizeof instance->values);
-    start(instance);
+    set_start_values(instance);
 }
 
 bool instance_setup(Instance *instance, const char *function, const double *tolerance, double start_time,
@@ -155,34 +156,38 @@ bool instance_setup(Instance *instance, const char *function, const double *tole
     if (stop_time != NULL && !(isfinite(*stop_time) && *stop_time >= start_time))
         return instance_refuse(instance, "%s: stopTime = %.17g: allowed is any finite number from startTime = %.17g",
                                function, *stop_time, start_time);
-    instance->run.time = instance->run.accepted = start_time;
-    instance->values.machine.params.tolerance =
+    instance->run.time = instance->run.completed_until = start_time;
+    instance->values.model.params.tolerance =
         tolerance != NULL ? fmin(fmax(*tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
-    instance_changed(instance);
+    instance_invalidate(instance);
     return true;
 }
 
-bool instance_begin(Instance *instance, const char *function, Phase to) {
+bool instance_exit_initialization(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_INITIALIZATION)) return false;
     if (!instance_provide(instance, function, GROUP_STATE)) return false;
-    instance->run.phase = to;
+    Run *run = &instance->run;
+    Fault fault;
+    if (run->interface_type == INTERFACE_MODEL_EXCHANGE && !model_begin_model_exchange(&instance->values.model, &fault))
+        return instance_refuse(instance, "%s: %s", function, fault.text);
+    run->phase = run->interface_type == INTERFACE_CO_SIMULATION ? PHASE_STEP : PHASE_EVENT;
     return true;
 }
 
-/* ---- what is valid ---- */
+/* ---- variables that are computed ---- */
 
 bool instance_compute(Instance *instance, const char *function, unsigned groups) {
     Fault fault;
     Values *values = &instance->values;
     if ((instance->valid & GROUP_STATE) == 0) {
-        if (!model_start(&values->machine, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+        if (!model_start(&values->model, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
         instance->valid |= GROUP_STATE;
     }
     const unsigned missing = groups & ~instance->valid;
-    if (!model_outputs(&values->machine, missing, &values->outputs, &fault))
+    if (!model_outputs(&values->model, missing, &values->outputs, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
     if (missing & GROUP_TIME) values->listed.time = instance->run.time;
-    if (missing & GROUP_INDICATORS) model_indicators(&values->machine, values->listed.indicator);
+    if (missing & GROUP_INDICATORS) model_indicators(&values->model, values->listed.indicator);
     instance->valid |= missing;
     return true;
 }
@@ -196,8 +201,8 @@ static const char *phase_name(Phase phase) {
         case PHASE_STEP: return "step mode";
         case PHASE_EVENT: return "event mode";
         case PHASE_CONTINUOUS: return "continuous-time mode";
-        case PHASE_SAMPLING: return "inside a step, for inputs";
-        case PHASE_WATCHING: return "inside a step, for outputs";
+        case PHASE_INTERMEDIATE_INPUTS: return "inside a step, for inputs";
+        case PHASE_INTERMEDIATE_OUTPUTS: return "inside a step, for outputs";
         default: return "terminated";
     }
 }
@@ -205,7 +210,7 @@ static const char *phase_name(Phase phase) {
 bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[192] = "";
     size_t length = 0;
-    for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_WATCHING; phase <<= 1) {
+    for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_INTERMEDIATE_OUTPUTS; phase <<= 1) {
         if ((phases & phase) == 0) continue;
         const char *separator = length > 0 ? " or " : "";
         length +=
@@ -215,20 +220,21 @@ bool instance_refuse_phase(const Instance *instance, const char *function, unsig
                            phase_name(instance->run.phase), allowed);
 }
 
-const char *use_name(Use use) {
-    static const char *const names[] = {[MODEL_EXCHANGE] = "model exchange",
-                                        [CO_SIMULATION] = "co-simulation",
-                                        [HYBRID_CO_SIMULATION] = "co-simulation with event mode"};
-    return names[use];
+const char *interface_name(InterfaceType type) {
+    static const char *const names[] = {[INTERFACE_MODEL_EXCHANGE] = "model exchange",
+                                        [INTERFACE_CO_SIMULATION] = "co-simulation",
+                                        [INTERFACE_HYBRID_CO_SIMULATION] = "co-simulation with event mode"};
+    return names[type];
 }
 
-bool instance_is_for(const Instance *instance, const char *function, Use use) {
+bool instance_has_interface(const Instance *instance, const char *function, InterfaceType type) {
     if (instance == NULL) return false;
-    return instance->run.use == use || instance_refuse(instance, "%s is not allowed in %s: allowed is only %s",
-                                                       function, use_name((Use)instance->run.use), use_name(use));
+    const InterfaceType own = (InterfaceType)instance->run.interface_type;
+    return own == type || instance_refuse(instance, "%s is not allowed in %s: allowed is only %s", function,
+                                          interface_name(own), interface_name(type));
 }
 
-bool instance_go(Instance *instance, const char *function, unsigned from, Phase to) {
+bool instance_change_phase(Instance *instance, const char *function, unsigned from, Phase to) {
     if (!instance_is_in(instance, function, from)) return false;
     instance->run.phase = to;
     return true;

@@ -1,11 +1,15 @@
-/* One instance of the FMU: its values, how far it is in its life, and how it reports errors. Nothing here
- * depends on the version of FMI: fmi2.c and fmi3.c translate. */
+/* One instance of the FMU: its values, its phase, and how it reports errors.
+ *
+ * The room fmi/ holds the functions of FMI 2.0 (fmi2.c) and FMI 3.0 (fmi3*.c), which translate the words and types of the
+ * standard, and below them what both share: instance, access to variables, simulation, FMU states. The tables of variables
+ * come from variables.def. No physics stands here: model.h calls forward or inverse dynamics. The room may include every
+ * other room. */
 #ifndef DUALCAM_INSTANCE_H
 #define DUALCAM_INSTANCE_H
 
 #include "fmi/variables.h"
 
-/* As bits, so that a set of phases is a number. */
+/* The states of FMI's state machine. Each is one bit, so that a set of phases is a number. */
 typedef enum {
     PHASE_INSTANTIATED = 1,
     PHASE_INITIALIZATION = 2,
@@ -13,128 +17,122 @@ typedef enum {
     PHASE_EVENT = 8,
     PHASE_CONTINUOUS = 16, /* model exchange, continuous time */
     PHASE_TERMINATED = 32,
-    PHASE_SAMPLING = 64,  /* inside a step: the master gives inputs of later instants */
-    PHASE_WATCHING = 128, /* inside a step: the master reads what it has come to */
-    PHASES_INSIDE_STEP = PHASE_SAMPLING | PHASE_WATCHING,
+    PHASE_INTERMEDIATE_INPUTS = 64,   /* inside a step: the master sets inputs of a later instant */
+    PHASE_INTERMEDIATE_OUTPUTS = 128, /* inside a step: the master reads variables */
+    PHASES_INSIDE_STEP = PHASE_INTERMEDIATE_INPUTS | PHASE_INTERMEDIATE_OUTPUTS,
     PHASES_BEFORE_START = PHASE_INSTANTIATED | PHASE_INITIALIZATION,
     PHASES_RUNNING = PHASE_STEP | PHASE_EVENT | PHASE_CONTINUOUS
 } Phase;
 
-/* Hybrid: the master handles events in event mode. */
-typedef enum { MODEL_EXCHANGE, CO_SIMULATION, HYBRID_CO_SIMULATION } Use;
+/* Hybrid: the master handles the events of co-simulation in event mode. */
+typedef enum { INTERFACE_MODEL_EXCHANGE, INTERFACE_CO_SIMULATION, INTERFACE_HYBRID_CO_SIMULATION } InterfaceType;
 
-/* What a restored run needs besides params, inputs and state. */
+/* What a restored FMU state needs besides params, inputs and state of the model. */
 typedef struct {
-    double time;     /* s, the communication point reached; in model exchange the present */
-    double accepted; /* s, model exchange: end of the solver's last good step */
+    double time;            /* s; in co-simulation the communication point that is reached */
+    double completed_until; /* s, model exchange: end of the last completed integrator step */
     Phase phase;
-    uint16_t use;        /* a Use */
-    uint16_t with_rates; /* bit r: derivatives of the input with value reference r were set since the last step */
+    uint16_t interface_type; /* an InterfaceType */
+    uint16_t
+        derivatives_given; /* bit r: derivatives of the input with value reference r were set since the last step */
 } Run;
 
 /* Where messages go. */
 typedef struct Log Log;
 struct Log {
-    /* text: plain, one line */
+    /* `text` is plain and of one line. */
     void (*error)(const Log *log, const char *instance, const char *text);
     void *environment;
-    void (*logger)(void); /* the master's own function, of the type that its version of FMI has */
+    void (*logger)(void); /* the master's callback; its type is that of the version of FMI */
 };
 
-/* How a master takes part in what happens inside a co-simulation step. All zero: not at all. */
+/* How a master takes part inside a co-simulation step. All zero: not at all. */
 typedef struct {
-    bool takes_early_return;
-    uint16_t sampled;     /* bit r: it gives values of the input with value reference r for later instants */
-    void (*update)(void); /* its own function, of the type that its version of FMI has, or NULL */
-} Following;
+    bool early_return_allowed;
+    uint16_t sampled_inputs; /* bit r: the master sets the input with value reference r inside steps */
+    void (*callback)(void);  /* the master's intermediate update, of the type of the version of FMI, or NULL */
+} IntermediateAccess;
 
 typedef struct {
     Values values;
     Run run;
-    unsigned valid; /* groups of variables that are what params, inputs and state imply */
+    unsigned valid; /* groups of variables that are up to date with params, inputs and state */
     bool logs_errors;
     Log log;
-    Following following;
+    IntermediateAccess intermediate;
     char *name;
     char *resources; /* the directory of the FMU's resources, or NULL */
 } Instance;
 
-/* What a master says of the instance it wants. */
+/* What a master asks for when it instantiates the FMU. */
 typedef struct {
-    const char *function; /* that it calls */
+    const char *function; /* the FMI function that the master calls */
     const char *name;
-    const char *guid, *guid_name; /* and what its version of FMI calls it */
-    const char *location;         /* URI of the FMU's resources, or NULL: */
-    const char *path;             /* where they are */
-    Use use;
-    Following following;
-} Wish;
+    const char *guid, *guid_name; /* and the name of this argument in the version of FMI */
+    const char *location;         /* URI of the FMU's resources, or NULL: then */
+    const char *path;             /* path of the FMU's resources */
+    InterfaceType interface_type;
+    IntermediateAccess intermediate;
+} InstanceRequest;
 
-/* NULL, with the reason in the log, if there is no memory, or name or GUID are wrong. */
-Instance *instance_new(const Wish *wish, const Log *log);
+/* NULL, with the reason in the log, if memory is short, or if name or GUID are wrong. */
+Instance *instance_new(const InstanceRequest *request, const Log *log);
 void instance_free(Instance *instance);
 
-/* Start values, as after instance_new(). What was built from a table file is built anew. */
+/* Sets start values, as after instance_new(). A table file is read anew. */
 void instance_reset(Instance *instance);
-
-/* The relative tolerance where the master gives none, and the range into which it brings others: below,
- * rounding is larger; above, the answer means nothing. */
-#define TOLERANCE_DEFAULT 1e-9
-#define TOLERANCE_MIN 1e-12
-#define TOLERANCE_MAX 1e-2
 
 /* Has the run begun? Until then the state is the start state. */
 static inline bool instance_has_begun(const Instance *instance) {
     return (instance->run.phase & PHASES_BEFORE_START) == 0;
 }
 
-/* To be called when params, inputs or state changed: what is computed from them is no longer valid.
- * Before the run has begun that includes the state. */
-static inline void instance_changed(Instance *instance) {
+/* To be called when params, inputs or state changed: variables that depend on them are no longer up to date. Before the
+ * run has begun, the state depends on params and inputs. */
+static inline void instance_invalidate(Instance *instance) {
     instance->valid =
         instance_has_begun(instance) ? GROUP_PARAMS | GROUP_INPUTS | GROUP_STATE : GROUP_PARAMS | GROUP_INPUTS;
 }
 
-/* What instance_provide() and instance_is_in() do in the rare case. */
+/* The rare case of instance_provide() and of instance_is_in(). */
 bool instance_compute(Instance *instance, const char *function, unsigned groups);
 bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases);
 
-/* Makes these groups valid. Before the run has begun that is a start with the present parameters. Logs why, if
- * it cannot be done. */
+/* Brings these groups of variables up to date. Before the run has begun, the model starts with the present parameters.
+ * False, with the reason in the log, where a variable does not exist. */
 static inline bool instance_provide(Instance *instance, const char *function, unsigned groups) {
     return (groups & ~instance->valid) == 0 || instance_compute(instance, function, groups);
 }
 
-/* Is the instance in one of these phases? If not, or if there is no instance, logs that `function` is
- * not allowed. */
+/* Is the instance in one of these phases? If not, the log says that `function` is not allowed. False also for NULL. */
 static inline bool instance_is_in(const Instance *instance, const char *function, unsigned phases) {
     if (instance == NULL) return false;
     return (instance->run.phase & phases) != 0 || instance_refuse_phase(instance, function, phases);
 }
 
-/* Is the instance used in this way? If not, logs that `function` is not allowed. */
-bool instance_is_for(const Instance *instance, const char *function, Use use);
-const char *use_name(Use use);
+/* Has the instance this interface type? If not, the log says that `function` is not allowed. */
+bool instance_has_interface(const Instance *instance, const char *function, InterfaceType type);
+const char *interface_name(InterfaceType type);
 
-/* Takes the instance from one of the phases `from` to `to`. */
-bool instance_go(Instance *instance, const char *function, unsigned from, Phase to);
+/* Changes the phase from one of `from` to `to`. */
+bool instance_change_phase(Instance *instance, const char *function, unsigned from, Phase to);
 
-/* Time and tolerance of the run, still before it begins; tolerance or stop time are not defined where NULL. A tolerance
- * beyond TOLERANCE_MIN and TOLERANCE_MAX is taken as the nearest of them. The mechanism can go on past the stop time. */
+/* Sets time and tolerance before the run begins. NULL: the tolerance or the stop time is not defined. A tolerance outside
+ * TOLERANCE_MIN to TOLERANCE_MAX is taken as the nearest of both. Steps may go on past the stop time. */
 bool instance_setup(Instance *instance, const char *function, const double *tolerance, double start_time,
                     const double *stop_time);
 
-/* Begins the run: `to` is the phase that follows initialization. */
-bool instance_begin(Instance *instance, const char *function, Phase to);
+/* Ends initialization: to step mode, or, in model exchange and where the master handles events, to event mode. */
+bool instance_exit_initialization(Instance *instance, const char *function);
 
-/* Log categories that count as "errors": all, where none is named. Others are accepted and have no messages. */
+/* Switches the messages of the categories on or off; no category means all. Only the categories of errors have messages. */
 bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
                           const char *const categories[]);
 
-/* Logs the message of a refused call; returns false. */
+/* Logs the message of a refused call. Returns false. */
 __attribute__((format(printf, 2, 3))) bool instance_refuse(const Instance *instance, const char *format, ...);
 
-/* Checks common to many calls; each logs what it refuses. */
+/* Checks that many functions share. Each logs what it refuses. */
 bool instance_has_array(const Instance *instance, const char *function, size_t n, const void *array, const char *name);
 bool instance_has_pointer(const Instance *instance, const char *function, const void *pointer, const char *name);
 

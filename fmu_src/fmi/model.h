@@ -1,10 +1,10 @@
-/* What the FMI functions drive: one of two structs, chosen when an FMU is compiled, behind the same calls.
+/* The model that the FMI functions drive: one of two structs behind the same functions, chosen when an FMU is compiled.
  *
- *   MODEL_FORWARD  Mechanism (mechanism.h): torque in, motion out
- *   MODEL_INVERSE  Inverse (inverse.h): motion in, torque out
+ *   MODEL_FORWARD  Mechanism (mechanism.h): torque in, motion out; functions in model_forward.c
+ *   MODEL_INVERSE  Inverse (inverse.h): motion in, torque out; functions in model_inverse.c
  *
- * Either begins with `params` and `inputs`, in this order, and has a `state` that is all a restored run needs
- * besides them. No FMI here, and no physics: model_forward.c and model_inverse.c only hand on. */
+ * Both structs begin with `params` and `inputs`, in this order, and have a `state`; these three are all that a restored
+ * FMU state needs. Neither FMI nor physics stands here: the functions only call forward or inverse dynamics. */
 #ifndef DUALCAM_MODEL_H
 #define DUALCAM_MODEL_H
 
@@ -20,92 +20,94 @@
 enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 
 #ifndef MODEL_BUILT
-#include "identity.h" /* only inside an FMU, see archive.py; the project's own build gives -DMODEL_BUILT=... */
+#include "identity.h" /* stands only inside an FMU (archive.py); the project's own build gives -DMODEL_BUILT=... */
 #endif
 
 #if MODEL_BUILT == MODEL_FORWARD
 #include "forward/ode.h"
 #include "forward/state.h"
-typedef Mechanism Machine;
-typedef Inputs MachineInputs;
-typedef State MachineState;
-typedef Outputs MachineOutputs;
-enum { RETURNS_EARLY = 1 };                                                 /* can a step end at a mode change? */
-enum { SAMPLES_INPUTS = 1 };                                                /* can inputs be given inside a step? */
-enum { MODEL_ROWS = 5 };                                                    /* variables that can be differentiated */
+typedef Mechanism FmuModel;
+typedef Inputs FmuInputs;
+typedef State FmuState;
+typedef Outputs FmuOutputs;
+enum { RETURNS_EARLY = 1 };  /* a step can end at a mode change */
+enum { SAMPLES_INPUTS = 1 }; /* a master can set inputs inside a step */
+enum { MODEL_UNKNOWNS = 5 }; /* number of variables that have partial derivatives */
 enum { CONTINUOUS_STATES = ODE_STATES, EVENT_INDICATORS = ODE_INDICATORS }; /* of model exchange */
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse/inverse.h"
-typedef Inverse Machine;
-typedef InverseInputs MachineInputs;
-typedef InverseState MachineState;
-typedef InverseOutputs MachineOutputs;
-enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion to the end of the step is imposed */
-enum { MODEL_ROWS = 3 };
+typedef Inverse FmuModel;
+typedef InverseInputs FmuInputs;
+typedef InverseState FmuState;
+typedef InverseOutputs FmuOutputs;
+enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion is imposed to the end of the step */
+enum { MODEL_UNKNOWNS = 3 };
 enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
 #else
 #error "MODEL_BUILT must be MODEL_FORWARD or MODEL_INVERSE"
 #endif
 
-/* Where these return false, `fault` says why and the machine is as before. */
+/* Where these functions return false, `fault` says why and the model is as before. */
 
-/* Checks m->params, builds what they imply and sets the state to its start. */
-bool model_start(Machine *m, Fault *fault);
+/* Checks m->params, builds the transmission and sets the state to its start. */
+bool model_start(FmuModel *m, Fault *fault);
 
-/* Builds what params imply; to be called after params, inputs and state came from a snapshot. */
-bool model_rebuild(Machine *m, Fault *fault);
+/* Builds the transmission. To be called after params, inputs and state were replaced from a snapshot. */
+bool model_rebuild(FmuModel *m, Fault *fault);
 
-/* Replaces m->params at a communication point; only tunable ones differ. */
-bool model_retune(Machine *m, const Params *params, Fault *fault);
+/* Replaces m->params at a communication point. Only tunable parameters may differ. */
+bool model_retune(FmuModel *m, const Params *params, Fault *fault);
 
-/* Frees what the machine owns; safe on a zeroed machine, and twice. */
-void model_free(Machine *m);
+/* Frees the memory of the model. Safe on a zeroed model, and twice. */
+void model_free(FmuModel *m);
 
-/* Moves on by h > 0 seconds and leaves in m->inputs their values at the end. Bit r of `with_rates` tells that
- * derivatives of the input with value reference r are given for this step. */
-bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault);
+/* A step of h > 0 seconds; m->inputs then hold their values at the end. Bit r of `derivatives_given`: derivatives of the
+ * input with value reference r are given for this step. */
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault);
 
-/* The same with a watcher, see mechanism_advance_watched(). One that does not return early is told at its end. */
-bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault);
+/* The same with a watcher of mode changes (mechanism_advance_watched()). A model that does not return early tells the
+ * watcher at the end of the step. */
+bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault);
 
-/* Makes all derivatives of the inputs zero. */
-void model_forget_rates(MachineInputs *inputs);
+/* Sets all derivatives of the inputs to zero. */
+void model_clear_input_derivatives(FmuInputs *inputs);
 
-/* Computes these groups of outputs (see Group in variables.h) with the present inputs. */
-bool model_outputs(const Machine *m, unsigned groups, MachineOutputs *outputs, Fault *fault);
+/* Computes these groups of outputs (Group in variables.h) with the present inputs. */
+bool model_outputs(const FmuModel *m, unsigned groups, FmuOutputs *outputs, Fault *fault);
 
-/* Time derivative of order 1 to MAX_OUTPUT_ORDER of the output with that value reference, which model_outputs() can
- * compute: of what comes next with the present inputs. */
-double model_output_derivative(const Machine *m, unsigned reference, int order);
+/* Time derivative, of order 1 to MAX_OUTPUT_ORDER, of an output that model_outputs() can compute: along the motion that
+ * follows with the present inputs. */
+double model_output_derivative(const FmuModel *m, unsigned reference, int order);
 
-/* The knob that a variable is, or -1: nothing is differentiated by it. */
+/* The Known of a variable, or -1: no output is differentiated by this variable. */
 int model_known(unsigned reference);
 
-/* Place among MODEL_ROWS of a variable that can be differentiated, an output or the derivative of a state; or -1. */
-int model_row(unsigned reference);
+/* The number, below MODEL_UNKNOWNS, of an output or of the derivative of a state; -1: the variable has no partial
+ * derivatives. */
+int model_unknown(unsigned reference);
 
-/* Its partial derivatives, in the present state and with the present inputs. */
-bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault);
+/* Partial derivatives of an unknown, in the present state and with the present inputs. */
+bool model_partials(const FmuModel *m, unsigned reference, Partials *out, Fault *fault);
 
-/* From now on somebody else integrates: model exchange. The machine has started. */
-bool model_begin_exchange(Machine *m, Fault *fault);
+/* Model exchange begins, after model_start(): from now on the importer integrates. */
+bool model_begin_model_exchange(FmuModel *m, Fault *fault);
 
-/* x, rate: CONTINUOUS_STATES; indicator: EVENT_INDICATORS of them. */
-void model_set_states(Machine *m, const double x[]);
-void model_get_states(const Machine *m, double x[]);
-bool model_state_rates(const Machine *m, double rate[], Fault *fault);
-void model_indicators(const Machine *m, double indicator[]);
+/* x and derivative have CONTINUOUS_STATES elements, indicator has EVENT_INDICATORS. */
+void model_set_states(FmuModel *m, const double x[]);
+void model_get_states(const FmuModel *m, double x[]);
+bool model_state_derivatives(const FmuModel *m, double derivative[], Fault *fault);
+void model_indicators(const FmuModel *m, double indicator[]);
 
 /* Value reference of a continuous state. */
 unsigned model_state_reference(int state);
 
-/* Carries out the events that are due. */
-bool model_settle(Machine *m, Fault *fault);
+/* Handles the events of the present instant. */
+bool model_update_discrete_states(FmuModel *m, Fault *fault);
 
-/* The solver's step to the present states and inputs, which took h seconds, is good. */
-bool model_accept(Machine *m, double h, Fault *fault);
+/* The importer has completed an integrator step of h seconds to the present states and inputs. */
+bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault);
 
-/* Bytes that belong to no member, so that equal states have equal bytes. */
-void model_clear_padding(MachineState *state);
+/* Sets the bytes that belong to no member to zero, so that equal states have equal bytes. */
+void model_clear_padding(FmuState *state);
 
 #endif

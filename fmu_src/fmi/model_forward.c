@@ -8,41 +8,41 @@
 #include "sensitivity/sensitivity.h"
 #include "sensitivity/step_sensitivity.h"
 
-bool model_start(Machine *m, Fault *fault) {
+bool model_start(FmuModel *m, Fault *fault) {
     return mechanism_start(m, fault);
 }
 
-bool model_rebuild(Machine *m, Fault *fault) {
+bool model_rebuild(FmuModel *m, Fault *fault) {
     return mechanism_rebuild(m, fault);
 }
 
-bool model_retune(Machine *m, const Params *params, Fault *fault) {
+bool model_retune(FmuModel *m, const Params *params, Fault *fault) {
     return mechanism_retune(m, params, fault);
 }
 
-void model_free(Machine *m) {
+void model_free(FmuModel *m) {
     mechanism_free(m);
 }
 
-bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
-    (void)with_rates; /* a derivative that is not given is zero */
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault) {
+    (void)derivatives_given; /* derivatives that are not given are zero */
     return mechanism_advance(m, h, fault);
 }
 
-bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault) {
-    (void)with_rates;
+bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
+    (void)derivatives_given;
     return mechanism_advance_watched(m, h, watcher, fault);
 }
 
-void model_forget_rates(Inputs *inputs) {
+void model_clear_input_derivatives(Inputs *inputs) {
     for (int order = 1; order <= INPUT_ORDER; order++) {
         inputs->tau[order] = 0.0;
         inputs->F_ext[order] = 0.0;
     }
 }
 
-bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *fault) {
-    (void)fault; /* every state has outputs */
+bool model_outputs(const FmuModel *m, unsigned groups, Outputs *outputs, Fault *fault) {
+    (void)fault; /* the outputs exist in every state */
     if (groups & GROUP_MOTION) mechanism_motion(m, &outputs->motion);
     if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
     if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
@@ -51,14 +51,14 @@ bool model_outputs(const Machine *m, unsigned groups, Outputs *outputs, Fault *f
     return true;
 }
 
-double model_output_derivative(const Machine *m, unsigned reference, int order) {
-    MotionDerivatives rates;
-    motion_derivatives(m, &rates);
+double model_output_derivative(const FmuModel *m, unsigned reference, int order) {
+    MotionDerivatives derivatives;
+    motion_derivatives(m, &derivatives);
     switch (reference) {
-        case VR_THETA: return rates.theta[order - 1];
-        case VR_OMEGA: return rates.theta[order];
-        case VR_Z: return rates.z[order - 1];
-        default: return rates.z[order];
+        case VR_THETA: return derivatives.theta[order - 1];
+        case VR_OMEGA: return derivatives.theta[order];
+        case VR_Z: return derivatives.z[order - 1];
+        default: return derivatives.z[order];
     }
 }
 
@@ -72,7 +72,7 @@ int model_known(unsigned reference) {
     }
 }
 
-int model_row(unsigned reference) {
+int model_unknown(unsigned reference) {
     switch (reference) {
         case VR_THETA: return 0;
         case VR_OMEGA: return 1;
@@ -83,8 +83,8 @@ int model_row(unsigned reference) {
     }
 }
 
-/* Angle and speed are states: they depend on nothing but themselves. */
-bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {
+/* Angle and speed are states: each depends on itself alone. */
+bool model_partials(const FmuModel *m, unsigned reference, Partials *out, Fault *fault) {
     switch (reference) {
         case VR_THETA: *out = (Partials){.by = {[KNOWN_THETA] = 1.0}}; return true;
         case VR_OMEGA: *out = (Partials){.by = {[KNOWN_OMEGA] = 1.0}}; return true;
@@ -96,25 +96,25 @@ bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *
 
 /* ---- model exchange ---- */
 
-bool model_begin_exchange(Machine *m, Fault *fault) {
+bool model_begin_model_exchange(FmuModel *m, Fault *fault) {
     if (!ode_is_possible(m, fault)) return false;
     m->continuous = true;
     return true;
 }
 
-void model_set_states(Machine *m, const double x[]) {
+void model_set_states(FmuModel *m, const double x[]) {
     ode_set_states(m, x);
 }
 
-void model_get_states(const Machine *m, double x[]) {
+void model_get_states(const FmuModel *m, double x[]) {
     ode_get_states(m, x);
 }
 
-bool model_state_rates(const Machine *m, double rate[], Fault *fault) {
-    return ode_rates(m, rate, fault);
+bool model_state_derivatives(const FmuModel *m, double derivative[], Fault *fault) {
+    return ode_rates(m, derivative, fault);
 }
 
-void model_indicators(const Machine *m, double indicator[]) {
+void model_indicators(const FmuModel *m, double indicator[]) {
     ode_indicators(m, indicator);
 }
 
@@ -122,16 +122,16 @@ unsigned model_state_reference(int state) {
     return state == 0 ? VR_THETA : VR_OMEGA;
 }
 
-bool model_settle(Machine *m, Fault *fault) {
+bool model_update_discrete_states(FmuModel *m, Fault *fault) {
     return mechanism_settle(m, fault);
 }
 
-bool model_accept(Machine *m, double h, Fault *fault) {
-    (void)m, (void)h, (void)fault; /* the states are all there is */
+bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {
+    (void)m, (void)h, (void)fault; /* the states hold everything already */
     return true;
 }
 
-/* A new member fails here until its padding is looked at. */
+/* A new member does not compile before its padding is dealt with here. */
 enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
 _Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int), "padding in State");
 _Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + sizeof(double) + sizeof(Mode) + 3 * sizeof(int),

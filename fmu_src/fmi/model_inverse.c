@@ -1,39 +1,41 @@
 #include "fmi/variables.h"
+#include "sensitivity/inverse_derivatives.h"
+#include "sensitivity/inverse_sensitivity.h"
 
-bool model_start(Machine *m, Fault *fault) {
+bool model_start(FmuModel *m, Fault *fault) {
     return inverse_start(m, fault);
 }
 
-bool model_rebuild(Machine *m, Fault *fault) {
+bool model_rebuild(FmuModel *m, Fault *fault) {
     return inverse_rebuild(m, fault);
 }
 
-bool model_retune(Machine *m, const Params *params, Fault *fault) {
+bool model_retune(FmuModel *m, const Params *params, Fault *fault) {
     return inverse_retune(m, params, fault);
 }
 
-void model_free(Machine *m) {
+void model_free(FmuModel *m) {
     inverse_free(m);
 }
 
-static Given given_by(unsigned with_rates) {
-    if (with_rates >> VR_THETA & 1u) return GIVEN_THETA;
-    if (with_rates >> VR_OMEGA & 1u) return GIVEN_OMEGA;
-    return with_rates >> VR_ALPHA & 1u ? GIVEN_ALPHA : GIVEN_ENDS;
+static GivenInput given_by(unsigned derivatives_given) {
+    if (derivatives_given >> VR_THETA & 1u) return GIVEN_THETA;
+    if (derivatives_given >> VR_OMEGA & 1u) return GIVEN_OMEGA;
+    return derivatives_given >> VR_ALPHA & 1u ? GIVEN_ALPHA : GIVEN_ENDS;
 }
 
-bool model_advance(Machine *m, double h, unsigned with_rates, Fault *fault) {
-    return inverse_advance(m, h, given_by(with_rates), fault);
+bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault) {
+    return inverse_advance(m, h, given_by(derivatives_given), fault);
 }
 
-bool model_advance_watched(Machine *m, double h, unsigned with_rates, Watcher *watcher, Fault *fault) {
+bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault) {
     const Mode before = m->state.mode;
-    if (!model_advance(m, h, with_rates, fault)) return false;
+    if (!model_advance(m, h, derivatives_given, fault)) return false;
     if (m->state.mode != before) (void)watcher->changed(watcher, 0.0);
     return true;
 }
 
-void model_forget_rates(InverseInputs *inputs) {
+void model_clear_input_derivatives(InverseInputs *inputs) {
     *inputs = (InverseInputs){
         .theta = {inputs->theta[0]},
         .omega = {inputs->omega[0]},
@@ -42,22 +44,22 @@ void model_forget_rates(InverseInputs *inputs) {
     };
 }
 
-bool model_outputs(const Machine *m, unsigned groups, InverseOutputs *outputs, Fault *fault) {
-    if ((groups & GROUP_MOTION) && !inverse_motion(m, &outputs->motion, fault)) return false;
-    if ((groups & GROUP_LOADS) && !inverse_loads(m, &outputs->loads, fault)) return false;
-    if ((groups & GROUP_CONTACT) && !inverse_contact(m, &outputs->contact, fault)) return false;
-    if (groups & GROUP_ENERGY) inverse_energy(m, &outputs->energy);
-    if (groups & GROUP_AUDIT) inverse_audit(m, &outputs->audit);
+bool model_outputs(const FmuModel *m, unsigned groups, InverseOutputs *outputs, Fault *fault) {
+    if ((groups & GROUP_MOTION) && !inverse_motion_outputs(m, &outputs->motion, fault)) return false;
+    if ((groups & GROUP_LOADS) && !inverse_load_outputs(m, &outputs->loads, fault)) return false;
+    if ((groups & GROUP_CONTACT) && !inverse_torque_outputs(m, &outputs->contact, fault)) return false;
+    if (groups & GROUP_ENERGY) inverse_energy_outputs(m, &outputs->energy);
+    if (groups & GROUP_AUDIT) inverse_audit_outputs(m, &outputs->audit);
     return true;
 }
 
-double model_output_derivative(const Machine *m, unsigned reference, int order) {
-    InverseDerivatives rates;
-    inverse_derivatives(m, &rates);
+double model_output_derivative(const FmuModel *m, unsigned reference, int order) {
+    InverseDerivatives derivatives;
+    inverse_derivatives(m, &derivatives);
     switch (reference) {
-        case VR_TAU: return rates.tau[order - 1];
-        case VR_Z: return rates.z[order - 1];
-        default: return rates.z[order];
+        case VR_TAU: return derivatives.tau[order - 1];
+        case VR_Z: return derivatives.z[order - 1];
+        default: return derivatives.z[order];
     }
 }
 
@@ -71,7 +73,7 @@ int model_known(unsigned reference) {
     }
 }
 
-int model_row(unsigned reference) {
+int model_unknown(unsigned reference) {
     switch (reference) {
         case VR_TAU: return 0;
         case VR_Z: return 1;
@@ -80,56 +82,56 @@ int model_row(unsigned reference) {
     }
 }
 
-bool model_partials(const Machine *m, unsigned reference, Partials *out, Fault *fault) {
+bool model_partials(const FmuModel *m, unsigned reference, Partials *out, Fault *fault) {
     if (reference == VR_TAU) return inverse_torque_partials(m, out, fault);
     return inverse_axial_partials(m, reference == VR_Z ? 0 : 1, out, fault);
 }
 
 /* ---- model exchange: no continuous states, and one event indicator ---- */
 
-bool model_begin_exchange(Machine *m, Fault *fault) {
-    (void)fault; /* it always can */
+bool model_begin_model_exchange(FmuModel *m, Fault *fault) {
+    (void)fault; /* always possible */
     m->continuous = true;
     return true;
 }
 
-void model_set_states(Machine *m, const double x[]) {
+void model_set_states(FmuModel *m, const double x[]) {
     (void)m, (void)x;
 }
 
-void model_get_states(const Machine *m, double x[]) {
+void model_get_states(const FmuModel *m, double x[]) {
     (void)m, (void)x;
 }
 
-bool model_state_rates(const Machine *m, double rate[], Fault *fault) {
-    (void)m, (void)rate, (void)fault;
+bool model_state_derivatives(const FmuModel *m, double derivative[], Fault *fault) {
+    (void)m, (void)derivative, (void)fault;
     return true;
 }
 
-void model_indicators(const Machine *m, double indicator[]) {
+void model_indicators(const FmuModel *m, double indicator[]) {
     indicator[0] = inverse_indicator(m);
 }
 
 unsigned model_state_reference(int state) {
-    (void)state; /* there is none: nobody calls it */
+    (void)state; /* there is no continuous state, so nobody calls this function */
     return VARIABLE_COUNT;
 }
 
-bool model_settle(Machine *m, Fault *fault) {
+bool model_update_discrete_states(FmuModel *m, Fault *fault) {
     (void)fault;
-    if (m->continuous) inverse_settle(m); /* a step does it itself */
+    if (m->continuous) inverse_settle(m); /* in co-simulation the step does so */
     return true;
 }
 
-bool model_accept(Machine *m, double h, Fault *fault) {
+bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {
     return h <= 0.0 || inverse_advance(m, h, GIVEN_ENDS, fault);
 }
 
-/* A new member fails here until its padding is looked at. */
+/* A new member does not compile before its padding is dealt with here. */
 _Static_assert(sizeof(InverseState) ==
                    3 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),
                "padding in InverseState");
 
 void model_clear_padding(InverseState *state) {
-    (void)state; /* there is none */
+    (void)state; /* no padding */
 }

@@ -9,14 +9,15 @@ static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-/* What follows `prefix` (in lower case) in `text`, or NULL if it does not begin so in whatever case. */
+/* The rest of `text` after `prefix`, or NULL if `text` does not begin with it. `prefix` is in lower case; the case of
+ * `text` does not matter. */
 static const char *after(const char *text, const char *prefix) {
     for (; *prefix != '\0'; text++, prefix++)
         if (lower(*text) != *prefix) return NULL;
     return text;
 }
 
-/* The encoded path, from its slash on, or NULL if the URI is none of a local file. */
+/* The encoded path, from its first slash on, or NULL if the URI is not that of a local file. */
 static const char *path_of(const char *location) {
     const char *rest = location != NULL ? after(location, "file:") : NULL;
     if (rest == NULL) return NULL;
@@ -33,7 +34,7 @@ static int hex(char c) {
     return digit >= 'a' && digit <= 'f' ? digit - 'a' + 10 : -1;
 }
 
-/* Percent codes are replaced; a lone percent sign stays. The text does not get longer. */
+/* Replaces percent codes; a percent sign alone stays. The text does not get longer. */
 static void decode(const char *encoded, char *text) {
     while (*encoded != '\0') {
         const int high = *encoded == '%' ? hex(encoded[1]) : -1;
@@ -44,7 +45,7 @@ static void decode(const char *encoded, char *text) {
     *text = '\0';
 }
 
-/* "//x" is "/x", "/C:/x" is "C:/x". */
+/* "//x" becomes "/x", "/C:/x" becomes "C:/x". */
 static const char *without_extra_slash(const char *path) {
     while (path[0] == '/' && path[1] == '/') path++;
     const bool drive = lower(path[1]) >= 'a' && lower(path[1]) <= 'z' && path[2] == ':';

@@ -5,9 +5,7 @@
 #include <string.h>
 
 #include "fmi/access.h"
-
-/* A master adds up its time on its own; it may differ from ours by this share. */
-static const double TIME_ROUNDING = 1e-12;
+#include "model/tolerances.h"
 
 /* ---- co-simulation ---- */
 
@@ -27,60 +25,62 @@ static bool is_step(const Instance *instance, const char *function, double t, do
 
 bool simulation_step(Instance *instance, const char *function, double t, double h) {
     if (!instance_is_in(instance, function, PHASE_STEP) || !is_step(instance, function, t, h)) return false;
-    Machine *machine = &instance->values.machine;
-    const MachineInputs before = machine->inputs;
-    if (instance->run.with_rates == 0) model_forget_rates(&machine->inputs);
+    FmuModel *model = &instance->values.model;
+    const FmuInputs before = model->inputs;
+    if (instance->run.derivatives_given == 0) model_clear_input_derivatives(&model->inputs);
     Fault fault;
-    if (!model_advance(machine, h, instance->run.with_rates, &fault)) {
-        machine->inputs = before;
+    if (!model_advance(model, h, instance->run.derivatives_given, &fault)) {
+        model->inputs = before;
         return instance_refuse(instance, "%s: %s", function, fault.text);
     }
     instance->run.time = t + h;
-    instance->run.with_rates = 0;
-    instance_changed(instance);
+    instance->run.derivatives_given = 0;
+    instance_invalidate(instance);
     return true;
 }
 
-/* ---- a master that takes part in a step ---- */
+/* ---- a step in which the master takes part ---- */
 
 typedef struct {
-    Watcher watcher; /* first: all that the machine knows of it */
+    Watcher watcher; /* the first member: the model knows only this one */
     Instance *instance;
-    Visitor *visitor;
+    IntermediateUpdate *update;
     double end; /* s, of the step */
-    bool event; /* the mode changes there */
-} Follower;
+    bool event; /* the mode changes at the end */
+} WatchedStep;
 
-static double visit(const Follower *f, double time, Phase phase) {
-    Instance *instance = f->instance;
-    const Visit here = {
+/* Calls the master's update in this phase. Returns the end of the step, s. */
+static double call_update(const WatchedStep *step, double time, Phase phase) {
+    Instance *instance = step->instance;
+    const IntermediatePoint point = {
         .time = time,
-        .asks_for_inputs = phase == PHASE_SAMPLING,
-        .may_end = phase == PHASE_WATCHING && instance->following.takes_early_return && time < f->end,
+        .inputs_requested = phase == PHASE_INTERMEDIATE_INPUTS,
+        .may_end =
+            phase == PHASE_INTERMEDIATE_OUTPUTS && instance->intermediate.early_return_allowed && time < step->end,
     };
     instance->run.time = time;
     instance->run.phase = phase;
-    instance_changed(instance);
-    const double wanted = f->visitor(instance, &here);
+    instance_invalidate(instance);
+    const double wanted = step->update(instance, &point);
     instance->run.phase = PHASE_STEP;
-    return here.may_end ? fmin(fmax(wanted, time), f->end) : f->end;
+    return point.may_end ? fmin(fmax(wanted, time), step->end) : step->end;
 }
 
-/* See Watcher. */
-static double follow_change(Watcher *watcher, double left) {
-    Follower *f = (Follower *)watcher;
-    const Instance *instance = f->instance;
-    const double end = f->end, now = end - left;
-    if (left > 0.0 && instance->run.use == HYBRID_CO_SIMULATION && instance->following.takes_early_return) f->end = now;
-    else if (left > 0.0 && f->visitor != NULL) f->end = visit(f, now, PHASE_WATCHING);
-    const double on = f->end == end ? left : fmin(f->end - now, left);
-    f->event = on == 0.0;
-    return on;
+/* Watcher.changed: the mode has changed, `left` seconds before the end of the step. */
+static double mode_changed(Watcher *watcher, double left) {
+    WatchedStep *step = (WatchedStep *)watcher;
+    const Instance *instance = step->instance;
+    const bool handles_events = instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
+    const double end = step->end, now = end - left;
+    if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
+    else if (left > 0.0 && step->update != NULL) step->end = call_update(step, now, PHASE_INTERMEDIATE_OUTPUTS);
+    const double remaining = step->end == end ? left : fmin(step->end - now, left);
+    step->event = remaining == 0.0;
+    return remaining;
 }
 
-/* A difference of values that is nothing but their rounding, as that of a constant or a ramp would be. */
 static double significant(double difference, double size) {
-    return fabs(difference) > 8.0 * DBL_EPSILON * size ? difference : 0.0;
+    return fabs(difference) > SAMPLED_INPUT_ROUNDING * size ? difference : 0.0;
 }
 
 /* Derivatives at the start of the cubic through u[0] to u[3], `third` seconds apart (Newton's forward differences). */
@@ -95,76 +95,75 @@ static void differentiate(const double u[4], double third, double derivative[4])
     derivative[3] = d3 / third / third / third;
 }
 
-_Static_assert(INPUT_ORDER == 3, "cubics");
+_Static_assert(INPUT_ORDER == 3, "the inputs are cubics");
 
-/* Inputs from the master's values at the thirds of the step. */
-static bool sample(const Follower *f, const char *function, double t, double h) {
-    enum { INPUTS_MAX = 16 };
-    Instance *instance = f->instance;
+enum { INPUTS_MAX = 16 }; /* bits of IntermediateAccess.sampled_inputs */
+
+static bool is_sampled(const Instance *instance, unsigned reference) {
+    return (instance->intermediate.sampled_inputs >> reference & 1u) != 0;
+}
+
+/* Sets the derivatives of the sampled inputs from the master's values at the thirds of the step. */
+static bool sample_inputs(const WatchedStep *step, const char *function, double t, double h) {
+    Instance *instance = step->instance;
     const double third = h / 3.0;
     double u[INPUTS_MAX][INPUT_ORDER + 1];
     for (int k = 0; k <= INPUT_ORDER; k++) {
-        if (k > 0) (void)visit(f, k < INPUT_ORDER ? t + k * third : f->end, PHASE_SAMPLING);
+        if (k > 0) (void)call_update(step, k < INPUT_ORDER ? t + k * third : step->end, PHASE_INTERMEDIATE_INPUTS);
         for (unsigned r = 0; r < INPUTS_MAX; r++)
-            if (instance->following.sampled >> r & 1u) u[r][k] = access_input(instance, r)[0];
+            if (is_sampled(instance, r)) u[r][k] = access_input(instance, r)[0];
     }
     for (unsigned r = 0; r < INPUTS_MAX; r++) {
-        if ((instance->following.sampled >> r & 1u) == 0) continue;
+        if (!is_sampled(instance, r)) continue;
         double *input = access_input(instance, r);
         differentiate(u[r], third, input);
         if (!isfinite(input[1] + input[2] + input[3]))
             return instance_refuse(instance, "%s: %s changes within %.17g s by more than allowed: finite derivatives",
                                    function, VARIABLES[r].name, h);
-        instance->run.with_rates |= (uint16_t)(1u << r);
+        instance->run.derivatives_given |= (uint16_t)(1u << r);
     }
     return true;
 }
 
-static bool advance(Follower *f, const char *function, double t, double h) {
-    Instance *instance = f->instance;
-    Machine *machine = &instance->values.machine;
-    model_forget_rates(&machine->inputs);
-    if (f->visitor != NULL && instance->following.sampled != 0 && !sample(f, function, t, h)) return false;
+static bool advance(WatchedStep *step, const char *function, double t, double h) {
+    Instance *instance = step->instance;
+    FmuModel *model = &instance->values.model;
+    model_clear_input_derivatives(&model->inputs);
+    const bool samples = step->update != NULL && instance->intermediate.sampled_inputs != 0;
+    if (samples && !sample_inputs(step, function, t, h)) return false;
     Fault fault;
-    return model_advance_watched(machine, h, instance->run.with_rates, &f->watcher, &fault) ||
+    return model_advance_watched(model, h, instance->run.derivatives_given, &step->watcher, &fault) ||
            instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
-bool simulation_follow(Instance *instance, const char *function, double t, double h, Visitor *visitor, StepEnd *end) {
+bool simulation_step_with_updates(Instance *instance, const char *function, double t, double h,
+                                  IntermediateUpdate *update, StepEnd *end) {
     if (!instance_is_in(instance, function, PHASE_STEP) || !is_step(instance, function, t, h)) return false;
     *end = (StepEnd){.time = t + h};
-    if (visitor == NULL && instance->run.use == CO_SIMULATION) return simulation_step(instance, function, t, h);
-    Follower f = {.watcher = {.changed = follow_change}, .instance = instance, .visitor = visitor, .end = t + h};
-    const MachineInputs inputs = instance->values.machine.inputs;
+    if (update == NULL && instance->run.interface_type == INTERFACE_CO_SIMULATION)
+        return simulation_step(instance, function, t, h);
+    WatchedStep step = {.watcher = {.changed = mode_changed}, .instance = instance, .update = update, .end = t + h};
+    const FmuInputs inputs = instance->values.model.inputs;
     const Run run = instance->run;
-    if (!advance(&f, function, t, h)) {
-        instance->values.machine.inputs = inputs;
+    if (!advance(&step, function, t, h)) {
+        instance->values.model.inputs = inputs;
         instance->run = run;
-        instance_changed(instance);
+        instance_invalidate(instance);
         return false;
     }
-    instance->run.time = f.end;
-    instance->run.with_rates = 0;
-    instance_changed(instance);
-    if (visitor != NULL) (void)visit(&f, f.end, PHASE_WATCHING);
+    instance->run.time = step.end;
+    instance->run.derivatives_given = 0;
+    instance_invalidate(instance);
+    if (update != NULL) (void)call_update(&step, step.end, PHASE_INTERMEDIATE_OUTPUTS);
     *end = (StepEnd){
-        .time = f.end,
-        .early = f.end < t + h,
-        .event = f.event && instance->run.use == HYBRID_CO_SIMULATION,
+        .time = step.end,
+        .early = step.end < t + h,
+        .event = step.event && instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION,
     };
     return true;
 }
 
 /* ---- model exchange ---- */
-
-bool simulation_begin(Instance *instance, const char *function) {
-    const bool is_plain = instance != NULL && instance->run.use == CO_SIMULATION;
-    if (!instance_begin(instance, function, is_plain ? PHASE_STEP : PHASE_EVENT)) return false;
-    Fault fault;
-    if (instance->run.use != MODEL_EXCHANGE || model_begin_exchange(&instance->values.machine, &fault)) return true;
-    instance->run.phase = PHASE_INITIALIZATION;
-    return instance_refuse(instance, "%s: %s", function, fault.text);
-}
 
 static bool is_vector(const Instance *instance, const char *function, unsigned phases, const double x[], size_t n,
                       size_t expected) {
@@ -176,7 +175,7 @@ static bool is_vector(const Instance *instance, const char *function, unsigned p
 
 bool simulation_set_time(Instance *instance, const char *function, double time) {
     if (!instance_is_in(instance, function, PHASE_EVENT | PHASE_CONTINUOUS) ||
-        !instance_is_for(instance, function, MODEL_EXCHANGE))
+        !instance_has_interface(instance, function, INTERFACE_MODEL_EXCHANGE))
         return false;
     if (!isfinite(time))
         return instance_refuse(instance, "%s: time = %.17g: allowed is any finite number", function, time);
@@ -191,8 +190,8 @@ bool simulation_set_states(Instance *instance, const char *function, const doubl
         if (!isfinite(x[i]))
             return instance_refuse(instance, "%s: %s = %.17g: allowed is any finite number", function,
                                    VARIABLES[model_state_reference((int)i)].name, x[i]);
-    model_set_states(&instance->values.machine, x);
-    instance_changed(instance);
+    model_set_states(&instance->values.model, x);
+    instance_invalidate(instance);
     return true;
 }
 
@@ -202,16 +201,16 @@ bool simulation_get_states(Instance *instance, const char *function, double x[],
     if (!is_vector(instance, function, PHASES_OF_READING, x, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
-    model_get_states(&instance->values.machine, x);
+    model_get_states(&instance->values.model, x);
     return true;
 }
 
-bool simulation_get_rates(Instance *instance, const char *function, double rate[], size_t n) {
+bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n) {
     Fault fault;
-    if (!is_vector(instance, function, PHASES_OF_READING, rate, n, CONTINUOUS_STATES) ||
+    if (!is_vector(instance, function, PHASES_OF_READING, derivative, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
-    return model_state_rates(&instance->values.machine, rate, &fault) ||
+    return model_state_derivatives(&instance->values.model, derivative, &fault) ||
            instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
@@ -219,35 +218,36 @@ bool simulation_get_indicators(Instance *instance, const char *function, double 
     if (!is_vector(instance, function, PHASES_OF_READING, indicator, n, EVENT_INDICATORS) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
-    model_indicators(&instance->values.machine, indicator);
+    model_indicators(&instance->values.model, indicator);
     return true;
 }
 
 bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n) {
     if (!is_vector(instance, function, ~0u, nominal, n, CONTINUOUS_STATES)) return false;
-    for (size_t i = 0; i < n; i++) nominal[i] = variable_nominal(&VARIABLES[model_state_reference((int)i)]);
+    for (size_t i = 0; i < n; i++) nominal[i] = VARIABLES[model_state_reference((int)i)].nominal;
     return true;
 }
 
-bool simulation_accept(Instance *instance, const char *function) {
+bool simulation_complete_integrator_step(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_CONTINUOUS)) return false;
     Fault fault;
-    if (!model_accept(&instance->values.machine, instance->run.time - instance->run.accepted, &fault))
+    const double h = instance->run.time - instance->run.completed_until;
+    if (!model_complete_integrator_step(&instance->values.model, h, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
-    instance->run.accepted = instance->run.time;
-    instance_changed(instance);
+    instance->run.completed_until = instance->run.time;
+    instance_invalidate(instance);
     return true;
 }
 
-bool simulation_settle(Instance *instance, const char *function, bool *moved) {
+bool simulation_update_discrete_states(Instance *instance, const char *function, bool *states_changed) {
     if (!instance_is_in(instance, function, PHASE_EVENT)) return false;
-    Machine *machine = &instance->values.machine;
-    double before[CONTINUOUS_STATES + 1], after[CONTINUOUS_STATES + 1];
+    FmuModel *model = &instance->values.model;
+    double before[CONTINUOUS_STATES + 1], after[CONTINUOUS_STATES + 1]; /* no array of length 0 in C */
     Fault fault;
-    model_get_states(machine, before);
-    if (!model_settle(machine, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
-    model_get_states(machine, after);
-    *moved = memcmp(before, after, CONTINUOUS_STATES * sizeof(double)) != 0;
-    instance_changed(instance);
+    model_get_states(model, before);
+    if (!model_update_discrete_states(model, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+    model_get_states(model, after);
+    *states_changed = memcmp(before, after, CONTINUOUS_STATES * sizeof(double)) != 0;
+    instance_invalidate(instance);
     return true;
 }

@@ -1,52 +1,54 @@
-/* Time goes on: the step of co-simulation, and what model exchange needs instead, whatever the version of FMI.
- * Where these return false they have logged why, naming `function`, and have changed nothing. */
+/* How time goes on, whatever the version of FMI: the step of co-simulation, and what model exchange has instead.
+ * Where these functions return false, the log says why and names `function`, and nothing has changed. */
 #ifndef DUALCAM_SIMULATION_H
 #define DUALCAM_SIMULATION_H
 
 #include "fmi/instance.h"
 
-/* From time t, which is the instance's to rounding, to exactly t + h. */
+/* ---- co-simulation ---- */
+
+/* From time t, which is the instance's time to rounding, to exactly t + h. */
 bool simulation_step(Instance *instance, const char *function, double t, double h);
 
 /* An instant inside a step at which the master takes part. */
 typedef struct {
-    double time;          /* s */
-    bool asks_for_inputs; /* the step has not come to it, and its inputs may be set; else the variables may be read */
-    bool may_end;         /* the master may end the step here or later */
-} Visit;
+    double time;           /* s */
+    bool inputs_requested; /* true: the master sets inputs of this instant, which the step has not reached.
+                              false: the step has reached this instant, and the master may read variables. */
+    bool may_end;          /* the master may end the step here or later */
+} IntermediatePoint;
 
-/* Returns when the master wants the step to end, s; INFINITY: as it was to. */
-typedef double Visitor(Instance *instance, const Visit *visit);
+/* Returns the time at which the master wants the step to end, s; INFINITY: no change. */
+typedef double IntermediateUpdate(Instance *instance, const IntermediatePoint *point);
 
 typedef struct {
-    double time; /* s, where the step ended */
+    double time; /* s, at which the step ended */
     bool early;  /* before t + h */
-    bool event;  /* the mode changed at its end, and the master has an event mode */
+    bool event;  /* the mode changed at the end of the step, and the master handles events */
 } StepEnd;
 
-/* The same, as the master follows it (Instance.following). If it has an event mode and takes early returns, the step
- * ends at the first mode change after its start. `visitor`, if not NULL, is called
- *   - at the thirds of the step and its end for the inputs sampled, through which cubics are laid (from their present
- *     values), before anything moves;
+/* A step in which the master takes part as Instance.intermediate says. If the master handles events and allows early
+ * return, the step ends at the first mode change after its start. `update`, if not NULL, is called
+ *   - at the thirds of the step and at its end for the sampled inputs, before anything moves: the inputs are then the
+ *     cubics through these values and the present ones;
  *   - at each mode change inside the step, in order;
- *   - at its end. */
-bool simulation_follow(Instance *instance, const char *function, double t, double h, Visitor *visitor, StepEnd *end);
+ *   - at the end of the step. */
+bool simulation_step_with_updates(Instance *instance, const char *function, double t, double h,
+                                  IntermediateUpdate *update, StepEnd *end);
 
-/* Ends initialization: to step mode, or, where the master has one, to event mode. */
-bool simulation_begin(Instance *instance, const char *function);
+/* ---- model exchange ---- */
 
-/* Model exchange. */
 bool simulation_set_time(Instance *instance, const char *function, double time);
 bool simulation_set_states(Instance *instance, const char *function, const double x[], size_t n);
 bool simulation_get_states(Instance *instance, const char *function, double x[], size_t n);
-bool simulation_get_rates(Instance *instance, const char *function, double rate[], size_t n);
+bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n);
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n);
 bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n);
 
-/* The solver's step to the present time, states and inputs is good. */
-bool simulation_accept(Instance *instance, const char *function);
+/* The integrator's step to the present time, states and inputs is completed. */
+bool simulation_complete_integrator_step(Instance *instance, const char *function);
 
-/* Event mode: carries out what is due; *moved: the continuous states are others now. */
-bool simulation_settle(Instance *instance, const char *function, bool *moved);
+/* Event mode: handles the events. *states_changed: the continuous states have new values. */
+bool simulation_update_discrete_states(Instance *instance, const char *function, bool *states_changed);
 
 #endif

@@ -18,10 +18,10 @@ const Unit UNITS[UNIT_COUNT] = {
 #include "variables.def"
 };
 
-/* Where each group is in Values. */
-#define PATH_PARAMS machine.params
-#define PATH_INPUTS machine.inputs
-#define PATH_STATE machine.state
+/* The member of Values that holds each group. */
+#define PATH_PARAMS model.params
+#define PATH_INPUTS model.inputs
+#define PATH_STATE model.state
 #define PATH_MOTION outputs.motion
 #define PATH_LOADS outputs.loads
 #if MODEL_BUILT == MODEL_FORWARD
@@ -35,7 +35,7 @@ const Unit UNITS[UNIT_COUNT] = {
 #define PATH_TIME listed
 #define PATH_INDICATORS listed
 
-/* The C type of each kind: a field of another type does not compile. */
+/* The C type of each kind. A row whose field has another type does not compile. */
 typedef double TypeOf_REAL;
 typedef int TypeOf_INTEGER;
 typedef int TypeOf_SIGN;
@@ -62,17 +62,6 @@ enum {
     TYPE_OF_TEXT = TYPE_STRING
 };
 
-/* Of a power of ten; emit.c refuses other nominal values. */
-#define MAGNITUDE(x)                                                                                                   \
-    ((x) >= 1e4    ? 4                                                                                                 \
-     : (x) >= 1e3  ? 3                                                                                                 \
-     : (x) >= 1e2  ? 2                                                                                                 \
-     : (x) >= 1e1  ? 1                                                                                                 \
-     : (x) >= 1.0  ? 0                                                                                                 \
-     : (x) >= 1e-1 ? -1                                                                                                \
-     : (x) >= 1e-2 ? -2                                                                                                \
-                   : -3)
-
 const Variable VARIABLES[VARIABLE_COUNT] = {
 #define VARIABLE(model_, kind_, id, group_, field, name_, causality_, variability_, unit_, start_, min_, max_,         \
                  nominal_, text)                                                                                       \
@@ -85,7 +74,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .start = start_,                                                                          \
                              .min = min_,                                                                              \
                              .max = max_,                                                                              \
-                             .magnitude = MAGNITUDE(nominal_),                                                         \
+                             .nominal = nominal_,                                                                      \
                              .name = name_,                                                                            \
                              .unit = UNIT_##unit_}, )
 #include "variables.def"
@@ -106,7 +95,7 @@ static void write_start(const Variable *variable, void *address) {
         case KIND_SIGN: *(int *)address = (int)variable->start; break;
         case KIND_BOOLEAN: *(bool *)address = variable->start != 0.0; break;
         case KIND_TEXT: *(char *)address = '\0'; break;
-        case KIND_COUNT: break; /* never a parameter or an input */
+        case KIND_COUNT: break; /* no parameter and no input is of this kind */
     }
 }
 
@@ -118,20 +107,14 @@ void variables_start(Values *values) {
     }
 }
 
-double variable_nominal(const Variable *variable) {
-    double power = 1.0;
-    for (int k = 0; k < abs(variable->magnitude); k++) power *= 10.0;
-    return variable->magnitude < 0 ? 1.0 / power : power;
-}
-
 bool variable_allows(const Variable *variable, double value) {
     if (variable->kind == KIND_SIGN && value == 0.0) return false;
     return isfinite(value) && value >= variable->min && value <= variable->max;
 }
 
-Digits digits_of(double value) {
-    Digits shortest;
-    if (fabs(value) < 1e15 && value == floor(value)) { /* 50000, not 5e+04 */
+ShortestDecimal shortest_decimal(double value) {
+    ShortestDecimal shortest;
+    if (fabs(value) < 1e15 && value == floor(value)) { /* "50000" rather than "5e+04" */
         snprintf(shortest.text, sizeof shortest.text, "%.0f", value);
         return shortest;
     }
@@ -142,18 +125,18 @@ Digits digits_of(double value) {
     return shortest;
 }
 
-Words variable_allowed(const Variable *variable) {
-    Words words;
-    const Digits min = digits_of(variable->min), max = digits_of(variable->max);
+RangeText variable_range(const Variable *variable) {
+    RangeText range;
+    const ShortestDecimal min = shortest_decimal(variable->min), max = shortest_decimal(variable->max);
     if (variable->kind == KIND_TEXT)
-        snprintf(words.text, sizeof words.text, "\"\" or a text of at most %s bytes", max.text);
-    else if (variable->kind == KIND_SIGN) snprintf(words.text, sizeof words.text, "-1 or +1");
-    else if (variable->min == variable->max) snprintf(words.text, sizeof words.text, "only %s", min.text);
+        snprintf(range.text, sizeof range.text, "\"\" or a text of at most %s bytes", max.text);
+    else if (variable->kind == KIND_SIGN) snprintf(range.text, sizeof range.text, "-1 or +1");
+    else if (variable->min == variable->max) snprintf(range.text, sizeof range.text, "only %s", min.text);
     else if (isfinite(variable->min) && isfinite(variable->max))
-        snprintf(words.text, sizeof words.text, "%s to %s", min.text, max.text);
-    else if (isfinite(variable->min)) snprintf(words.text, sizeof words.text, "any finite number from %s", min.text);
-    else snprintf(words.text, sizeof words.text, "any finite number");
-    return words;
+        snprintf(range.text, sizeof range.text, "%s to %s", min.text, max.text);
+    else if (isfinite(variable->min)) snprintf(range.text, sizeof range.text, "any finite number from %s", min.text);
+    else snprintf(range.text, sizeof range.text, "any finite number");
+    return range;
 }
 
 int tunable_known(unsigned reference) {

@@ -1,5 +1,5 @@
-/* The FMU's variables as a table: one row of variables.def each, in the order of value references.
- * Knows of names, ranges and places; nothing here knows of FMI functions or of physics. */
+/* The FMU's variables as a table: one entry for each row of variables.def, in the order of value references. The table
+ * holds names, ranges, and where each value is; it knows neither FMI functions nor physics. */
 #ifndef DUALCAM_VARIABLES_H
 #define DUALCAM_VARIABLES_H
 
@@ -8,7 +8,7 @@
 
 #include "fmi/model.h"
 
-/* Keeps a row of variables.def that this FMU has and drops one that it has not. */
+/* Keep the rows of variables.def that this FMU has; the other rows become nothing. */
 #if MODEL_BUILT == MODEL_FORWARD
 #define IN_FORWARD(...) __VA_ARGS__
 #define IN_INVERSE(...)
@@ -18,7 +18,7 @@
 #endif
 #define IN_BOTH(...) __VA_ARGS__
 
-/* The same for a row that only FMI 3.0 has. */
+/* Rows that only FMI 3.0 has. */
 #if FMI_VERSION == 3
 #define IN_FORWARD_3(...) IN_FORWARD(__VA_ARGS__)
 #define IN_INVERSE_3(...) IN_INVERSE(__VA_ARGS__)
@@ -31,15 +31,12 @@
 #error "FMI_VERSION must be 2 or 3"
 #endif
 
-/* As few bytes as its values need: the table has a row for each variable. */
-#define SMALL __attribute__((packed))
+typedef enum { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
 
-typedef enum SMALL { TYPE_REAL, TYPE_INTEGER, TYPE_BOOLEAN, TYPE_STRING } Type;
+/* How a value is stored, and what is allowed besides its range. */
+typedef enum { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
 
-/* How a value is stored and what is allowed beyond its range. */
-typedef enum SMALL { KIND_REAL, KIND_INTEGER, KIND_SIGN, KIND_COUNT, KIND_BOOLEAN, KIND_TEXT } Kind;
-
-typedef enum SMALL {
+typedef enum {
     CAUSALITY_PARAMETER,
     CAUSALITY_INPUT,
     CAUSALITY_OUTPUT,
@@ -47,14 +44,14 @@ typedef enum SMALL {
     CAUSALITY_INDEPENDENT
 } Causality;
 
-typedef enum SMALL { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_DISCRETE, VARIABILITY_CONTINUOUS } Variability;
+typedef enum { VARIABILITY_FIXED, VARIABILITY_TUNABLE, VARIABILITY_DISCRETE, VARIABILITY_CONTINUOUS } Variability;
 
-/* The struct that holds a value. As bits, so that a set of groups is a number. */
-typedef enum SMALL {
+/* The struct that holds a value. Each group is one bit, so that a set of groups is a number. */
+typedef enum {
     GROUP_PARAMS = 1,
     GROUP_INPUTS = 2,
     GROUP_STATE = 4,
-    GROUP_MOTION = 8, /* this and the following are computed when somebody asks */
+    GROUP_MOTION = 8, /* this group and the following ones are computed when a master reads them */
     GROUP_LOADS = 16,
     GROUP_CONTACT = 32,
     GROUP_ENERGY = 64,
@@ -64,14 +61,14 @@ typedef enum SMALL {
     GROUP_INDICATORS = 1024
 } Group;
 
-typedef enum SMALL {
+typedef enum {
     UNIT_NONE,
 #define UNIT(id, ...) UNIT_##id,
 #include "variables.def"
     UNIT_COUNT
 } UnitId;
 
-/* Value references: 0, 1, 2, ... over the variables that this FMU has. */
+/* Value references: 0, 1, 2, ... of the variables that this FMU has. */
 typedef enum {
 #define VARIABLE(model, kind, id, ...) IN_##model(VR_##id, )
 #include "variables.def"
@@ -93,18 +90,17 @@ typedef struct {
     Causality causality;
     Variability variability;
     UnitId unit;
-    int8_t magnitude;       /* decimal exponent of the nominal value */
-    double start, min, max; /* as in variables.def */
+    double start, min, max, nominal; /* as in variables.def */
     const char *name;
-} Variable; /* less its description, which only the XML has */
+} Variable; /* the description stands only in the XML */
 
-/* Everything that a variable can be read from. */
+/* All values that variables have. */
 typedef struct {
-    Machine machine;
-    MachineOutputs outputs;
-    struct {                                /* what only FMI 3.0 lists among the variables */
+    FmuModel model;
+    FmuOutputs outputs;
+    struct {                                /* variables of FMI 3.0 alone */
         double time;                        /* s */
-        double indicator[EVENT_INDICATORS]; /* as in model exchange */
+        double indicator[EVENT_INDICATORS]; /* event indicators of model exchange */
     } listed;
 } Values;
 
@@ -116,27 +112,30 @@ static inline const Variable *variable_find(unsigned reference) {
     return reference < VARIABLE_COUNT ? &VARIABLES[reference] : NULL;
 }
 
-int tunable_known(unsigned reference); /* the Known that a tunable parameter is, or -1 */
-const char *type_name(Type type);      /* as this version of FMI writes it: "Real", "Float64", ... */
+/* The Known of a tunable parameter, or -1. */
+int tunable_known(unsigned reference);
+
+/* The name of the type in this version of FMI: "Real", "Float64", ... */
+const char *type_name(Type type);
 
 /* Writes the start values of all parameters and inputs. */
 void variables_start(Values *values);
 
-/* A power of ten. */
-double variable_nominal(const Variable *variable);
-
-/* Range check of a Real, Integer or Boolean value, and of the length of a String. */
+/* Is the value of a Real, Integer or Boolean, or the length of a String, in the range? */
 bool variable_allows(const Variable *variable, double value);
 
 typedef struct {
     char text[32];
-} Digits;
+} ShortestDecimal;
 
 typedef struct {
     char text[80];
-} Words;
+} RangeText;
 
-Digits digits_of(double value);                   /* the fewest that read back as `value` */
-Words variable_allowed(const Variable *variable); /* what variable_allows() accepts */
+/* The decimal number with the fewest digits that reads back as `value`. */
+ShortestDecimal shortest_decimal(double value);
+
+/* The values that variable_allows() accepts, in words. */
+RangeText variable_range(const Variable *variable);
 
 #endif

@@ -1,23 +1,15 @@
+#include "sensitivity/inverse_sensitivity.h"
+
 #include <stdio.h>
 
 #include "contact/balance.h"
 #include "inverse/elastic_shaft.h"
-#include "inverse/inverse.h"
+#include "inverse/inverse_outputs.h"
 #include "inverse/rigid_shaft.h"
+#include "model/elements.h"
 
-/* Balance of the imposed motion: balance_partials() needs no more of it. */
-static Balance balance_of(const Inverse *m, const Effort *effort, const Instant *at) {
-    return (Balance){
-        .theta = at->theta,
-        .omega = at->omega,
-        .alpha = at->alpha,
-        .tau = effort->tau,
-        .force = spring_force(&m->params.spring, effort->statics.z) + at->F_ext,
-        .damper = effort->damper,
-    };
-}
-
-/* tau makes the equation of motion hold: d tau/dk = -(d/dk)/(d/d tau) of it. */
+/* The torque makes the equation of motion hold, residual(tau, k) = 0, so
+ * d tau/dk = -(d residual/dk)/(d residual/d tau). */
 static void solve_for_torque(const Inverse *m, double theta, int direction, const int flank[2], const Balance *now,
                              Partials *out) {
     const Inputs none = {.tau = {0.0}};
@@ -29,77 +21,97 @@ static void solve_for_torque(const Inverse *m, double theta, int direction, cons
         if (k != KNOWN_TAU) out->by[k] = -residual.by[k] / residual.by[KNOWN_TAU];
 }
 
-static bool rigid_partials(const Inverse *m, Partials *out, Fault *fault) {
-    const Instant at = rigid_shaft_present(m);
-    Effort effort;
-    if (!rigid_shaft_effort(&m->params, transmission_piece(&m->transmission, at.theta, at.direction), &at, &effort)) {
+static bool rigid_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
+    const OperatingPoint at = rigid_shaft_operating_point(m);
+    RequiredTorque required;
+    if (!rigid_shaft_required_torque(&m->params, inverse_piece(m, at.theta, at.direction), &at, &required)) {
         rigid_shaft_describe_wedge(fault, &at);
         return false;
     }
-    const Balance now = balance_of(m, &effort, &at);
-    solve_for_torque(m, at.theta, at.direction, effort.forces.flank, &now, out);
+    const Balance now = {
+        /* as far as balance_partials() reads it */
+        .theta = at.theta,
+        .omega = at.omega,
+        .alpha = at.alpha,
+        .tau = required.tau,
+        .force = spring_force(&m->params.spring, required.statics.z) + at.F_ext,
+        .damper = required.damper,
+    };
+    solve_for_torque(m, at.theta, at.direction, required.forces.flank, &now, out);
     return true;
 }
 
-/* How cam 2's angle and the torque of the elastic shaft change: tau = K (theta - cam). While cam 2 sticks, that is all;
- * while it slips, tau is the edge E(cam, k) of the stick band as well, so d cam = (K d theta - E_k dk)/(K + E_theta). */
-static bool elastic_partials(const Inverse *m, Partials *cam, Partials *tau) {
-    const double K = m->params.shaft.stiffness;
-    ElasticShaftState d;
-    elastic_shaft_present(m, &d);
-    *cam = *tau = (Partials){.by = {0.0}};
-    tau->by[KNOWN_THETA] = K;
-    if (d.mode != MODE_LOADING && d.mode != MODE_RELEASING) return true;
-    const int direction = d.mode == MODE_LOADING ? 1 : -1;
-    const double F_0 = spring_force(&m->params.spring, d.statics.z) + m->inputs.F_ext[0];
+/* The partial derivatives of the edge E of the stick band on which cam 2 slips. False where the contacts wedge. */
+static bool edge_partials(const Inverse *m, const ElasticShaftState *shaft, Partials *edge) {
+    const int direction = shaft->mode == MODE_LOADING ? 1 : -1;
+    const double F_0 = spring_force(&m->params.spring, shaft->statics.z) + m->inputs.F_ext[0];
     ContactForces forces;
-    if (!contact_statics_on_edge(&d.statics, direction, F_0, &forces)) return false;
-    const Balance now = {.theta = d.cam, .tau = d.tau, .force = F_0};
+    if (!contact_statics_on_edge(&shaft->statics, direction, F_0, &forces)) return false;
+    const Balance now = {.theta = shaft->x, .tau = shaft->tau, .force = F_0};
+    solve_for_torque(m, shaft->x, direction, forces.flank, &now, edge);
+    return true;
+}
+
+/* Of the angle x of cam 2 and of the torque of the elastic shaft, tau = K (theta - x). While cam 2 sticks, x is constant.
+ * While it slips, tau is also the edge E(x, k) of the stick band, so dx = (K dtheta - E_k dk)/(K + E_x). */
+static bool elastic_partials(const Inverse *m, const ElasticShaftState *shaft, Partials *x, Partials *tau) {
+    const double K = m->params.shaft.stiffness;
+    *x = *tau = (Partials){.by = {0.0}};
+    tau->by[KNOWN_THETA] = K;
+    if (shaft->mode != MODE_LOADING && shaft->mode != MODE_RELEASING) return true;
     Partials edge;
-    solve_for_torque(m, d.cam, direction, forces.flank, &now, &edge);
+    if (!edge_partials(m, shaft, &edge)) return false;
     const double sum = K + edge.by[KNOWN_THETA];
     for (int k = 0; k < KNOWN_COUNT; k++) {
         const double by_input = k == KNOWN_THETA ? K : 0.0, by_edge = k == KNOWN_THETA ? 0.0 : edge.by[k];
-        cam->by[k] = k == KNOWN_OMEGA || k == KNOWN_ALPHA ? 0.0 : (by_input - by_edge) / sum;
-        tau->by[k] = by_input - K * cam->by[k];
+        x->by[k] = k == KNOWN_OMEGA || k == KNOWN_ALPHA ? 0.0 : (by_input - by_edge) / sum;
+        tau->by[k] = by_input - K * x->by[k];
     }
     return true;
 }
 
 bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
-    if (!has_elastic_shaft(m)) return rigid_partials(m, out, fault);
-    Partials cam;
-    if (elastic_partials(m, &cam, out)) return true;
+    if (!has_elastic_shaft(m)) return rigid_torque_partials(m, out, fault);
+    ElasticShaftState shaft;
+    Partials x;
+    elastic_shaft_present(m, &shaft);
+    if (elastic_partials(m, &shaft, &x, out)) return true;
     snprintf(fault->text, sizeof fault->text,
              "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %.17g only", m->state.theta);
     return false;
 }
 
-bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault) {
-    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
-    *out = (Partials){.by = {0.0}};
-    if (has_elastic_shaft(m)) {
-        ElasticShaftState d;
-        Partials tau;
-        elastic_shaft_present(m, &d);
-        if (order == 0 && elastic_partials(m, out, &tau)) {
-            for (int k = 0; k < KNOWN_COUNT; k++) out->by[k] *= d.statics.geometry.dz_dtheta;
-            return true;
-        }
-        snprintf(fault->text, sizeof fault->text,
-                 "%s with shaft.stiffness = %.17g has no partial derivatives: shaft.stiffness must be 0 for them",
-                 order == 0 ? "z, wedged," : "v", m->params.shaft.stiffness);
-        return false;
+static bool elastic_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault) {
+    ElasticShaftState shaft;
+    Partials tau;
+    elastic_shaft_present(m, &shaft);
+    if (order == 0 && elastic_partials(m, &shaft, out, &tau)) {
+        for (int k = 0; k < KNOWN_COUNT; k++) out->by[k] *= shaft.statics.geometry.dz_dtheta;
+        return true;
     }
-    const Instant at = rigid_shaft_present(m);
-    const ContactStatics statics =
-        contact_statics_at(&m->params, transmission_piece(&m->transmission, at.theta, at.direction), at.theta);
+    snprintf(fault->text, sizeof fault->text,
+             "%s with shaft.stiffness = %.17g has no partial derivatives: shaft.stiffness must be 0 for them",
+             order == 0 ? "z, wedged," : "v", m->params.shaft.stiffness);
+    return false;
+}
+
+/* z(theta) and v = z' omega. */
+static void rigid_axial_partials(const Inverse *m, int order, Partials *out) {
+    const OperatingPoint at = rigid_shaft_operating_point(m);
+    const ContactStatics statics = contact_statics_at(&m->params, inverse_piece(m, at.theta, at.direction), at.theta);
     if (order == 0) {
         out->by[KNOWN_THETA] = statics.geometry.dz_dtheta;
-        return true;
+        return;
     }
     out->by[KNOWN_THETA] = statics.d2z_dtheta2 * at.omega;
     out->by[KNOWN_OMEGA] = statics.geometry.dz_dtheta;
+}
+
+bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *fault) {
+    if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
+    *out = (Partials){.by = {0.0}};
+    if (has_elastic_shaft(m)) return elastic_axial_partials(m, order, out, fault);
+    rigid_axial_partials(m, order, out);
     return true;
 }

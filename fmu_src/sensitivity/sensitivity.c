@@ -6,7 +6,7 @@
 #include "forward/decide.h"
 #include "forward/outputs.h"
 
-/* z(theta), v = z' omega */
+/* z(theta) and v = z' omega. */
 void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     const double dz_dtheta = m->configuration.geometry.dz_dtheta;
     *out = (Partials){.by = {0.0}};
@@ -21,7 +21,7 @@ void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     out->by[KNOWN_OMEGA] = dz_dtheta;
 }
 
-/* Without inertia alpha is how the speed, that the balance of forces gives, changes along the motion. */
+/* Without inertia the balance of forces gives omega, and alpha is the time derivative of this omega along the motion. */
 static void viscous_partials(const Mechanism *m, const SlipMode *slip, Partials *out) {
     for (int k = 0; k < KNOWN_COUNT; k++) {
         Taylor along;

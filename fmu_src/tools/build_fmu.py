@@ -70,7 +70,7 @@ OFF_THE_WAY = {
 WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "lobatto_system", "instance", "step", "radau"}
 WITH_EVENTS = {"bernstein", "lu", "radau_system", "radau_edge", "radau_step", "radau_peaks", "step_energy"}
 WITH_EVENTS |= {"breakpoint", "step_control", "step_indicator", "event_location"}
-HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
+HANDING_ON = {"fmi3", "fmi3_unsupported", "fmi3_variables", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "linear_segment", "linear_peaks", "linear_slip", "lobatto_step", "lobatto_system"}
 NUMERIC |= {"mechanism", "oscillator"}
@@ -152,7 +152,13 @@ SHARED = [FOR_SPEED, *LIBRARY, "-shared", "-s", LTO, "-Wl,-z,defs"]  # for a var
 PAGE_BITS = 14  # a memory page of the newest Macs
 
 HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while building, not part of an FMU
-ONLY_IN = {2: {"fmi2.c"}, 3: {"fmi3.c", "dependencies.c", "dependencies.h"}}  # by version of FMI
+ONLY_IN = {  # by version of FMI
+    2: {"fmi2.c"},
+    3: {
+        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c", "version3.h"),
+        *("dependencies.c", "dependencies.def", "dependencies.h"),
+    },
+}
 
 # Both FMUs are compiled from the same files, but for the one that hands the FMI calls on (see model.h).
 MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}

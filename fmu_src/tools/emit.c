@@ -18,7 +18,7 @@ static const char *const DESCRIPTION =
 #endif
 static const char *const VERSION = "0.1.0";
 
-/* FNV-1a, 64 bits, from its standard offset basis and from another one: 128 bits for the GUID. */
+/* FNV-1a, 64 bits, from the standard offset basis and from a second one: 128 bits for the GUID. */
 static const uint64_t HASH_BASIS[2] = {UINT64_C(0xcbf29ce484222325), UINT64_C(0x6c62272e07bb0142)};
 static const uint64_t HASH_PRIME = UINT64_C(0x100000001b3);
 
@@ -53,7 +53,7 @@ void put_attribute(Sink *sink, const char *name, const char *value) {
 }
 
 void put_number(Sink *sink, const char *name, double value) {
-    put_attribute(sink, name, digits_of(value).text);
+    put_attribute(sink, name, shortest_decimal(value).text);
 }
 
 /* ---- head ---- */
@@ -134,22 +134,6 @@ static const char *const DESCRIPTIONS[] = {
 #include "variables.def"
 };
 
-static const double NOMINALS[] = {
-#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
-    IN_##model([VR_##id] = nominal, )
-#include "variables.def"
-};
-
-static bool has_odd_nominal(void) {
-    for (size_t i = 0; i < VARIABLE_COUNT; i++) {
-        if (variable_nominal(&VARIABLES[i]) == NOMINALS[i]) continue;
-        fprintf(stderr, "%s: nominal value %g: allowed are powers of ten from 0.001 to 10000\n", VARIABLES[i].name,
-                NOMINALS[i]);
-        return true;
-    }
-    return false;
-}
-
 static const char *const CAUSALITIES[] = {[CAUSALITY_PARAMETER] = "parameter",
                                           [CAUSALITY_INPUT] = "input",
                                           [CAUSALITY_OUTPUT] = "output",
@@ -164,10 +148,10 @@ bool has_start(const Variable *variable) {
     return variable->causality == CAUSALITY_PARAMETER || variable->causality == CAUSALITY_INPUT;
 }
 
-const char *start_of(const Variable *variable, Digits *room) {
+const char *start_of(const Variable *variable, ShortestDecimal *text) {
     if (variable->type == TYPE_BOOLEAN) return variable->start != 0.0 ? "true" : "false";
-    *room = digits_of(variable->start);
-    return room->text;
+    *text = shortest_decimal(variable->start);
+    return text->text;
 }
 
 static void put_range(Sink *sink, const Variable *variable) {
@@ -175,7 +159,7 @@ static void put_range(Sink *sink, const Variable *variable) {
     if (isfinite(variable->min)) put_number(sink, "min", variable->min);
     if (isfinite(variable->max)) put_number(sink, "max", variable->max);
     if (variable->type == TYPE_REAL && variable->causality != CAUSALITY_PARAMETER)
-        put_number(sink, "nominal", variable_nominal(variable));
+        put_number(sink, "nominal", variable->nominal);
 }
 
 void put_unit_and_range(Sink *sink, const Variable *variable) {
@@ -199,13 +183,12 @@ void put_variable_attributes(Sink *sink, unsigned reference) {
 
 /* ---- model structure ---- */
 
-void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list,
-                      unsigned (*configuration)(unsigned reference)) {
+void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*number)(unsigned reference)) {
     const char *separator = "";
     put(sink, " dependencies=\"");
     for (const Dependency *row = list; row->unknown != VARIABLE_COUNT; row++) {
         if (row->unknown != unknown) continue;
-        print(sink, "%s%u", separator, configuration(row->known));
+        print(sink, "%s%u", separator, number(row->known));
         separator = " ";
     }
     separator = "\" dependenciesKind=\"";
@@ -227,9 +210,9 @@ static Sink sink_of(FILE *file) {
     return (Sink){.file = file, .hash = {HASH_BASIS[0], HASH_BASIS[1]}, .failed = false};
 }
 
-/* Its arguments are the names of the FMU's source files. */
+/* The arguments are the names of the FMU's source files. */
 int main(int count, char *arguments[]) {
-    if (count < 2 || has_odd_nominal()) return 2;
+    if (count < 2) return 2;
     char *const *sources = arguments + 1; /* C ends the list with NULL */
     Sink blank = sink_of(NULL);
     put_document(&blank, "", sources);

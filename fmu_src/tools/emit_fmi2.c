@@ -12,17 +12,17 @@ static void put_type(Sink *sink, const Unit *unit) {
 }
 
 /* ---- variables ----
- * A continuous state and its derivative have a second name each, of their own, after all others: Maestro 3.1.1 takes
- * an output that is a state, with a derivative in the list of derivatives, for one whose derivatives it has to hand
- * on to inputs that are interpolated, and fails over that. */
+ * Each continuous state and each state derivative is listed a second time, under a name of its own, after all other
+ * variables. The co-simulation master Maestro 3.1.1 fails if an output is a state: it takes the entry in the list of
+ * derivatives for an output derivative that it must hand on to interpolated inputs. */
 
-static unsigned rate_count(void) {
+static unsigned derivative_count(void) {
     unsigned n = 0;
-    while (RATES[n].rate != VARIABLE_COUNT) n++;
+    while (STATE_DERIVATIVES[n].derivative != VARIABLE_COUNT) n++;
     return n;
 }
 
-/* Places in the list of variables, from 1. */
+/* Indices in the list of variables, from 1. */
 static unsigned index_of(unsigned reference) {
     return reference + 1;
 }
@@ -31,13 +31,13 @@ static unsigned index_of_state(unsigned row) {
     return VARIABLE_COUNT + row + 1;
 }
 
-static unsigned index_of_rate(unsigned row) {
-    return VARIABLE_COUNT + rate_count() + row + 1;
+static unsigned index_of_derivative(unsigned row) {
+    return VARIABLE_COUNT + derivative_count() + row + 1;
 }
 
 static unsigned index_of_known(unsigned reference) {
-    for (unsigned row = 0; row < rate_count(); row++)
-        if (RATES[row].state == reference) return index_of_state(row);
+    for (unsigned row = 0; row < derivative_count(); row++)
+        if (STATE_DERIVATIVES[row].state == reference) return index_of_state(row);
     return index_of(reference);
 }
 
@@ -47,9 +47,9 @@ static void put_variable(Sink *sink, unsigned reference) {
     put_variable_attributes(sink, reference);
     print(sink, ">\n      <%s", type_name(variable->type));
     put_unit_and_range(sink, variable);
-    Digits room;
+    ShortestDecimal text;
     if (has_start(variable))
-        put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(variable, &room));
+        put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(variable, &text));
     put(sink, "/>\n    </ScalarVariable>\n");
 }
 
@@ -66,12 +66,13 @@ static void put_second_name(Sink *sink, unsigned reference, const char *format, 
 }
 
 static void put_states(Sink *sink) {
-    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++) {
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++) {
         put_second_name(sink, row->state, "state.%s", VARIABLES[row->state].name);
-        put(sink, " reinit=\"true\"/>\n    </ScalarVariable>\n"); /* end stops, and what friction stops */
+        put(sink, " reinit=\"true\"/>\n    </ScalarVariable>\n"); /* at end stops, and at rest by friction */
     }
-    for (unsigned row = 0; row < rate_count(); row++) {
-        put_second_name(sink, RATES[row].rate, "der(state.%s)", VARIABLES[RATES[row].state].name);
+    for (unsigned row = 0; row < derivative_count(); row++) {
+        put_second_name(sink, STATE_DERIVATIVES[row].derivative, "der(state.%s)",
+                        VARIABLES[STATE_DERIVATIVES[row].state].name);
         put_number(sink, "derivative", index_of_state(row));
         put(sink, "/>\n    </ScalarVariable>\n");
     }
@@ -97,24 +98,25 @@ static void put_outputs(Sink *sink, const Dependency *list) {
         if (is_output(i)) put_unknown(sink, index_of(i), i, list);
 }
 
-static void put_rates(Sink *sink, const Dependency *list) {
-    for (unsigned row = 0; row < rate_count(); row++) put_unknown(sink, index_of_rate(row), RATES[row].rate, list);
+static void put_derivatives(Sink *sink, const Dependency *list) {
+    for (unsigned row = 0; row < derivative_count(); row++)
+        put_unknown(sink, index_of_derivative(row), STATE_DERIVATIVES[row].derivative, list);
 }
 
 static void put_structure(Sink *sink) {
     put(sink, "  <ModelStructure>\n    <Outputs>\n");
     put_outputs(sink, DEPENDENCIES);
     put(sink, "    </Outputs>\n");
-    if (rate_count() > 0) {
+    if (derivative_count() > 0) {
         put(sink, "    <Derivatives>\n");
-        put_rates(sink, DEPENDENCIES);
+        put_derivatives(sink, DEPENDENCIES);
         put(sink, "    </Derivatives>\n");
     }
     put(sink, "    <InitialUnknowns>\n");
     put_outputs(sink, INITIAL_DEPENDENCIES);
-    for (unsigned row = 0; row < rate_count(); row++)
-        put_unknown(sink, index_of_state(row), RATES[row].state, INITIAL_DEPENDENCIES);
-    put_rates(sink, INITIAL_DEPENDENCIES);
+    for (unsigned row = 0; row < derivative_count(); row++)
+        put_unknown(sink, index_of_state(row), STATE_DERIVATIVES[row].state, INITIAL_DEPENDENCIES);
+    put_derivatives(sink, INITIAL_DEPENDENCIES);
     put(sink, "    </InitialUnknowns>\n  </ModelStructure>\n");
 }
 
@@ -130,7 +132,7 @@ static void put_sources(Sink *sink, char *const *sources) {
     put(sink, "    </SourceFiles>\n");
 }
 
-/* The end of the attributes, and the sources. */
+/* The last attributes, and the sources. */
 static void put_common_capabilities(Sink *sink, char *const *sources) {
     put(sink, "\n    canBeInstantiatedOnlyOncePerProcess=\"false\""
               "\n    canNotUseMemoryManagementFunctions=\"true\""
@@ -140,7 +142,7 @@ static void put_common_capabilities(Sink *sink, char *const *sources) {
     put_sources(sink, sources);
 }
 
-static void put_exchange(Sink *sink, char *const *sources) {
+static void put_model_exchange(Sink *sink, char *const *sources) {
     put(sink, "  <ModelExchange\n   ");
     put_attribute(sink, "modelIdentifier", IDENTIFIER);
     put(sink, "\n    completedIntegratorStepNotNeeded=\"false\"");
@@ -162,7 +164,7 @@ static void put_co_simulation(Sink *sink, char *const *sources) {
 void put_document(Sink *sink, const char *guid, char *const *sources) {
     put_head(sink, "2.0", "guid", guid);
     print(sink, "\n    numberOfEventIndicators=\"%d\">\n", (int)EVENT_INDICATORS);
-    put_exchange(sink, sources);
+    put_model_exchange(sink, sources);
     put_co_simulation(sink, sources);
     put_units(sink);
     put_types(sink, put_type);

@@ -1,5 +1,5 @@
-/* modelDescription.xml of FMI 3.0. Unknowns are named by their value references there, and the sources stand in a file
- * of their own (archive.py). */
+/* modelDescription.xml of FMI 3.0. Unknowns are referred to by their value references. The list of sources is in another
+ * file, sources/buildDescription.xml (archive.py). */
 #include "tools/emit.h"
 
 static void put_type(Sink *sink, const Unit *unit) {
@@ -13,30 +13,30 @@ static void put_type(Sink *sink, const Unit *unit) {
 
 /* ---- variables ---- */
 
-/* Can a master read or set it inside a step? */
+/* Can a master read or set the variable inside a step? */
 static bool is_intermediate(const Variable *variable) {
     return variable->causality == CAUSALITY_OUTPUT || (SAMPLES_INPUTS && variable->causality == CAUSALITY_INPUT);
 }
 
-/* The continuous state that it is the derivative of, or VARIABLE_COUNT. */
+/* The continuous state whose derivative the variable is, or VARIABLE_COUNT. */
 static unsigned state_of(unsigned reference) {
-    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
-        if (row->rate == reference) return row->state;
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++)
+        if (row->derivative == reference) return row->state;
     return VARIABLE_COUNT;
 }
 
-static bool is_rate(unsigned reference) {
+static bool is_derivative(unsigned reference) {
     return state_of(reference) != VARIABLE_COUNT;
 }
 
 static bool is_state(unsigned reference) {
-    for (const Rate *row = RATES; row->rate != VARIABLE_COUNT; row++)
+    for (const StateDerivative *row = STATE_DERIVATIVES; row->derivative != VARIABLE_COUNT; row++)
         if (row->state == reference) return true;
     return false;
 }
 
-static bool is_output_or_rate(unsigned reference) {
-    return is_output(reference) || is_rate(reference);
+static bool is_output_or_derivative(unsigned reference) {
+    return is_output(reference) || is_derivative(reference);
 }
 
 static void put_variable(Sink *sink, unsigned reference) {
@@ -45,15 +45,15 @@ static void put_variable(Sink *sink, unsigned reference) {
     put_variable_attributes(sink, reference);
     if (is_intermediate(variable)) put_attribute(sink, "intermediateUpdate", "true");
     put_unit_and_range(sink, variable);
-    if (is_rate(reference)) put_number(sink, "derivative", state_of(reference));
-    if (is_state(reference)) put_attribute(sink, "reinit", "true"); /* end stops, and what friction stops */
-    Digits room;
+    if (is_derivative(reference)) put_number(sink, "derivative", state_of(reference));
+    if (is_state(reference)) put_attribute(sink, "reinit", "true"); /* at end stops, and at rest by friction */
+    ShortestDecimal text;
     if (!has_start(variable)) {
         put(sink, "/>\n");
     } else if (variable->type == TYPE_STRING) {
         put(sink, "><Start value=\"\"/></String>\n");
     } else {
-        put_attribute(sink, "start", start_of(variable, &room));
+        put_attribute(sink, "start", start_of(variable, &text));
         put(sink, "/>\n");
     }
 }
@@ -87,8 +87,8 @@ static bool is_indicator(unsigned reference) {
 static void put_structure(Sink *sink) {
     put(sink, "  <ModelStructure>\n");
     put_unknowns(sink, "Output", is_output, DEPENDENCIES);
-    put_unknowns(sink, "ContinuousStateDerivative", is_rate, DEPENDENCIES);
-    put_unknowns(sink, "InitialUnknown", is_output_or_rate, INITIAL_DEPENDENCIES);
+    put_unknowns(sink, "ContinuousStateDerivative", is_derivative, DEPENDENCIES);
+    put_unknowns(sink, "InitialUnknown", is_output_or_derivative, INITIAL_DEPENDENCIES);
     put_unknowns(sink, "EventIndicator", is_indicator, DEPENDENCIES);
     put(sink, "  </ModelStructure>\n");
 }

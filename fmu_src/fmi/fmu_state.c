@@ -1,4 +1,4 @@
-#include "fmi/state_access.h"
+#include "fmi/fmu_state.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +11,8 @@ static bool is_snapshot(const Instance *instance, const char *function, const vo
                            state == NULL ? "= NULL" : "is not of this FMU");
 }
 
-/* Memory for a state: *state again if it is one, new if it is NULL. Returns NULL if neither works. */
-static Snapshot *room_for_state(const Instance *instance, const char *function, void *const *state) {
+/* The memory that a state is written to: *state, or new memory if *state is NULL. NULL if neither is possible. */
+static Snapshot *memory_for_state(const Instance *instance, const char *function, void *const *state) {
     if (!instance_has_pointer(instance, function, state, "FMUstate")) return NULL;
     if (*state != NULL) return is_snapshot(instance, function, *state) ? *state : NULL;
     Snapshot *snapshot = calloc(1, sizeof *snapshot);
@@ -20,23 +20,23 @@ static Snapshot *room_for_state(const Instance *instance, const char *function, 
     return snapshot;
 }
 
-bool state_get(const Instance *instance, const char *function, void **state) {
+bool fmu_state_get(const Instance *instance, const char *function, void **state) {
     if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP)) return false;
-    Snapshot *snapshot = room_for_state(instance, function, state);
+    Snapshot *snapshot = memory_for_state(instance, function, state);
     if (snapshot == NULL) return false;
     snapshot_take(snapshot, instance);
     *state = snapshot;
     return true;
 }
 
-bool state_set(Instance *instance, const char *function, const void *state) {
+bool fmu_state_set(Instance *instance, const char *function, const void *state) {
     if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP) || !is_snapshot(instance, function, state))
         return false;
     Fault fault;
     return snapshot_restore(state, instance, &fault) || instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
-bool state_free(const Instance *instance, const char *function, void **state) {
+bool fmu_state_free(const Instance *instance, const char *function, void **state) {
     if (instance == NULL) return false;
     if (state == NULL || *state == NULL) return true;
     if (!is_snapshot(instance, function, *state)) return false;
@@ -45,34 +45,35 @@ bool state_free(const Instance *instance, const char *function, void **state) {
     return true;
 }
 
-bool state_size(const Instance *instance, const char *function, const void *state, size_t *size) {
+bool fmu_state_size(const Instance *instance, const char *function, const void *state, size_t *size) {
     if (instance == NULL || !is_snapshot(instance, function, state) ||
         !instance_has_pointer(instance, function, size, "size"))
         return false;
-    *size = sizeof(SealedSnapshot);
+    *size = sizeof(SerializedSnapshot);
     return true;
 }
 
-bool state_serialize(const Instance *instance, const char *function, const void *state, void *bytes, size_t size) {
+bool fmu_state_serialize(const Instance *instance, const char *function, const void *state, void *bytes, size_t size) {
     if (instance == NULL || !is_snapshot(instance, function, state) ||
         !instance_has_pointer(instance, function, bytes, "serializedState"))
         return false;
-    if (size < sizeof(SealedSnapshot))
+    if (size < sizeof(SerializedSnapshot))
         return instance_refuse(instance, "%s: size = %zu: allowed is at least %zu", function, size,
-                               sizeof(SealedSnapshot));
-    snapshot_seal(state, bytes);
+                               sizeof(SerializedSnapshot));
+    snapshot_serialize(state, bytes);
     return true;
 }
 
-bool state_deserialize(const Instance *instance, const char *function, const void *bytes, size_t size, void **state) {
+bool fmu_state_deserialize(const Instance *instance, const char *function, const void *bytes, size_t size,
+                           void **state) {
     if (instance == NULL || !instance_has_pointer(instance, function, bytes, "serializedState")) return false;
     Fault fault;
     Snapshot snapshot;
-    if (!snapshot_open(bytes, size, &snapshot, &fault))
+    if (!snapshot_deserialize(bytes, size, &snapshot, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
-    Snapshot *room = room_for_state(instance, function, state);
-    if (room == NULL) return false;
-    memcpy(room, &snapshot, sizeof snapshot);
-    *state = room;
+    Snapshot *memory = memory_for_state(instance, function, state);
+    if (memory == NULL) return false;
+    memcpy(memory, &snapshot, sizeof snapshot);
+    *state = memory;
     return true;
 }

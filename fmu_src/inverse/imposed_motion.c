@@ -1,17 +1,18 @@
-#include "inverse/imposed.h"
+#include "inverse/imposed_motion.h"
 
-#include <float.h>
 #include <math.h>
 
-enum { DEGREE = INPUT_ORDER + 2 }; /* of theta, where alpha has all its derivatives */
-_Static_assert(DEGREE <= BERNSTEIN_MAX, "room for the motion");
+#include "model/tolerances.h"
 
-/* The ends of theta and of dtheta/ds are what they are given as, to the last digit: a speed that is zero at an end
- * is no reversal just before it. */
-static void set_cubic(Imposed *m, double theta0, double omega0, double theta1, double omega1) {
+enum { DEGREE = INPUT_ORDER + 2 }; /* of theta, where all derivatives of alpha are given */
+_Static_assert((int)DEGREE <= (int)BERNSTEIN_MAX, "room for the motion");
+
+/* The Bernstein coefficients at both ends are the given values, to the last digit. So a speed of zero at the end makes no
+ * reversal just before the end. */
+static void set_cubic(ImposedMotion *m, double theta0, double omega0, double theta1, double omega1) {
     const double distance = theta1 - theta0, start = omega0 * m->h, end = omega1 * m->h;
     m->theta = (Bernstein){3, {theta0, theta0 + start / 3.0, theta1 - end / 3.0, theta1}};
-    m->turning = (Bernstein){2, {start, 3.0 * distance - start - end, end}};
+    m->dtheta_ds = (Bernstein){2, {start, 3.0 * distance - start - end, end}};
 }
 
 static double binomial(int n, int k) {
@@ -20,31 +21,31 @@ static double binomial(int n, int k) {
     return value;
 }
 
-/* sum c_k s^k. An end that is zero but for rounding is zero. */
+/* The polynomial sum c_k s^k. A value at s = 1 that is zero to rounding becomes zero. */
 static Bernstein of_powers(const double *c, int degree) {
     Bernstein p = {.degree = degree};
     double size = 0.0;
     for (int k = 0; k <= degree; k++) size += fabs(c[k]);
     for (int j = 0; j <= degree; j++)
         for (int k = 0; k <= j; k++) p.c[j] += binomial(j, k) / binomial(degree, k) * c[k];
-    if (fabs(p.c[degree]) <= 8.0 * DBL_EPSILON * size) p.c[degree] = 0.0;
+    if (fabs(p.c[degree]) <= MOTION_END_ROUNDING * size) p.c[degree] = 0.0;
     return p;
 }
 
-/* derivative[k] is d^k theta/dt^k at the start. */
-static void set_polynomial(Imposed *m, const double derivative[DEGREE + 1]) {
-    double theta[DEGREE + 1], turning[DEGREE], factor = 1.0;
+/* derivative[k] is d^k theta/dt^k at the start of the step. */
+static void set_polynomial(ImposedMotion *m, const double derivative[DEGREE + 1]) {
+    double theta[DEGREE + 1], dtheta_ds[DEGREE], factor = 1.0;
     for (int k = 0; k <= DEGREE; k++) {
-        theta[k] = derivative[k] * factor; /* h^k/k! */
-        if (k > 0) turning[k - 1] = k * theta[k];
+        theta[k] = derivative[k] * factor; /* factor = h^k/k! */
+        if (k > 0) dtheta_ds[k - 1] = k * theta[k];
         factor *= m->h / (k + 1);
     }
     m->theta = of_powers(theta, DEGREE);
-    m->turning = of_powers(turning, DEGREE - 1);
+    m->dtheta_ds = of_powers(dtheta_ds, DEGREE - 1);
 }
 
-Imposed imposed_motion(const InverseInputs *u, Given given, double theta, double omega, double h) {
-    Imposed motion = {.h = h, .F_ext = bernstein_of_taylor(u->F_ext, h)};
+ImposedMotion imposed_motion_over(const InverseInputs *u, GivenInput given, double theta, double omega, double h) {
+    ImposedMotion motion = {.h = h, .F_ext = bernstein_of_taylor(u->F_ext, h)};
     const double by_theta[DEGREE + 1] = {u->theta[0], u->theta[1], u->theta[2], u->theta[3]};
     const double by_omega[DEGREE + 1] = {u->theta[0], u->omega[0], u->omega[1], u->omega[2], u->omega[3]};
     const double by_alpha[DEGREE + 1] = {u->theta[0], u->omega[0], u->alpha[0], u->alpha[1], u->alpha[2], u->alpha[3]};
@@ -54,7 +55,7 @@ Imposed imposed_motion(const InverseInputs *u, Given given, double theta, double
         case GIVEN_OMEGA: set_polynomial(&motion, by_omega); break;
         case GIVEN_ALPHA: set_polynomial(&motion, by_alpha); break;
     }
-    motion.quickening = bernstein_derivative(&motion.turning);
+    motion.d2theta_ds2 = bernstein_derivative(&motion.dtheta_ds);
     return motion;
 }
 
@@ -62,8 +63,8 @@ static double last(const Bernstein *p) {
     return p->c[p->degree];
 }
 
-/* d^2 theta/dt^2 as the polynomial has it, which goes on beyond the step. */
-static void quickening_after(Given given, double h, InverseInputs *u) {
+/* Sets the derivatives of alpha at the end of the step to those of the imposed polynomial. */
+static void shift_alpha(GivenInput given, double h, InverseInputs *u) {
     double by_theta[INPUT_ORDER + 1] = {u->theta[2], u->theta[3]};
     double by_omega[INPUT_ORDER + 1] = {u->omega[1], u->omega[2], u->omega[3]};
     double none[INPUT_ORDER + 1] = {0.0};
@@ -74,15 +75,15 @@ static void quickening_after(Given given, double h, InverseInputs *u) {
     for (int k = 1; k <= INPUT_ORDER; k++) u->alpha[k] = alpha[k];
 }
 
-void imposed_finish(const Imposed *motion, Given given, InverseInputs *inputs) {
+void imposed_motion_finish(const ImposedMotion *motion, GivenInput given, InverseInputs *inputs) {
     const double h = motion->h;
-    quickening_after(given, h, inputs);
+    shift_alpha(given, h, inputs);
     input_shift(inputs->F_ext, h);
     inputs->F_ext[0] = last(&motion->F_ext);
     if (given != GIVEN_ENDS) {
         inputs->theta[0] = last(&motion->theta);
-        inputs->omega[0] = last(&motion->turning) / h;
-        inputs->alpha[0] = last(&motion->quickening) / h / h;
+        inputs->omega[0] = last(&motion->dtheta_ds) / h;
+        inputs->alpha[0] = last(&motion->d2theta_ds2) / h / h;
     }
     for (int k = 1; k <= INPUT_ORDER; k++) inputs->theta[k] = inputs->omega[k] = 0.0;
 }
