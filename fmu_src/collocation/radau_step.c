@@ -40,6 +40,12 @@ static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
     return size;
 }
 
+/* Is a defect no more than the rounding of the forces? A shorter step does not lessen such a defect. It counts where a
+ * motion has just begun, from rest, and its speed is still as small as the effect of the rounding. */
+static bool is_rounding(const RightHandSide *start, double defect) {
+    return defect <= RADAU_FORCE_ROUNDING * fmax(start->size, fabs(start->value));
+}
+
 /* The error inside the step from the defect at the start, relative to speed and distance. A stiff step damps the
  * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. At the end of the step the
  * method has order 2s - 1, inside order s + 1. error_at_end() takes half of that gain: then the errors of
@@ -57,7 +63,9 @@ static double estimate_error(const RadauSystem *s, const RadauStep *step) {
         by_angle = h * (damped * r->defect_twice + fabs(speed_defect(s)) * r->defect_once * stiff / (1.0 + stiff));
     }
     const double inside = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
-    return (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY / s->slip->params->tolerance;
+    const double error =
+        (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY / s->slip->params->tolerance;
+    return error > 1.0 && is_rounding(&s->start->rhs, defect) ? 0.0 : error;
 }
 
 /* ---- energy ---- */

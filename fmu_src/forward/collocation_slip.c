@@ -63,6 +63,26 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     return true;
 }
 
+/* At breakaway under inputs that are polynomials the torque is on the edge of the band, and its excess grows from zero
+ * like its first time derivative that is not zero. Until the excess exceeds the rounding of the torques, the motion is
+ * rest to all digits, and no step can show the motion. Returns how long that lasts, s; 0 where the excess is not zero or
+ * the mechanism moves. */
+static double unseen_time(const SlipMode *slip, const Balance *start) {
+    const double noise = BREAKAWAY_ROUNDING * start->rhs.size;
+    if (slip->regime != REGIME_INERTIAL || start->omega != 0.0 || !(fabs(start->rhs.value) <= noise)) return 0.0;
+    Partials by;
+    balance_partials(slip, start, &by);
+    const Inputs *in = slip->inputs;
+    double t[INPUT_ORDER], factorial = 1.0; /* until the k-th derivative of alpha alone has made the excess */
+    for (int k = 1; k <= INPUT_ORDER; k++) {
+        factorial *= k;
+        const double torque = by.by[KNOWN_TAU] * in->tau[k] + by.by[KNOWN_F_EXT] * in->F_ext[k];
+        t[k - 1] = factorial * noise / fabs(torque / by.by[KNOWN_ALPHA]);
+    }
+    const double unseen = fmin(t[0], fmin(sqrt(t[1]), cbrt(t[2])));
+    return unseen < INFINITY ? unseen : 0.0;
+}
+
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
 static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
                           EventLocation *location, Segment *segment) {
@@ -82,7 +102,9 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
         }
     }
     if (found) return radau_segment(m, slip, location, segment);
-    jam_propose(m, segment);
+    const double unseen = unseen_time(slip, start);
+    if (unseen > 0.0) rest_propose_for(m, fmin(left, unseen), segment);
+    else jam_propose(m, segment);
     return true;
 }
 

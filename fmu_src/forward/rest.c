@@ -22,19 +22,24 @@ static void raise_peaks(const Mechanism *m, double t, Segment *segment) {
     for (int i = 0; i < 2; i++) peak_raise(&segment->peak.reaction[i], F_0 * stick_sharing(m, i));
 }
 
-void rest_propose(Mechanism *m, double left, Segment *segment) {
+void rest_propose_for(const Mechanism *m, double t, Segment *segment) {
     segment_begin(m, SEGMENT_REST, segment);
     segment->omega = sum_of(0.0);
-    segment->duration = left;
-    if (m->params.ledger) raise_peaks(m, 0.0, segment);
+    segment->duration = t;
+    segment->varies = !inputs_constant(&m->inputs);
+    if (!m->params.ledger) return;
+    raise_peaks(m, 0.0, segment);
+    if (!segment->varies) return;
+    segment_raise_input_peaks(m, t, segment);
+    raise_peaks(m, t, segment);
+}
+
+void rest_propose(Mechanism *m, double left, Segment *segment) {
     if (inputs_constant(&m->inputs)) {
         m->cache.rest = stick_rest_interval(m); /* the next step at rest costs one comparison */
+        rest_propose_for(m, left, segment);
         return;
     }
     /* On the very edge of the band, where no slip agrees, rounding could end the rest at once. */
-    segment->duration = fmax(stick_rest_time(m, left), DBL_EPSILON * left);
-    segment->varies = true;
-    if (!m->params.ledger) return;
-    segment_raise_input_peaks(m, segment->duration, segment);
-    raise_peaks(m, segment->duration, segment);
+    rest_propose_for(m, fmax(stick_rest_time(m, left), DBL_EPSILON * left), segment);
 }

@@ -11,4 +11,7 @@ bool rest_goes_on(Mechanism *m);
 /* Proposes rest for up to `left` seconds: until the torque leaves the rest interval or F_0 changes its sign. */
 void rest_propose(Mechanism *m, double left, Segment *segment);
 
+/* Proposes rest for t seconds, whatever the torque. */
+void rest_propose_for(const Mechanism *m, double t, Segment *segment);
+
 #endif

@@ -87,6 +87,10 @@ static const double RADAU_ERROR_SAFETY = 10.0;
 /* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
 static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
 
+/* Share of the terms of the right-hand side below which a defect is their rounding. Seven stages weigh the rounding of
+ * their values by up to 10 in the defect. */
+static const double RADAU_FORCE_ROUNDING = 64.0 * DBL_EPSILON;
+
 /* Newton iterations of one trial. A trial that needs more is repeated with a shorter step. */
 enum { RADAU_NEWTON_ITERATIONS = 12 };
 
@@ -255,6 +259,9 @@ static const double CANDIDATE_COARSE = 10.0;
 /* Where neither a reaction nor its rate tells the flank, the reaction of a little later does: after this share of the
  * motion's time scale, and at most as many seconds. */
 static const double CANDIDATE_LOOK_AHEAD = 1e-3;
+
+/* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is rounding. */
+static const double BREAKAWAY_ROUNDING = 64.0 * DBL_EPSILON;
 
 /* A fold is where the edge of the band stops rising. Nearer to the fold than this share of a piece's width, the rounding
  * of the torques is all that moves theta. The energies that a jump from there leaves out are of its third power. */
