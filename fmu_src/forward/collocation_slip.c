@@ -68,16 +68,19 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
  * rest to all digits, and no step can show the motion. Returns how long that lasts, s; 0 where the excess is not zero or
  * the mechanism moves. */
 static double unseen_time(const SlipMode *slip, const Balance *start) {
-    const double noise = BREAKAWAY_ROUNDING * start->rhs.size;
-    if (slip->regime != REGIME_INERTIAL || start->omega != 0.0 || !(fabs(start->rhs.value) <= noise)) return 0.0;
+    const bool inertial = slip->regime == REGIME_INERTIAL;
+    const double noise = BREAKAWAY_ROUNDING * start->rhs.size; /* of alpha; without inertia of omega */
+    if (slip->regime == REGIME_RATE_INDEPENDENT || !(fabs(start->rhs.value) <= noise)) return 0.0;
+    if (inertial && start->omega != 0.0) return 0.0;
     Partials by;
     balance_partials(slip, start, &by);
     const Inputs *in = slip->inputs;
-    double t[INPUT_ORDER], factorial = 1.0; /* until the k-th derivative of alpha alone has made the excess */
+    const double resistance = by.by[inertial ? KNOWN_ALPHA : KNOWN_OMEGA];
+    double t[INPUT_ORDER], factorial = 1.0; /* s, until the k-th derivative alone has made the noise */
     for (int k = 1; k <= INPUT_ORDER; k++) {
         factorial *= k;
         const double torque = by.by[KNOWN_TAU] * in->tau[k] + by.by[KNOWN_F_EXT] * in->F_ext[k];
-        t[k - 1] = factorial * noise / fabs(torque / by.by[KNOWN_ALPHA]);
+        t[k - 1] = factorial * noise / fabs(torque / resistance);
     }
     const double unseen = fmin(t[0], fmin(sqrt(t[1]), cbrt(t[2])));
     return unseen < INFINITY ? unseen : 0.0;

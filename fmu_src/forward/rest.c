@@ -1,6 +1,5 @@
 #include "forward/rest.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "forward/stick.h"
@@ -40,6 +39,5 @@ void rest_propose(Mechanism *m, double left, Segment *segment) {
         rest_propose_for(m, left, segment);
         return;
     }
-    /* On the very edge of the band, where no slip agrees, rounding could end the rest at once. */
-    rest_propose_for(m, fmax(stick_rest_time(m, left), DBL_EPSILON * left), segment);
+    rest_propose_for(m, stick_rest_time(m, left), segment);
 }

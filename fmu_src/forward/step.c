@@ -102,7 +102,7 @@ static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
     segment_apply(m, segment);
     handle_event(m, direction_of(mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
-    run->left -= segment->duration;
+    run->left = fmax(run->left - segment->duration, 0.0); /* an event may be located past the end by a rounding */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
     run->hint = (LobattoHint){.refused = false};

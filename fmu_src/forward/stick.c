@@ -1,5 +1,6 @@
 #include "forward/stick.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "contact/balance.h"
@@ -144,10 +145,11 @@ static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_
     return t_end * bernstein_descent(&p);
 }
 
-/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, or infinity. */
-static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double t_end) {
+/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, by a number of ties, or infinity. */
+static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double ties, double t_end) {
     if (isinf(factor)) return INFINITY;
     double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
+    if (ties > 0.0) excess[0] -= sign * ties * stick_tie(m) * stick_torque_size(m, factor);
     for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = excess_rate(m, factor, k);
     return time_above(excess, sign, t_end);
 }
@@ -162,14 +164,20 @@ static double time_to_mirror(const Mechanism *m, double F_0, double left) {
     return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
 }
 
-/* Until the torque leaves the interval, or F_0 changes its sign. The band is mirrored there, so that rest is proposed
- * anew. */
-double stick_rest_time(const Mechanism *m, double left) {
+/* Until the torque has left the interval by a number of ties, or F_0 changes its sign. The band is mirrored there, so that
+ * rest is proposed anew. */
+static double rest_time(const Mechanism *m, double ties, double left) {
     const double F_0 = stick_axial_load(m);
     const EdgeFactors f = rest_factors(m, F_0, side_of(m, F_0));
     const double t_end = fmin(time_to_mirror(m, F_0, left), left);
-    const double above = time_beyond(m, f.load, F_0, 1.0, t_end), below = time_beyond(m, f.release, F_0, -1.0, t_end);
+    const double above = time_beyond(m, f.load, F_0, 1.0, ties, t_end);
+    const double below = time_beyond(m, f.release, F_0, -1.0, ties, t_end);
     return fmin(t_end, fmin(above, below));
+}
+
+double stick_rest_time(const Mechanism *m, double left) {
+    const double t = rest_time(m, 0.0, left), least = DBL_EPSILON * left;
+    return t > least ? t : fmax(rest_time(m, STICK_TIES_OF_NO_SLIP, left), least);
 }
 
 double stick_sharing(const Mechanism *m, int i) {

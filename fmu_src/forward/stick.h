@@ -45,7 +45,9 @@ Mode stick_mode(const Mechanism *m);
  * torque might find a slip mode. */
 RestInterval stick_rest_interval(const Mechanism *m);
 
-/* For how much of `left` seconds a resting mechanism surely stays at rest under inputs that are polynomials. */
+/* For how much of `left` seconds a resting mechanism stays at rest under inputs that are polynomials. On the very edge of
+ * the band, where no slip mode agrees, until the torque is beyond the edge by more than a tie; at least a rounding of
+ * `left`. */
 double stick_rest_time(const Mechanism *m, double left);
 
 /* R_i per contact and per F_0. */

@@ -253,6 +253,10 @@ static const double STICK_EDGE_MOVES_ALONG = 1e-9;
 /* The modes other than stick end this many ties short of the band's edge: a tie at the edge is stick. */
 static const double STICK_MARGIN_TIES = 4.0;
 
+/* On the band's edge rounding can press the torque out of the band where no slip mode agrees. Then rest lasts until the
+ * torque is beyond the edge by this many ties. */
+static const double STICK_TIES_OF_NO_SLIP = 2.0;
+
 /* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. */
 static const double CANDIDATE_COARSE = 10.0;
 
