@@ -78,7 +78,8 @@ def build_python_fmu() -> None:
     folder = core.BUILD / "python_fmu"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    script = BENCHMARKS / "python_fmu/python_cam.py"
-    equations = BENCHMARKS / "work_precision/plain_cam.py"
+    # PythonFMU imports the script and finds the equations beside it only.
+    files = (BENCHMARKS / "python_fmu/python_cam.py", BENCHMARKS / "work_precision/plain_cam.py")
+    script, equations = (Path(shutil.copy(file, folder)) for file in files)
     made = FmuBuilder.build_FMU(script, dest=folder, project_files=[equations])
     Path(made).replace(core.fmu_path(PYTHON_FMU))
