@@ -60,6 +60,17 @@ def run(part: Part, folder: Path, quick: bool) -> bool:
     return done.returncode == 0
 
 
+def write_page(results: Path, folder: Path) -> None:
+    """performance.md in `folder`, unless a quick run has not made the results of all parts."""
+    missing = [part.command for part in PARTS if not (results / f"{part.name}.csv").exists()]
+    if missing:
+        print(f"== no page without the results of: {', '.join(missing)}")
+        return
+    page = folder / "performance.md"
+    command = [sys.executable, "-m", "benchmarks.report", "--results", str(results), "--page", str(page)]
+    subprocess.run(command, cwd=ROOT, check=True)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(part.command for part in PARTS))
@@ -77,9 +88,7 @@ def main() -> int:
         print(f"== {number} of {len(chosen)}: {part.description} (after {minutes:.1f} minutes)", flush=True)
         if not run(part, folder, arguments.quick):
             amiss.append(part.command)
-    page = folder / "performance.md" if arguments.quick else DOCS / "performance.md"
-    command = [sys.executable, "-m", "benchmarks.report", "--results", str(folder), "--page", str(page)]
-    subprocess.run(command, cwd=ROOT, check=True)
+    write_page(folder, folder if arguments.quick else DOCS)
     print(f"== {(time.monotonic() - start) / 60.0:.1f} minutes")
     if amiss:
         print(f"== a target is missed, see above: {', '.join(amiss)}")

@@ -68,7 +68,7 @@ def picture(rows: Sequence[Mapping[str, str]], facts: Mapping[str, str], path: P
         panel.set_xlabel(f"number of {title.lower()}")
         panel.set_ylabel("time per unit [us]")
         low, high = panel.get_ylim()
-        panel.set_ylim(low / 2.0, high * 4.0)  # flat is to look flat, and the legend needs room
+        panel.set_ylim(low / 2.0, high * 4.0)  # a flat cost must look flat, and the legend needs room
         panel.legend(loc="upper left", frameon=False, fontsize=9, ncol=2)
     bar, left = panels[-1], 0.0
     for number, name in enumerate(START_UP):

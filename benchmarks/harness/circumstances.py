@@ -13,7 +13,7 @@ from benchmarks.harness.repository import ROOT
 
 FACTS = ("command", "date", "machine", "versions", "commit")
 CHANGED = " with changes"
-# Benchmarks write into these folders. A change there is no change of what is measured.
+# Benchmarks write into these folders. A change in them does not change the measured program.
 WRITTEN = (":!benchmarks/results", ":!docs")
 
 

@@ -1,4 +1,4 @@
-/* The clock of all timed loops, and the attribute of what Python calls. The including file defines
+/* The clock of all timed loops, and the attribute of the functions that Python calls. The including file defines
  * _POSIX_C_SOURCE before any header. */
 #ifndef CLOCK_H
 #define CLOCK_H

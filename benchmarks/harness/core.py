@@ -18,7 +18,7 @@ import build_fmu  # noqa: E402
 
 BUILD = build_fmu.BUILD
 FORWARD = "DualCamForward"
-NULL = "NullFmu"  # does nothing: what the calls of FMI themselves cost
+NULL = "NullFmu"  # does nothing: its cost is that of the calls of FMI
 HAND_WRITTEN = "HandWritten"
 NO_CLOSED_FORM = "-DDUALCAM_NO_CLOSED_FORM"  # every motion is integrated
 

@@ -1,4 +1,4 @@
-"""Steps whose inputs are given one by one: the time of each step, what it reads, its instructions."""
+"""Steps whose inputs are given one by one: the time, the outputs and the instructions of each step."""
 
 from __future__ import annotations
 

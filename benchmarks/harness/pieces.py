@@ -35,7 +35,7 @@ class PieceRun:
     """An initialised instance with its settings, and how to time a run through all pieces.
 
     Each piece takes `steps` steps of equal length; the variables `reads` are read at its end. The rows of
-    `points` are what has been read. The forward FMU starts every run from its saved state. Other FMUs have no
+    `points` are the values read. The forward FMU starts every run from its saved state. Other FMUs have no
     saved state: they are reset and initialised anew before each run, which is not timed."""
 
     def __init__(

@@ -175,13 +175,8 @@ INLINE bool collocation_run(const Scene *m, const Collocation *c, int s, State *
             accepted = error <= 1.0;
             cap = accepted ? 8.0 : 1.0;
             if (!accepted || !final || scale < 1.0) *h = used * scale;
-            if (accepted) {
-                *y = next;
-                if (final) y->t = end;
-                o->steps++;
-            } else {
-                o->rejected++;
-            }
+            if (accepted) accept(y, &next, final ? end : next.t, o);
+            else o->rejected++;
             if (raw < 0.0) o->failed++;
             if (o->steps + o->rejected > limit || *h < 1e-18) return false;
         }

@@ -59,9 +59,7 @@ INLINE bool explicit_run(const Scene *m, State *y, double end, double *h, double
         o->values += stages - 1;
         const double scale = fmin(cap, factor(error, order));
         if (error <= 1.0) {
-            next.t = final ? end : next.t;
-            *y = next;
-            o->steps++;
+            accept(y, &next, final ? end : next.t, o);
             cap = 8.0;
             if (isnan(last) && !final) {
                 last = acceleration(m, y->t, y->theta, y->omega);

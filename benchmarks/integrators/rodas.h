@@ -73,13 +73,8 @@ static bool rodas_run(const Scene *m, State *y, double end, double *h, double to
             accepted = error <= 1.0;
             cap = accepted ? 8.0 : 1.0;
             if (!accepted || !final || scale < 1.0) *h = used * scale;
-            if (accepted) {
-                *y = next;
-                if (final) y->t = end;
-                o->steps++;
-            } else {
-                o->rejected++;
-            }
+            if (accepted) accept(y, &next, final ? end : next.t, o);
+            else o->rejected++;
             if (o->steps + o->rejected > limit || *h < 1e-18) return false;
         }
     }

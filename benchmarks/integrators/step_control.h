@@ -27,9 +27,16 @@ static double first_step(const Scene *m, const State *y, double alpha, double to
     const double slow = size(m, y->omega, alpha);
     const double h0 = slow > 0.0 ? fmin(m->span, 0.01 / slow) : 1e-6 * m->span;
     const double there = acceleration(m, y->t + h0, y->theta + h0 * y->omega, y->omega + h0 * alpha);
-    const double bend = size(m, alpha, (there - alpha) / h0);
+    const double jerk = size(m, alpha, (there - alpha) / h0);
     o->values++;
-    return fmin(m->span, fmin(100.0 * h0, pow(tolerance / fmax(slow, bend * h0), 1.0 / order) * 0.5 + h0));
+    return fmin(m->span, fmin(100.0 * h0, pow(tolerance / fmax(slow, jerk * h0), 1.0 / order) * 0.5 + h0));
+}
+
+/* Goes on to the end of a step, which is at the time t. */
+INLINE void accept(State *y, const State *next, double t, Outcome *o) {
+    *y = *next;
+    y->t = t;
+    o->steps++;
 }
 
 #endif

@@ -1,4 +1,4 @@
-"""The general mechanism at its limits: what was varied, how far, and what came out.
+"""The general mechanism at its limits: the varied quantities, their ranges, and the outcome.
 
     ./build.sh stress                                 all rows, written to docs/stress.md
     python -m benchmarks.stress                       the same, with the FMU as it was built last

@@ -61,9 +61,9 @@ def slopes_of_ellipses(tables: Tables) -> Iterator[Scene]:
                 "inertia.shaft": 0.002,
             }
             # the last angle at which gamma is inside the arc
-            course = reference.Ellipse(radius, lead, a, b, kappa)
+            groove = reference.Ellipse(radius, lead, a, b, kappa)
             gamma = 1.2 - 1e-12
-            z = course.derivatives(gamma, 0)[0]
+            z = groove.derivatives(gamma, 0)[0]
             upper = gamma + z / (0.025 * math.tan(0.8))
             for stop in (upper * (1.0 - 1e-9), 0.9 * upper):
                 # without friction a swing returns to where it began: not to a stop, that it might touch

@@ -62,6 +62,33 @@ def solved_in_time(scene: Scene, intervals: Sequence[Interval], params: Params) 
         return solved(scene, intervals, params)
 
 
+def change_of_reference(
+    scene: Scene, params: Params, wanted: Sequence[dict[str, float]], size: dict[str, float], by: float
+) -> float:
+    """The largest change of the reference when its data change by `by`, relative. 0 if it cannot be
+    solved."""
+    rng, moved = np.random.default_rng(1), 0.0
+    try:
+        for _ in range(2):
+            changed, intervals = general_scenes.nudged(params, scene.intervals, rng, by)
+            found = solved_in_time(replace(scene, points=None), intervals, changed)
+            moved = max(moved, largest_error(scene, found, wanted, size)[0])
+    except (reference.Refused, ArithmeticError, ValueError, TooLong):
+        return 0.0
+    return moved
+
+
+def change_of_fmu(scene: Scene, trace: Trace, size: dict[str, float], by: float, library: Any) -> float:  # noqa: ANN401
+    """The largest change of the FMU's own run when its data change by `by` and by ten times as much."""
+    rng, moved = np.random.default_rng(6), 0.0
+    for change in (by, by, 10.0 * by):
+        params, intervals = general_scenes.nudged(scene.params, scene.intervals, rng, change)
+        other = drive(library, replace(scene, params=params, intervals=intervals))
+        if len(other.read) == len(trace.read):
+            moved = max(moved, largest_error(scene, other.read, trace.read, size)[0])
+    return moved
+
+
 def by_reference(scene: Scene, trace: Trace, verdict: Verdict) -> None:
     params = plain(scene)
     try:
@@ -75,15 +102,8 @@ def by_reference(scene: Scene, trace: Trace, verdict: Verdict) -> None:
     verdict.judged = True
     if verdict.error <= scene.allowed:
         return
-    rng, by = np.random.default_rng(1), scene.tolerance or DEFAULT_TOLERANCE
-    try:
-        moved = 0.0
-        for _ in range(2):
-            changed, intervals = general_scenes.nudged(params, scene.intervals, rng, by)
-            found = solved_in_time(replace(scene, points=None), intervals, changed)
-            moved = max(moved, largest_error(scene, found, wanted, size)[0])
-    except (reference.Refused, ArithmeticError, ValueError, TooLong):
-        moved = 0.0
+    by = scene.tolerance or DEFAULT_TOLERANCE
+    moved = change_of_reference(scene, params, wanted, size, by)
     if verdict.error > scene.allowed + 30.0 * moved:
         verdict.problems.append(f"error {verdict.error:.2e} ({where}); data amplify {moved / by:.1e}")
     else:
@@ -117,12 +137,7 @@ def by_cutting(scene: Scene, trace: Trace, verdict: Verdict, library: Any) -> No
     verdict.judged = True
     if verdict.error <= 100.0 * tolerance:
         return
-    rng, moved = np.random.default_rng(6), 0.0
-    for by in (tolerance, tolerance, 10.0 * tolerance):
-        params, intervals = general_scenes.nudged(scene.params, scene.intervals, rng, by)
-        other = drive(library, replace(scene, params=params, intervals=intervals))
-        if len(other.read) == len(trace.read):
-            moved = max(moved, largest_error(scene, other.read, trace.read, size)[0])
+    moved = change_of_fmu(scene, trace, size, tolerance, library)
     if verdict.error > 100.0 * tolerance + 10.0 * moved:
         verdict.problems.append(
             f"cutting changes {verdict.error:.2e} ({where}); data amplify {moved / tolerance:.1e}"

@@ -21,7 +21,7 @@ class Scene:
     row: str
     params: Params
     intervals: list[Interval]
-    judge: str = "laws"  # a key of JUDGES
+    judge: str = "laws"  # or "simulate", "exact", "radau", "limit", "cuts": see judges.py
     label: str = ""
     tolerance: float | None = None
     steps: int = 1  # equal communication steps per interval

@@ -1,4 +1,4 @@
-"""Run time against error: the FMU beside the ways in which such a mechanism is simulated otherwise.
+"""Run time against error: the FMU beside other ways to simulate such a mechanism.
 
     ./build.sh precision
 

@@ -1,4 +1,4 @@
-"""What SciPy's time is made of: evaluations of the right-hand side."""
+"""Number and time of the evaluations of the right-hand side in SciPy."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ def hand_written_line(scene: Scene) -> Line:
 
 
 def lines_of(scene: Scene, console: Console) -> dict[str, Line]:
-    """All lines. Those of packages that are not installed are left out, with a message."""
+    """All lines. A line whose package is not installed is left out, with a message."""
     lines: dict[str, Line] = {
         OURS: own_line(scene, CFmu),
         "FMU with ledger": own_line(scene, CFmu, True),

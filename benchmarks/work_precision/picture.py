@@ -25,7 +25,7 @@ STYLES: dict[str, tuple[str, str, str]] = {  # colour, marker, line
 
 
 def front(settings: list[Setting]) -> list[Setting]:
-    """Those that are clearly more exact than all that are faster."""
+    """The settings that are clearly more exact than all faster ones."""
     kept: list[Setting] = []
     for s in sorted(settings, key=lambda s: (s.time, s.error)):
         if not kept or s.error < 0.8 * kept[-1].error:
@@ -47,7 +47,7 @@ def draw(panel: Axes, made: Study) -> None:
             color=colour,
             label=line,
         )
-        if line == OURS:  # what it takes for any larger error as well
+        if line == OURS:  # the same time for any larger error
             panel.loglog([1.0, best[0].error], [best[0].time] * 2, "--", color=colour, lw=1.0)
     panel.set_title(made.scene.name, fontsize=11)
     panel.set_xlim(1.0, 1e-16)

@@ -51,7 +51,8 @@ def table_of(made: Study) -> Table:
 
 
 def against(made: Study, prefix: str) -> float | None:
-    """The ratio at TARGET_LEVEL of the best line of that name; none where no such line gets there."""
+    """The least ratio at TARGET_LEVEL of the lines whose names start so. None if no such line reaches the
+    error."""
     ratios = [made.ratio(line, TARGET_LEVEL) for line in made.lines if line.startswith(prefix)]
     return min((r.median for r in ratios if r), default=None)
 

@@ -1,4 +1,4 @@
-"""The worst of a million steps, for hardware in the loop: how long, how many instructions, what happens.
+"""The worst of a million steps, for hardware in the loop: their time, instructions and events.
 
     ./build.sh worst
 
@@ -10,10 +10,10 @@ repeated from the same saved state. The least time of each step over the rounds 
 of interrupts, which never hit the same step twice.
 
 Then callgrind counts the instructions of single steps (harness/instructions.py): the longest steps, the
-longest of each number of mode changes and of each kind, and as many at random, which show how far time stands
-for instructions. Each counted step runs from a saved state some steps before. Modes, stop heat and reactions
-before and after a step, read in a run of its own, tell what happens in it. Without valgrind there are times
-only.
+longest of each number of mode changes and of each kind, and steps at random, which show the relation of time
+and instructions. Each counted step runs from a saved state some steps before. Modes, stop heat and reactions
+before and after a step, read in a run of its own, tell the events of the step. Without valgrind there are
+times only.
 
 The bound (bound.py) holds by construction: it is the product of the limits of all loops, as they are written
 in the C sources.
