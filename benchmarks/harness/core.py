@@ -24,8 +24,9 @@ NO_CLOSED_FORM = "-DDUALCAM_NO_CLOSED_FORM"  # every motion is integrated
 
 OPTIMISED = ("-O3", "-fvisibility=hidden")
 
-# The limits of the loops of a step: a name of this project's benchmarks -> file of fmu_src without suffix,
-# and the constant in it. An empty constant: the largest upper limit of a loop `for (...; n < limit; n++)`.
+# The limits of the loops of a step. Name in the benchmarks -> file of fmu_src without suffix (with its room,
+# where the name alone is not unique), and the constant in it. An empty constant: the largest upper limit of a
+# loop `for (...; n < limit; n++)`.
 LOOP_LIMITS = {
     "segments per step": ("mechanism", "MAX_EVENTS_PER_STEP"),
     "jams per step": ("mechanism", "MAX_JAMS_PER_STEP"),
@@ -57,7 +58,7 @@ def source_text(stem: str) -> str:
 def loop_limit(name: str) -> float:
     """The limit of a loop, a key of LOOP_LIMITS, as the C sources have it. KeyError if they do not."""
     stem, constant = LOOP_LIMITS[name]
-    pattern = rf"\b{constant} = ([\d.e-]+)[,; }}]" if constant else r"n < (\d+); n\+\+"
+    pattern = rf"\b{constant} (?:= )?([\d.e+-]+)\b" if constant else r"n < (\d+); n\+\+"
     found = [float(value) for value in re.findall(pattern, source_text(stem))]
     if not found:
         raise KeyError(f"{name}: {constant or 'no loop with a limit'} in {stem}")

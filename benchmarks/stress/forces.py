@@ -12,52 +12,45 @@ from benchmarks.harness.oracles import Interval
 from benchmarks.stress.mechanisms import Sizes, Tables, damper, ellipses, helices, spring, up_and_back
 from benchmarks.stress.scene import Params, Scene
 
+STIFFNESS = "stiffness 1e-3 to 1e9 N/m"
+
 
 def stiffness(tables: Tables) -> Iterator[Scene]:
-    row = "stiffness 1e-3 to 1e9 N/m"
     for number, k in enumerate(np.logspace(-3, 9, 25).tolist()):
         for shape, judge in ((ellipses(), "simulate"), (helices(), "exact")):
-            nonlinear = judge == "simulate"
-            p = (
-                shape
-                | spring(k, 0.03, nonlinear=nonlinear)
-                | {"inertia.shaft": 0.002, "inertia.follower_mass": 0.3}
-            )
-            sizes = Sizes.of(p)
-            critical = 2.0 * math.sqrt(sizes.inertia() * sizes.stiffness()) / sizes.dz_dtheta() ** 2
-            torque = 1.4 * sizes.torque(0.7)
-            for ratio in (0.0, 0.1, 2.0):
-                q = p | damper(ratio * critical)
-                general = judge == "exact"
-                intervals = up_and_back(torque, 1.3 * sizes.period())
-                yield Scene(
-                    row,
-                    q,
-                    intervals,
-                    judge,
-                    f"k {k:g}, damping {ratio}",
-                    general=general,
-                    steps=1 + number % 3,
-                )
-            # the same torque, whatever the spring: from free flight to hardly any motion
-            p |= {"spring.preload": 50.0, "spring.stiffness2": 0.0, "spring.stiffness3": 0.0}
-            sizes = Sizes.of(p)
-            time = min(1.3 * sizes.period(), 3.0 * math.sqrt(sizes.inertia() / 10.0))
-            p |= damper(3.0 * sizes.inertia() / time / sizes.dz_dtheta() ** 2 * 0.1)
-            yield Scene(row, p, up_and_back(10.0, time), judge, f"k {k:g}, 10 N.m", general=judge == "exact")
-            # without inertia
-            p = shape | spring(k, 0.03, nonlinear=nonlinear) | {"inertia.shaft": 0.0}
-            sizes = Sizes.of(p)
-            for c in (0.0, k):  # time constant 1 s
-                intervals = up_and_back(1.4 * sizes.torque(0.5), 0.7)
-                yield Scene(
-                    row,
-                    p | damper(c),
-                    intervals,
-                    judge,
-                    f"k {k:g}, no inertia, c {c:g}",
-                    general=judge == "exact",
-                )
+            grooves = shape | spring(k, 0.03, nonlinear=judge == "simulate")
+            masses = grooves | {"inertia.shaft": 0.002, "inertia.follower_mass": 0.3}
+            yield from damped_springs(masses, judge, f"k {k:g}", 1 + number % 3)
+            yield from same_torque(masses, judge, f"k {k:g}")
+            yield from without_inertia(grooves | {"inertia.shaft": 0.0}, judge, k)
+
+
+def damped_springs(p: Params, judge: str, label: str, steps: int) -> Iterator[Scene]:
+    """Damping ratios from none to twice the critical one."""
+    sizes, general = Sizes.of(p), judge == "exact"
+    critical = 2.0 * math.sqrt(sizes.inertia() * sizes.stiffness()) / sizes.dz_dtheta() ** 2
+    intervals = up_and_back(1.4 * sizes.torque(0.7), 1.3 * sizes.period())
+    for ratio in (0.0, 0.1, 2.0):
+        q = p | damper(ratio * critical)
+        text = f"{label}, damping {ratio}"
+        yield Scene(STIFFNESS, q, intervals, judge, text, general=general, steps=steps)
+
+
+def same_torque(p: Params, judge: str, label: str) -> Iterator[Scene]:
+    """10 N.m for every spring: from free flight to hardly any motion."""
+    p = p | {"spring.preload": 50.0, "spring.stiffness2": 0.0, "spring.stiffness3": 0.0}
+    sizes = Sizes.of(p)
+    time = min(1.3 * sizes.period(), 3.0 * math.sqrt(sizes.inertia() / 10.0))
+    p |= damper(3.0 * sizes.inertia() / time / sizes.dz_dtheta() ** 2 * 0.1)
+    intervals = up_and_back(10.0, time)
+    yield Scene(STIFFNESS, p, intervals, judge, f"{label}, 10 N.m", general=judge == "exact")
+
+
+def without_inertia(p: Params, judge: str, k: float) -> Iterator[Scene]:
+    intervals = up_and_back(1.4 * Sizes.of(p).torque(0.5), 0.7)
+    for c in (0.0, k):  # time constant 1 s
+        text = f"k {k:g}, no inertia, c {c:g}"
+        yield Scene(STIFFNESS, p | damper(c), intervals, judge, text, general=judge == "exact")
 
 
 def inertia(tables: Tables) -> Iterator[Scene]:
@@ -70,27 +63,31 @@ def inertia(tables: Tables) -> Iterator[Scene]:
             torque = 1.3 * sizes.torque(0.7)
             intervals = up_and_back(torque, 1.2 * sizes.period())
             yield Scene(row, base, intervals, judge, f"J {J:g}, no damping", general=general)
-            p = base | damper(200.0) | {"shaft.damping": 0.003}
-            sizes = Sizes.of(p)
-            rise = (1.1 * sizes.torque(1.1) - torque) / 0.05
-            smooth = [Interval(0.05, torque, rise), Interval(0.05, torque + 0.05 * rise)]
-            if judge == "simulate" and J < 1e-5:
-                yield Scene(row, p, smooth[:1], "radau", f"J {J:g}, damped", steps=6)
-            else:
-                yield Scene(row, p, smooth, judge, f"J {J:g}, damped", general=general, steps=3)
-            if J <= 1e-6:
-                decay = J / (0.003 + 200.0 * sizes.dz_dtheta() ** 2)
-                yield Scene(
-                    "inertia 1e-12 to 1e-6, against the limit without",
-                    p,
-                    [*smooth, Interval(0.03, 0.2 * torque), Interval(0.05, 1.5 * torque)],
-                    "limit",
-                    f"J {J:g}, damped, against no inertia",
-                    instead=p | {"inertia.shaft": 0.0},
-                    slack=10.0 * decay / 0.01,
-                    compared=("theta", "energy.spring"),
-                    steps=4,
-                )
+            yield from damped_inertia(row, base | damper(200.0) | {"shaft.damping": 0.003}, judge, J, torque)
+
+
+def damped_inertia(row: str, p: Params, judge: str, J: float, torque: float) -> Iterator[Scene]:
+    """Against the reference, and small inertias against the limit without inertia too."""
+    sizes = Sizes.of(p)
+    rise = (1.1 * sizes.torque(1.1) - torque) / 0.05
+    smooth = [Interval(0.05, torque, rise), Interval(0.05, torque + 0.05 * rise)]
+    if judge == "simulate" and J < 1e-5:
+        yield Scene(row, p, smooth[:1], "radau", f"J {J:g}, damped", steps=6)
+    else:
+        yield Scene(row, p, smooth, judge, f"J {J:g}, damped", general=judge == "exact", steps=3)
+    if J <= 1e-6:
+        decay = J / (0.003 + 200.0 * sizes.dz_dtheta() ** 2)
+        yield Scene(
+            "inertia 1e-12 to 1e-6, against the limit without",
+            p,
+            [*smooth, Interval(0.03, 0.2 * torque), Interval(0.05, 1.5 * torque)],
+            "limit",
+            f"J {J:g}, damped, against no inertia",
+            instead=p | {"inertia.shaft": 0.0},
+            slack=10.0 * decay / 0.01,
+            compared=("theta", "energy.spring"),
+            steps=4,
+        )
 
 
 def friction(tables: Tables) -> Iterator[Scene]:
@@ -172,20 +169,29 @@ def dampers(tables: Tables) -> Iterator[Scene]:
                 if exact:
                     yield Scene(row, p, both, "exact", label, general=True, steps=2)
                     continue
-                if size > 1e3:
-                    yield Scene(row, p, smooth[:1], "radau", label, steps=4)
-                else:
-                    yield Scene(row, p, smooth, "simulate", label, steps=2)
-                if size >= 1e5:
-                    slow = 0.002 / (Sizes.of(p).dz_dtheta() ** 2 * (c + 2.0 * q * 0.005 / time))
-                    yield Scene(
-                        "dampers 1e5 to 1e9, against the limit without inertia",
-                        p,
-                        both,
-                        "limit",
-                        label + ", against no inertia",
-                        instead=quiet,
-                        slack=10.0 * slow / time,
-                        compared=("theta", "energy.spring"),
-                        steps=2,
-                    )
+                yield from curved_dampers(row, p, both, label, size, c, q)
+
+
+def curved_dampers(
+    row: str, p: Params, intervals: list[Interval], label: str, size: float, c: float, q: float
+) -> Iterator[Scene]:
+    """In elliptical grooves: against the reference, and large dampers against the limit without inertia
+    too."""
+    smooth, time = intervals[:2], intervals[0].duration
+    if size > 1e3:
+        yield Scene(row, p, smooth[:1], "radau", label, steps=4)
+    else:
+        yield Scene(row, p, smooth, "simulate", label, steps=2)
+    if size >= 1e5:
+        slow = 0.002 / (Sizes.of(p).dz_dtheta() ** 2 * (c + 2.0 * q * 0.005 / time))
+        yield Scene(
+            "dampers 1e5 to 1e9, against the limit without inertia",
+            p,
+            intervals,
+            "limit",
+            label + ", against no inertia",
+            instead=p | {"inertia.shaft": 0.0},
+            slack=10.0 * slow / time,
+            compared=("theta", "energy.spring"),
+            steps=2,
+        )
