@@ -1,13 +1,10 @@
-"""The rooms of benchmarks/: who imports whom; and the commit that results carry."""
+"""The rooms of benchmarks/: who imports whom."""
 
 import ast
-import subprocess
-from pathlib import Path
 
 import pytest
 from driver import ROOT
 
-from benchmarks.harness import circumstances
 from benchmarks.harness.repository import BENCHMARKS
 
 MOST_LINES = 500
@@ -61,57 +58,3 @@ def test_no_file_is_long():
 def test_only_two_places_change_the_path_of_imports():
     places = [path.name for path in BENCHMARKS.rglob("*.py") if "sys.path.insert" in path.read_text()]
     assert sorted(places) == ["core.py", "oracles.py"]
-
-
-@pytest.fixture
-def repository(tmp_path):
-    """A repository with one commit."""
-    (tmp_path / "code.c").write_text("int x;\n")
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs/page.md").write_text("old\n")
-    git(tmp_path, "init", "-q")
-    git(tmp_path, "add", ".")
-    commit(tmp_path, "first")
-    return tmp_path
-
-
-def git(folder: Path, *words: str) -> str:
-    identity = ["-c", "user.name=test", "-c", "user.email=test@example.org"]
-    done = subprocess.run(["git", *identity, *words], cwd=folder, capture_output=True, text=True, check=True)
-    return done.stdout.strip()
-
-
-def commit(folder: Path, message: str, *words: str) -> None:
-    git(folder, "commit", "-q", "--no-gpg-sign", "-m", message, *words)
-
-
-def test_the_recorded_commit_is_the_one_that_is_checked_out(repository):
-    recorded = circumstances.commit(repository)
-    assert git(repository, "rev-parse", "HEAD").startswith(recorded) and len(recorded) >= 12
-    assert circumstances.is_in_history(recorded, repository)
-
-
-def test_a_changed_or_a_new_file_is_told(repository):
-    clean = circumstances.commit(repository)
-    (repository / "docs/page.md").write_text("written by a benchmark\n")
-    assert circumstances.commit(repository) == clean
-    for name in ("code.c", "new.c"):
-        (repository / name).write_text("int y;\n")
-        changed = circumstances.commit(repository)
-        assert changed == clean + circumstances.CHANGED
-        assert not circumstances.is_in_history(changed, repository)
-        git(repository, "add", ".")
-        commit(repository, name)
-        clean = circumstances.commit(repository)
-
-
-def test_an_amended_commit_leaves_the_history(repository):
-    recorded = circumstances.commit(repository)
-    (repository / "code.c").write_text("int z;\n")
-    commit(repository, "amended", "-a", "--amend")
-    assert not circumstances.is_in_history(recorded, repository)
-
-
-def test_without_a_repository_the_commit_is_unknown(tmp_path):
-    found = circumstances.commit(tmp_path)
-    assert found == "unknown" and not circumstances.is_in_history(found, tmp_path)
