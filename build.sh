@@ -15,22 +15,22 @@ usage: ./build.sh [command] [arguments]
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run all of the following six (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
-  cost     build, then run benchmarks/step_cost.py (half a minute): what a step costs, and its limit
-  loop     build, then run benchmarks/loop_cost.py (seconds): a control loop in Python
-  skipping build, then run benchmarks/skipping.py (seconds): what each thing saves where it is absent
-  worst    build, then run benchmarks/worst_step.py (two minutes): the worst of a million steps
-  growth   build, then run benchmarks/growth.py (a minute): many instances, steps, table points, threads
-  precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
+  cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
+  loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
+  skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
+  worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
+  growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
+  precision build, then run benchmarks.work_precision (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
-           15 seconds), benchmarks/compare_builds.py
-  stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
+           15 seconds), benchmarks.compare_builds
+  stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
   figures  draw the figures of docs/mechanism.md (seconds), docs/figures/mechanism.py; arguments go to it
-  coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
+  coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
-  rate     build, then run benchmarks/study_rate.py (a minute); arguments go to it
+  rate     build, then run benchmarks.study_rate (a minute); arguments go to it
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
@@ -114,22 +114,22 @@ case $command in
     ssp) run_program . system_examples/ssp_run.py "$@" ;;
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
-    bench) run_program '.[bench]' benchmarks/bench.py "$@" ;;
-    cost) run_program . benchmarks/step_cost.py "$@" ;;
-    worst) run_program . benchmarks/worst_step.py "$@" ;;
-    precision) run_program '.[bench]' benchmarks/work_precision.py "$@" ;;
-    skipping) run_program . benchmarks/skipping.py "$@" ;;
-    growth) run_program . benchmarks/growth.py "$@" ;;
-    loop) run_program . benchmarks/loop_cost.py "$@" ;;
+    bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
+    cost) run_program . -m benchmarks.step_cost "$@" ;;
+    worst) run_program . -m benchmarks.worst_step "$@" ;;
+    precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
+    skipping) run_program . -m benchmarks.skipping "$@" ;;
+    growth) run_program . -m benchmarks.growth "$@" ;;
+    loop) run_program . -m benchmarks.loop_cost "$@" ;;
     paper) run_program . system_examples/paper.py "$@" ;;
-    coupling) run_program . benchmarks/coupling.py "$@" ;;
-    rate) run_program . benchmarks/study_rate.py "$@" ;;
+    coupling) run_program . -m benchmarks.coupling "$@" ;;
+    rate) run_program . -m benchmarks.study_rate "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --figure docs/study.png
         run_program '.[study]' -m dualcam study "$@"
         ;;
-    compare) run_program . benchmarks/compare_builds.py "$@" ;;
-    stress) run_program '.[test]' benchmarks/stress.py "$@" ;;
+    compare) run_program . -m benchmarks.compare_builds "$@" ;;
+    stress) run_program '.[test]' -m benchmarks.stress "$@" ;;
     figures)
         install_dependencies .
         exec .venv/bin/python docs/figures/mechanism.py "$@"

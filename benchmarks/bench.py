@@ -1,33 +1,32 @@
-"""All benchmarks in turn, then docs/performance.md from what they have written: about ten minutes.
+"""All benchmarks in turn, then docs/performance.md from their results: about ten minutes.
 
     ./build.sh bench [--quick] [PART ...]
 
-Each part is a command of its own, runs in a process of its own and writes a CSV file and a picture into
-benchmarks/results, with machine, versions, commit and its own command. A part that misses one of its targets
-says so and the next begins. --quick makes few rounds and small sizes, to see that all works, and writes into
-build/quick: its numbers are worth nothing.
+Each part is a command of its own. It runs in a process of its own and writes a CSV file and a picture into
+benchmarks/results, with machine, versions, commit and its command. A part that misses one of its targets
+says so, and the next part begins. --quick makes few rounds and small sizes, to see that all parts work, and
+writes into build/quick: its numbers are worth nothing.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import subprocess
 import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-RESULTS = ROOT / "benchmarks" / "results"
+from benchmarks.harness.repository import DOCS, RESULTS, ROOT
+
 QUICK = ROOT / "build" / "quick"
 
 
 @dataclass(frozen=True)
 class Part:
     command: str  # of build.sh
-    name: str  # of the program and of what it writes
-    what: str
+    name: str  # of the module and of its CSV file
+    description: str
     quick: str  # arguments
     drawn: bool = True
 
@@ -41,9 +40,9 @@ class Part:
 
 
 PARTS = (
-    Part("cost", "step_cost", "what a step costs", "--rounds 3 --fmpy-rounds 3"),
+    Part("cost", "step_cost", "the cost of a step", "--rounds 3 --fmpy-rounds 3"),
     Part("loop", "loop_cost", "a control loop in Python", "--rounds 3", drawn=False),
-    Part("skipping", "skipping", "what each thing saves where it is absent", "--rounds 3"),
+    Part("skipping", "skipping", "the cost of each part where it is absent", "--rounds 3"),
     Part("worst", "worst_step", "the worst of a million steps", "--steps 5000 --rounds 2 --count 10"),
     Part("growth", "growth", "growth", "--steps 1000 --instances 100 --points 100 --rounds 2"),
     Part("precision", "work_precision", "run time against error", "--rounds 2 --limit 0.05"),
@@ -51,13 +50,25 @@ PARTS = (
 
 
 def run(part: Part, folder: Path, quick: bool) -> bool:
-    """False if it says that something is amiss. Ends the program if it has written nothing."""
-    program = ROOT / "benchmarks" / f"{part.name}.py"
+    """False if the part misses a target. SystemExit if it has written nothing."""
     written, begun = folder / f"{part.name}.csv", time.time()
-    done = subprocess.run([sys.executable, str(program), *part.arguments(folder, quick)], cwd=ROOT)
+    done = subprocess.run(
+        [sys.executable, "-m", f"benchmarks.{part.name}", *part.arguments(folder, quick)], cwd=ROOT
+    )
     if not written.exists() or written.stat().st_mtime < begun - 1.0:
         raise SystemExit(f"bench: {part.command} ended with {done.returncode} and has written nothing")
     return done.returncode == 0
+
+
+def write_page(results: Path, folder: Path) -> None:
+    """performance.md in `folder`, unless a quick run has not made the results of all parts."""
+    missing = [part.command for part in PARTS if not (results / f"{part.name}.csv").exists()]
+    if missing:
+        print(f"== no page without the results of: {', '.join(missing)}")
+        return
+    page = folder / "performance.md"
+    command = [sys.executable, "-m", "benchmarks.report", "--results", str(results), "--page", str(page)]
+    subprocess.run(command, cwd=ROOT, check=True)
 
 
 def main() -> int:
@@ -74,19 +85,10 @@ def main() -> int:
     start, amiss = time.monotonic(), []
     for number, part in enumerate(chosen, 1):
         minutes = (time.monotonic() - start) / 60.0
-        print(f"== {number} of {len(chosen)}: {part.what} (after {minutes:.1f} minutes)", flush=True)
+        print(f"== {number} of {len(chosen)}: {part.description} (after {minutes:.1f} minutes)", flush=True)
         if not run(part, folder, arguments.quick):
             amiss.append(part.command)
-    page = folder / "performance.md" if arguments.quick else ROOT / "docs" / "performance.md"
-    words = [
-        sys.executable,
-        str(ROOT / "benchmarks/report.py"),
-        "--results",
-        str(folder),
-        "--page",
-        str(page),
-    ]
-    subprocess.run(words, check=True, env=os.environ)
+    write_page(folder, folder if arguments.quick else DOCS)
     print(f"== {(time.monotonic() - start) / 60.0:.1f} minutes")
     if amiss:
         print(f"== a target is missed, see above: {', '.join(amiss)}")

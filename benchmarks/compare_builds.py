@@ -1,6 +1,6 @@
 """Do two builds of the FMUs compute the same, bit for bit?
 
-    python benchmarks/compare_builds.py OLD_DIRECTORY [NEW_DIRECTORY]
+    python -m benchmarks.compare_builds OLD_DIRECTORY [NEW_DIRECTORY]
 
 Each directory holds DualCamForward.fmu, DualCamInverse.fmu and fmi3/ with both again, as `./build.sh` leaves
 them in build/, the default for the new ones. The same scenes are played in both; all outputs and local
@@ -28,10 +28,10 @@ from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-import comparison_scenes as scenes
-from comparison_fmu import Fmu, Instance, Names, Record
-from comparison_play import Difference, compare, play
-from comparison_scenes import FORWARD, INVERSE, Scene
+from benchmarks import comparison_scenes as scenes
+from benchmarks.comparison_fmu import Fmu, Instance, Names, Record
+from benchmarks.comparison_play import Difference, compare, play
+from benchmarks.comparison_scenes import FORWARD, INVERSE, Scene
 
 ROOT = Path(__file__).resolve().parent.parent
 MODELS = [(model, version) for version in (2, 3) for model in (FORWARD, INVERSE)]

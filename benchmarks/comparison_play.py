@@ -9,8 +9,8 @@ from ctypes import c_void_p
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from comparison_fmu import OK, Fmu, Instance, Names, Record
-from comparison_scenes import Move, Scene, polynomial
+from benchmarks.comparison_fmu import OK, Fmu, Instance, Names, Record
+from benchmarks.comparison_scenes import Move, Scene, polynomial
 
 MOST_EARLY_RETURNS = 200  # in one step
 MOST_FAILURES = 3  # steps of a scene that the FMU refuses before the scene ends

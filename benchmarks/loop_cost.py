@@ -1,11 +1,11 @@
-"""What a control loop in Python costs: 10 s at 1 kHz through dualcam.Fmu, and where the time goes.
+"""The cost of a control loop in Python: 10 s at 1 kHz through dualcam.Fmu, and its parts.
 
     ./build.sh loop
 
-One turn of the loop sets a torque, steps 1 ms, reads angle and speed. It is timed four ways, in turns as in
-benchmarks/step_cost.py, and reported as the median over the rounds with quartiles:
+One turn of the loop sets a torque, steps 1 ms, reads angle and speed. It is timed four ways, in turns, and
+reported as the median over the rounds with quartiles:
 
-cam                the forward FMU through dualcam.Fmu: what a user has
+cam                the forward FMU through dualcam.Fmu, as a user has it
 null               an FMU that does nothing through dualcam.Fmu: Python, ctypes and the handle
 null, bare ctypes  the same calls with arguments laid out in advance and no handle: the least Python can do
 null, FMPy         the same calls by FMPy's own methods with lists of values
@@ -13,24 +13,19 @@ null, FMPy         the same calls by FMPy's own methods with lists of values
 
 from __future__ import annotations
 
-import argparse
 import math
 import statistics
 import sys
 import time
-from collections.abc import Callable
 from ctypes import c_double, c_uint
-from pathlib import Path
 
-from rich.console import Console
-
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / folder) for folder in (".", "fmu_src", "benchmarks")]
-import build_fmu  # noqa: E402
-import step_cost  # noqa: E402
-
-from dualcam import Fmu  # noqa: E402
-from dualcam.fmu import Scalar  # noqa: E402
+from benchmarks.harness import core
+from benchmarks.harness import results as harness
+from benchmarks.harness.circumstances import circumstances
+from benchmarks.harness.fmu import Slave
+from benchmarks.harness.timing import Block, Ratio, in_turns
+from dualcam import Fmu
+from dualcam.fmu import Scalar
 
 STEP = 1e-3  # s
 TURNS = 10_000
@@ -39,7 +34,7 @@ PARAMETERS: dict[str, Scalar] = {"initial.theta": 0.5}
 TORQUE = [3.0 + 2.0 * math.sin(2.0 * math.pi * 2.0 * k * STEP) for k in range(TURNS)]  # sticks and slips
 
 
-def handle_loop(fmu: Fmu, parameters: dict[str, Scalar]) -> Callable[[], float]:
+def handle_loop(fmu: Fmu, parameters: dict[str, Scalar]) -> Block:
     command, state = fmu.reals("tau"), fmu.reals("theta", "omega")
 
     def block() -> float:
@@ -55,7 +50,7 @@ def handle_loop(fmu: Fmu, parameters: dict[str, Scalar]) -> Callable[[], float]:
     return block
 
 
-def ctypes_loop(slave: step_cost.Slave) -> Callable[[], float]:
+def ctypes_loop(slave: Slave) -> Block:
     library, component, references = slave.fmu.dll, slave.fmu.component, slave.references
     inputs, outputs = (c_uint * 1)(references["tau"]), (c_uint * 2)(references["theta"], references["omega"])
     command, state = (c_double * 1)(), (c_double * 2)()
@@ -76,7 +71,7 @@ def ctypes_loop(slave: step_cost.Slave) -> Callable[[], float]:
     return block
 
 
-def fmpy_loop(slave: step_cost.Slave) -> Callable[[], float]:
+def fmpy_loop(slave: Slave) -> Block:
     fmu, inputs = slave.fmu, [slave.references["tau"]]
     outputs = [slave.references["theta"], slave.references["omega"]]
 
@@ -93,48 +88,50 @@ def fmpy_loop(slave: step_cost.Slave) -> Callable[[], float]:
     return block
 
 
-def started(slave: step_cost.Slave) -> step_cost.Slave:
-    slave.fmu.setupExperiment(startTime=0.0)
-    slave.fmu.enterInitializationMode()
-    slave.fmu.exitInitializationMode()
+def started(slave: Slave) -> Slave:
+    slave.initialise()
     return slave
 
 
+def report_row(name: str, seconds: list[float], whole: list[float]) -> dict[str, str]:
+    share = Ratio.of(seconds, whole)
+    return {
+        "through": name,
+        "turns": str(TURNS),
+        "seconds": f"{statistics.median(seconds):.5f}",
+        "share_of_cam": f"{share.median:.4f}",
+        "lower_quartile": f"{share.lower:.4f}",
+        "upper_quartile": f"{share.upper:.4f}",
+    }
+
+
 def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--rounds", type=int, default=51)
-    parser.add_argument("--output", type=Path, default=ROOT / "benchmarks/results/loop_cost.csv")
-    arguments = parser.parse_args()
-    console = Console()
-    with Fmu(build_fmu.BUILD / "DualCamForward.fmu") as cam, Fmu(build_fmu.BUILD / "NullFmu.fmu") as null:
+    arguments = harness.options(__doc__, "loop_cost", 51).parse_args()
+    console = harness.new_console()
+    with Fmu(core.fmu_path(core.FORWARD)) as cam, Fmu(core.fmu_path(core.NULL)) as null:
         blocks = {
             "cam": handle_loop(cam, PARAMETERS),
             "null": handle_loop(null, {}),
-            "null, bare ctypes": ctypes_loop(started(step_cost.Slave("NullFmu"))),
-            "null, FMPy": fmpy_loop(started(step_cost.Slave("NullFmu"))),
+            "null, bare ctypes": ctypes_loop(started(Slave(core.NULL))),
+            "null, FMPy": fmpy_loop(started(Slave(core.NULL))),
         }
-        times = step_cost.in_turns(blocks, arguments.rounds, "loops", console)
+        times = in_turns(blocks, arguments.rounds, "loops", console)
         changes = cam.get("events")
-
-    facts = step_cost.circumstances("loop")
-    table = step_cost.table(
+    table = harness.table(
         f"{TURNS} turns of {1e3 * STEP:g} ms: set a torque, step, read angle and speed",
-        "through", "s", "us per turn", "share of cam",
-    )  # fmt: skip
-    rows = []
+        *("through", "s", "us per turn", "share of cam"),
+    )
     for name, seconds in times.items():
-        median, share = statistics.median(seconds), step_cost.Ratio.of(seconds, times["cam"])
+        median, share = statistics.median(seconds), Ratio.of(seconds, times["cam"])
         table.add_row(name, f"{median:.3f}", f"{1e6 * median / TURNS:.2f}", str(share))
-        numbers = {"seconds": f"{median:.5f}", "share_of_cam": f"{share.median:.4f}"}
-        quartiles = {"lower_quartile": f"{share.lower:.4f}", "upper_quartile": f"{share.upper:.4f}"}
-        rows.append({"through": name, "turns": str(TURNS), **numbers, **quartiles, **facts})
     console.print(table)
     whole = statistics.median(times["cam"])
-    console.print(
-        f"The cam changed its mode {changes} times. 10 s take {whole:.3f} s:", highlight=False, end=" "
+    target = harness.verdict(whole, TARGET)
+    harness.say(
+        console, f"The cam changed its mode {changes} times. 10 s take {whole:.3f} s: target {target}."
     )
-    console.print(f"target {step_cost.verdict(whole, TARGET)}.", highlight=False)
-    step_cost.publish(rows, facts, arguments.output, console)
+    rows = [report_row(name, seconds, times["cam"]) for name, seconds in times.items()]
+    harness.publish(rows, circumstances("loop"), arguments.output, console)
     return 0 if whole <= TARGET else 1
 
 

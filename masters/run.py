@@ -29,9 +29,6 @@ import scenes
 from install import FMI4J, FMI_SIM, MAESTRO, VDMCHECK, Failed, Missing, pins, say, version_of
 from scenes import FLUNG, FLUNG_GENERAL, FORWARD, INVERSE, PROFILE, ROOT, SCENES, Result, Scene
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-import step_cost
-
 CS, ME = "CoSimulation", "ModelExchange"
 # A step is a constant, a difference of times or whole nanoseconds: at any time the sums of the steps are some
 # 2e-16 s apart, half a unit in the last place of 1.5 s. Speeds change by up to 4000 rad/s2.
@@ -188,10 +185,17 @@ def tool(name: str, *words: str) -> str:
     return (done.stdout + done.stderr).strip().split("\n")[0]
 
 
+def processor() -> str:
+    """Name and number of the processors."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return f"{names[0]}, {len(names)} processors" if names else platform.processor()
+
+
 def markdown(outcomes: list[Outcome]) -> str:
     facts = {
         "command": "./build.sh masters",
-        "machine": f"{step_cost.processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
+        "machine": f"{processor()}, {platform.machine()}, {' '.join(platform.libc_ver())}",
         "versions": f"Python {platform.python_version()}, FMPy {version('fmpy')}, "
         f"{tool('java', '-version')}, {tool('cargo', '--version')}",
     }

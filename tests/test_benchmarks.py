@@ -1,17 +1,17 @@
-"""The comparison of benchmarks/work_precision.py is fair: all simulate the same thing. Nothing is timed."""
+"""The comparison of benchmarks/work_precision is fair: all peers simulate the same. No time is tested."""
 
 import dataclasses
-import sys
 
 import numpy as np
 import pytest
-from driver import ROOT
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
 import reference
-import work_precision
-from plain_cam import PlainCam, scipy_advance
-from work_precision import SCENES, CFmu, Exchange, columns, full, of_reference
+
+from benchmarks.harness import core
+from benchmarks.harness.fmu import LOADING, RELEASING, STICK
+from benchmarks.work_precision.fmus import CFmu, build_python_fmu, hand_written, python_fmu
+from benchmarks.work_precision.plain_cam import PlainCam, scipy_advance
+from benchmarks.work_precision.scenes import SCENES, columns, of_reference
+from benchmarks.work_precision.sundials import Exchange, sundae_advance
 
 STRAIGHT, CURVED, STIFF, HOLD = SCENES
 # Its first 10 ms: DOP853 takes steps of 1e-5 s.
@@ -30,7 +30,7 @@ def test_two_references_agree(scene):
 @each_scene
 def test_the_fmu_agrees_with_the_reference(scene):
     for ledger in (True, False):
-        settings = {**full(scene), "ledger": ledger}
+        settings = {**scene.parameters, "ledger": ledger}
         _, found = CFmu(scene, "DualCamForward", settings, 1e-12, 1).run()
         assert max(scene.errors(found)) < 1e-11
 
@@ -63,10 +63,10 @@ def test_model_exchange_in_cvode_agrees_with_the_reference(scene):
 
 @pytest.mark.parametrize("scene", [STRAIGHT, CURVED], ids=lambda scene: scene.name)
 def test_the_hand_written_fmu_is_of_first_order(scene):
-    work_precision.build_hand_written()
+    core.build_hand_written_fmu()
     short = dataclasses.replace(scene, pieces=MOVE)
     steps = np.array([1e-4, 1e-5, 1e-6])
-    errors = [max(short.errors(work_precision.hand_written(short, h, h).run()[1])) for h in steps]
+    errors = [max(short.errors(hand_written(short, h, h).run()[1])) for h in steps]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.05)
 
 
@@ -74,10 +74,10 @@ def test_the_hand_written_fmu_is_of_first_order(scene):
 def test_optional_peers_agree_with_the_reference(package, line):
     pytest.importorskip(package)
     if package == "pythonfmu":
-        work_precision.build_python_fmu()
-        _, found = work_precision.python_fmu(STRAIGHT, "DOP853", 1e-11).run()
+        build_python_fmu()
+        _, found = python_fmu(STRAIGHT, "DOP853", 1e-11).run()
     else:
-        advance = work_precision.sundae_advance("BDF", 1e-11)
+        advance = sundae_advance("BDF", 1e-11)
         found = STRAIGHT.result(PlainCam(STRAIGHT.parameters).run(STRAIGHT.pieces, advance))
     assert max(STRAIGHT.errors(found)) < 1e-6
 
@@ -85,14 +85,14 @@ def test_optional_peers_agree_with_the_reference(package, line):
 @each_scene
 def test_no_scene_meets_what_the_peers_leave_out(scene):
     """No stop, and both pins on the flank of the spring: sampled along the FMU's own motion."""
-    slave = CFmu(scene, "DualCamForward", full(scene), 1e-9, 1).slave
+    slave = CFmu(scene, "DualCamForward", scene.parameters, 1e-9, 1).slave
     instant = 0.0
     for duration, tau in scene.pieces:
         slave.set({"tau": tau})
         for _ in range(20):
             slave.fmu.doStep(instant, duration / 20)
             instant += duration / 20
-            assert slave.integer("mode") in (reference.STICK, reference.LOADING, reference.RELEASING)
+            assert slave.integer("mode") in (STICK, LOADING, RELEASING)
             assert min(slave.real("cam1.reaction"), slave.real("cam2.reaction")) > 0
     assert slave.real("energy.heat_stop") == 0
 

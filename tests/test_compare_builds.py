@@ -2,17 +2,15 @@
 
 import dataclasses
 import math
-import sys
 from functools import partial
 
 import pytest
 from driver import ROOT
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-import compare_builds
-import comparison_scenes as scenes
-from compare_builds import NEW, OLD, Group, Job, groups, judge, run
-from comparison_play import compare, play
+from benchmarks import compare_builds
+from benchmarks import comparison_scenes as scenes
+from benchmarks.compare_builds import NEW, OLD, Group, Job, groups, judge, run
+from benchmarks.comparison_play import compare, play
 
 BUILD = ROOT / "build"
 

@@ -1,19 +1,21 @@
-"""The closed loop of benchmarks/coupling.py: what it claims, its parts, the truth that it measures with."""
+"""The closed loop of benchmarks/coupling: its claim, its parts, and the truth that it measures with."""
 
 import functools
 import math
-import sys
 
 import numpy as np
 import pytest
-from driver import ROOT
 from numpy.polynomial import Polynomial
 from rich.console import Console
 from scipy.integrate import solve_ivp
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-import coupling
-from coupling import LOADING, RELEASING, SCENES, STEP, STICK, Flywheel, Fmu, Master, Monolith
+from benchmarks.coupling.flywheel import Flywheel, expanded
+from benchmarks.coupling.monolith import Monolith
+from benchmarks.coupling.scenes import CAM, GRID, SCENES, STEP, STEPS, Master
+from benchmarks.coupling.study import study
+from benchmarks.harness import core
+from benchmarks.harness.fmu import LOADING, RELEASING, STICK
+from dualcam import Fmu
 
 REVERSALS, STICK_SLIP, DAMPED = SCENES
 WAYS = [False, True]
@@ -23,8 +25,8 @@ CHECK_STEP = 50e-6
 
 @functools.cache
 def studied(scene):
-    with Fmu(coupling.FMU) as slave:
-        return coupling.study(slave, scene, Console(quiet=True), CHECK_STEP)
+    with Fmu(core.fmu_path(core.FORWARD)) as slave:
+        return study(slave, scene, Console(quiet=True), CHECK_STEP)
 
 
 # ---- the claim ----
@@ -47,10 +49,10 @@ def test_orders_of_convergence(scene, in_turn):
     made, (theta, omega) = studied(scene), (0, 2)
     for measure in (theta, omega):
         for n, order in enumerate((1, 2) if scene is DAMPED else (1, 2, 3)):
-            slope = made.convergence(Master(n, in_turn), measure, coupling.STEPS[:3])
+            slope = made.convergence(Master(n, in_turn), measure, STEPS[:3])
             assert slope == pytest.approx(order, abs=0.2)
         if scene is DAMPED:
-            slope = made.convergence(Master(2, in_turn), measure, coupling.STEPS)
+            slope = made.convergence(Master(2, in_turn), measure, STEPS)
             assert slope == pytest.approx(2, abs=0.25)
 
 
@@ -61,9 +63,9 @@ def test_orders_of_convergence(scene, in_turn):
 def test_fmu_and_monolith_agree(scene):
     """To what is left of second order at small steps."""
     made = studied(scene)
-    coarse = made.errors[Master(2), coupling.GRID]
+    coarse = made.errors[Master(2), GRID]
     order = 2 if scene is DAMPED else 3
-    assert (made.agreement < 2 * coarse * (CHECK_STEP / coupling.GRID) ** order).all()
+    assert (made.agreement < 2 * coarse * (CHECK_STEP / GRID) ** order).all()
     assert made.mode_changes == len(made.truth.modes) - 1
 
 
@@ -79,7 +81,7 @@ def test_truth_does_not_depend_on_its_steps(scene):
 def test_truth_conserves_energy(scene):
     """At every instant: the shaft's power is that of inertia, spring and friction, the friction from the
     reactions (mechanism.md, sections 4 and 6). In stick the torque is inside the band of section 3."""
-    cam, monolith = coupling.CAM, Monolith(scene)
+    cam, monolith = CAM, Monolith(scene)
     r, slope, mu = cam["cam1.radius"], 1.0, cam["cam1.friction"]  # both contacts alike: gamma' = 1/2
     rise, half = r * slope / 2, 1 / 2
     for y in studied(scene).truth.states[1:]:  # the first is the start, from which it moves at once
@@ -120,7 +122,7 @@ def test_flywheel_against_an_integrator_and_its_own_equation():
     angle, speed = [0.7, 5.0, -300.0], [5.0, -300.0, 2e4]
     wheel = Flywheel(scene, h)
     wheel.state[:2] = 1.1, 6.0
-    wheel.see(start, [list(pair) for pair in zip(angle, speed, strict=True)])
+    wheel.take_inputs(start, [list(pair) for pair in zip(angle, speed, strict=True)])
     theta, omega = (Polynomial([c0, c1, c2 / 2]) for c0, c1, c2 in (angle, speed))
 
     def torque(t, y):
@@ -150,18 +152,18 @@ def test_expansion_about_another_point():
     derivatives, shift = [0.3, -2.0, 7.0], -0.4
     polynomial = Polynomial([0.3, -2.0, 3.5])
     expected = [polynomial.deriv(i)(shift) if i else polynomial(shift) for i in range(3)]
-    assert coupling.expanded(derivatives, shift) == pytest.approx(expected, rel=1e-14)
+    assert expanded(derivatives, shift) == pytest.approx(expected, rel=1e-14)
 
 
 def test_derivatives_by_the_wrapper():
     """What is read is omega, alpha and the slope of alpha; what is written is a torque that is a parabola."""
     h, parabola = 1e-3, Polynomial([9.0, 50.0, -4e3])
-    with Fmu(coupling.FMU) as slave:
+    with Fmu(core.fmu_path(core.FORWARD)) as slave:
         tau, motion = slave.reals("tau"), slave.reals("theta", "omega")
 
         def after(cuts):
             """Reached through as many steps, and alpha on the way."""
-            slave.start(coupling.CAM | {"initial.theta": 0.5, "tau": 9.0})
+            slave.start(CAM | {"initial.theta": 0.5, "tau": 9.0})
             alphas = [slave.get("alpha")]
             for k in range(cuts):
                 t = k * h / cuts

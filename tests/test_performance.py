@@ -1,4 +1,4 @@
-"""What measures the FMU's speed measures what it says. No time is tested."""
+"""The benchmarks of the FMU's speed measure the quantities that they name. No time is tested."""
 
 import csv
 import ctypes
@@ -14,24 +14,30 @@ import pytest
 from driver import ROOT
 from rich.console import Console
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-import bench
-import build_fmu
-import instructions
-import report
-import step_cost
-import worst_step
+from benchmarks import bench
+from benchmarks.harness import circumstances, core, inputs, instructions, steps
+from benchmarks.harness.fmu import LOWER, RELEASING, STICK, Slave
+from benchmarks.harness.inputs import InputRun, Inputs
+from benchmarks.harness.markdown import rounded
+from benchmarks.harness.repository import DOCS, RESULTS
+from benchmarks.report.page import page
+from benchmarks.step_cost.measure import prepare
+from benchmarks.step_cost.scenes import straight_scenes
+from benchmarks.worst_step import bound, results
+from benchmarks.worst_step.history import History
+from benchmarks.worst_step.scenes import Levels, random_inputs, scenes
+from benchmarks.worst_step.study import study
 
-SCENES = {scene.name: scene for scene in worst_step.scenes()}
+SCENES = {scene.name: scene for scene in scenes()}
 QUIET = Console(quiet=True)
 counts = pytest.mark.skipif(not instructions.available(), reason="valgrind is not installed")
 PLAIN_GLIBC = "glibc.cpu.hwcaps=-AVX512F,-AVX512VL,-AVX512BW"  # see manual of glibc, Tunables
 is_x86 = sys.platform == "linux" and platform.machine() == "x86_64"
 
 
-def rig_of(name, steps):
+def run_of(name, count):
     parameters = SCENES[name].parameters
-    return worst_step.Rig(parameters, worst_step.program(steps, worst_step.Levels.of(parameters)))
+    return InputRun(parameters, random_inputs(count, Levels.of(parameters)))
 
 
 def run_alone(test):
@@ -46,8 +52,8 @@ def run_alone(test):
 def single_step(tmp_path_factory):
     """The processor's own count of instructions."""
     library = tmp_path_factory.mktemp("single_step") / "single_step.so"
-    flags = [*build_fmu.TARGET, "-O2", "-fPIC", "-shared", "-include", "stddef.h"]
-    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "tests/native/single_step.c"], library)
+    flags = ["-O2", "-fPIC", "-shared", "-include", "stddef.h"]
+    core.compile_c(flags, [ROOT / "tests/native/single_step.c"], library)
     loop = ctypes.CDLL(str(library)).count_traps
     loop.restype = ctypes.c_uint64
     return loop
@@ -64,17 +70,17 @@ def test_callgrind_counts_what_the_processor_executes(name, request):
         run_alone(request.node.name)
         return
     single_step = request.getfixturevalue("single_step")
-    rig = rig_of(name, 1500)
-    changes = np.diff(rig.record()[0][:, 1], prepend=0)
+    run = run_of(name, 1500)
+    changes = np.diff(run.record()[0][:, 1], prepend=0)
     chosen = np.sort(np.concatenate([np.flatnonzero(changes == n)[-2:] for n in (0, 1)]))
-    counted, executed = rig.count(chosen), []
-    rig.slave.fmu.setFMUState(rig.state)
+    counted, executed = run.count(chosen), []
+    run.slave.fmu.setFMUState(run.state)
     here = 0
     for k in chosen.tolist():
-        rig.run("run_steps", first=here, end=k)
+        run.run("run_steps", first=here, end=k)
         here = k + 1
         executed.append(
-            single_step(rig.loops.run_steps, ctypes.byref(rig.rig), ctypes.byref(rig.part(k, here)))
+            single_step(run.loops.run_steps, ctypes.byref(run.instance), ctypes.byref(run.part(k, here)))
         )
     around = np.array(executed) - counted
     assert counted.min() > 300 and counted.max() > 5000
@@ -84,18 +90,18 @@ def test_callgrind_counts_what_the_processor_executes(name, request):
 @counts
 def test_as_many_more_steps_take_as_many_more_instructions():
     """At rest, where each step does the same. One of an FMU that does nothing takes some, always the same."""
-    scene = next(s for s in step_cost.straight_scenes() if s.name == "stuck")
-    loops = step_cost.compile_loops()
-    run, _ = step_cost.prepare(scene, loops)
-    null = step_cost.Run(loops, step_cost.Slave("NullFmu"), run.torque, run.steps, 0.0)
+    scene = next(s for s in straight_scenes() if s.name == "stuck")
+    loops = steps.load_loops()
+    run, _ = prepare(scene, loops)
+    null = steps.StepBlock(loops, Slave(core.NULL), run.torque, run.steps, 0.0)
 
-    def of(made, steps):
+    def of(made, count):
         job = made.job()
-        return {**job, **{name: job[name][: 8 * steps] for name in ("steps", "torques")}}
+        return {**job, **{name: job[name][: 8 * count] for name in ("steps", "torques")}}
 
     lengths = (200, 500, 800)
     jobs = [of(made, n) for made in (run, null) for n in lengths]
-    at_rest, nothing = np.array(instructions.count(step_cost.library(), jobs)).reshape(2, 3)
+    at_rest, nothing = np.array(instructions.count(steps.library(), jobs)).reshape(2, 3)
     assert np.diff(at_rest, 2) == pytest.approx(0, abs=0.001 * at_rest[0])
     assert nothing.tolist() == [n * (nothing[0] // 200) for n in lengths]
     assert 20 < nothing[0] / 200 < at_rest[0] / 200 < 1000
@@ -103,34 +109,33 @@ def test_as_many_more_steps_take_as_many_more_instructions():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_long_run_has_everything_in_it(name):
-    rig = rig_of(name, 20_000)
-    history = worst_step.History.of(*rig.record(), rig.steps)
+    run = run_of(name, 20_000)
+    history = History.of(*run.record(), run.inputs)
     missing = {kind for kind, mask in history.kinds().items() if not mask.any()}
     assert missing == ({"impact, upper stop", "impact, lower stop"} if name == "no inertia" else set())
     assert history.changes.min() == 0 and history.changes.max() > 1
 
 
 def test_the_history_is_what_a_master_sees():
-    rig = rig_of("ellipses", 400)
-    integers, reals = rig.record()
-    slave, steps = rig.slave, rig.steps
-    slave.fmu.setFMUState(rig.state)
-    for k in range(len(steps)):
-        slave.set({"tau": steps.tau[k], "F_ext": steps.force[k]})
-        if steps.tau_rate[k] != 0.0:
-            slave.fmu.setRealInputDerivatives([slave.references["tau"]], [1], [steps.tau_rate[k]])
-        slave.fmu.doStep(k * worst_step.STEP, worst_step.STEP)
+    run = run_of("ellipses", 400)
+    integers, reals = run.record()
+    slave, given = run.slave, run.inputs
+    slave.fmu.setFMUState(run.state)
+    for k in range(len(given)):
+        slave.set({"tau": given.tau[k], "F_ext": given.force[k]})
+        if given.tau_rate[k] != 0.0:
+            slave.fmu.setRealInputDerivatives([slave.references["tau"]], [1], [given.tau_rate[k]])
+        slave.fmu.doStep(k * inputs.STEP, inputs.STEP)
         assert (slave.integer("mode"), slave.integer("events")) == tuple(integers[k])
-        assert [slave.real(name) for name in worst_step.READ] == reals[k].tolist()
+        assert [slave.real(name) for name in inputs.READ] == reals[k].tolist()
 
 
 def test_a_step_is_told_by_its_kinds():
     """Two steps of a ball that falls on the lower stop and one that stays stuck, written by hand."""
-    stick, releasing, lower = worst_step.STICK, worst_step.RELEASING, worst_step.LOWER
-    integers = np.array([[stick, 0], [releasing, 1], [lower, 4]], dtype=np.int32)
+    integers = np.array([[STICK, 0], [RELEASING, 1], [LOWER, 4]], dtype=np.int32)
     reals = np.array([[1.0, 0.0, 0.0, 5.0, 5.0], [0.9, -1.0, 0.0, 5.0, 5.0], [0.0, 0.0, 0.2, 5.0, 5.0]])
-    steps = worst_step.Program(np.array([1.0, -1.0, -1.0]), np.zeros(3), np.zeros(3))
-    history = worst_step.History.of(integers, reals, steps)
+    given = Inputs(np.array([1.0, -1.0, -1.0]), np.zeros(3), np.zeros(3))
+    history = History.of(integers, reals, given)
     kinds = {kind: mask.tolist() for kind, mask in history.kinds().items() if mask.any()}
     assert kinds == {
         "stick throughout": [True, False, False],
@@ -143,39 +148,41 @@ def test_a_step_is_told_by_its_kinds():
 
 
 def test_the_bound_finds_all_limits_in_the_sources():
-    bound = worst_step.bound()
-    assert bound.evaluations_per_step > 1e9 and worst_step.bound_of_closed_form() > 1000
-    assert bound.legs == 200_000  # mechanism.c says so in its message, too
-    assert "%d mode" in (ROOT / "fmu_src/mechanism.c").read_text()
+    made = bound.bound()
+    assert made.evaluations_per_step > 1e9 and bound.bound_of_closed_form() > 1000
+    assert made.segments == 200_000  # the message of a refused step has the number, too
+    assert "%d mode" in core.source_text("forward/step")
 
 
 def test_without_valgrind_there_are_times_only(monkeypatch, tmp_path):
     monkeypatch.setattr(instructions, "available", lambda: False)
-    made = worst_step.study(SCENES["helices"], 500, 2, 5, QUIET)
-    rows = list(worst_step.rows_of(made))
+    made = study(SCENES["helices"], 500, 2, 5, QUIET)
+    rows = list(results.rows_of(made))
     assert all(row["instructions_worst"] == "" for row in rows)
     whole = next(row for row in rows if row["what"] == "all")
     assert whole["steps"] == "500" and float(whole["ns_worst"]) >= float(whole["ns_median"]) > 0.0
-    worst_step.picture([made], step_cost.circumstances("worst"), tmp_path / "worst.png")
+    results.picture([made], circumstances.circumstances("worst"), tmp_path / "worst.png")
     assert (tmp_path / "worst.png").exists()
 
 
 def test_all_parts_write_numbers_pictures_and_circumstances(tmp_path):
     """All but the comparison with other solvers, which takes a minute at its quickest."""
     folder = tmp_path / "results"
-    shutil.copytree(bench.RESULTS, folder)
+    shutil.copytree(RESULTS, folder)
     parts = [part for part in bench.PARTS if part.command != "precision"]
     for part in parts:
         (folder / f"{part.name}.csv").unlink()
         (folder / f"{part.name}.png").unlink(missing_ok=True)
-    words = [sys.executable, ROOT / "benchmarks/bench.py", "--quick", "--folder", folder]
-    done = subprocess.run([*words, *(part.command for part in parts)], capture_output=True, text=True)
+    words = [sys.executable, "-m", "benchmarks.bench", "--quick", "--folder", folder]
+    done = subprocess.run(
+        [*words, *(part.command for part in parts)], cwd=ROOT, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     assert (folder / "performance.md").read_text().startswith("# How fast")
     for part in parts:
         with (folder / f"{part.name}.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))
-        assert rows and all(row[fact] for row in rows for fact in report.FACTS)
+        assert rows and all(row[fact] for row in rows for fact in circumstances.FACTS)
         assert {row["command"].split()[1] for row in rows} == {part.command}
         if part.drawn:
             height, width, _ = matplotlib.image.imread(folder / f"{part.name}.png").shape
@@ -183,16 +190,16 @@ def test_all_parts_write_numbers_pictures_and_circumstances(tmp_path):
 
 
 def test_the_page_is_that_of_the_results():
-    written = (ROOT / "docs/performance.md").read_text()
-    assert written == report.page(bench.RESULTS, ROOT / "docs")
+    written = (DOCS / "performance.md").read_text()
+    assert written == page(RESULTS, DOCS)
     for line in written.splitlines():
         if line.startswith("!["):
-            assert (ROOT / "docs" / line[line.index("(") + 1 : -1]).exists()
+            assert (DOCS / line[line.index("(") + 1 : -1]).exists()
 
 
 def test_an_unknown_part_is_refused():
-    words = [sys.executable, ROOT / "benchmarks/bench.py", "nonsense"]
-    done = subprocess.run(words, capture_output=True, text=True, env=os.environ)
+    words = [sys.executable, "-m", "benchmarks.bench", "nonsense"]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, env=os.environ)
     assert done.returncode == 2 and "no such part: nonsense" in done.stderr
 
 
@@ -200,4 +207,4 @@ def test_an_unknown_part_is_refused():
     "value, text", [("0", "0"), ("1234.5", "1,230"), ("0.012345", "0.0123"), ("2.5e6", "2.5e6")]
 )
 def test_numbers_have_three_digits(value, text):
-    assert report.rounded(value) == text
+    assert rounded(value) == text

@@ -1,14 +1,17 @@
-"""A small part of the stress table (benchmarks/stress.py), and its own judges."""
+"""A small part of the stress table (benchmarks/stress), and its own judges."""
 
-import sys
+from dataclasses import replace
 
-import driver
+import general_scenes
 import numpy as np
 import pytest
-from driver import ROOT
 
-sys.path.insert(0, str(ROOT / "benchmarks"))
-import stress
+from benchmarks.stress import forces, judges
+from benchmarks.stress.at_random import fuzz
+from benchmarks.stress.drive import prepare
+from benchmarks.stress.families import FAMILIES
+from benchmarks.stress.judges import judge
+from benchmarks.stress.mechanisms import Tables
 
 SHARE = {"tolerances": 60, "lead": 40, "friction": 40, "dwell": 60}
 PATIENCE = 2  # seconds for one reference
@@ -16,39 +19,38 @@ PATIENCE = 2  # seconds for one reference
 
 @pytest.fixture(scope="module")
 def libraries():
-    paths = stress.prepare()
-    return {False: driver.load(paths.shipped), True: driver.load(paths.general)}
+    return prepare().load()
 
 
 def wrong(scenes, libraries) -> list[str]:
     """What is wrong, and with which scene."""
-    return [f"{s.label}: {text}" for s in scenes for text in stress.judge(s, libraries).problems]
+    return [f"{s.label}: {text}" for s in scenes for text in judge(s, libraries).problems]
 
 
-@pytest.mark.parametrize("name", stress.FAMILIES)
+@pytest.mark.parametrize("name", FAMILIES)
 def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
-    monkeypatch.setattr(stress, "PATIENCE", PATIENCE)
-    scenes = list(stress.FAMILIES[name](stress.Tables(tmp_path)))
+    monkeypatch.setattr(judges, "PATIENCE", PATIENCE)
+    scenes = list(FAMILIES[name](Tables(tmp_path)))
     chosen = [s for s in scenes if len(s.intervals) < 10][:: SHARE.get(name, 25)]
     assert chosen
     assert not wrong(chosen, libraries)
 
 
 def test_some_at_random(libraries, tmp_path):
-    assert not wrong(stress.fuzz(stress.Tables(tmp_path), 60, seed=1), libraries)
+    assert not wrong(fuzz(Tables(tmp_path), 60, seed=1), libraries)
 
 
 def test_changed_data_stay_within_their_limits():
     """Else the changed scene is refused, and nothing seems to amplify what changed."""
     rng, scene = np.random.default_rng(3), {"stop.restitution": 1.0, "cam1.radius": 0.02}
-    changed = [stress.general_scenes.nudged(scene, [], rng, 1e-9)[0] for _ in range(20)]
+    changed = [general_scenes.nudged(scene, [], rng, 1e-9)[0] for _ in range(20)]
     assert {c["stop.restitution"] for c in changed} == {1.0 - 1e-9, 1.0}
     assert {c["cam1.radius"] for c in changed} == {0.02 * (1.0 - 1e-9), 0.02 * (1.0 + 1e-9)}
 
 
 def test_a_wrong_reference_is_noticed(libraries, tmp_path):
-    scene = next(stress.stiffness(stress.Tables(tmp_path)))
-    verdict = stress.judge(scene, libraries)
+    scene = next(forces.stiffness(Tables(tmp_path)))
+    verdict = judge(scene, libraries)
     assert verdict.judged and not verdict.problems
     changed = scene.params | {"cam1.friction": 0.14 + 1e-6}
-    assert stress.judge(stress.replace(scene, instead=changed), libraries).problems
+    assert judge(replace(scene, instead=changed), libraries).problems

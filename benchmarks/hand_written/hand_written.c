@@ -1,6 +1,7 @@
 /* The mechanism as it is often written by hand: an explicit FMU with a fixed step of its own, semi-implicit Euler,
- * friction by sign(omega), stick below a velocity threshold. A peer of work_precision.py; equations of section 6,
- * with both grooves alike (gamma = theta/2) and pins that keep their flank, as in plain_cam.py.
+ * friction by sign(omega), stick below a velocity threshold. A peer of benchmarks/work_precision. Equations of
+ * docs/mechanism.md, section 6, with both grooves alike (gamma = theta/2) and pins that keep their flank, as in
+ * plain_cam.py.
  */
 #include <math.h>
 
@@ -8,7 +9,7 @@
 
 /* z, g' and g'' at psi. */
 typedef struct {
-    double z, a, bend;
+    double z, a, dda;
 } Groove;
 
 /* kept: the slope of the helix; or sine and cosine with which the ellipse starts. */
@@ -19,9 +20,9 @@ static Groove groove_at(const Values *p, double psi) {
         return (Groove){slope * psi, slope, 0.0};
     }
     const double b = p->real[VR_cam1_ellipse_b], kappa = p->integer[VR_cam1_ellipse_curvature];
-    const double turn = kappa * r / p->real[VR_cam1_ellipse_a], c0 = p->kept[1];
-    const double s = p->kept[0] + turn * psi, c = sqrt(1.0 - s * s), slope = kappa * turn * b / c;
-    return (Groove){kappa * b * (c0 - c), slope * s, turn * slope / (c * c)};
+    const double ds_dpsi = kappa * r / p->real[VR_cam1_ellipse_a], c0 = p->kept[1];
+    const double s = p->kept[0] + ds_dpsi * psi, c = sqrt(1.0 - s * s), slope = kappa * ds_dpsi * b / c;
+    return (Groove){kappa * b * (c0 - c), slope * s, ds_dpsi * slope / (c * c)};
 }
 
 /* Torque per axial force, sliding in direction sigma. */
@@ -51,7 +52,7 @@ static void euler(Values *p, double tau, double h) {
     const double c = p->real[sigma > 0.0 ? VR_damper_c_load : VR_damper_c_release];
     const double q = p->real[sigma > 0.0 ? VR_damper_q_load : VR_damper_q_release];
     const double m = p->real[VR_inertia_follower_mass];
-    const double axial = spring + v * (c + q * fabs(v)) + m * g.bend / 4.0 * omega * omega;
+    const double axial = spring + v * (c + q * fabs(v)) + m * g.dda / 4.0 * omega * omega;
     const double inertia = p->real[VR_inertia_shaft] + ratio * m * half + p->real[VR_inertia_follower] / 4.0;
     double next = omega + h * (tau - p->real[VR_shaft_damping] * omega - ratio * axial) / inertia;
     if (sign(next) == -sign(omega)) next = 0.0;

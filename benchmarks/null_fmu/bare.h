@@ -1,6 +1,6 @@
-/* FMI 2.0 around a model that is written by hand in one file, as small as it can be: Set stores, Get returns what
- * was stored. It checks nothing but the bounds of its array, keeps no state machine and logs nothing. The file
- * that includes it writes fmi2ExitInitializationMode and fmi2DoStep.
+/* The smallest FMI 2.0 around a model that is written by hand in one file: Set stores a value, Get returns the stored
+ * value. Only the bounds of the array are checked. There is no state machine and no logging. The including file
+ * defines fmi2ExitInitializationMode and fmi2DoStep.
  */
 #ifndef BARE_H
 #define BARE_H

@@ -1,5 +1,6 @@
-/* What an FMU of FMI 2.0 without capabilities does with the calls that need one, and with those that it need not
- * mind: fmi2Error, and success without effect. All functions are there, since masters insist.
+/* The functions of FMI 2.0 that an FMU without capabilities does not support. Calls that need a capability return
+ * fmi2Error; calls that the FMU may ignore succeed without effect. All functions exist, because masters look all of
+ * them up.
  */
 #ifndef INCAPABLE_H
 #define INCAPABLE_H

@@ -1,7 +1,7 @@
-/* The FMU that does nothing: what a step costs through FMI 2.0 when no model is behind it.
+/* The FMU that does nothing: the cost of a step through FMI 2.0 without a model.
  *
- * DoStep returns fmi2OK; the rest is bare.h. No working FMU can be cheaper: the floor of step_cost.py. It has the
- * variables of DualCamForward, so that a master treats both alike.
+ * DoStep returns fmi2OK; all other functions are in bare.h. No working FMU can be cheaper: this FMU is the floor of
+ * benchmarks/step_cost. It has the variables of DualCamForward, so that a master treats both FMUs alike.
  */
 #include "bare.h"
 

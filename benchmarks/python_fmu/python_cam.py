@@ -1,8 +1,11 @@
-"""The forward mechanism as users of PythonFMU write it: SciPy with events inside do_step."""
+"""The forward mechanism as users of PythonFMU write it: SciPy with events inside do_step.
+
+The FMU holds this file and benchmarks/work_precision/plain_cam.py beside each other.
+"""
 
 import json
 
-from plain_cam import PlainCam, scipy_advance
+from plain_cam import PlainCam, scipy_advance  # type: ignore[import-not-found]
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real, String
 
 

@@ -1,0 +1,1 @@
+"""Benchmarks of the FMUs: one question per module or package, each run as `python -m benchmarks.<name>`."""

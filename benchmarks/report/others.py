@@ -1,0 +1,107 @@
+"""The sections on absent parts, growth, start-up and control loops in Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from benchmarks.harness.markdown import prose, read, rounded, table
+
+
+def skipping(folder: Path, picture: str) -> str:
+    rows = read(folder, "skipping")
+    parts = [
+        "## Absent parts",
+        f"![Time of a step before and after leaving a part out]({picture})",
+        "Each part of the mechanism is left out by itself: time of a slipping step before and after.",
+    ]
+    for title in dict.fromkeys(row["mechanism"] for row in rows):
+        cells = [
+            [
+                row["without"].strip("()"),
+                rounded(row["ns_before"]),
+                rounded(row["ns_per_step"]),
+                row["verdict"].replace("DEFECT", "saves nothing, though it could"),
+            ]
+            for row in rows
+            if row["mechanism"] == title and row["without"] != "everything"
+        ]
+        parts += [f"In {title}:", table(["without", "before, ns", "after, ns", ""], cells)]
+    return "\n\n".join(parts)
+
+
+FLAT = 1.5  # a cost per unit that grows or falls by less than this factor is flat
+GROWTH = {  # the reason why a cost is not flat
+    "table points: step": "in proportion to the knots that the step passes, each of which ends a segment",
+    "table points: knot passed": "the cost of the step itself is shared by more knots",
+    "table points: initialise": "the cost of initialising without a table is shared by few points",
+    "steps": "the first step after instantiating meets cold caches",
+    "instances: step": "many instances exceed the processor's caches",
+    "instances: initialise": "a single instance meets cold caches",
+    "instances: instantiate": "many instances exceed the caches, and the system clears new memory",
+}
+
+
+def growth(folder: Path, picture: str) -> str:
+    rows = read(folder, "growth")
+    whats = [what for what in dict.fromkeys(row["what"] for row in rows) if not what.startswith("start-up")]
+    cells = []
+    for what in whats:
+        found = [row for row in rows if row["what"] == what]
+        first, last = found[0], found[-1]
+        times = [float(row["us_per_unit"]) for row in found]
+        grows = times[-1] / times[0]
+        flat = 1.0 / FLAT <= grows <= FLAT
+        verdict = "flat" if flat else GROWTH.get(what, "not flat")
+        if what == "threads":
+            verdict = f"two threads do {rounded(str(1.0 / grows))} times the work of one"
+        memory = last["bytes_per_unit"]
+        cells.append(
+            [
+                what,
+                f"{rounded(first['size'])} to {rounded(last['size'])}",
+                f"{rounded(first['us_per_unit'])} to {rounded(last['us_per_unit'])}",
+                last["unit"],
+                rounded(memory),
+                verdict,
+            ]
+        )
+    starts = [row for row in rows if row["what"].startswith("start-up")]
+    total = sum(float(row["us_per_unit"]) for row in starts)
+    shares = [
+        [
+            row["what"].removeprefix("start-up: "),
+            rounded(row["us_per_unit"]),
+            f"{100.0 * float(row['us_per_unit']) / total:.0f} %",
+        ]
+        for row in starts
+    ]
+    return "\n\n".join(
+        [
+            "## Growth and start-up",
+            f"![Time per unit against their number, and the parts of start-up]({picture})",
+            "Time and memory per unit, from the smallest number to the largest:",
+            table(["what", "number", "us per unit", "unit", "bytes per unit at the largest", ""], cells),
+            "Start-up, from C, in a new process each:",
+            table(["part", "us", "share"], [*shares, ["all", rounded(str(total)), ""]]),
+        ]
+    )
+
+
+def loop(folder: Path) -> str:
+    rows = read(folder, "loop_cost")
+    turns = int(rows[0]["turns"])
+    cells = [
+        [r["through"], rounded(str(1e6 * float(r["seconds"]) / turns)), rounded(r["share_of_cam"])]
+        for r in rows
+    ]
+    return "\n\n".join(
+        [
+            "## A control loop in Python",
+            prose(
+                f"""The loop has {turns:,} turns. Each turn sets a torque, steps 1 ms, reads angle and speed.
+                "cam" is the FMU through `dualcam.Fmu`. The other rows are an FMU that does nothing: through
+                `dualcam.Fmu`, by bare ctypes, and by FMPy's methods."""
+            ),
+            table(["through", "us per turn", "share of cam"], cells),
+        ]
+    )

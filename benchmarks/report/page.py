@@ -1,0 +1,51 @@
+"""The page docs/performance.md: all sections, and the circumstances of their measurements."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from benchmarks.harness.circumstances import FACTS
+from benchmarks.harness.markdown import prose, read, table
+from benchmarks.report.others import growth, loop, skipping
+from benchmarks.report.precision import precision
+from benchmarks.report.step_cost import step_cost
+from benchmarks.report.worst_step import worst_step
+
+FILES = ("work_precision", "step_cost", "worst_step", "skipping", "growth", "loop_cost")
+
+
+def circumstances(folder: Path) -> str:
+    cells = []
+    for name in FILES:
+        row = read(folder, name)[0]
+        cells.append([f"`{name}.csv`", *(row[fact] for fact in FACTS)])
+    return "## Circumstances\n\n" + table(["file", *FACTS], cells)
+
+
+def page(results: Path, place: Path) -> str:
+    """The text of the page. `place`: its folder, from which the pictures are linked."""
+
+    def picture(name: str) -> str:
+        return Path(os.path.relpath(results / f"{name}.png", place)).as_posix()
+
+    return (
+        "\n\n".join(
+            [
+                "# How fast, and how near to the limit",
+                prose(
+                    """`python -m benchmarks.report` writes this page at the end of `./build.sh bench` (about
+                    ten minutes) from `benchmarks/results/*.csv`, which have the spreads too. Every part has a
+                    command of its own, which the last table names."""
+                ),
+                precision(results, picture("work_precision")),
+                step_cost(results, picture("step_cost")),
+                worst_step(results, picture("worst_step")),
+                skipping(results, picture("skipping")),
+                growth(results, picture("growth")),
+                loop(results),
+                circumstances(results),
+            ]
+        )
+        + "\n"
+    )

@@ -1,0 +1,100 @@
+"""Rates, the profile of a run, and the memory of a whole study."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+
+import fmpy
+import numpy as np
+from rich.console import Console
+
+from benchmarks.harness import core
+from benchmarks.harness.processes import resident_bytes
+from benchmarks.harness.timing import Block, in_turns
+from benchmarks.study_rate.in_c import in_c
+from benchmarks.study_rate.study import RAMPS, RESULTS, VARY, seconds_of_runs, study
+from dualcam.fmu import Array
+from dualcam.study.runner import Runner
+
+NAIVE_RUNS = 10
+
+
+def naive(rows: Array) -> float:
+    """Seconds per run of fmpy.simulate_fmu."""
+    names = [(name, float) for name in ("time", "tau", "F_ext")]
+    torque = np.array([(0.0, 8.0, 0.0), (0.2, 8.0, 0.0), (0.2, 0.0, 0.0)], dtype=names)
+    start = time.perf_counter()
+    for row in rows[:NAIVE_RUNS]:
+        fmpy.simulate_fmu(
+            str(core.fmu_path(core.FORWARD)),
+            stop_time=0.4,
+            step_size=0.2,
+            output_interval=0.2,
+            start_values=dict(zip(VARY, row.tolist(), strict=True)),
+            input=torque,
+            output=[name.partition("@")[0] for name in RESULTS],
+        )
+    return (time.perf_counter() - start) / NAIVE_RUNS
+
+
+def profile(runner: Runner, rows: Array) -> dict[str, float]:
+    """Microseconds of a run by FMI function; the clock's own time is taken off."""
+    clock = time.perf_counter
+    totals: dict[str, float] = {}
+    plain = list(runner.calls)
+
+    def timed(call: Callable[[], int], name: str) -> int:
+        start = clock()
+        status = call()
+        totals[name] += clock() - start
+        return status
+
+    for k, call in enumerate(plain):
+        assert isinstance(call, partial)
+        totals[call.func.__name__] = 0.0
+        runner.calls[k] = partial(timed, call, call.func.__name__)
+    runner.run(rows)
+    runner.calls[:] = plain
+    start = clock()
+    for _ in rows:
+        clock()
+    tick = (clock() - start) / len(rows)
+    names = [call.func.__name__ for call in plain if isinstance(call, partial)]
+    return {name: 1e6 * (total / len(rows) - names.count(name) * tick) for name, total in totals.items()}
+
+
+def memory(runs: int) -> tuple[float, float, float]:
+    """Most MiB during the second tenth of the chunks and during the last, and runs per second, of a study in
+    this process. The memory goes up and down from chunk to chunk."""
+    whole = study(runs=runs)
+    whole.plan.rows(0, 1)  # the plan's own table is there from the start
+    seen: list[float] = []
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        whole.make(
+            folder,
+            workers=0,
+            form="csv",
+            chunk=max(runs // 100, 1),
+            each=lambda: seen.append(resident_bytes() / 2**20),
+        )
+    tenth = len(seen) // 10
+    return max(seen[tenth : 2 * tenth]), max(seen[-tenth:]), runs / (time.perf_counter() - start)
+
+
+def rates(cam: Runner, rows: Array, rounds: int, console: Console) -> dict[str, list[float]]:
+    """Seconds per run, by the ways to run the study, in every round."""
+    null = Runner(study(core.NULL).job())
+    blocks: dict[str, Block] = {
+        "cam": partial(seconds_of_runs, cam, rows),
+        "cam, reset": partial(seconds_of_runs, Runner(study().job(), saves_state=False), rows),
+        "null": partial(seconds_of_runs, null, rows),
+        "cam, ramps": partial(seconds_of_runs, Runner(study(history=RAMPS).job()), rows),
+        "cam, in C": in_c(cam, rows),
+        "null, in C": in_c(null, rows),
+        "naive": partial(naive, rows),
+    }
+    return in_turns(blocks, rounds, "runs", console)

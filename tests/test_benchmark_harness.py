@@ -1,0 +1,103 @@
+"""The harness of the benchmarks: processes, limits in the C sources, the commit that results carry."""
+
+import os
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from benchmarks.harness import circumstances, core
+from benchmarks.harness.processes import Lost, TooLong, in_processes, time_limit
+
+
+def square_or_fail(number):
+    if number == 3:
+        os._exit(7)
+    if number == 4:
+        time.sleep(60.0)
+    return number * number
+
+
+def test_a_process_that_crashes_or_hangs_is_a_result_and_the_others_go_on():
+    found = dict(in_processes(range(8), lambda: square_or_fail, workers=2, longest=1.5))
+    assert found.pop(3) == Lost("crash: exit code 7")
+    assert found.pop(4) == Lost("hangs: more than 1.5 s")
+    assert found == {n: n * n for n in (0, 1, 2, 5, 6, 7)}
+
+
+def test_the_time_limit_ends_work_and_leaves_no_alarm():
+    with pytest.raises(TooLong), time_limit(0.05):
+        time.sleep(5.0)
+    with time_limit(0.05):
+        pass
+    time.sleep(0.1)
+
+
+def test_limits_are_read_from_all_files(monkeypatch, tmp_path):
+    """Wherever the file stands, and however the constant is defined."""
+    (tmp_path / "room").mkdir()
+    (tmp_path / "room/loop.c").write_text("enum { FEW = 12 };\nstatic const double SMALL = 1e-13;\n")
+    (tmp_path / "room/loop.h").write_text("#define MANY 200000\nfor (int n = 0; n < 9; n++) {}\n")
+    monkeypatch.setattr(core, "FMU_SRC", tmp_path)
+    names = {"few": "FEW", "small": "SMALL", "many": "MANY", "loop": "", "none": "NONE"}
+    monkeypatch.setattr(core, "LOOP_LIMITS", {name: ("loop", constant) for name, constant in names.items()})
+    assert [core.loop_limit(name) for name in ("few", "small", "many", "loop")] == [12.0, 1e-13, 2e5, 9.0]
+    with pytest.raises(KeyError):
+        core.loop_limit("none")
+    with pytest.raises(FileNotFoundError):
+        core.source_text("elsewhere")
+
+
+@pytest.fixture
+def repository(tmp_path):
+    """A repository with one commit."""
+    (tmp_path / "code.c").write_text("int x;\n")
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/page.md").write_text("old\n")
+    git(tmp_path, "init", "-q")
+    git(tmp_path, "add", ".")
+    commit(tmp_path, "first")
+    return tmp_path
+
+
+def git(folder: Path, *words: str) -> str:
+    identity = ["-c", "user.name=test", "-c", "user.email=test@example.org"]
+    done = subprocess.run(["git", *identity, *words], cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def commit(folder: Path, message: str, *words: str) -> None:
+    git(folder, "commit", "-q", "--no-gpg-sign", "-m", message, *words)
+
+
+def test_the_recorded_commit_is_the_one_that_is_checked_out(repository):
+    recorded = circumstances.commit(repository)
+    assert git(repository, "rev-parse", "HEAD").startswith(recorded) and len(recorded) >= 12
+    assert circumstances.is_in_history(recorded, repository)
+
+
+def test_a_changed_or_a_new_file_is_told(repository):
+    clean = circumstances.commit(repository)
+    (repository / "docs/page.md").write_text("written by a benchmark\n")
+    assert circumstances.commit(repository) == clean
+    for name in ("code.c", "new.c"):
+        (repository / name).write_text("int y;\n")
+        changed = circumstances.commit(repository)
+        assert changed == clean + circumstances.CHANGED
+        assert not circumstances.is_in_history(changed, repository)
+        git(repository, "add", ".")
+        commit(repository, name)
+        clean = circumstances.commit(repository)
+
+
+def test_an_amended_commit_leaves_the_history(repository):
+    recorded = circumstances.commit(repository)
+    (repository / "code.c").write_text("int z;\n")
+    commit(repository, "amended", "-a", "--amend")
+    assert not circumstances.is_in_history(recorded, repository)
+
+
+def test_without_a_repository_the_commit_is_unknown(tmp_path):
+    found = circumstances.commit(tmp_path)
+    assert found == "unknown" and not circumstances.is_in_history(found, tmp_path)
