@@ -1,15 +1,11 @@
 import ctypes
-import sys
 import zipfile
 
+import build_fmu
 import pytest
 from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
-
-sys.path.insert(0, str(ROOT / "fmu_src"))
-sys.path.insert(0, str(ROOT))  # dualcam is the one here, wherever another one is installed
-import build_fmu
 
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
 # profile would depend on which tests ran before in the same process.

@@ -4,12 +4,12 @@ import ctypes
 import math
 import re
 import subprocess
-import sys
 import xml.etree.ElementTree as ET
 import zipfile
 from ctypes import byref, c_bool, c_double, c_int, c_int32, c_size_t, c_uint, c_void_p
 from pathlib import Path
 
+import build_fmu
 import driver as fmi2
 import driver3
 import fmpy
@@ -20,9 +20,6 @@ from driver3 import CONSTANT, DEPENDENT, FORWARD, INVERSE, OTHER, Driver, models
 from lxml import etree
 from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
 from reference import LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
-
-sys.path.insert(0, str(ROOT / "fmu_src"))
-import build_fmu
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema/fmi3"
 MODE_CHANGES_MEET = 1e-9  # s: to the default tolerance, times of order 1 s

@@ -24,8 +24,13 @@ from pathlib import Path
 
 import build_fmu
 import fmpy
+import install
+import job
 import numpy as np
+import players
 import pytest
+import run
+import scenes
 from driver import (
     CO_SIMULATION,
     FORWARD,
@@ -37,14 +42,6 @@ from driver import (
     models,
     to_c,
 )
-
-sys.path.insert(0, str(ROOT / "masters/hosts"))
-sys.path.insert(0, str(ROOT / "masters"))
-import install
-import job
-import players
-import run
-import scenes
 from install import Failed, Missing
 
 INVERSE = models["DualCamInverse"]

@@ -45,15 +45,13 @@ class OdeFlow:
 
     @staticmethod
     def _vanished(problem: EventProblem, time: float, y: np.ndarray) -> str | None:
-        """Name of a contact whose load is zero at a knot. In a dwell without friction the other contact is idle;
-        the flank on which this contact bears after the dwell is decided anew."""
+        """Name of a contact whose load is zero at a knot. In a dwell without friction the other contact is
+        idle; the flank on which this contact bears after the dwell is decided anew."""
         watched, _ = problem.observe(time, y)
-        idle = (
-            n
-            for n in ("cross1", "cross2")
-            if n in watched and abs(watched[n]) <= 1e-12 * problem.zero_scale[n]
-        )
-        return next(idle, None)
+        for name in ("cross1", "cross2"):
+            if name in watched and abs(watched[name]) <= 1e-12 * problem.zero_scale[name]:
+                return name
+        return None
 
     @staticmethod
     def _problem(

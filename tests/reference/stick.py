@@ -9,7 +9,8 @@ from .state import State
 
 def rest(state: State) -> tuple[int, int, Number]:
     """(mode, 0, until) if the mechanism rests, (0, sigma, until) if it slips. The decision is valid up to the
-    time `until`; it is made for the middle of that span, so that a ramp resolves a torque exactly on an edge."""
+    time `until`; it is made for the middle of that span, so that a ramp resolves a torque exactly
+    on an edge."""
     mech, number = state.mechanism, state.arithmetic.number
     kin = mech.groove.at(state.theta)
     fs = mech.spring_force(kin.z)

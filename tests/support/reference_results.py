@@ -1,7 +1,7 @@
 """Makes the reference results that the FMUs carry under extra/reference, with the independent reference
-simulator (reference.py), not with the FMUs:
+simulator (reference/), not with the FMUs:
 
-    python tests/reference_results.py       writes modelDescription/reference/*.csv
+    PYTHONPATH=tests python tests/support/reference_results.py       writes modelDescription/reference/*.csv
 
 Both are of the default mechanism, so a master has nothing to set but the inputs. A test compares the files
 with what this prints, and the FMUs with the files.
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from reference import DOUBLE, Interval, Mechanism, Slip, simulate_exact
 
-FOLDER = Path(__file__).resolve().parent.parent / "modelDescription/reference"
+FOLDER = Path(__file__).resolve().parents[2] / "modelDescription/reference"
 PERIOD = 0.01
 
 Rows = list[list[float]]

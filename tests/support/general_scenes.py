@@ -1,6 +1,6 @@
 """Scenes with any grooves, solved by the reference simulator, for the FMU to be held against.
 
-    python tests/general_scenes.py        computes them anew: some minutes
+    PYTHONPATH=tests python tests/support/general_scenes.py        computes them anew: some minutes
 
 A suite that solved all of them would take too long, so they are kept in data/general_scenes.json.gz, and the
 suite recomputes a few of them to prove the file. Each scene was solved twice, the second time with all data
@@ -39,7 +39,7 @@ from reference import (
 )
 from rich.progress import Progress
 
-FILE = Path(__file__).resolve().parent / "data" / "general_scenes.json.gz"
+FILE = Path(__file__).resolve().parents[1] / "data" / "general_scenes.json.gz"
 MOTION = ("theta", "omega", "z", "v")
 MEASURED = (*MOTION, *(f"energy.{n}" for n in ENERGIES), *(f"peak.{n}" for n in PEAKS))
 WANTED = {"inertial": 154, "viscous": 33, "rate-independent": 33}
