@@ -20,7 +20,7 @@ import build_fmu
 import numpy as np
 import pytest
 from driver import ROOT
-from test_study import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, runs_of, slow, study
+from study_cases import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, runs_of, slow, study
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError

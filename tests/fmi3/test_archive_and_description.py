@@ -9,7 +9,7 @@ from pathlib import Path
 import build_fmu
 import driver as fmi2
 import driver3
-import fmpy
+import fmpy.validation
 import pytest
 from driver import ERROR, OK, ROOT
 from driver3 import FORWARD, Driver
