@@ -1,5 +1,5 @@
-"""Sections 6 and 7 of docs/mechanism.md: motion against the residual of the friction inclusion, against SciPy's
-DOP853, and against closed forms.
+"""Sections 6 and 7 of docs/mechanism.md: motion against the residual of the friction inclusion, SciPy and
+closed forms.
 """
 
 import math

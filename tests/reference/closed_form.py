@@ -51,6 +51,7 @@ class ExactFlow:
             watched["rest"] = omega
         else:
             edge = mechanism.static_ratio(kin, slip.sigma * segment.load_sign)
+            assert edge is not None
             watched["rest"] = self._sum((1, tau), (-edge, f0))
             watched["kink"] = f0
         watched["stop"] = self._sum((1, theta), (-1, self._line(segment.stop, 0)))

@@ -15,7 +15,9 @@ HELIX, ELLIPSE, TABLE = 1, 2, 3
 class Groove(Protocol):
     """z = g(psi), g(0) = 0, as smooth pieces between knots."""
 
-    knots: Sequence[float]
+    @property
+    def knots(self) -> Sequence[float]: ...
+
     range: tuple[float, float]  # of psi, where g' >= 0 holds
 
     def derivatives(self, psi: float, piece: int) -> tuple[float, float, float]:

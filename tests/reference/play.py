@@ -247,6 +247,7 @@ def follow_ramp(state: State) -> str:
     """Quasi-static motion along the edge on helices, under ramps: theta is linear in time. Returns the cause
     of its end: end, stop or kink."""
     mech, speed = state.mechanism, state.follow
+    assert speed is not None
     kin = mech.groove.at(state.theta)
     limit = mech.upper if speed > 0 else mech.lower
     ends = {"end": state.length - state.t, "stop": (limit - state.theta) / speed}

@@ -108,7 +108,7 @@ def _draw_general_scene(
     except Refused:
         return None
     configurations = [probe.groove.at(theta) for theta in np.linspace(lower, upper, 101).tolist()]
-    ups = [probe.static_ratio(kin, +1) for kin in configurations]
+    ups: list[Any] = [probe.static_ratio(kin, +1) for kin in configurations]
     if not all(
         up is not None and 0 <= up < 20 * (kin.dz + 0.2 * probe.reach)
         for up, kin in zip(ups, configurations, strict=True)
