@@ -1,4 +1,4 @@
-"""The FMUs' C code through a whole life (native/lifecycle.c), under sanitizers and under valgrind."""
+"""The FMUs' C code through a whole life (native/lifecycle/), under sanitizers and under valgrind."""
 
 import os
 import shutil
