@@ -7,6 +7,9 @@ from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
+# Helpers whose failed assertions pytest shows with values, as it does in test files.
+pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "study_cases")
+
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
 # profile would depend on which tests ran before in the same process.
 if hasattr(providers, "_get_local_constants"):

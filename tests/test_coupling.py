@@ -2,14 +2,18 @@
 
 import functools
 import math
+import sys
 
-import coupling
 import numpy as np
 import pytest
-from coupling import LOADING, RELEASING, SCENES, STEP, STICK, Flywheel, Fmu, Master, Monolith
+from driver import ROOT
 from numpy.polynomial import Polynomial
 from rich.console import Console
 from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+import coupling
+from coupling import LOADING, RELEASING, SCENES, STEP, STICK, Flywheel, Fmu, Master, Monolith
 
 REVERSALS, STICK_SLIP, DAMPED = SCENES
 WAYS = [False, True]

@@ -48,7 +48,9 @@ ABANDONED = (
 )
 WITHOUT_SYS_PATH = ("dualcam", "system_examples", "case_studies", "benchmarks", "tests")
 PYTHON = (*WITHOUT_SYS_PATH, "masters", "fmu_src")
-TESTS_OF_BENCHMARKS = ("test_benchmarks.py", "test_coupling.py", "test_performance.py", "test_stress.py")
+TESTS_OF_BENCHMARKS = tuple(
+    f"test_{name}.py" for name in ("benchmark_layout", "benchmarks", "coupling", "performance", "stress")
+)
 EXAMPLES = "system_examples"
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
