@@ -24,7 +24,7 @@ class Arithmetic:
     tan: Callable[[Number], Number]
     tiny: Number
     probe: Number
-    still: Number  # a speed this small, relative to the largest seen, is rest when new inputs arrive
+    still: Number  # speed relative to the peak speed; below this value new inputs find the mechanism at rest
 
 
 MP = mpmath.MPContext()
@@ -49,7 +49,7 @@ def poly_derivative(c: Sequence[Number]) -> Polynomial:
 
 
 def poly_shift(c: Sequence[Number], t: Number) -> Polynomial:
-    """Coefficients in the time from t on."""
+    """Coefficients of the same polynomial in the variable s with s = 0 at t."""
     found, factorial = [], 1
     d = tuple(c)
     for k in range(len(c)):
@@ -60,7 +60,8 @@ def poly_shift(c: Sequence[Number], t: Number) -> Polynomial:
 
 
 def poly_zeros(c: Sequence[Number], a: Number, b: Number) -> list[Number]:
-    """Sign changes in (a, b); between those of the derivative the polynomial is monotone."""
+    """Sign changes in (a, b). Between two zeros of the derivative the polynomial is monotone, and Brent's
+    method finds its zero."""
     c = list(c)
     while len(c) > 1 and c[-1] == 0:
         c.pop()

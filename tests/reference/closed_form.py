@@ -109,7 +109,7 @@ class ExactFlow:
         if discriminant == 0:
             self._set_basis([(0, 0), (1, 0), (0, -C / 2), (1, -C / 2)])
             return [p0, p1, x, y + C / 2 * x]
-        root = MP.sqrt(discriminant)  # imaginary when it oscillates
+        root = MP.sqrt(discriminant)  # imaginary for an underdamped motion
         first, second = (-C + root) / 2, (-C - root) / 2
         self._set_basis([(0, 0), (1, 0), (0, first), (0, second)])
         share = (y - second * x) / root
@@ -153,7 +153,7 @@ class ExactFlow:
         return MP.re(total)
 
     def _exp(self, rate: Number, t: Number) -> Number:
-        """exp(rate t), remembered for the conjugate rate and the next function at the same time."""
+        """exp(rate t). The value is stored for the conjugate rate and for further functions at the same t."""
         if self._latest[0] is not t:
             self._latest = (t, {})
         known = self._latest[1]
@@ -163,7 +163,8 @@ class ExactFlow:
         return known[rate]
 
     def _first_zero(self, u: list[Number], end: Number) -> Number | None:
-        """Looks at two periods first: a swing mostly ends in its first one."""
+        """First zero in (0, end], or None. Two periods are searched first, since most swings end within
+        one."""
         frequency = max(abs(MP.im(rate)) for rate in self.exponents)
         window = min(end, 4 * MP.pi / frequency) if frequency > 0 else end
         while True:
@@ -173,7 +174,7 @@ class ExactFlow:
             window = min(end, 4 * window)
 
     def _zeros(self, u: list[Number], end: Number) -> list[Number]:
-        """All sign changes in (0, end]: between those of the derivative the function is monotone."""
+        """All sign changes in (0, end]. Between two zeros of the derivative the function is monotone."""
         terms = [(c, power, rate) for c, (power, rate) in zip(u, self.basis, strict=True) if c != 0]
         tail = [term for term in terms if term[2] != 0]
         if len(tail) == len(terms):

@@ -10,12 +10,15 @@ from .state import State
 def choose_flanks(
     state: State, sigma: int, present: Flanks | None, crossed: Flanks | None, crossing: bool
 ) -> Slip | None:
-    """`present`: flanks to keep if they are consistent; `crossed`: flanks to try first, at a crossing."""
+    """The first consistent flanks, or None. `present` are the flanks of the motion so far, which stay if they
+    are consistent. `crossed` are the flanks to try first after a contact load has crossed zero."""
     mech = state.mechanism
     kin = mech.groove.at(state.theta)
     s = axial_sign(state, sigma)
     order = [e for e in flank_order(s) if mech.balance(kin, Slip(sigma, e)).delta != 0]
-    if not mech.inertial:  # the damper's share of F depends on the flanks: each counts with its own
+    if (
+        not mech.inertial
+    ):  # the damper force depends on the flanks: each pair is ordered by its own axial force
         own = {e: sign(ahead(state, Slip(sigma, e))[2]) or s for e in order}
         order.sort(key=lambda e: flank_order(own[e]).index(e))
     first = present or crossed
@@ -23,7 +26,8 @@ def choose_flanks(
         order = [first] + [e for e in order if e != first]
     found = [Slip(sigma, e) for e in order if consistent(state, Slip(sigma, e))]
     if len(found) > 1:
-        # which one is a convention only at an entry, and while more torque means more acceleration
+        # The choice is a matter of convention only at the start of a motion, and only while more torque means
+        # more acceleration.
         loads = [ahead(state, slip)[1] for slip in found]
         size = max(abs(load.x1) + abs(load.x2) for load in loads)
         differ = any(abs(load.x1 - loads[0].x1) > 1e-9 * size for load in loads)
@@ -46,7 +50,7 @@ def ahead(state: State, slip: Slip) -> tuple[Load, Load, Number]:
     now = mech.load(kin, slip, state.omega, state.tau_at(state.t), state.f_ext_at(state.t))
     theta, omega, t = state.theta + dt * now.omega, now.omega + dt * now.alpha, state.t + dt
     first = mech.load(mech.groove.at(theta), slip, omega, state.tau_at(t), state.f_ext_at(t))
-    # by the mean of both: a start on a ramp has no acceleration yet
+    # second step with the mean of both rates: at a start on a ramp the first acceleration is zero
     theta += dt * (first.omega - now.omega) / 2 + dt**2 * (first.alpha - now.alpha) / 6
     omega = now.omega + dt * (now.alpha + first.alpha) / 2
     later_kin = mech.groove.at(theta)
@@ -56,7 +60,7 @@ def ahead(state: State, slip: Slip) -> tuple[Load, Load, Number]:
 
 
 def axial_sign(state: State, sigma: int) -> int:
-    """Sign of F = F_s + F_ext + D; if it vanishes, the one it is about to take."""
+    """Sign of F = F_s + F_ext + D. Where F vanishes, the sign that F takes a short time later."""
     mech = state.mechanism
     kin = mech.groove.at(state.theta)
     damping = mech.damper_force(sigma, kin.dz * state.omega) if mech.inertial else state.omega * 0

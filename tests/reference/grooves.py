@@ -18,10 +18,10 @@ class Groove(Protocol):
     @property
     def knots(self) -> Sequence[float]: ...
 
-    range: tuple[float, float]  # of psi, where g' >= 0 holds
+    range: tuple[float, float]  # limits of psi, between which g' >= 0
 
     def derivatives(self, psi: float, piece: int) -> tuple[float, float, float]:
-        """g, g', g'' of a piece, which goes on smoothly beyond its ends."""
+        """g, g', g'' at psi on a piece, whose formula also serves beyond the ends of the piece."""
         ...
 
 

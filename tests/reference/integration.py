@@ -36,11 +36,11 @@ class Peaks:
 
 
 class Solver:
-    """DOP853 between events: these are bracketed on the dense output, then polished by Newton's method on the
-    integrated motion. Peaks inside a step likewise."""
+    """DOP853 between events. Events are bracketed on the dense output, then polished by Newton's method on
+    the integrated motion. Peaks inside a step are found in the same manner."""
 
-    samples = 8  # per step, where sign changes are looked for
-    stiffness_limit = 1.5  # step times rate
+    samples = 8  # points of each step at which sign changes of the event functions are detected
+    stiffness_limit = 1.5  # largest product of step and fastest rate
 
     def __init__(self, rtol: float) -> None:
         self.rtol = rtol
@@ -59,9 +59,9 @@ class Solver:
             return end, y, "end"
         solver = DOP853(problem.rates, s, y, end, rtol=self.rtol, atol=problem.atol)
         while solver.status == "running":
-            # at the edge of stability the error estimate misses what is left of the fast component
+            # at the limit of stability the error estimate does not see the rest of the fast component
             solver.max_step = self.stiffness_limit / max(problem.fastest_rate(y), 1e-300)
-            with np.errstate(invalid="ignore", divide="ignore"):  # error estimate 0/0 where it underflows
+            with np.errstate(invalid="ignore", divide="ignore"):  # an error estimate that underflows is 0/0
                 message = solver.step()
             if solver.status == "failed":
                 raise ArithmeticError(message)
@@ -98,7 +98,7 @@ class Solver:
     @staticmethod
     def _dense_root(problem: EventProblem, dense: Callable, name: str, a: float, b: float) -> float:
         values = [problem.event(name, t, dense(t)) for t in (a, b)]
-        if values[0] * values[1] >= 0:  # a zero at an end, to rounding
+        if values[0] * values[1] >= 0:  # to rounding, the zero is at an end
             return a if abs(values[0]) < abs(values[1]) else b
         return brentq(
             lambda t: problem.event(name, t, dense(t)), a, b, xtol=max(1e-15 * b, 1e-24), maxiter=500
@@ -118,7 +118,8 @@ class Solver:
     def _polish(
         self, problem: EventProblem, name: str, s: float, start: float, begun: np.ndarray
     ) -> tuple[float, np.ndarray]:
-        """Newton on the event function along the integrated, not the interpolated, motion."""
+        """Newton's method on the event function along the integrated motion, not along the interpolated
+        one."""
         y = self._integrate(problem, start, begun, s)
         for _ in range(6):
             g = problem.event(name, s, y)
@@ -142,7 +143,8 @@ class Solver:
         begun: np.ndarray,
         peaks: Peaks,
     ) -> None:
-        """Ends of the step, and interior maxima: the time from the dense output, the value integrated."""
+        """Notes the peaks at the end of the step and inside the step: the time of an inner peak is that of
+        the dense output, the value at this time is integrated."""
         best = [max(pair) for pair in zip(peaks.best, seen[-1][1], strict=True)]
         peaks.note(seen[-1][1])
         for column in range(3):

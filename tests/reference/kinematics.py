@@ -13,7 +13,7 @@ from .parameters import Refused
 
 
 class Kinematics(NamedTuple):
-    """Section 2 at one theta; a_i = g_i', a prime is d/dtheta."""
+    """Section 2 of docs/mechanism.md at one theta: a_i = g_i', a prime is d/dtheta."""
 
     a1: Number
     a2: Number
@@ -49,8 +49,8 @@ class Grooves:
     Between the angles where either pin passes a knot everything is smooth: `breaks` holds these, and each
     piece between them one piece of either groove and, on a grid, gamma and its slope as a first guess."""
 
-    cells = 12  # of the grid, per piece; more for grooves without knots
-    margin = 1e-12  # breaks nearer than this are one
+    cells = 12  # grid cells per piece; more of them for grooves without knots
+    margin = 1e-12  # rad, breaks at a smaller distance count as one
 
     def __init__(self, first: Groove, second: Groove, lower: float, upper: float) -> None:
         self.first, self.second, self.lower, self.upper = first, second, lower, upper
@@ -83,7 +83,7 @@ class Grooves:
 
     @classmethod
     def _value(cls, groove: Groove, psi: float) -> float:
-        """g, with slope 1 beyond its range, so that there is always one root."""
+        """g, continued with slope 1 beyond its range, so that g1(gamma) = g2(phi) always has one root."""
         inside = min(max(psi, groove.range[0]), groove.range[1])
         if isinstance(groove, Ellipse):  # at the end of its range the slope is infinite
             low, high = groove.range
@@ -106,7 +106,8 @@ class Grooves:
     def _passes(
         cls, groove: Groove, other: Groove, used: tuple[float, float], others: tuple[float, float]
     ) -> list[float]:
-        """theta where the pin passes the knots of one groove; in a dwell of the other, any such."""
+        """theta at which the pin passes the knots of `groove`; one such theta if `other` has a dwell
+        there."""
         found = []
         for psi in groove.knots:
             if not used[0] <= psi <= used[1]:
@@ -130,12 +131,13 @@ class Grooves:
         return piece, self.breaks[piece - 1] if piece > 0 else None
 
     def at(self, theta: float, piece: int | None = None) -> Kinematics:
-        """Kinematics; of a given piece, which goes on smoothly a little beyond its ends."""
+        """Kinematics at theta. The formulas of a given piece also serve a little beyond the ends of the
+        piece."""
         index = bisect_right(self.breaks, theta) if piece is None else piece
         start, width, gammas, slopes = self.grids[index]
         place = (theta - start) / width
         last = len(gammas) - 2
-        if not -2 < place < last + 3:  # only a trial step of the integrator gets there
+        if not -2 < place < last + 3:  # only a trial step of the integrator leads so far out
             if piece is not None:
                 return self.at(theta)
             return self._at(theta, *self.pieces[index], self._solve(theta) if place == place else theta)

@@ -65,7 +65,7 @@ class Mechanism:
         self.lower, self.upper = p["stop.lower"], p["stop.upper"]
         self.groove = self._grooves(p)
         ends = [abs(self.groove.at(theta).z) for theta in (self.lower, self.upper)]
-        self.reach = max(ends)  # of the follower
+        self.reach = max(ends)  # m, largest |z| of the follower
         self.restitution = p["stop.restitution"]
         self.theta0, self.omega0 = p["initial.theta"], p["initial.omega"]
         self.contacts = p["contacts"]
@@ -125,7 +125,7 @@ class Mechanism:
         return Balance(n1, n2, d1, d2, delta, self.r1 * self.r2 * n1 * n2)
 
     def static_ratio(self, kin: Kinematics, direction: int) -> Number | None:
-        """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None: no torque moves it.
+        """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None if no torque starts it.
         F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0)."""
         order = [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]
         for e in order:
@@ -143,7 +143,7 @@ class Mechanism:
         f0 = self.spring_force(kin.z) + f_ext
         if self.inertial:
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
-            carried = q.d1 * self.r2 * q.n2 * self.I  # what multiplies gamma_ddot
+            carried = q.d1 * self.r2 * q.n2 * self.I  # factor of gamma_ddot
             mass = q.delta * self.J + carried * kin.dgamma + q.product * self.m * kin.dz
             if mass == 0:
                 raise Refused("no effective inertia")
@@ -180,12 +180,13 @@ class Mechanism:
         return 2 * drive / (first + under**0.5) if drive != 0 else drive
 
     def scales(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
-        """Sizes of the terms whose sums make up a Load; against them a sum counts as zero."""
+        """Sizes of the terms whose sums make up a Load: a sum far below the size of its terms counts as
+        zero."""
         q, (drag, mass) = self.balance(kin, slip), self.inertia_and_drag(kin, slip)
         axial, torque, turning = self.force_scale(kin, f_ext), abs(tau), 0 * omega
         span = max(abs(self.lower), abs(self.upper))
         if self.inertial:
-            # second derivatives are sums of terms of at least the size they have between the stops
+            # second derivatives are sums of terms of at least the size of their mean between the stops
             centrifugal = self.m * (abs(kin.ddz) + self.reach / span**2) * omega**2
             turning = self.I * (abs(kin.ddgamma) + 1 / span) * omega**2
             axial += abs(self.damper_force(slip.sigma, kin.dz * omega)) + centrifugal
@@ -200,7 +201,7 @@ class Mechanism:
             start = 2 * drive / (abs(drag) + (drag * drag + 4 * second * drive) ** 0.5)
             axial += (c + quadratic * kin.dz * start) * kin.dz * start
         moment = self.I * kin.dgamma * start + turning
-        least = self.reach / span / 1000  # in a dwell there is no slope
+        least = self.reach / span / 1000  # m/rad, a lower bound for dwells, whose slope is zero
         return Load(
             start * (not self.inertial),
             start * self.inertial,
@@ -209,7 +210,8 @@ class Mechanism:
         )
 
     def rate(self, kin: Kinematics, slip: Slip, omega: Number = 0) -> Number:
-        """About the fastest rate of change, 1/s; used to size look-aheads and steps only."""
+        """Estimate of the fastest rate of change, 1/s. It limits look-aheads and steps and enters no
+        result."""
         drag, mass = self.inertia_and_drag(kin, slip, omega)
         stiffness = abs(self.balance(kin, slip).product * self.spring_slope(kin.z) * kin.dz)
         if self.inertial:

@@ -34,12 +34,15 @@ class OdeFlow:
                 name = self._vanished(problem, time, y) or name
         causes = {name}
         watched, _ = problem.observe(time, y)
-        if name in ("cross1", "cross2"):  # without follower inertia both vanish together
+        if name in (
+            "cross1",
+            "cross2",
+        ):  # without follower inertia both contact loads vanish at the same time
             both = [n for n in ("cross1", "cross2") if n in watched]
             causes |= {n for n in both if abs(watched[n]) < 1e-10 * problem.zero_scale[n]}
         omega = float(y[1]) if inertial else problem.rates(time, y)[0]
         if abs(omega) <= 1e-13 * peaks.best[0] and "end" not in causes:
-            causes.add("rest")  # with damping alone on the shaft, torque and speed vanish together
+            causes.add("rest")  # with damping on the shaft alone, torque and speed vanish at the same time
         flows = [float(v) for v in y[size:]]
         return Outcome(time, float(y[0]), omega, flows, causes, peaks.best[0], (peaks.best[1], peaks.best[2]))
 

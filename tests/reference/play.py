@@ -18,7 +18,8 @@ from .state import State
 
 
 def jump(state: State, sigma: int) -> None:
-    """Play operator: along the band edge until it holds the torque, or to the stop."""
+    """Play operator: theta jumps along the band edge to the angle at which the edge torque equals tau, or to
+    the stop."""
     if not state.is_straight():
         creep(state, sigma, following=False)
         return
@@ -50,7 +51,7 @@ def jump(state: State, sigma: int) -> None:
 
 def book_path(state: State, sigma: int, a: Number, b: Number, fa: Number, fb: Number) -> None:
     """Accounts of quasi-static motion from angle a to b, with F_0 from fa to fb of one sign: all are
-    linear in F_0, so the mean load counts. work_ext is the caller's."""
+    linear in F_0, so the mean load counts. The caller adds work_ext."""
     mech = state.mechanism
     kin = mech.groove.at(a)
     mean = (fa + fb) / 2
@@ -90,7 +91,7 @@ def static_balance(state: State, kin: Kinematics, sigma: int, s: int) -> Balance
 
 
 def load_sign(state: State, sigma: int) -> int:
-    """Sign of F_0; where it vanishes, the one it takes by moving on."""
+    """Sign of F_0. Where F_0 vanishes, the sign that F_0 takes by further motion in direction sigma."""
     mech = state.mechanism
     kin, f_ext = mech.groove.at(state.theta), state.f_ext_at(state.t)
     f0 = mech.spring_force(kin.z) + f_ext
@@ -122,12 +123,12 @@ def edge_slopes(state: State, sigma: int) -> tuple[float, float]:
 
 
 def creep(state: State, sigma: int, *, following: bool) -> str:
-    """Motion without inertia and damping along the band's edge, any grooves; returns what ended it.
+    """Motion without inertia and damping along the band's edge, any grooves; returns the cause of its end.
 
     Not following: at once, at fixed inputs, until the edge torque T = rho F_0 holds tau ("held") or to
     the stop. Following: along the curve H(theta, t) = tau(t) - T(theta, t) = 0, by its own length:
     (dtheta, dt) ~ (H_t, T_theta), each in units of its span. It turns where H_t changes sign; where
-    T_theta does, the edge torque no longer rises along the way ("fold"), and the angle has to snap on."""
+    T_theta does, the edge torque no longer rises along the path ("fold"), and theta jumps."""
     mech, length = state.mechanism, state.length
     assert isinstance(state.flow, OdeFlow)
     span = mech.upper - mech.lower
@@ -155,7 +156,7 @@ def creep(state: State, sigma: int, *, following: bool) -> str:
         ahead = mech.groove.at(theta + sigma * 1e-7 * span, piece)
         slip = Slip(sigma, static_flanks(state, ahead, sigma, s))
         if ended in ("cross1", "cross2") and not following:
-            # without torque, a contact changes flank just where the edge torque passes zero
+            # without torque, a contact changes its flank where the edge torque passes zero
             q = mech.balance(ahead, slip)
             beyond = state.tau_at(state.t) - q.product / q.delta * state.f0_at(ahead, state.t)
             if sigma * beyond < -state.arithmetic.tiny * torque:
@@ -168,7 +169,7 @@ def creep(state: State, sigma: int, *, following: bool) -> str:
         if ended == "kink":
             s = -s
             if not following and abs(state.tau_at(state.t)) <= state.arithmetic.tiny * torque:
-                ended = "held"  # without torque it goes just where the load vanishes
+                ended = "held"  # without torque the motion ends where the load vanishes
     if ended == "end" and path == 10.0:
         raise ArithmeticError("the path along the edge does not end")
     state.theta, state.t = float(y[0]), float(y[1])
@@ -176,7 +177,10 @@ def creep(state: State, sigma: int, *, following: bool) -> str:
         state.theta = mech.upper if sigma > 0 else mech.lower
     if ended == "end":
         state.t = length
-    if ended in ("end", "turn"):  # back to the curve, from which the integration strays by rounding
+    if ended in (
+        "end",
+        "turn",
+    ):  # Newton's method removes the rounding error of the integration along the curve
         for _ in range(3):
             kin = mech.groove.at(state.theta, piece)
             q = mech.balance(kin, slip)

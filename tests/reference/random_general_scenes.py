@@ -29,7 +29,7 @@ def random_general_scene(
 
 
 def _draw_ellipse(rng: np.random.Generator, radius: float, lower: float, upper: float) -> dict[str, Any]:
-    """From S_0 at psi = 0 towards S_1, with some room beyond the largest angle there can be."""
+    """From S_0 at psi = 0 towards S_1, with a margin beyond the largest possible angle."""
     s0, s1 = rng.uniform(0.1, 0.9, 2)
     kappa = 1 if s1 > s0 else -1
     room = min(s0, 1.0 - s0) if lower < 0 else 1.0
@@ -187,5 +187,5 @@ def _draw_general_scene(
 
 
 def plain(value: Any) -> Any:
-    """A number or text of Python's own."""
+    """The value as a Python number or text instead of a NumPy scalar."""
     return value.item() if isinstance(value, np.generic) else value

@@ -63,7 +63,7 @@ def _draw_scene(rng: np.random.Generator) -> tuple[dict[str, float], list[Interv
     time = log_uniform(rng, 1e-2, 1.0)
     p["inertia.shaft"] = 0.0
     if regime == "inertial":
-        # J 1e-5..1, but slow enough for at most some tens of swings per interval
+        # J between 1e-5 and 1 kg.m2, with at most some tens of swings per interval
         shaft = max(log_uniform(rng, 1e-5, 1.0), stiffness * 1e-6)
         p["inertia.shaft"] = mixed(rng, 0.05, lambda: shaft)
         p["inertia.follower_mass"] = mixed(rng, 0.5, lambda: shaft / dz**2 * log_uniform(rng, 0.01, 5.0))

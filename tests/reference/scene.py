@@ -43,7 +43,7 @@ class Interval:
 
 @dataclass
 class Point:
-    """What an FMU should report at the end of an interval."""
+    """Values that an FMU must report at the end of an interval."""
 
     theta: float
     omega: float
@@ -53,7 +53,7 @@ class Point:
     events: int
     energy: dict[str, float]
     peak: dict[str, float]
-    doubts: list[str] = field(default_factory=list)  # switches within rounding during this interval
+    doubts: list[str] = field(default_factory=list)  # decisions of this interval that depend on rounding
 
     def value(self, name: str) -> float:
         """The value of an interface variable, by its name."""

@@ -19,8 +19,8 @@ class Segment:
     tau: Polynomial  # of local time
     f_ext: Polynomial
     length: Number
-    stop: Number  # the end stop ahead
-    load_sign: int = 1  # without inertia: of F_0, for the band edge that ends the motion
+    stop: Number  # rad, the end stop in the direction of motion
+    load_sign: int = 1  # sign of F_0; without inertia it selects the band edge that ends the motion
 
 
 @dataclass

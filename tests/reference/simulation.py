@@ -60,7 +60,7 @@ class Simulation(State):
         if mech.inertial or mech.viscous(sigma):
             self._enter(sigma, None)
             return
-        self.set_mode(LOADING if sigma > 0 else RELEASING)  # also a jump is motion
+        self.set_mode(LOADING if sigma > 0 else RELEASING)  # a jump counts as motion
         jump(self, sigma)
         self._after_jump()
 
@@ -76,10 +76,10 @@ class Simulation(State):
         if sigma == 0:
             self._settle(mode, until)
             return
-        if mech.viscous(sigma):  # in the other direction than the jump
+        if mech.viscous(sigma):  # this direction is opposite to that of the jump
             self._enter(sigma, None)
             return
-        # on the edge, and the ramp leads on: follow it
+        # theta is on the band edge and the ramp continues: theta follows the edge
         self.set_mode(LOADING if sigma > 0 else RELEASING)
         if self.is_straight():
             rounding = self.arithmetic.tiny * (abs(self.tau[0]) + abs(self.tau[1] * self.length))
@@ -196,7 +196,8 @@ class Simulation(State):
         return ended == "end"
 
     def _cross(self, slip: Slip, causes: set[str]) -> None:
-        """A contact load vanished: change that flank; if both vanished, enter anew."""
+        """A contact load has vanished: this contact changes its flank. Both have vanished: flanks are chosen
+        anew."""
         flipped = None
         if not {"cross1", "cross2"} <= causes:
             flipped = (-slip.e[0], slip.e[1]) if "cross1" in causes else (slip.e[0], -slip.e[1])

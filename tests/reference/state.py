@@ -14,7 +14,7 @@ from .segment import Flow
 
 class State:
     """The mechanism at one instant of an interval, without any decision. Functions that decide (`stick`,
-    `flank_choice`) read it; those that move it (`play`, `simulation`) change it."""
+    `flank_choice`) read the state; functions of motion (`play`, `simulation`) change the state."""
 
     def __init__(self, params: Params, flow: Flow) -> None:
         self.flow, self.arithmetic = flow, flow.arithmetic
@@ -24,14 +24,14 @@ class State:
         self.theta = self.mechanism.theta0
         self.omega = self.mechanism.omega0 if self.mechanism.inertial else number(0)
         self.slip: Slip | None = None
-        self.follow: Number | None = None  # speed along the band edge, quasi-static
+        self.follow: Number | None = None  # rad/s, speed along the band edge in quasi-static motion
         self.rest_until = number(0)
         self.mode = 0
         self.events = 0
         self.account = {name: number(0) for name in (*FLOWS, "heat_stop")}
         self.peak = {name: number(0) for name in PEAKS}
         self.doubts: list[str] = []
-        self.snapping = False  # at an angle beyond which the band's edge falls
+        self.snapping = False  # theta is at an angle beyond which the band's edge falls
         self.stored = self.stored_energy()
 
     def set_inputs(self, interval: Interval) -> None:
@@ -51,7 +51,8 @@ class State:
         return [a, b, *(poly_zeros(poly_derivative(c), a, b) if len(c) > 2 else [])]
 
     def input_sizes(self) -> tuple[Number, Number]:
-        """Largest torque and pull of the interval, about: zeros within their rounding are zeros."""
+        """Upper bounds of |tau| and |F_ext| in the interval: a value within rounding of these counts as
+        zero."""
         tau, f_ext = (poly([abs(u) for u in c], self.length) for c in (self.tau, self.f_ext))
         return tau, f_ext
 

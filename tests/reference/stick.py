@@ -32,7 +32,7 @@ def rest(state: State) -> tuple[int, int, Number]:
     size = tau_size + abs(up) * mech.force_scale(kin, f_size)
     near = state.arithmetic.tiny * size
     load, release = (up, down) if f0 >= 0 else (down, up)
-    if abs(up * f0) <= near:  # the next increment of motion sets the sign of the load, that of sigma
+    if abs(up * f0) <= near:  # the next increment of motion gives the load the sign of sigma
         load = release = up
     if load is not None and tau > load * f0 + near:
         return (UPPER_STOP, 0, until) if state.theta >= mech.upper else (0, +1, until)
@@ -42,7 +42,7 @@ def rest(state: State) -> tuple[int, int, Number]:
     if (towards > 0 and load is None) or (towards < 0 and release is None):
         return WEDGED, 0, until
     ahead = abs(state.tau_at(until)), abs(up * (fs + state.f_ext_at(until)))
-    if until < state.length and max(ahead) <= near:  # the band will shrink to the torque, for a moment
+    if until < state.length and max(ahead) <= near:  # for an instant the band has no width
         state.doubts.append("stick band without width")
     if constant and state.omega == 0 and mech.inertial and near > 0:
         edges = [r * f0 for r in (load, release) if r is not None]

@@ -69,7 +69,7 @@ class Table:
         for level in range(1, size):
             for i in range(size - 1, level - 1, -1):
                 u[i] = (u[i] - u[i - 1]) / (t[i] - t[i - level])
-        inner, slope = u[-1], 0.0  # of the factor of t
+        inner, slope = u[-1], 0.0  # value and slope of the factor of t
         for i in range(size - 2, 0, -1):
             slope = inner - t[i] * slope
             inner = u[i] - t[i] * inner

@@ -19,11 +19,11 @@ LOCKING = {"cam1.lead_angle": 0.1, "cam2.lead_angle": 0.1}
 
 
 def edge(direction, theta, F_ext=0.0):
-    """Of the default helices' stick band, N.m."""
+    """Edge of the stick band of the default helices, N.m."""
     return RHO[direction] * (PRELOAD + STIFFNESS * LIFT * theta + F_ext)
 
 
 def refused(*mentions, error=FmuError):
-    """Expects that error, a ValueError that says all of this."""
+    """Expects this error, a ValueError, with a message that contains all of `mentions`."""
     assert issubclass(error, ValueError)
     return pytest.raises(error, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))

@@ -59,9 +59,9 @@ def _variable(element: ET.Element, index: int) -> Variable:
 
 
 class Description:
-    """One of the FMUs, as its modelDescription.xml describes it."""
+    """An FMU as its modelDescription.xml describes it."""
 
-    FOLDER = ""  # below that of the builds and that of the XML
+    FOLDER = ""  # subfolder of build/ and of modelDescription/
     TOKEN = "guid"
 
     def __init__(self, identifier: str) -> None:
@@ -85,28 +85,28 @@ class Description:
         raise NotImplementedError
 
     def names(self, **wanted: list[str]) -> list[str]:
-        """Variables with these attributes."""
+        """Names of the variables with these attributes."""
         return [n for n, v in self.variables.items() if all(getattr(v, k) in w for k, w in wanted.items())]
 
     def references(self, names):
-        """As a C array; a number is a reference already."""
+        """C array of the value references of these names. A number among the names is a value reference."""
         return (c_uint * len(names))(
             *(self.variables[n].reference if isinstance(n, str) else n for n in names)
         )
 
 
 class Model(Description):
-    """That of FMI 2.0."""
+    """Description of an FMU of FMI 2.0."""
 
     @cached_property
     def listed(self) -> list[Variable]:
-        """All of the XML: states and their derivatives have a second name at the end."""
+        """All variables of the XML. At its end, states and their derivatives have a second name."""
         elements = enumerate(self.document.iter("ScalarVariable"), start=1)
         return [_variable(element, index) for index, element in elements]
 
     @cached_property
     def variables(self) -> dict[str, Variable]:
-        """By their first name."""
+        """Variables by their first name."""
         first: dict[int, Variable] = {}
         for variable in self.listed:
             first.setdefault(variable.reference, variable)
@@ -114,7 +114,7 @@ class Model(Description):
 
     @cached_property
     def by_index(self) -> dict[int, str]:
-        """First name of the variable at that place of the XML."""
+        """First name of the variable at each place of the XML, from 1."""
         first = {v.reference: v.name for v in self.variables.values()}
         return {v.index: first[v.reference] for v in self.listed}
 
@@ -244,9 +244,9 @@ class Calls:
     Names of functions may lack their prefix."""
 
     PREFIX: str
-    VALUE: dict[str, type]  # of C, by type of variable
-    STATE: str  # as names of functions spell it
-    WITH_SIZE: bool  # is an array of values followed by its length?
+    VALUE: dict[str, type]  # C type of each type of variable
+    STATE: str  # the word for an FMU state in names of functions
+    WITH_SIZE: bool  # is an array of values followed by its length in a call?
     REASONS: tuple[str, ...]  # the message of a refusal has one of these words
 
     def __init__(self, library: ctypes.CDLL, model: Description) -> None:
@@ -286,21 +286,21 @@ class Calls:
     # variables
 
     def type_of(self, names) -> str:
-        """What all of them are."""
+        """The type that all these variables share."""
         (type_,) = {self.variables[n].type for n in names}
         return type_
 
     def access(self, names, values: ctypes.Array):
-        """What a call that reads or sets these gets."""
+        """Arguments of a call that reads or sets these variables."""
         n = len(names)
         return self.model.references(names), n, values, *([n] if self.WITH_SIZE else [])
 
     def arguments(self, values: dict):
-        """What a call that sets `values` gets; they must be of one type."""
+        """Arguments of a call that sets `values`, which must be of one type."""
         return self.access(list(values), to_c(self.type_of(values), list(values.values()), self.VALUE))
 
     def try_set(self, values: dict) -> int:
-        """All in one call; they must be of one type."""
+        """Sets all values in one call. They must be of one type."""
         return self.call(f"Set{self.type_of(values)}", *self.arguments(values))
 
     def set(self, values: dict) -> None:
@@ -312,7 +312,7 @@ class Calls:
         return self.refused(function, *self.arguments(values), mentions=mentions)
 
     def try_get(self, names: list[str]):
-        """Status and values; they must be of one type."""
+        """Status and values of a call that reads these variables. They must be of one type."""
         type_ = self.type_of(names)
         values = (self.VALUE[type_] * len(names))()
         return self.call(f"Get{type_}", *self.access(names, values)), list(values)
@@ -324,7 +324,7 @@ class Calls:
         return bool(value) if type_ == "Boolean" else value.decode() if type_ == "String" else value
 
     def everything(self) -> dict:
-        """All that can be read, exactly; where reading is refused, that."""
+        """Every variable with its exact value, or "refused" where the FMU refuses to give the value."""
         quiet = len(self.messages)
         values: dict = {}
         for name in self.variables:
@@ -355,7 +355,7 @@ class Calls:
 
 
 class Driver(Calls):
-    """That of FMI 2.0."""
+    """One instance of FMI 2.0."""
 
     PREFIX, VALUE, STATE, WITH_SIZE = "fmi2", VALUE, "FMUstate", False
     REASONS = ("allowed", "must", "jam")
@@ -370,7 +370,7 @@ class Driver(Calls):
         logging: int = 0,
         model: Model = FORWARD,
     ) -> None:
-        """`guid`: that of `model`, unless another one is given."""
+        """`guid` "" stands for the GUID of `model`."""
         super().__init__(library, model)
 
         def log(_environment, instance, status, category, text):
@@ -383,7 +383,7 @@ class Driver(Calls):
         self.instance = library.fmi2Instantiate(
             encoded[0], kind, encoded[1], encoded[2], byref(callbacks), 0, logging
         )
-        # The FMU has to have its own copy.
+        # The FMU must use its own copy of the callbacks.
         ctypes.memset(byref(callbacks), 0, ctypes.sizeof(callbacks))
 
     def refused_start(self) -> str:
@@ -452,7 +452,7 @@ class Driver(Calls):
     # model exchange
 
     def vector(self, function: str, n: int) -> list[float]:
-        """What fmi2GetDerivatives and the like write into n places."""
+        """The n numbers that a function such as fmi2GetDerivatives writes."""
         values = (c_double * n)()
         self.ok(function, values, n)
         return list(values)
@@ -461,7 +461,7 @@ class Driver(Calls):
         self.ok(function, (c_double * len(values))(*values), len(values))
 
     def settle(self) -> EventInfo:
-        """Event mode until nothing changes any more, then continuous time."""
+        """Event mode until the discrete states are settled, then continuous-time mode."""
         info = EventInfo()
         self.ok("fmi2NewDiscreteStates", byref(info))
         assert not info.newDiscreteStatesNeeded

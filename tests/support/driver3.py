@@ -1,4 +1,4 @@
-"""Drives the C functions of the FMI 3.0 FMUs by name, as driver.py does those of FMI 2.0."""
+"""Drives the C functions of the FMI 3.0 FMUs by name, as driver.py drives those of FMI 2.0."""
 
 import ctypes
 import math
@@ -22,7 +22,7 @@ from pathlib import Path
 from driver import Calls, Description, Message, Variable
 
 VALUE = {"Float64": c_double, "Int32": c_int32, "Boolean": c_bool, "String": c_char_p}
-# the types of which there is no variable
+# types of FMI 3.0 without a variable in these FMUs
 OTHER = {
     "Float32": ctypes.c_float, "Int8": ctypes.c_int8, "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16,
     "UInt16": ctypes.c_uint16, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64, "UInt64": ctypes.c_uint64,
@@ -129,7 +129,7 @@ def _variable(element: ET.Element, index: int) -> Variable:
 
 
 class Model(Description):
-    """That of FMI 3.0."""
+    """Description of an FMU of FMI 3.0."""
 
     FOLDER, TOKEN = "fmi3", "instantiationToken"
 
@@ -151,7 +151,7 @@ def reals(values) -> ctypes.Array:
 
 
 class Driver(Calls):
-    """That of FMI 3.0."""
+    """One instance of FMI 3.0."""
 
     PREFIX, VALUE, STATE, WITH_SIZE, REASONS = "fmi3", VALUE, "FMUState", True, ("allowed",)
 
@@ -181,7 +181,7 @@ class Driver(Calls):
         def on_update(_environment, time, asks, may_read, finished, may_end, requested, end):
             try:
                 wanted = update(self, time, asks, may_read, finished, may_end)
-            except BaseException as failure:  # would be lost in C
+            except BaseException as failure:  # C code would lose the exception
                 self.failures.append(failure)
                 return
             if wanted is not None:
@@ -209,7 +209,7 @@ class Driver(Calls):
     def initialize(
         self, values: dict | None = None, time: float = 0.0, tolerance: float | None = None
     ) -> "Driver":
-        """To the phase after initialization mode."""
+        """From instantiated to the phase after initialization mode."""
         self.set(values or {})
         self.ok("EnterInitializationMode", tolerance is not None, tolerance or 0.0, time, False, 0.0)
         self.ok("ExitInitializationMode")
@@ -217,7 +217,7 @@ class Driver(Calls):
         return self
 
     def start(self, values: dict | None = None, **options) -> "Driver":
-        """The same, and out of event mode if it has one."""
+        """`initialize`, and out of event mode if the instance uses event mode."""
         self.initialize(values, **options)
         if self.events:
             self.settle()
@@ -236,7 +236,7 @@ class Driver(Calls):
         return dict(zip(names, (flag.value for flag in flags), strict=True))
 
     def step(self, h: float, **inputs: float) -> tuple[bool, bool]:
-        """One step of up to h seconds with these inputs; eventHandlingNeeded and earlyReturn."""
+        """One step of at most h seconds with these inputs. Returns eventHandlingNeeded and earlyReturn."""
         self.set(inputs)
         event, end, early, time = c_bool(), c_bool(True), c_bool(), c_double()
         self.ok("DoStep", self.time, h, True, byref(event), byref(end), byref(early), byref(time))
@@ -245,7 +245,7 @@ class Driver(Calls):
         return event.value, early.value
 
     def handle_event(self) -> dict[str, bool]:
-        """Through event mode and back."""
+        """Through event mode and back to step mode."""
         self.ok("EnterEventMode")
         flags = self.settle()
         self.ok("EnterStepMode")
@@ -279,7 +279,7 @@ class Driver(Calls):
         return value.value
 
     def dependencies(self, name: str) -> dict[str, int]:
-        """Known -> kind, in order."""
+        """Kind of the dependency on each known, in the order of the FMU."""
         n, reference = c_size_t(), self.variables[name].reference
         self.ok("GetNumberOfVariableDependencies", reference, byref(n))
         whole, parts = (c_size_t * n.value)(*[9] * n.value), (c_size_t * n.value)(*[9] * n.value)

@@ -18,11 +18,11 @@ def for_each(condition=lambda variable: True, **wanted):
 for_forward = pytest.mark.parametrize("model", [FORWARD], indirect=True)
 for_inverse = pytest.mark.parametrize("model", [INVERSE], indirect=True)
 SETTABLE = ["parameter", "input"]
-DRIVE = {FORWARD: "tau", INVERSE: "theta"}  # the input that matters most
+DRIVE = {FORWARD: "tau", INVERSE: "theta"}  # the main input
 
 
 def drive(fmu, value):
-    """That input as argument of step() and set()."""
+    """The main input of the FMU, as argument of step() and set()."""
     return {DRIVE[fmu.model]: value}
 
 
@@ -50,7 +50,7 @@ INPUT_SEQUENCE = {
 
 
 def run(driver, count=None, h=0.013):
-    """Bits of everything after every step."""
+    """Every variable, exactly, after every step of the input sequence."""
     record = []
     for inputs in INPUT_SEQUENCE[driver.model][:count]:
         driver.step(h, **inputs)

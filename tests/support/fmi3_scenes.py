@@ -20,17 +20,17 @@ BOUNCING = {"stop.restitution": 0.6}
 
 
 def frequency(sigma: int) -> float:
-    """Of the oscillation about the balance, rad/s."""
+    """Angular frequency of the oscillation about the balance, rad/s."""
     return math.sqrt(RHO[sigma] * STIFFNESS * LIFT / INERTIA)
 
 
 def balance(sigma: int, tau: float) -> float:
-    """rad, where spring and friction hold tau."""
+    """Angle at which spring and friction balance tau, rad."""
     return (tau / RHO[sigma] - PRELOAD) / (STIFFNESS * LIFT)
 
 
 def wave(t: float) -> float:
-    """N.m: sticks, slips both ways, meets the lower stop."""
+    """Torque, N.m, under which the mechanism sticks, slips in both directions and meets the lower stop."""
     return 2.5 + 2.5 * math.sin(2 * math.pi * 7 * t)
 
 

@@ -1,4 +1,4 @@
-"""Scenes with any grooves, solved by the reference simulator, for the FMU to be held against.
+"""Scenes with any grooves, solved by the reference simulator. Tests compare the FMU with these solutions.
 
     PYTHONPATH=tests python tests/support/general_scenes.py        computes them anew: some minutes
 
@@ -55,12 +55,12 @@ Tables = dict[str, tuple[list[float], list[float]]]
 
 @dataclass
 class Scene:
-    number: int  # of the random generator
+    number: int  # seed of the random generator
     regime: str
     params: dict[str, Any]
     intervals: list[Interval]
     points: list[Point]
-    error: dict[str, float]  # own estimate, largest over the points, absolute
+    error: dict[str, float]  # estimated absolute error of the solution, largest over the points
     condition: float  # largest relative change of motion and accounts, per relative change of the data
 
 
@@ -72,12 +72,13 @@ def regime(params: Mapping[str, Any]) -> str:
 
 
 def scales(points: Sequence[Point]) -> dict[str, float]:
-    """What counts as 1 for each variable: the largest angle, speed, account and load of the scene."""
+    """Unit in which errors of each variable are measured: the largest angle, speed, account or load of the
+    scene."""
     last = points[-1]
     energy = max(abs(value) for p in points for value in p.energy.values())
     found = {f"energy.{name}": energy for name in ENERGIES}
     found["theta"], found["z"] = max(abs(p.theta) for p in points), max(abs(p.z) for p in points)
-    speed = last.peak["omega"]  # infinite if the angle snapped on
+    speed = last.peak["omega"]  # infinite after a jump of theta
     found["omega"] = speed if math.isfinite(speed) else max(abs(p.omega) for p in points)
     found["v"] = found["omega"] * max((abs(p.z / p.theta) for p in points if p.theta), default=1.0)
     found["v"] = max(found["v"], *(abs(p.v) for p in points))
@@ -86,8 +87,9 @@ def scales(points: Sequence[Point]) -> dict[str, float]:
 
 
 def wrong_modes(read: Sequence[Mapping[str, Any]], points: Sequence[Point]) -> list[str]:
-    """In words, what is wrong about the modes and counts of mode changes that were read at these points.
-    Where the reference has doubts neither is compared, nor the count after it."""
+    """One message for each wrong mode and each wrong count of mode changes among the values read at these
+    points. An interval in which the reference has doubts is not compared, nor is the count of the interval
+    after it."""
     wrong, doubtful = [], False
     counted, expected = 0, 0  # events at the end of the interval before
     for number, (values, point) in enumerate(zip(read, points, strict=True)):
@@ -104,7 +106,7 @@ def wrong_modes(read: Sequence[Mapping[str, Any]], points: Sequence[Point]) -> l
 def nudged(
     params: Mapping[str, Any], intervals: Sequence[Interval], rng: np.random.Generator, by: float = 2.0**-52
 ) -> tuple[dict[str, Any], list[Interval]]:
-    """The same scene, its data changed in the last digit or by more; a restitution of 1 only downwards."""
+    """The same scene with data changed by the relative amount `by`. A restitution stays at most 1."""
     fixed = {"initial.theta", "stop.lower", "stop.upper", *INTEGERS}
 
     def nudge(value: float) -> float:
@@ -117,7 +119,7 @@ def nudged(
 
 
 def differences(points: Sequence[Point], others: Sequence[Point]) -> dict[str, float]:
-    """Largest over the points; 0 between infinities."""
+    """Largest difference of each variable over the points. Equal infinities differ by 0."""
     found = {}
     for name in MEASURED:
         pairs = [(p.value(name), q.value(name)) for p, q in zip(points, others, strict=True)]
@@ -126,7 +128,7 @@ def differences(points: Sequence[Point], others: Sequence[Point]) -> dict[str, f
 
 
 def candidate(number: int) -> tuple[Scene, Tables] | None:
-    """Scene `number`, if it is fit for a test."""
+    """Scene `number` with its tables, or None if the scene is not fit for a test."""
 
     def give_up(*_: object) -> None:
         raise TimeoutError

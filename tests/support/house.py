@@ -49,7 +49,8 @@ ABANDONED = (
 WITHOUT_SYS_PATH = ("dualcam", "system_examples", "case_studies", "benchmarks", "tests")
 PYTHON = (*WITHOUT_SYS_PATH, "masters", "fmu_src")
 TESTS_OF_BENCHMARKS = tuple(
-    f"test_{name}.py" for name in ("benchmark_layout", "benchmarks", "coupling", "performance", "stress")
+    f"test_{name}.py"
+    for name in ("benchmark_layout", "benchmarks", "compare_builds", "coupling", "performance", "stress")
 )
 EXAMPLES = "system_examples"
 

@@ -1,4 +1,5 @@
-"""Parameters of mechanisms that several tests drive, and the one of the start values, by hand."""
+"""Parameters of mechanisms that several tests drive, and numbers of the default mechanism, worked out by
+hand."""
 
 ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "cam2.radius": 0.025, "cam2.lead_angle": 0.7}
 GROOVES = {

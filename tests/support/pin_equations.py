@@ -33,7 +33,7 @@ class Groove:
     z: object
     slope: object
     bend: object
-    first: float = -math.inf  # the angles it is made for
+    first: float = -math.inf  # rad, limits of the angle in the groove
     last: float = math.inf
 
 
@@ -45,7 +45,7 @@ def helix(radius, lead):
 
 
 def ellipse(radius, lead, a, b, kappa):
-    """Section 2, word for word."""
+    """Ellipse of section 2 of docs/mechanism.md."""
     start = math.sin(math.atan(a / b * math.tan(lead)))
 
     def S(x):
@@ -95,13 +95,13 @@ def random_groove(rng, kind, reach, path):
     )
     steps = rng.uniform(1.0, 2.0, rng.integers(8, 24))
     psi = -reach + 2.0 * reach * np.concatenate([[0.0], np.cumsum(steps) / np.sum(steps)])
-    psi[-1] = reach  # rounding
+    psi[-1] = reach  # without rounding error
     return sampled(Groove(radius, {}, slope.integ(), slope, slope.deriv()), path, psi)
 
 
 @dataclass(frozen=True)
 class Place:
-    """Section 2 at one theta, `bent` for second derivatives."""
+    """Kinematics of section 2 at one theta; `_bent` marks second derivatives by theta."""
 
     gamma: float
     z: float
@@ -117,7 +117,7 @@ class Place:
 
 
 class Pin:
-    """The pin in both grooves."""
+    """The pin, which is in both grooves."""
 
     def __init__(self, first, second):
         self.first, self.second = first, second
@@ -151,7 +151,7 @@ class Pin:
 
 def edge(place, mu, direction, force):
     """Section 3 by trial of every pair of flanks: the torque at which motion in `direction` begins against
-    the axial force, with both x_i = R_i/hypot(r_i, a_i); infinite where no pair agrees with itself."""
+    the axial force, with both x_i = R_i/hypot(r_i, a_i); infinite where no pair of flanks is consistent."""
     (r1, r2), (a1, a2) = place.r, place.a
     s = 1 if force >= 0 else -1
     for e1, e2 in ((s, s), (s, -s), (-s, s), (-s, -s)):
@@ -188,5 +188,5 @@ def friction(values):
 
 
 def polynomial(u, t):
-    """Value at t of the input with these value and derivatives at 0."""
+    """Value at t of the polynomial whose value and derivatives at 0 are u."""
     return sum(value * t**k / math.factorial(k) for k, value in enumerate(u))

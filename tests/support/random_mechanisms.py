@@ -7,7 +7,8 @@ from pin_equations import ACCOUNTS, KINDS, Pin, polynomial, random_groove, sprin
 
 
 def random_mechanism(rng, folder, pair=None, regime="inertial"):
-    """Grooves and the FMU's parameters; sizes such that it swings within some 10 ms and reaches its stops."""
+    """Grooves and the FMU's parameters; a mechanism of these sizes swings within some 10 ms and reaches its
+    stops."""
     lower, upper = float(rng.choice([0.0, -rng.uniform(0.2, 0.8)])), rng.uniform(0.6, 1.4)
     kinds = pair or rng.choice(KINDS, 2)
     reach = max(upper, -lower) * 1.02
@@ -52,7 +53,7 @@ def random_mechanism(rng, folder, pair=None, regime="inertial"):
 
 
 def random_inputs(rng, values, pin, h, curved=True):
-    """tau and F_ext over a step of h: value and derivatives at its start."""
+    """tau and F_ext over a step of h: value and derivatives at the start of the step."""
     place = pin.at(values["stop.upper"])
     force = spring_force(values, place.z)
     tau = force * place.lift * rng.choice([0.0, rng.uniform(-1.0, 0.5), rng.uniform(0.0, 2.0)])
@@ -75,7 +76,7 @@ def step(fmu, h, inputs):
 
 
 def run_on(fmu, inputs, start, end, pieces):
-    """`inputs`, polynomials from time 0 on, from `start` to `end` in some steps."""
+    """Steps from `start` to `end` under `inputs`, polynomials in the time from 0 on."""
     for t, later in pairwise(np.linspace(start, end, pieces + 1)):
         now = {
             name: [polynomial(u[k:], t) for k in range(len(u))] for name, u in inputs.items()
@@ -84,7 +85,7 @@ def run_on(fmu, inputs, start, end, pieces):
 
 
 def reactions(fmu):
-    """Totals."""
+    """Reactions of both cams, each summed over its contacts, N."""
     return tuple(fmu.get("contacts") * fmu.get(f"cam{i}.reaction") for i in (1, 2))
 
 
