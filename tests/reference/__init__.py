@@ -40,7 +40,7 @@ The modules, bottom up (each imports from those above it):
     integration, numerical  a segment by DOP853
     state                   angle, speed, inputs, mode, accounts
     stick, flank_choice     decisions: stick or slip, flanks
-    play                    motion without inertia and damping
+    band_edge, creep, play  motion without inertia and damping
     simulation              a scene: segments and decisions in turn
     random_scenes, random_general_scenes
 """

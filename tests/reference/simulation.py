@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from .arithmetic import Number, poly, poly_derivative, poly_shift, sign
+from .band_edge import edge_slopes
 from .closed_form import ExactFlow
 from .flank_choice import ahead, choose_flanks
 from .mechanism import Flanks, Slip
 from .numerical import OdeFlow
 from .parameters import ENERGIES, FLOWS, HEATS, LOADING, PEAKS, RELEASING, Params, Refused
-from .play import edge_slopes, follow_curve, follow_ramp, jump
+from .play import follow_curve, follow_ramp, jump
 from .scene import Interval, Point
 from .segment import Flow, Segment
 from .state import State
