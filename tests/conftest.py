@@ -1,15 +1,15 @@
 import ctypes
-import sys
 import zipfile
 
+import build_fmu
+import house
 import pytest
 from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
-sys.path.insert(0, str(ROOT / "fmu_src/tools"))
-sys.path.insert(0, str(ROOT))  # dualcam is the one here, wherever another one is installed
-import build_fmu
+# Helpers whose failed assertions pytest shows with values, as it does in test files.
+pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "study_cases")
 
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
 # profile would depend on which tests ran before in the same process.
@@ -84,14 +84,19 @@ def fmu(make):
 
 @pytest.fixture(scope="session")
 def core(tmp_path_factory):
-    """Compiles files of the C core (no FMI), whose functions are then called one by one."""
+    """Compiles a room of the C core and the rooms below, whose functions are then called one by one. `headers`: names
+    like "contact/contact"; the last one names the highest room."""
 
-    def compiled(names, structures, code=""):
+    rooms_in_order = list(house.MAY_INCLUDE)
+
+    def compiled(headers, structures, code=""):
         directory = tmp_path_factory.mktemp("core")
         shim, library = directory / "shim.c", directory / "libcore.so"
-        includes = "".join(f'#include "{name}.h"\n' for name in names)
+        includes = "".join(f'#include "{name}.h"\n' for name in headers)
         shim.write_text("#include <stddef.h>\n" + includes + layout_code(structures) + code)
-        sources = [ROOT / "fmu_src" / f"{name}.c" for name in names]
+        highest = rooms_in_order.index(headers[-1].partition("/")[0])
+        rooms = [ROOT / "fmu_src" / room for room in rooms_in_order[: highest + 1]]
+        sources = sorted(source for room in rooms for source in room.glob("*.c"))
         flags = ["-O2", "-fPIC", "-shared", *build_fmu.TARGET, str(shim)]
         build_fmu.compile_c(build_fmu.ZIG, flags, sources, library)
         return ctypes.CDLL(str(library))

@@ -6,21 +6,16 @@ import math
 import re
 import struct
 import subprocess
-import sys
 import xml.etree.ElementTree as ET
 import zipfile
 from html.parser import HTMLParser
-from pathlib import Path
 
+import build_fmu
 import fmpy
 import numpy as np
 import pytest
-from driver import ROOT, Driver, load, models
-
-sys.path.insert(0, str(ROOT / "fmu_src/tools"))
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-import build_fmu
 import reference_results
+from driver import ROOT, Driver, load, models
 from reference_results import FORWARD_IN
 
 FORWARD, INVERSE = models.values()

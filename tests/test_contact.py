@@ -1,4 +1,4 @@
-"""Friction at the contacts (fmu_src/contact.c) where the FMU itself refuses the geometry."""
+"""Friction at the contacts (fmu_src/contact/contact.c) where the FMU itself refuses the geometry."""
 
 import math
 from ctypes import POINTER, Structure, byref, c_bool, c_double, c_int
@@ -28,7 +28,7 @@ class BandFactors(Structure):
 
 @pytest.fixture(scope="module")
 def contact(core):
-    c = core(["contact"], [Geometry, Transfer, BandFactors])
+    c = core(["contact/contact"], [Geometry, Transfer, BandFactors])
     c.contact_transfer.restype = Transfer
     c.contact_transfer.argtypes = [POINTER(Geometry), c_int, c_int * 2]
     c.contact_band.restype = BandFactors

@@ -1,5 +1,5 @@
 """dualcam.Fmu and dualcam.ContinuousFmu: names, values, runs, errors. What they must agree with is the FMU
-called directly (tests/driver.py)."""
+called directly (tests/support/driver.py)."""
 
 import gc
 import math

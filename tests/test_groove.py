@@ -1,4 +1,4 @@
-"""Groove laws (fmu_src/groove*.c) and the pair of them along theta (fmu_src/course.c)."""
+"""Groove laws (fmu_src/geometry/groove*.c) and the transmission along theta (fmu_src/geometry/transmission.c)."""
 
 import locale
 import math
@@ -15,8 +15,8 @@ HELIX, ELLIPSE, TABLE = 1, 2, 3
 DEGREE = 12
 EPS = np.finfo(float).eps
 SHIM = """
-Spot spot(const Piece *p, double t);
-Spot spot(const Piece *p, double t) { return piece_at(p, t); }
+TransmissionPoint point(const TransmissionPiece *p, double t);
+TransmissionPoint point(const TransmissionPiece *p, double t) { return piece_at(p, t); }
 """
 
 
@@ -56,7 +56,7 @@ class Fault(Structure):
 
 
 class GroovePoint(Structure):
-    _fields_ = [(n, c_double) for n in ("z", "slope", "bend")]
+    _fields_ = [(n, c_double) for n in ("z", "slope", "dslope_dpsi")]
 
 
 class TablePiece(Structure):
@@ -78,7 +78,7 @@ class Groove(Structure):
     ]
 
 
-class Piece(Structure):
+class TransmissionPiece(Structure):
     _fields_ = [
         *((n, c_double) for n in ("lower", "upper", "middle", "scale")),
         ("slope", c_double * 2 * (DEGREE + 1)),
@@ -88,25 +88,25 @@ class Piece(Structure):
     ]
 
 
-class Spot(Structure):
-    _fields_ = [(n, c_double * 2) for n in ("slope", "bend", "twist")] + [("z", c_double)]
+class TransmissionPoint(Structure):
+    _fields_ = [(n, c_double * 2) for n in ("slope", "dslope_dtheta", "d2slope_dtheta2")] + [("z", c_double)]
 
 
-class Course(Structure):
+class Transmission(Structure):
     _fields_ = [
         ("groove", Groove * 2),
         ("cam", CamParams * 2),
         ("lower", c_double),
         ("upper", c_double),
         ("count", c_size_t),
-        ("piece", POINTER(Piece)),
+        ("piece", POINTER(TransmissionPiece)),
         ("straight", c_bool),
         ("slope_size", c_double),
         ("z_size", c_double),
     ]
 
 
-FILES = ["course", "groove", "groove_table", "groove_csv", "platform"]
+FILES = ["geometry/groove_csv", "geometry/transmission"]
 STRUCTURES = [
     CamParams,
     StopParams,
@@ -116,9 +116,9 @@ STRUCTURES = [
     TablePiece,
     Table,
     Groove,
-    Piece,
-    Spot,
-    Course,
+    TransmissionPiece,
+    TransmissionPoint,
+    Transmission,
 ]
 
 
@@ -131,13 +131,13 @@ def library(core):
         ("groove_at", GroovePoint, [POINTER(Groove), c_double]),
         ("groove_angle", c_double, [POINTER(Groove), c_double]),
         ("groove_slope", c_double, [POINTER(Groove), c_double, c_double]),
-        ("course_build", c_bool, [POINTER(Course), POINTER(Params), c_char_p, POINTER(Fault)]),
-        ("course_is_of", c_bool, [POINTER(Course), POINTER(Params)]),
-        ("course_free", None, [POINTER(Course)]),
-        ("course_piece", POINTER(Piece), [POINTER(Course), c_double, c_int]),
-        ("course_gamma", c_double, [POINTER(Course), c_double]),
-        ("course_z", c_double, [POINTER(Course), c_double]),
-        ("spot", Spot, [POINTER(Piece), c_double]),
+        ("transmission_build", c_bool, [POINTER(Transmission), POINTER(Params), c_char_p, POINTER(Fault)]),
+        ("transmission_is_of", c_bool, [POINTER(Transmission), POINTER(Params)]),
+        ("transmission_free", None, [POINTER(Transmission)]),
+        ("transmission_piece", POINTER(TransmissionPiece), [POINTER(Transmission), c_double, c_int]),
+        ("transmission_gamma", c_double, [POINTER(Transmission), c_double]),
+        ("transmission_z", c_double, [POINTER(Transmission), c_double]),
+        ("point", TransmissionPoint, [POINTER(TransmissionPiece), c_double]),
     ):
         function = getattr(c, name)
         function.restype, function.argtypes = result, arguments
@@ -185,18 +185,18 @@ def courses(library):
     made = []
 
     def build(first, second, lower=0.0, upper=1.3963):
-        course, fault = Course(), Fault()
+        transmission, fault = Transmission(), Fault()
         params = params_of(first, second, lower, upper)
-        good = library.course_build(byref(course), byref(params), None, byref(fault))
+        good = library.transmission_build(byref(transmission), byref(params), None, byref(fault))
         assert good, fault.text.decode()
-        made.append(course)
-        return course
+        made.append(transmission)
+        return transmission
 
     yield build
-    for course in made:
-        library.course_free(byref(course))
-        library.course_free(byref(course))
-        assert course.count == 0
+    for transmission in made:
+        library.transmission_free(byref(transmission))
+        library.transmission_free(byref(transmission))
+        assert transmission.count == 0
 
 
 def groove_refusal(library, params, resources=None):
@@ -208,10 +208,10 @@ def groove_refusal(library, params, resources=None):
 
 
 def course_refusal(library, first, second, lower=0.0, upper=1.3963):
-    course, fault = Course(), Fault()
+    transmission, fault = Transmission(), Fault()
     params = params_of(first, second, lower, upper)
-    assert not library.course_build(byref(course), byref(params), None, byref(fault))
-    assert not course.piece and course.count == 0
+    assert not library.transmission_build(byref(transmission), byref(params), None, byref(fault))
+    assert not transmission.piece and transmission.count == 0
     text = fault.text.decode()
     assert len(text) < 511 and ("must" in text or "allowed" in text)
     return text
@@ -243,7 +243,7 @@ def test_ellipse(library, grooves, kappa, lead, a, b):
         room = float(1 - S**2)  # rounding of S counts that much more close to vertical
         assert point.z == pytest.approx(float(z), rel=2e-14 / math.sqrt(room), abs=1e-18 * abs(psi))
         assert point.slope == pytest.approx(float(slope), rel=4 * EPS / room, abs=4 * EPS * params.radius)
-        assert point.bend == pytest.approx(float(bend), rel=16 * EPS / room)
+        assert point.dslope_dpsi == pytest.approx(float(bend), rel=16 * EPS / room)
 
 
 @pytest.mark.parametrize("kappa", [1, -1])
@@ -273,7 +273,7 @@ def test_ellipse_from_vertical_is_refused(library):
 def test_helix(library, grooves):
     groove = grooves(cam(HELIX, lead=0.5))
     point = library.groove_at(byref(groove), -3.0)
-    assert (point.z, point.slope, point.bend) == (-3.0 * groove.gain, groove.gain, 0.0)
+    assert (point.z, point.slope, point.dslope_dpsi) == (-3.0 * groove.gain, groove.gain, 0.0)
     assert groove.gain == 0.02 * math.tan(0.5) and groove.first == -math.inf and groove.last == math.inf
 
 
@@ -290,7 +290,7 @@ def test_table_of_a_polynomial(library, grooves, tmp_path):
         point = library.groove_at(byref(groove), x)
         assert point.z == pytest.approx(p(x) - p(0), abs=1e-15)
         assert point.slope == pytest.approx(p.deriv()(x), abs=1e-13)
-        assert point.bend == pytest.approx(p.deriv(2)(x), abs=1e-11)
+        assert point.dslope_dpsi == pytest.approx(p.deriv(2)(x), abs=1e-11)
     assert (groove.first, groove.last) == (-0.7, 1.4)
 
 
@@ -346,14 +346,14 @@ def test_table_stays_monotone_and_smooth(library, scratch, data):
         assert all(b.z - a.z >= -2 * EPS * scale for a, b in pairwise(inside))
         assert inside[0].z == pytest.approx(z[j], abs=4 * EPS * scale)
         if z[j] == z[j + 1]:
-            assert all(p.slope == 0.0 and p.bend == 0.0 for p in inside)
+            assert all(p.slope == 0.0 and p.dslope_dpsi == 0.0 for p in inside)
     for j in range(1, len(psi) - 1):
         left, right = at(np.nextafter(psi[j], -1.0)), at(psi[j])
         widths = [groove.table.piece[i].width for i in (j - 1, j)]
         steep = max(max(groove.table.piece[i].slope) for i in (j - 1, j)) + 1e-300
         assert left.z == pytest.approx(right.z, abs=8 * EPS * (scale + steep * psi[-1]))
         assert left.slope == pytest.approx(right.slope, abs=1e-12 * steep * psi[-1] / min(widths))
-        assert left.bend == pytest.approx(right.bend, abs=1e-12 * steep * psi[-1] / min(widths) ** 2)
+        assert left.dslope_dpsi == pytest.approx(right.dslope_dpsi, abs=1e-12 * steep * psi[-1] / min(widths) ** 2)
     library.groove_free(byref(groove))
 
 
@@ -460,7 +460,7 @@ def test_table_ignores_the_locale(library, grooves, tmp_path):
         locale.setlocale(locale.LC_ALL, before)
 
 
-# ---- the course ----
+# ---- the transmission ----
 
 
 @pytest.fixture(scope="module")
@@ -503,22 +503,22 @@ PAIRS = [
 @pytest.mark.parametrize(("first", "second", "lower"), PAIRS)
 def test_course(library, courses, laws, first, second, lower):
     """Polynomials against the laws at the root; the root's residual; derivatives that belong together."""
-    course = courses(laws[first], laws[second], lower, 1.3963)
+    transmission = courses(laws[first], laws[second], lower, 1.3963)
     thetas = np.linspace(lower, 1.3963, 401)
     steep, high = np.zeros(2), 1e-300
     errors = []
     for theta in thetas:
-        gamma = library.course_gamma(byref(course), theta)
+        gamma = library.transmission_gamma(byref(transmission), theta)
         phi = theta - gamma
-        p = [library.groove_at(byref(course.groove[i]), x) for i, x in enumerate((gamma, phi))]
+        p = [library.groove_at(byref(transmission.groove[i]), x) for i, x in enumerate((gamma, phi))]
         rounding = abs(p[0].z) + (p[0].slope + p[1].slope) * (abs(gamma) + abs(phi))
         assert abs(p[0].z - p[1].z) <= 4 * EPS * rounding
-        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
+        point = library.point(library.transmission_piece(byref(transmission), theta, 0), theta)
         a = np.array([q.slope for q in p])
-        z = library.course_z(byref(course), theta)
+        z = library.transmission_z(byref(transmission), theta)
         turn = np.array([a[1], a[0]]) / a.sum()
-        bend = np.array([q.bend for q in p]) * turn
-        errors.append([*abs(a - list(spot.slope)), abs(z - spot.z), *abs(bend - list(spot.bend))])
+        bend = np.array([q.dslope_dpsi for q in p]) * turn
+        errors.append([*abs(a - list(point.slope)), abs(z - point.z), *abs(bend - list(point.dslope_dtheta))])
         steep, high = np.maximum(steep, a), max(high, abs(z))
     worst = np.max(errors, axis=0)
     assert (worst[:2] <= 1e-12 * steep).all()
@@ -529,75 +529,75 @@ def test_course(library, courses, laws, first, second, lower):
 @pytest.mark.parametrize(("first", "second", "lower"), PAIRS)
 def test_course_derivatives(library, courses, laws, first, second, lower):
     """bend, twist and dz/dtheta are the derivatives of the polynomials, and dz/dtheta is a1 a2/(a1+a2)."""
-    course = courses(laws[first], laws[second], lower, 1.3963)
-    for k in range(course.count):
-        piece = course.piece[k]
+    transmission = courses(laws[first], laws[second], lower, 1.3963)
+    for k in range(transmission.count):
+        piece = transmission.piece[k]
         for theta in np.linspace(piece.lower, piece.upper, 7):
             x = (theta - piece.middle) * piece.scale
-            spot = library.spot(byref(piece), theta)
+            point = library.point(byref(piece), theta)
             for i in range(2):
                 p = np.polynomial.Polynomial([both[i] for both in piece.slope])
                 size = sum(abs(p.coef)) * (1 + piece.scale) ** 2 * DEGREE**2
-                assert spot.slope[i] == pytest.approx(p(x), abs=1e-15 * size)
-                assert spot.bend[i] == pytest.approx(p.deriv()(x) * piece.scale, abs=1e-15 * size)
-                assert spot.twist[i] == pytest.approx(p.deriv(2)(x) * piece.scale**2, abs=1e-15 * size)
-            lift = spot.slope[0] * spot.slope[1] / (spot.slope[0] + spot.slope[1])
+                assert point.slope[i] == pytest.approx(p(x), abs=1e-15 * size)
+                assert point.dslope_dtheta[i] == pytest.approx(p.deriv()(x) * piece.scale, abs=1e-15 * size)
+                assert point.d2slope_dtheta2[i] == pytest.approx(p.deriv(2)(x) * piece.scale**2, abs=1e-15 * size)
+            lift = point.slope[0] * point.slope[1] / (point.slope[0] + point.slope[1])
             z = np.polynomial.Polynomial(list(piece.z))
-            assert spot.z == pytest.approx(z(x), abs=1e-16)
-            assert z.deriv()(x) * piece.scale == pytest.approx(lift, abs=3e-13 * (0.02 + max(spot.slope)))
+            assert point.z == pytest.approx(z(x), abs=1e-16)
+            assert z.deriv()(x) * piece.scale == pytest.approx(lift, abs=3e-13 * (0.02 + max(point.slope)))
 
 
 def test_course_of_ellipses_to_50_digits(library, courses, laws):
     first, second = laws["steepening"], laws["flattening"]
-    course = courses(first, second)
+    transmission = courses(first, second)
     for theta in np.linspace(0.0, 1.3963, 9):
         with mpmath.workdps(40):
             gap = lambda g, t=theta: exact_ellipse(first, g)[0] - exact_ellipse(second, mpmath.mpf(t) - g)[0]  # noqa: E731
             gamma = mpmath.findroot(gap, (theta / 3, theta / 2 + 0.01), solver="anderson", tol=1e-60)
             one, two = exact_ellipse(first, gamma), exact_ellipse(second, mpmath.mpf(theta) - gamma)
-        assert library.course_gamma(byref(course), theta) == pytest.approx(float(gamma), abs=4e-16)
-        assert library.course_z(byref(course), theta) == pytest.approx(float(one[0]), abs=1e-17)
-        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
-        assert list(spot.slope) == pytest.approx([float(one[1]), float(two[1])], rel=1e-13)
+        assert library.transmission_gamma(byref(transmission), theta) == pytest.approx(float(gamma), abs=4e-16)
+        assert library.transmission_z(byref(transmission), theta) == pytest.approx(float(one[0]), abs=1e-17)
+        point = library.point(library.transmission_piece(byref(transmission), theta, 0), theta)
+        assert list(point.slope) == pytest.approx([float(one[1]), float(two[1])], rel=1e-13)
 
 
 def test_two_helices_are_exact(library, courses, laws):
-    course = courses(laws["helix"], cam(HELIX, lead=0.5, radius=0.03), -2.0, 3.0)
-    assert course.straight and course.count == 1
-    a = [course.groove[i].gain for i in range(2)]
-    spot = library.spot(library.course_piece(byref(course), 1.7, 0), 1.7)
-    assert list(spot.slope) == a and list(spot.bend) == list(spot.twist) == [0.0, 0.0]
-    assert spot.z == library.course_z(byref(course), 1.7) == a[0] * (a[1] / (a[0] + a[1])) * 1.7
+    transmission = courses(laws["helix"], cam(HELIX, lead=0.5, radius=0.03), -2.0, 3.0)
+    assert transmission.straight and transmission.count == 1
+    a = [transmission.groove[i].gain for i in range(2)]
+    point = library.point(library.transmission_piece(byref(transmission), 1.7, 0), 1.7)
+    assert list(point.slope) == a and list(point.dslope_dtheta) == list(point.d2slope_dtheta2) == [0.0, 0.0]
+    assert point.z == library.transmission_z(byref(transmission), 1.7) == a[0] * (a[1] / (a[0] + a[1])) * 1.7
 
 
 def test_pieces_meet(library, courses, laws):
     """In order, without gaps; values agree where they meet; knots of the table are marked."""
-    course = courses(laws["wavy"], laws["flattening"], -0.3, 1.3963)
-    pieces = [course.piece[k] for k in range(course.count)]
+    transmission = courses(laws["wavy"], laws["flattening"], -0.3, 1.3963)
+    pieces = [transmission.piece[k] for k in range(transmission.count)]
     assert pieces[0].lower == -0.3 and pieces[-1].upper == 1.3963
     knots = 0
     for left, right in pairwise(pieces):
         assert left.upper == right.lower and left.knot_upper == right.knot_lower
-        a, b = (library.spot(byref(p), left.upper) for p in (left, right))
+        a, b = (library.point(byref(p), left.upper) for p in (left, right))
         assert list(a.slope) == pytest.approx(list(b.slope), rel=1e-13)
-        assert list(a.bend) == pytest.approx(list(b.bend), abs=1e-10)
+        assert list(a.dslope_dtheta) == pytest.approx(list(b.dslope_dtheta), abs=1e-10)
         assert a.z == pytest.approx(b.z, abs=1e-16)
-        gamma = library.course_gamma(byref(course), left.upper)
+        gamma = library.transmission_gamma(byref(transmission), left.upper)
         if left.knot_upper:
             knots += 1
             assert gamma / 0.05 == pytest.approx(round(gamma / 0.05), abs=1e-12)
-    first, last = (library.course_gamma(byref(course), theta) for theta in (-0.3, 1.3963))
+    first, last = (library.transmission_gamma(byref(transmission), theta) for theta in (-0.3, 1.3963))
     assert knots == math.floor(last / 0.05) - math.ceil(first / 0.05) + 1
-    course = courses(laws["wavy"], laws["wavy"])  # a knot lies at the lower stop
-    assert course.piece[0].knot_lower and not course.piece[course.count - 1].knot_upper
+    transmission = courses(laws["wavy"], laws["wavy"])  # a knot lies at the lower stop
+    assert transmission.piece[0].knot_lower and not transmission.piece[transmission.count - 1].knot_upper
 
 
 def test_piece_lookup(library, courses, laws):
-    course = courses(laws["wavy"], laws["helix"])
-    border = course.piece[2].upper
-    width = course.piece[2].upper - course.piece[2].lower
-    index = lambda theta, way: library.course_piece(byref(course), theta, way).contents.lower  # noqa: E731
-    lower = [course.piece[k].lower for k in range(course.count)]
+    transmission = courses(laws["wavy"], laws["helix"])
+    border = transmission.piece[2].upper
+    width = transmission.piece[2].upper - transmission.piece[2].lower
+    index = lambda theta, way: library.transmission_piece(byref(transmission), theta, way).contents.lower  # noqa: E731
+    lower = [transmission.piece[k].lower for k in range(transmission.count)]
     for theta in (border, border + 1e-10 * width, border - 1e-10 * width):
         assert index(theta, 1) == lower[3]
         assert index(theta, -1) == lower[2]
@@ -609,14 +609,14 @@ def test_piece_lookup(library, courses, laws):
 
 def test_dwell_is_ordinary(library, courses, laws):
     """While cam 1 dwells, z stands still, the pin turns in it and nowhere else."""
-    course = courses(laws["dwell"], laws["helix"])
+    transmission = courses(laws["dwell"], laws["helix"])
     phi = 0.01 / 0.02
     for gamma in (0.55, 0.65, 0.75):
         theta = gamma + phi
-        assert library.course_gamma(byref(course), theta) == pytest.approx(gamma, abs=1e-14)
-        assert library.course_z(byref(course), theta) == pytest.approx(0.01, abs=1e-16)
-        spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
-        assert spot.slope[0] == pytest.approx(0.0, abs=1e-30)
+        assert library.transmission_gamma(byref(transmission), theta) == pytest.approx(gamma, abs=1e-14)
+        assert library.transmission_z(byref(transmission), theta) == pytest.approx(0.01, abs=1e-16)
+        point = library.point(library.transmission_piece(byref(transmission), theta, 0), theta)
+        assert point.slope[0] == pytest.approx(0.0, abs=1e-30)
 
 
 def test_stops_on_one_side_of_zero(library, courses, laws):
@@ -624,7 +624,7 @@ def test_stops_on_one_side_of_zero(library, courses, laws):
     for lower, upper in ((0.4, 1.2), (-0.3, -0.1)):
         part = courses(laws["flattening"], laws["helix"], lower, upper)
         theta = 0.5 * (lower + upper)
-        assert library.course_z(byref(part), theta) == library.course_z(byref(whole), theta)
+        assert library.transmission_z(byref(part), theta) == library.transmission_z(byref(whole), theta)
 
 
 def test_up_to_the_end_of_an_ellipse(library, courses, laws):
@@ -632,15 +632,15 @@ def test_up_to_the_end_of_an_ellipse(library, courses, laws):
     for name in ("flattening", "steepening"):
         probe = courses(laws[name], laws["helix"], 0.0, 0.1).groove[0]
         end = probe.last + library.groove_at(byref(probe), probe.last).z / 0.02
-        course = courses(laws[name], laws["helix"], 0.0, end)
-        assert course.count < 60
+        transmission = courses(laws[name], laws["helix"], 0.0, end)
+        assert transmission.count < 60
         for share in np.linspace(0.01, 0.999, 40):
             theta = share * end
-            gamma = library.course_gamma(byref(course), theta)
-            z = library.course_z(byref(course), theta)
-            spot = library.spot(library.course_piece(byref(course), theta, 0), theta)
-            exact = library.groove_slope(byref(course.groove[0]), gamma, z)
-            assert spot.slope[0] == pytest.approx(exact, rel=1e-11, abs=1e-15)
+            gamma = library.transmission_gamma(byref(transmission), theta)
+            z = library.transmission_z(byref(transmission), theta)
+            point = library.point(library.transmission_piece(byref(transmission), theta, 0), theta)
+            exact = library.groove_slope(byref(transmission.groove[0]), gamma, z)
+            assert point.slope[0] == pytest.approx(exact, rel=1e-11, abs=1e-15)
 
 
 def test_end_of_a_groove_is_refused(library, laws):
@@ -674,22 +674,22 @@ def test_too_many_pieces(library, tmp_path):
     """A table of more points than pieces are allowed is still possible: each knot adds to the limit."""
     psi = np.linspace(0.0, 2.0, 30_001)
     table = write_table(tmp_path / "t.csv", psi.tolist(), (0.02 * psi).tolist())
-    course, fault = Course(), Fault()
+    transmission, fault = Transmission(), Fault()
     params = params_of(cam(TABLE, table=table), cam(HELIX, lead=math.pi / 4), 0.0, 1.0)
-    assert library.course_build(byref(course), byref(params), None, byref(fault)), fault.text
-    assert 7500 <= course.count <= 27500
-    library.course_free(byref(course))
+    assert library.transmission_build(byref(transmission), byref(params), None, byref(fault)), fault.text
+    assert 7500 <= transmission.count <= 27500
+    library.transmission_free(byref(transmission))
 
 
 def test_course_is_of_its_grooves_and_stops(library, laws, courses):
     first, second = laws["wavy"], laws["flattening"]
-    course = courses(first, second, 0.0, 1.0)
+    transmission = courses(first, second, 0.0, 1.0)
 
     def fits(*changes):
         params = params_of(first, second, 0.0, 1.0)
         for change in changes:
             change(params)
-        return library.course_is_of(byref(course), byref(params))
+        return library.transmission_is_of(byref(transmission), byref(params))
 
     def path(i, text):
         return lambda params: setattr(params.table[i], "value", text)
@@ -700,4 +700,4 @@ def test_course_is_of_its_grooves_and_stops(library, laws, courses):
     assert not fits(lambda p: setattr(p.cam[1], "radius", 0.021))
     assert not fits(lambda p: setattr(p.cam[0], "profile", HELIX))
     assert not fits(lambda p: setattr(p.stop, "upper", 0.9))
-    assert not library.course_is_of(byref(Course()), byref(params_of(first, second, 0.0, 0.0)))
+    assert not library.transmission_is_of(byref(Transmission()), byref(params_of(first, second, 0.0, 0.0)))

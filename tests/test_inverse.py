@@ -13,7 +13,7 @@ from driver import ERROR, OK, models
 from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
 from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
 from scipy.optimize import brentq
-from test_mechanism import STATICS, geometry
+from statics_cases import STATICS, geometry
 
 INVERSE, FORWARD = models["DualCamInverse"], models["DualCamForward"]
 WIDE = {"stop.lower": -10.0, "stop.upper": 10.0}

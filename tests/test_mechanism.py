@@ -11,58 +11,7 @@ import pytest
 from driver import OK
 from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
 from reference import LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP, WEDGED
-
-# The twelve cases of the mechanism's statics (section 3) solved with 60 digits; R are totals, F > 0.
-# name: r1, r2, lambda1, lambda2, mu1, mu2, F, then (R1, R2, T) loading and releasing, None where the pair of
-# supporting flanks is not admissible
-STATICS = {
-    "equal": (0.02, 0.02, 0.7853981633974483, 0.7853981633974483, 0.14, 0.14, 100.0,
-              (82.221718742621803, 82.221718742621803, 1.3255813953488372),
-              (62.026910630398903, 62.026910630398903, 0.75438596491228065)),
-    "grease 2": (0.02, 0.02, 0.7853981633974483, 0.7853981633974483, 0.19, 0.19, 100.0,
-                 (87.297133479820678, 87.297133479820678, 1.4691358024691357),
-                 (59.420737914835925, 59.420737914835925, 0.68067226890756299)),
-    "unequal radii": (0.0275, 0.0175, 0.9, 0.8203, 0.14, 0.14, 350.0,
-                      (237.9808184342142, 393.65437179815683, 5.6959967326383234),
-                      (168.18560855375208, 289.40920407613602, 3.220467081719058)),
-    "unequal friction, optimum": (0.03, 0.02, 0.5843738968484468, 0.923511478779244, 0.1, 0.2, 100.0,
-                                  (80.71481136041947, 83.729195762671192, 1.537818257344766),
-                                  (59.514180549309163, 61.736803814320015, 0.83606387137985378)),
-    "near self-locking": (0.02, 0.03, 0.13909694148207133, 0.7, 0.14, 0.14, 100.0,
-                          (87.955686752424719, 21.642451942859043, 0.48779636328858385),
-                          (99.034069570861164, 1.2411405424503868e-4, 1.9999978775525759e-6)),
-    "one contact locks": (0.02, 0.03, 0.1, 0.8, 0.14, 0.14, 100.0,
-                          (91.101181445558148, 17.822655349626075, 0.43570779808567673), None),
-    "both lock": (0.02, 0.03, 0.1, 0.12, 0.19, 0.19, 100.0,
-                  (63.21404846392025, 39.482808974770059, 0.36523080656223978),
-                  (52.899371729445919, 45.651430725065573, -0.09439086143885512)),
-    "steep": (0.02, 0.03, 1.5, 0.6, 0.14, 0.19, 100.0,
-              (166.80034218389302, 155.27332474224857, 3.3606872722867323),
-              (58.275227681505512, 94.078935289712843, 1.151042714818565)),
-    "frictionless": (0.025, 0.015, 0.6, 1.1, 0.0, 0.0, 250.0,
-                     (191.67213239297345, 202.39626931082316, 2.7056556728817302),
-                     (191.67213239297345, 202.39626931082316, 2.7056556728817302)),
-    "one contact rubs": (0.025, 0.015, 0.6, 1.1, 0.0, 0.25, 250.0,
-                         (240.03069021527413, 224.85012356846291, 3.3882880653467474),
-                         (152.0949619061819, 184.01979039874173, 2.1469818870407558)),
-    "scissors": (0.02, 0.02, 0.02, 0.24, 0.14, 0.14, 100.0,
-                 (71.501684082224646, 30.60872350511177, 0.22876344278127149), None),
-}  # fmt: skip
-
-
-def geometry(r1, r2, lambda1, lambda2, mu1, mu2, force):
-    return {
-        "cam1.radius": r1,
-        "cam2.radius": r2,
-        "cam1.lead_angle": lambda1,
-        "cam2.lead_angle": lambda2,
-        "cam1.friction": mu1,
-        "cam2.friction": mu2,
-        "spring.preload": force,
-        "spring.stiffness": 0.0,
-        "stop.lower": -1.0,
-        "contacts": 1,
-    }
+from statics_cases import STATICS, geometry
 
 
 def reactions(fmu):
@@ -70,8 +19,6 @@ def reactions(fmu):
 
 
 # Section 3: statics
-
-
 @pytest.mark.parametrize("name", STATICS)
 def test_statics_with_60_digits(make, name):
     *case, loading, releasing = STATICS[name]
@@ -174,8 +121,6 @@ def test_stick_band_is_mirrored_for_negative_load(make):
 
 
 # Section 5: end stops
-
-
 def test_modes_at_the_stops(make):
     fmu = make().start()  # theta = 0 is the lower stop: the spring presses into it
     fmu.step(0.1)
@@ -222,8 +167,6 @@ def test_bouncing_ends(make):
 
 
 # Section 6: the three regimes
-
-
 def test_breakaway_under_a_torque_ramp(make):
     """From tau = 1.5 N.m at 0.5 N.m/s the band's upper edge at theta = 0.2, F_0 = 150 N, is reached after
     (150 rho_+ - 1.5)/0.5 s. From there J alpha + K theta = ramp: theta - theta0 = r/K (t - sin(w t)/w) with
@@ -342,8 +285,6 @@ def test_power_balance(make):
 
 
 # Ledger
-
-
 def test_ledger_after_a_million_steps(fmu):
     """Energy residual at most 1e-12 of the energy turned over. A torque that sticks, slips both ways and hits
     the stop; the loop is in C (fmpy would need minutes), through the FMU's own functions."""
@@ -399,8 +340,6 @@ def test_peaks_inside_a_long_step(make):
 
 
 # Output derivatives
-
-
 def test_output_derivatives(fmu):
     fmu.start({"inertia.follower_mass": 0.3, "damper.c_load": 100.0})
     fmu.step(0.01, tau=6.0)
@@ -424,8 +363,6 @@ def test_output_derivatives(fmu):
 
 
 # Steps
-
-
 def test_landing_on_any_communication_step(fmu):
     fmu.start()
     time = 0.0

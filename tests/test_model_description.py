@@ -3,16 +3,13 @@
 import math
 import re
 import subprocess
-import sys
 import tomllib
 import zipfile
 
+import build_fmu
 import pytest
 from driver import OK, ROOT, models
 from fmpy.validation import validate_fmu
-
-sys.path.insert(0, str(ROOT / "fmu_src/tools"))
-import build_fmu
 
 FORWARD, INVERSE = models.values()
 

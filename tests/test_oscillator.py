@@ -1,4 +1,4 @@
-"""The closed forms inside one mode (fmu_src/oscillator.c) against 50-digit arithmetic."""
+"""The closed forms inside one mode (fmu_src/closed_form/oscillator.c) against 50-digit arithmetic."""
 
 import ctypes
 
@@ -27,7 +27,7 @@ class Kernel(ctypes.Structure):
 
 @pytest.fixture(scope="module")
 def library(core):
-    c = core(["oscillator"], [Oscillator, Kernel])
+    c = core(["closed_form/oscillator"], [Oscillator, Kernel])
     c.oscillator_of.restype = Oscillator
     c.oscillator_of.argtypes = [ctypes.c_double, ctypes.c_double]
     c.oscillator_zero.restype = ctypes.c_double

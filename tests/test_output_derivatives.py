@@ -7,8 +7,9 @@ from ctypes import c_double, c_int
 import numpy as np
 import pytest
 from driver import Driver, models
+from pin_equations import write_table
+from random_mechanisms import run_on, step
 from reference import LOADING, LOWER_STOP, RELEASING, STICK
-from test_general_mechanism import run_on, step, write_table
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 MOTION = ("theta", "omega", "z", "v")

@@ -206,7 +206,7 @@ def elsewhere(tmp_path_factory):
     for folder in ("fmu_src", "modelDescription", "benchmarks/null_fmu"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", root)
-    spec = importlib.util.spec_from_file_location("build_fmu_elsewhere", root / "fmu_src/build_fmu.py")
+    spec = importlib.util.spec_from_file_location("build_fmu_elsewhere", root / "fmu_src/tools/build_fmu.py")
     module = importlib.util.module_from_spec(spec)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, spec.name, module)

@@ -324,7 +324,7 @@ def test_general_energy_is_conserved_and_nothing_is_nan(make, scratch, scene, cu
 
 
 def band(r, a, mu, force):
-    """Both edges of the stick band, from the mechanism page: by trial of the pairs of flanks, those that the
+    """Both edges of the stick band, from docs/mechanism.md: by trial of the pairs of flanks, those that the
     force rests on first."""
     s = math.copysign(1.0, force)
     edges = []

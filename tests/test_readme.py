@@ -3,7 +3,6 @@
 import ast
 import re
 import runpy
-import sys
 from pathlib import Path
 
 import pytest
@@ -55,7 +54,6 @@ def test_design_block_runs(run_block, capsys):
 
 def test_table_of_the_robot_joint():
     """The table's figures are those that system_examples/robot_joint.py prints."""
-    sys.path.insert(0, str(ROOT / "system_examples"))
     import robot_joint
 
     names = {

@@ -17,39 +17,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from driver import ROOT, models
+from driver import ROOT
 from scipy.interpolate import CubicSpline
 from scipy.stats import qmc, sobol_indices
+from study_cases import (
+    DESIGN,
+    FORWARD,
+    INVERSE,
+    PLAN,
+    PUSH,
+    RESULTS,
+    closed,
+    every_run_once,
+    refused,
+    runs_of,
+    slow,
+    study,
+)
 
 from dualcam import Fmu
 from dualcam.__main__ import main
-from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, load, plots, read
+from dualcam.study import History, Plan, Scenario, Vary, load, plots, read
 from dualcam.study.execution import DIED
 from dualcam.study.runner import Runner
 from dualcam.study.store import RECORD
 
-FORWARD, INVERSE = (model.fmu for model in models.values())
 NULL = ROOT / "build/NullFmu.fmu"
-DESIGN = {
-    "cam1.radius": Vary(0.015, 0.03),
-    "cam2.lead_angle": Vary(0.55, 1.0),
-    "cam1.friction": Vary(0.05, 0.2),
-    "spring.stiffness": Vary(1e4, 8e4, log=True),
-}
-PUSH = Scenario(0.4, {"tau": History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])})
-RESULTS = ["theta@0.2", "efficiency", "energy.work_in", "events", "theta", "peak.reaction1"]
 BALANCE = ["spring", "kinetic", "heat_cam1", "heat_cam2", "heat_damper", "heat_shaft", "heat_stop"]
-
-
-def study(plan=None, scenario=PUSH, results=RESULTS, fmu=FORWARD, **more):
-    return Study(fmu, plan or Plan("latin", DESIGN, runs=64), scenario, results, **more)
-
-
-def runs_of(one, rows=None):
-    runner = Runner(one.job())
-    block = runner.run(one.plan.rows(0, one.plan.count) if rows is None else rows)
-    runner.close()
-    return block
 
 
 def by_hand(names, rows):
@@ -64,10 +58,6 @@ def by_hand(names, rows):
             fmu.step(0.2)
             found.append([middle, *(fmu.get(name) for name in RESULTS[1:])])
     return np.array(found, float)
-
-
-def refused(*mentions):
-    return pytest.raises(StudyError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
 
 
 # ---- plans ----
@@ -321,18 +311,6 @@ def deadly():
     return law
 
 
-def slow():
-    def law(now, seen):
-        time.sleep(0.02)
-        return [8.0]
-
-    return law
-
-
-def closed(make, stop=0.05, period=1e-3):
-    return Scenario(stop, controller=Controller(make, period, ["theta", "omega"], ["tau"]))
-
-
 STARTS = Plan("grid", {"initial.theta": Vary(0.1, 1.0, count=10)})
 
 
@@ -367,14 +345,6 @@ def test_progress_tells_rate_and_time_left(tmp_path):
 
 
 # ---- folders, processes, interruptions ----
-
-
-def every_run_once(folder, one):
-    table = read(folder)
-    assert np.array_equal(table["run"], np.arange(one.plan.count))
-    rows = np.column_stack([table[name] for name in one.plan.names])
-    assert np.array_equal(rows, one.plan.rows(0, one.plan.count))
-    return np.column_stack([table[name] for name in one.results])
 
 
 class Stop(Exception):
@@ -587,37 +557,6 @@ def test_the_front_is_that_of_brute_force():
         found = plots.front(x, y, best)
         assert {tuple(gain[k]) for k in found} == kept
         assert len(found) == len(kept)
-
-
-PLAN = """
-fmu = "{fmu}"
-results = ["efficiency", "theta"]
-[plan]
-kind = "indices"
-runs = 64
-[plan.vary]
-"cam1.lead_angle" = {{ from = 0.6, to = 0.9 }}
-"cam1.friction" = {{ from = 0.1, to = 0.2 }}
-"cam2.friction" = {{ same = "cam1.friction" }}
-[scenario]
-stop = 0.1
-inputs.tau = {{ time = [0.0, 0.05, 0.05], value = [8.0, 8.0, 0.0] }}
-[[plots]]
-kind = "sobol"
-of = ["efficiency"]
-[[plots]]
-kind = "map"
-x = "cam1.lead_angle"
-y = "cam1.friction"
-z = "efficiency"
-[[plots]]
-kind = "pareto"
-x = "efficiency"
-y = "theta"
-[[plots]]
-kind = "parallel"
-axes = ["cam1.lead_angle", "cam1.friction", "efficiency"]
-"""
 
 
 def test_the_command_runs_draws_and_goes_on(tmp_path, capsys):

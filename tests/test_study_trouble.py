@@ -20,7 +20,7 @@ import build_fmu
 import numpy as np
 import pytest
 from driver import ROOT
-from test_study import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, runs_of, slow, study
+from study_cases import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, runs_of, slow, study
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError
@@ -67,7 +67,7 @@ def decay(tmp_path_factory):
     library, path = folder / "decay.so", folder / "an other [FMU] ünd #1 %20" / "décay.fmu"
     path.parent.mkdir()
     flags = ["-O2", "-fPIC", "-shared", '-DMODEL_GUID="decay"', "-DVALUE_COUNT=2", *build_fmu.TARGET]
-    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "tests/other_fmu.c"], library)
+    build_fmu.compile_c(build_fmu.ZIG, flags, [ROOT / "tests/native/other_fmu.c"], library)
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("modelDescription.xml", DECAY)
         archive.write(library, "binaries/linux64/decay.so")

@@ -39,7 +39,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / "fmu_src"
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"
-LIFECYCLE = ROOT / "tests/native/lifecycle.c"
+LIFECYCLE = ROOT / "tests/native/lifecycle"
 BARE = ROOT / "benchmarks/null_fmu"  # FMI 2.0 as small as it can be, also for FMUs that are built elsewhere
 
 NEWEST_GLIBC = (2, 17)
@@ -512,9 +512,9 @@ def sanitizing_compiler(scratch: Path) -> tuple[list[str], list[str], str]:
 
 
 def build_native_drivers(fmu: Fmu) -> None:
-    """tests/native/lifecycle.c linked with the FMU's sources: `<identifier>-sanitized`, and `<identifier>`
+    """tests/native/lifecycle/*.c linked with the FMU's sources: `<identifier>-sanitized`, and `<identifier>`
     for valgrind. Warnings are left to the pinned compiler: those of a system's gcc differ by version."""
-    folder = BUILD / "native"
+    folder, sources = BUILD / "native", [*fmu.sources, *sorted(LIFECYCLE.glob("*.c"))]
     compiler, sanitizers, name = sanitizing_compiler(folder)
     plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
     for program, command, flags in (
@@ -522,10 +522,11 @@ def build_native_drivers(fmu: Fmu) -> None:
         (folder / fmu.identifier, plain, []),
     ):
         flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
-        stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), Path(__file__).resolve()], *command, *flags)
+        used = [*sources, *sorted(LIFECYCLE.glob("*.h")), *headers(), Path(__file__).resolve()]
+        stamp = fingerprint(used, *command, *flags)
         if not is_fresh(program, stamp):
             say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
-            compile_c(command, flags, [*fmu.sources, LIFECYCLE], program)
+            compile_c(command, flags, sources, program)
             set_stamp(program, stamp)
 
 

@@ -1,0 +1,141 @@
+"""The bridge to python-control: bad input is refused with a reason."""
+
+import math
+
+import control
+import numpy as np
+import pytest
+from control_cases import FORWARD, INVERSE, LOCKING, PERIOD, UPPER, refused
+
+import dualcam
+from dualcam import CamHysteresis, OperatingPointError
+
+
+def test_bad_signal_names():
+    for period in (None, PERIOD):
+        with refused("input 'torque'", "tau, F_ext"):
+            dualcam.to_nonlinear_io_system(FORWARD, inputs="torque", period=period)
+        with refused("'thet'", "did you mean theta"):
+            dualcam.to_nonlinear_io_system(FORWARD, outputs=["thet"], period=period)
+        with refused("energy.heat_cam1", "step"):
+            dualcam.to_nonlinear_io_system(FORWARD, outputs="energy.heat_cam1", period=period)
+        with refused("output 'cam1.radius'", "theta, omega"):
+            dualcam.to_nonlinear_io_system(FORWARD, outputs="cam1.radius", period=period)
+        with refused("inputs", "each once"):
+            dualcam.to_nonlinear_io_system(FORWARD, inputs=["tau", "tau"], period=period)
+        with refused("inputs", "one or more"):
+            dualcam.to_nonlinear_io_system(FORWARD, inputs=[], period=period)
+        with refused("cam1.frction", "did you mean cam1.friction"):
+            dualcam.to_nonlinear_io_system(FORWARD, parameters={"cam1.frction": 0.1}, period=period)
+    with refused("output 'alpha'", "theta, omega, z, v"):
+        dualcam.linearize(FORWARD, 0.5, 1.0, outputs="alpha")
+
+
+@pytest.mark.parametrize("period", [0, 0.0, -1e-3, math.nan, math.inf, True])
+def test_bad_periods(period):
+    for call in (
+        lambda: dualcam.to_nonlinear_io_system(FORWARD, period=period),
+        lambda: dualcam.linearize(FORWARD, 0.5, 1.0, period=period),
+    ):
+        with refused("period", "> 0 in s", "None"):
+            call()
+
+
+def test_bad_rest():
+    with refused("rest_speed"):
+        dualcam.to_nonlinear_io_system(FORWARD, rest_speed=0.0)
+
+
+def test_the_wrong_fmu(tmp_path):
+    text = tmp_path / "text.fmu"
+    text.write_text("no FMU")
+    for call in (
+        lambda path: dualcam.to_nonlinear_io_system(path),
+        lambda path: dualcam.to_nonlinear_io_system(path, period=PERIOD),
+        lambda path: dualcam.linearize(path, 0.5, 1.0),
+        lambda path: CamHysteresis(path, 0.5),
+    ):
+        with refused("DualCamInverse", r"use DualCamForward\.fmu"):
+            call(INVERSE)
+        with refused("text.fmu", "no FMU"):
+            call(text)
+        with refused("no file"):
+            call(tmp_path / "missing.fmu")
+
+
+def test_model_exchange_without_inertia():
+    nothing = {"inertia.shaft": 0.0}
+    with refused("inertia.shaft", "co-simulation needs none"):
+        dualcam.to_nonlinear_io_system(FORWARD, parameters=nothing)
+    with refused("inertia.shaft"):
+        dualcam.linearize(FORWARD, 0.5, 1.0, parameters=nothing)
+
+
+def test_bounces_need_a_sampled_system():
+    with refused("stop.restitution", "period"):
+        dualcam.to_nonlinear_io_system(FORWARD, parameters={"stop.restitution": 0.3})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "mentions"),
+    [
+        ({"theta": 0.5}, ("depends on the torque", "at_rest = 'loading'", "tau")),
+        ({"theta": 0.5, "tau": 3.0}, ("it sticks", "at_rest = 'loading'", "2.263", "3.97")),
+        ({"theta": UPPER, "tau": 50.0}, ("pressed on the upper stop", "give theta below it")),
+        ({"theta": 0.0, "tau": -5.0}, ("pressed on the lower stop",)),
+        ({"theta": UPPER, "at_rest": "loading"}, ("upper stop", "below it")),
+        ({"theta": 2.0, "omega": 1.0}, ("theta = 2 rad", "0 to 1.3963 rad")),
+        ({"theta": 0.5, "omega": 1.0, "at_rest": "loading"}, ("allowed is only one of them",)),
+        ({"theta": 0.5, "tau": 3.0, "at_rest": "loading"}, ("leave tau out",)),
+        ({"theta": 0.5, "tau": 5.0, "at_rest": "frozen"}, ("it slips", "2.263")),
+        ({"theta": 0.5, "at_rest": "up"}, ("'up'", '"loading", "releasing", "frozen"')),
+    ],
+)
+def test_operating_points_without_a_model(arguments, mentions):
+    with refused(*mentions, error=OperatingPointError):
+        dualcam.linearize(FORWARD, **arguments)
+
+
+def test_a_jammed_cam_has_no_model():
+    """Beyond 1/tan(lead) friction lets no torque load it."""
+    jams = {"cam1.lead_angle": 1.5, "cam2.lead_angle": 1.5, "stop.upper": 0.05}
+    with refused("jam", r"cam1\.lead_angle", r"kappa_1 \+ kappa_2 must be > 0"):
+        dualcam.linearize(FORWARD, 0.02, at_rest="loading", parameters=jams)
+
+
+def test_a_wedged_cam_has_none_in_that_direction():
+    """One contact locks by far, the other hardly rubs: no pair of flanks agrees with its reactions."""
+    wedges = {"cam1.lead_angle": 0.247, "cam2.lead_angle": 0.458, "inertia.follower": 1e-3}
+    wedges |= {"cam1.friction": 1.967, "cam2.friction": 0.095}
+    with refused("friction jams it", "releasing", "lead angles", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, at_rest="releasing", parameters=wedges)
+    with refused("no torque keeps this speed", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, 3.0, F_ext=-300.0, parameters=wedges)
+    with refused("friction wedges it", error=OperatingPointError):
+        dualcam.linearize(FORWARD, 0.3, tau=-100.0, parameters=wedges)
+
+
+def test_lqr_at_a_stick_point_is_told_what_to_do():
+    """The error comes before lqr's, which would be about a Riccati equation; with what it says lqr works."""
+    with refused("no torque or force has an effect", "to control with", "sticks", "at_rest = 'loading'"):
+        control.lqr(dualcam.linearize(FORWARD, 0.5, tau=3.0), np.eye(2), np.eye(2))
+    gain, _, _ = control.lqr(dualcam.linearize(FORWARD, 0.5, at_rest="loading"), np.eye(2), np.eye(2))
+    assert np.all(np.isfinite(gain))
+
+
+def test_an_unstable_operating_point_can_be_stabilised():
+    """A spring that softens: the torque that holds it falls as it is loaded."""
+    soft = {"spring.preload": 400.0, "spring.stiffness": 1e4, "spring.stiffness2": -1e6}
+    plant = dualcam.linearize(FORWARD, 1.0, at_rest="loading", inputs="tau", parameters=soft)
+    assert plant.poles().real.max() > 1.0
+    poles = control.lqr(plant, np.eye(2), [[1.0]])[2]
+    assert poles.real.max() < 0.0
+    with refused("no play", error=OperatingPointError):
+        CamHysteresis(FORWARD, 1.0, parameters=soft)
+
+
+def test_hysteresis_of_what_is_no_play():
+    with refused("no play", "atan", error=OperatingPointError):
+        CamHysteresis(FORWARD, 0.5, parameters=LOCKING)
+    with refused("between the stops", error=OperatingPointError):
+        CamHysteresis(FORWARD, 1.5)

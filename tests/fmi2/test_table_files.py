@@ -1,0 +1,112 @@
+"""FMI 2.0: files of groove tables."""
+
+from pathlib import Path
+
+import pytest
+from fmi2_inputs import drive, run
+
+
+def write_table(path, slope=0.02, last=2.0):
+    """A straight groove, sampled."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = [f"{psi},{slope * psi}" for psi in (k * last / 20 for k in range(21))]
+    path.write_text("\n".join(["psi_rad,z_m", *rows]) + "\n")
+
+
+TABLE = {"cam1.profile": 3, "cam1.table": "groove.csv"}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """With tables under names that a URI can hold in several ways; the working directory is elsewhere."""
+    for name in ("res", "with blank", "50% ä", "C:/res"):
+        write_table(tmp_path / name / "groove.csv")
+    monkeypatch.chdir(tmp_path)
+    return str(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "location",
+    [
+        "file://{}/res",
+        "file://{}/res/",
+        "file://{}/res///",
+        "file:///{}/res",
+        "file:{}/res",
+        "file:{}/res/",
+        "file://localhost{}/res",
+        "FILE://LOCALHOST{}/res",
+        "file://{}/%72es",
+        "file://{}/with%20blank",
+        "file://{}/with blank",
+        "file://{}/50%25%20%C3%A4",
+        "file://{}/50%25%20%c3%a4/",
+        "file://{}/50% ä",
+        "file:///C:/res",
+        "file:/C:/res/",
+        "file:///C%3A/res",
+    ],
+)
+def test_tables_relative_to_the_resources(make, folder, location):
+    fmu = make(resources=location.format(folder)).start(TABLE | {"stop.upper": 1.3})
+    fmu.step(0.1, **drive(fmu, 1.0))
+    assert fmu.get("spring.force") > 50.0
+
+
+@pytest.mark.parametrize(
+    "location",
+    [
+        *(None, "", "{}/res", "res", "http://localhost{}/res"),
+        *("file://elsewhere{}/res", "file:res", "file://res", "file:"),
+    ],
+)
+def test_without_resources_a_relative_table_is_refused(make, folder, location):
+    fmu = make(resources=location and location.format(folder))
+    fmu.set(TABLE)
+    fmu.ok("fmi2EnterInitializationMode")
+    text = fmu.refused_start()
+    assert "cam1.table" in text and "groove.csv" in text
+    fmu.set({"cam1.table": f"{folder}/res/groove.csv"})
+    fmu.ok("fmi2ExitInitializationMode")
+
+
+@pytest.mark.parametrize("content", ["", "psi_rad,z_m\n0,0\n", "psi_rad,z_m\n0,0\n1,0.02\n2,0.01\n3,0.03\n"])
+def test_refuses_bad_tables(make, tmp_path, content):
+    (tmp_path / "groove.csv").write_text(content)
+    fmu = make(resources=f"file://{tmp_path}")
+    fmu.set(TABLE)
+    fmu.ok("fmi2EnterInitializationMode")
+    assert "cam1.table" in fmu.refused_start()
+
+
+def test_a_state_needs_its_table(make, folder):
+    fmu = make(resources=f"file://{folder}/res").start(TABLE)
+    fmu.step(0.1, **drive(fmu, 1.0))
+    state = fmu.take()
+    content = fmu.to_bytes(state)
+    (Path(folder) / "res" / "groove.csv").unlink()
+    first = run(fmu, 4)
+    fmu.restore(state)  # has read it
+    fmu.time = 0.1
+    assert run(fmu, 4) == first
+    other = make(resources=f"file://{folder}/res")
+    _, state_there = other.try_from_bytes(content)
+    other.refused("fmi2SetFMUstate", state_there, mentions=("cam1.table",))
+    other.start().step(0.1, **drive(other, 0.3))
+    other.refused("fmi2SetFMUstate", state_there, mentions=("cam1.table",))
+    other.step(0.1, **drive(other, 0.4))
+    write_table(Path(folder) / "res" / "groove.csv")
+    other.restore(state_there)
+    other.time = 0.1
+    assert run(other, 4) == first
+    for driver, held in ((fmu, state), (other, state_there)):
+        driver.free_state(held)
+
+
+def test_reset_reads_the_table_again(make, folder):
+    fmu = make(resources=f"file://{folder}/res").start(TABLE)
+    (Path(folder) / "res" / "groove.csv").unlink()
+    fmu.ok("fmi2Reset")
+    fmu.set(TABLE)
+    fmu.ok("fmi2EnterInitializationMode")
+    assert "cam1.table" in fmu.refused_start()
