@@ -9,7 +9,7 @@ Pair = c_double * 2
 
 
 class Geometry(Structure):
-    _fields_ = [(n, Pair) for n in ("radius", "friction", "slope", "turn")] + [("lift", c_double)]
+    _fields_ = [(n, Pair) for n in ("radius", "friction", "slope", "dpsi_dtheta")] + [("dz_dtheta", c_double)]
 
 
 class Transfer(Structure):
@@ -18,7 +18,7 @@ class Transfer(Structure):
         ("rho", c_double),
         ("rho_kappa1", c_double),
         ("axial", Pair),
-        ("twist", Pair),
+        ("moment", Pair),
     ]
 
 
@@ -75,6 +75,6 @@ def test_dwell_on_one_cam(contact):
     """lambda_1 = 0: the pin turns in cam 1 and does not rise; only friction asks for torque."""
     geometry = helices(0.02, 0.03, 0.0, 0.7, 0.1, 0.0)
     band = contact.contact_band(byref(geometry))
-    assert geometry.lift == 0.0
+    assert geometry.dz_dtheta == 0.0
     # contact 2 without friction: kappa_2 = 1/(r2 s2), kappa_1 = 1/(r1 mu1)
     assert band.load == pytest.approx(1 / (1 / (0.03 * math.tan(0.7)) + 1 / (0.02 * 0.1)), rel=1e-14)
