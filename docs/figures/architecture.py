@@ -1,8 +1,8 @@
 """Draws the picture of docs/architecture.md: the rooms of fmu_src and which room includes which.
 
-Run by `./build.sh figures`. The arrows come from the `#include` lines of the C files. An arrow that follows from
-others is left out: where A includes B and B includes C, no arrow leads from A to C. The same sources and the same
-version of matplotlib give the same file."""
+Run by `./build.sh figures`. The arrows come from the `#include` lines of the C files. An arrow that follows
+from others is left out: where A includes B and B includes C, no arrow leads from A to C. The same sources and
+the same version of matplotlib give the same file."""
 
 from __future__ import annotations
 
@@ -71,8 +71,9 @@ def draw_room(axes: Axes, name: str) -> None:
     style = "round,pad=0,rounding_size=0.1"
     axes.add_patch(FancyBboxPatch((left, bottom), width, HEIGHT, boxstyle=style, fc=color, ec=INK, lw=1.0))
     middle = left + 0.5 * width
-    axes.text(middle, bottom + 0.66, name, size=LABEL_SIZE, ha="center", va="center", weight="bold", color=INK)
-    axes.text(middle, bottom + 0.25, words, size=TEXT_SIZE, ha="center", va="center", color=INK)
+    for height, line, size, weight in ((0.66, name, LABEL_SIZE, "bold"), (0.25, words, TEXT_SIZE, "normal")):
+        font = {"size": size, "weight": weight, "color": INK}
+        axes.text(middle, bottom + height, line, fontdict=font, ha="center", va="center")
 
 
 def shared_span(one: Place, other: Place) -> float:
@@ -87,8 +88,8 @@ def draw_arrow(axes: Axes, user: str, used: str) -> None:
     x = shared_span(above, below)
     top, bottom = above[1], below[1] + HEIGHT
     style = "-|>,head_length=6,head_width=3.5"
-    arrow = FancyArrowPatch((x, top), (x, bottom), arrowstyle=style, color=ARROW, lw=1.6, shrinkA=0, shrinkB=0)
-    axes.add_patch(arrow)
+    ends = ((x, top), (x, bottom))
+    axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, color=ARROW, lw=1.6, shrinkA=0, shrinkB=0))
 
 
 def draw() -> Figure:

@@ -1,8 +1,8 @@
 """Writes docs/variables.md: all variables of both FMUs, from modelDescription/fmi3/*.xml.
 
-Run by `./build.sh figures`. The XML is made from fmu_src/variables.def, and tests keep the XML fresh. The FMI 3.0
-files are read because they also list the time and the event indicators. FMI 2.0 has the other variables under the
-same names and value references (tests/test_pages.py)."""
+Run by `./build.sh figures`. The XML is made from fmu_src/variables.def, and tests keep the XML fresh. The FMI
+3.0 files are read because they also list the time and the event indicators. FMI 2.0 has the other variables
+under the same names and value references (tests/test_pages.py)."""
 
 from __future__ import annotations
 
@@ -23,39 +23,18 @@ ONLY_FMI3 = re.compile(r"time|indicator\.\w+")  # names that the FMI 2.0 files d
 INTRODUCTION = """# All variables of the FMUs
 
 This page is generated. The script `docs/tools/variables_page.py` (`./build.sh figures`) writes the page from
-`modelDescription/fmi3/*.xml`, which come from `fmu_src/variables.def`. Test `tests/test_pages.py` fails where the page
-is old. Page [interface.md](interface.md) explains how the variables are used.
+`modelDescription/fmi3/*.xml`, which come from `fmu_src/variables.def`. Test `tests/test_pages.py` fails where
+the page is old. Page [interface.md](interface.md) explains how the variables are used.
 
 - All values are in SI units. The FMUs also name display units (deg, rpm, mm, ...).
-- The number in column *ref* is the value reference by which FMI calls name the variable: forward / inverse FMU where
-  the two differ.
-- Column *FMU*: `both`, or the FMU that has the variable.
 - Column *start*: the value without any setting. Column *allowed*: the range; another value is refused.
-- FMI 2.0 and FMI 3.0 have the same names and value references. `time` and `indicator.*` exist in FMI 3.0 only. The
-  FMI 2.0 file of the forward FMU names the states of model exchange `state.theta`, `state.omega`,
+- Column *FMU*: `both`, or the FMU that has the variable.
+- Column *ref*: the value reference, the number by which FMI calls name the variable; forward / inverse FMU
+  where the two differ.
+- FMI 2.0 and FMI 3.0 have the same names and value references. `time` and `indicator.*` exist in FMI 3.0
+  only. The FMI 2.0 file of the forward FMU names the states of model exchange `state.theta`, `state.omega`,
   `der(state.theta)` and `der(state.omega)` in addition.
 """
-
-SECTIONS = (
-    ("Inputs", lambda v: v.causality == "input", "May be set at any time. Between two steps they stay as they are."),
-    ("Outputs", lambda v: v.causality == "output", ""),
-    (
-        "Tunable parameters",
-        lambda v: v.variability == "tunable",
-        "May be set before the start, and between two steps.",
-    ),
-    (
-        "Fixed parameters",
-        lambda v: v.causality == "parameter" and v.variability == "fixed",
-        "May be set before the start only.",
-    ),
-    (
-        "Values to be read",
-        lambda v: v.causality == "local" and not ONLY_FMI3.fullmatch(v.name),
-        "Computed when they are read, and only then.",
-    ),
-    ("FMI 3.0 only", lambda v: bool(ONLY_FMI3.fullmatch(v.name)), ""),
-)
 
 
 @dataclass(frozen=True)
@@ -74,6 +53,46 @@ class Variable:
 
     def row_without_reference(self) -> tuple[str, ...]:
         return (self.name, self.causality, self.unit, self.start, self.allowed, self.description)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A table of the page."""
+
+    title: str
+    belongs: Callable[[Variable], bool]
+    words: str
+    settable: bool  # start value and range are shown
+
+
+SECTIONS = (
+    Section(
+        "Inputs",
+        lambda v: v.causality == "input",
+        "May be set at any time. Between two steps they stay as they are.",
+        True,
+    ),
+    Section("Outputs", lambda v: v.causality == "output", "", False),
+    Section(
+        "Tunable parameters",
+        lambda v: v.variability == "tunable",
+        "May be set before the start, and between two steps.",
+        True,
+    ),
+    Section(
+        "Fixed parameters",
+        lambda v: v.causality == "parameter" and v.variability == "fixed",
+        "May be set before the start only.",
+        True,
+    ),
+    Section(
+        "Values to be read",
+        lambda v: v.causality == "local" and not ONLY_FMI3.fullmatch(v.name),
+        "Computed when they are read, and only then.",
+        False,
+    ),
+    Section("FMI 3.0 only", lambda v: bool(ONLY_FMI3.fullmatch(v.name)), "", False),
+)
 
 
 def rounded(number: str) -> str:
@@ -133,32 +152,28 @@ def merged(lists: dict[str, list[Variable]]) -> list[tuple[Variable, dict[str, s
     return list(found.values())
 
 
-def cells(variable: Variable, references: dict[str, str], *, parameters: bool) -> list[str]:
+def cells(section: Section, variable: Variable, references: dict[str, str]) -> list[str]:
     both = len(references) == len(FMUS)
-    numbers = list(dict.fromkeys(references.values()))
+    numbers = dict.fromkeys(references.values())
     row = [f"`{variable.name}`", variable.unit]
-    if parameters:
+    if section.settable:
         row += [variable.start, variable.allowed]
     return [*row, "both" if both else next(iter(references)), " / ".join(numbers), variable.description]
 
 
-def section(
-    title: str, words: str, chosen: list[tuple[Variable, dict[str, str]]], *, parameters: bool
-) -> str:
-    head = ["name", "unit", *(["start", "allowed"] if parameters else []), "FMU", "ref", "meaning"]
-    rows = [head, ["---"] * len(head), *(cells(*row, parameters=parameters) for row in chosen)]
+def text_of(section: Section, variables: list[tuple[Variable, dict[str, str]]]) -> str:
+    middle = ["start", "allowed"] if section.settable else []
+    head = ["name", "unit", *middle, "FMU", "ref", "meaning"]
+    chosen = [(variable, references) for variable, references in variables if section.belongs(variable)]
+    rows = [head, ["---"] * len(head), *(cells(section, *row) for row in chosen)]
     table = "\n".join("| " + " | ".join(row) + " |" for row in rows)
-    return f"## {title}\n\n" + (f"{words}\n\n" if words else "") + table + "\n"
+    return f"## {section.title}\n\n" + (f"{section.words}\n\n" if section.words else "") + table + "\n"
 
 
 def page() -> str:
     """The text of docs/variables.md."""
     variables = merged({word: read_variables(model) for model, word in FMUS.items()})
-    parts = [INTRODUCTION]
-    for title, belongs, words in SECTIONS:
-        chosen = [row for row in variables if belongs(row[0])]
-        parts.append(section(title, words, chosen, parameters=title not in ("Outputs", "Values to be read", "FMI 3.0 only")))
-    return "\n".join(parts)
+    return "\n".join([INTRODUCTION, *(text_of(section, variables) for section in SECTIONS)])
 
 
 def main() -> None:
