@@ -19,7 +19,7 @@ TEXTS = {name: path.read_text(encoding="utf-8") for name, path in PAGES.items()}
 README = TEXTS["README.md"]
 BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTALL)
 BLOCKS = [(name, code) for name, text in TEXTS.items() for mark, code in BLOCK.findall(text) if not mark]
-LINK = re.compile(r"\]\(([^)\s]+)\)")
+LINK = re.compile(r"(?:\]\(|<img src=\")([^)\"\s]+)[)\"]")
 
 
 def blocks_of(page, word):

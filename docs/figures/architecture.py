@@ -21,24 +21,23 @@ TOOLS = "tools"  # programs that build the FMUs: no part of an FMU
 
 INK = "#222222"
 ARROW = "#5a5a5a"
-Place = tuple[float, float, float]  # left, bottom and width of a box
+Place = tuple[float, float, float, float]  # left, bottom, width and height of a box
 
 # Bottom up: where a room's box stands, its colour, and what the room holds.
 ARITHMETIC, LAWS, MOTION, BOUNDARY = "#e9e9e9", "#fbe8cf", "#d6e4f5", "#dcefdc"
 ROOMS: dict[str, tuple[Place, str, str]] = {
-    "platform": ((5.3, 0.0, 4.5), ARITHMETIC, "operating systems"),
-    "numerics": ((0.2, 0.0, 4.9), ARITHMETIC, "sums, dual numbers, jets, roots"),
-    "model": ((0.2, 1.35, 6.4), LAWS, "parameters, inputs, modes, tolerances"),
-    "geometry": ((0.2, 2.7, 9.6), LAWS, "groove laws, tables, and the transmission along theta"),
-    "contact": ((0.2, 4.05, 9.6), LAWS, "friction, flanks, stick band, balance of forces"),
-    "closed_form": ((0.2, 5.4, 9.6), MOTION, "slip known in closed form, and its events"),
-    "collocation": ((0.2, 6.75, 4.9), MOTION, "slip by integration, and its events"),
-    "inverse": ((5.3, 6.75, 4.5), MOTION, "motion in, torque out"),
-    "forward": ((0.2, 8.1, 4.9), MOTION, "torque in, motion out: the step"),
-    "sensitivity": ((0.2, 9.45, 9.6), MOTION, "derivatives of outputs and of a whole step"),
-    "fmi": ((0.2, 10.8, 9.6), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
+    "platform": ((5.3, 0.0, 4.5, 0.95), ARITHMETIC, "operating systems"),
+    "numerics": ((0.2, 0.0, 4.9, 0.95), ARITHMETIC, "sums, dual numbers, jets, roots"),
+    "model": ((0.2, 1.35, 6.4, 0.95), LAWS, "parameters, inputs, modes, tolerances"),
+    "geometry": ((0.2, 2.7, 9.6, 0.95), LAWS, "groove laws, tables, and the transmission along theta"),
+    "contact": ((0.2, 4.05, 9.6, 0.95), LAWS, "friction, flanks, stick band, balance of forces"),
+    "closed_form": ((0.2, 5.4, 3.1, 1.3), MOTION, "slip in closed form,\nand its events"),
+    "collocation": ((3.6, 5.4, 3.1, 1.3), MOTION, "slip by integration,\nand its events"),
+    "inverse": ((7.0, 5.4, 2.8, 2.65), MOTION, "inverse dynamics:\nmotion in,\ntorque out"),
+    "forward": ((0.2, 7.1, 6.5, 0.95), MOTION, "forward dynamics: torque in, motion out"),
+    "sensitivity": ((0.2, 8.45, 9.6, 0.95), MOTION, "derivatives of outputs and of a whole step"),
+    "fmi": ((0.2, 9.8, 9.6, 0.95), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
 }
-HEIGHT = 0.95  # of a box
 LABEL_SIZE, TEXT_SIZE = 16.0, 13.0
 
 
@@ -67,36 +66,38 @@ def without_shortcuts(arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:
 
 
 def draw_room(axes: Axes, name: str) -> None:
-    (left, bottom, width), color, words = ROOMS[name]
+    (left, bottom, width, height), color, words = ROOMS[name]
     style = "round,pad=0,rounding_size=0.1"
-    axes.add_patch(FancyBboxPatch((left, bottom), width, HEIGHT, boxstyle=style, fc=color, ec=INK, lw=1.0))
-    middle = left + 0.5 * width
-    for height, line, size, weight in ((0.66, name, LABEL_SIZE, "bold"), (0.25, words, TEXT_SIZE, "normal")):
-        font = {"size": size, "weight": weight, "color": INK}
-        axes.text(middle, bottom + height, line, fontdict=font, ha="center", va="center")
+    axes.add_patch(FancyBboxPatch((left, bottom), width, height, boxstyle=style, fc=color, ec=INK, lw=1.0))
+    middle, top = left + 0.5 * width, bottom + height
+    axes.text(middle, top - 0.29, name, size=LABEL_SIZE, weight="bold", color=INK, ha="center", va="center")
+    text_height = 0.5 * (top - 0.49 + bottom)
+    axes.text(middle, text_height, words, size=TEXT_SIZE, color=INK, ha="center", va="center")
 
 
-def shared_span(one: Place, other: Place) -> float:
-    """Where an upright arrow touches both boxes: the middle of what is above or below both."""
-    left, right = max(one[0], other[0]), min(one[0] + one[2], other[0] + other[2])
-    assert left < right, "no upright arrow joins these boxes"
-    return 0.5 * (left + right)
+def ends_of_arrow(user: Place, used: Place) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Upright between boxes that stand above each other, else from the nearest corner to the nearest corner."""
+    left, right = max(user[0], used[0]), min(user[0] + user[2], used[0] + used[2])
+    if left < right:
+        x = 0.5 * (left + right)
+        return (x, user[1]), (x, used[1] + used[3])
+    to_the_left = used[0] < user[0]
+    start = (user[0] if to_the_left else user[0] + user[2], user[1] + 0.2)
+    end = (used[0] + used[2] if to_the_left else used[0], used[1] + 0.2)
+    return start, end
 
 
 def draw_arrow(axes: Axes, user: str, used: str) -> None:
-    above, below = ROOMS[user][0], ROOMS[used][0]
-    x = shared_span(above, below)
-    top, bottom = above[1], below[1] + HEIGHT
+    ends = ends_of_arrow(ROOMS[user][0], ROOMS[used][0])
     style = "-|>,head_length=6,head_width=3.5"
-    ends = ((x, top), (x, bottom))
     axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, color=ARROW, lw=1.6, shrinkA=0, shrinkB=0))
 
 
 def draw() -> Figure:
-    figure = Figure(figsize=(7.0, 8.3), facecolor="white")
+    figure = Figure(figsize=(7.0, 7.6), facecolor="white")
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_xlim(0.0, 10.0)
-    axes.set_ylim(-0.15, 11.9)
+    axes.set_ylim(-0.15, 10.9)
     axes.axis("off")
     for user, used in sorted(without_shortcuts(includes())):
         draw_arrow(axes, user, used)

@@ -29,7 +29,7 @@ the page is old. Page [interface.md](interface.md) explains how the variables ar
 - All values are in SI units. The FMUs also name display units (deg, rpm, mm, ...).
 - Column *start*: the value without any setting. Column *allowed*: the range; another value is refused.
 - Column *FMU*: `both`, or the FMU that has the variable.
-- Column *ref*: the value reference, the number by which FMI calls name the variable; forward / inverse FMU
+- Column *ref*: the value reference, the number by which FMI calls name the variable; forward/inverse FMU
   where the two differ.
 - FMI 2.0 and FMI 3.0 have the same names and value references. `time` and `indicator.*` exist in FMI 3.0
   only. The FMI 2.0 file of the forward FMU names the states of model exchange `state.theta`, `state.omega`,
@@ -158,7 +158,7 @@ def cells(section: Section, variable: Variable, references: dict[str, str]) -> l
     row = [f"`{variable.name}`", variable.unit]
     if section.settable:
         row += [variable.start, variable.allowed]
-    return [*row, "both" if both else next(iter(references)), " / ".join(numbers), variable.description]
+    return [*row, "both" if both else next(iter(references)), "/".join(numbers), variable.description]
 
 
 def text_of(section: Section, variables: list[tuple[Variable, dict[str, str]]]) -> str:
