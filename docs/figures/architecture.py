@@ -76,7 +76,7 @@ def draw_room(axes: Axes, name: str) -> None:
 
 
 def ends_of_arrow(user: Place, used: Place) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Upright between boxes that stand above each other, else from the nearest corner to the nearest corner."""
+    """Upright between boxes that stand above each other, else level with their lower edges."""
     left, right = max(user[0], used[0]), min(user[0] + user[2], used[0] + used[2])
     if left < right:
         x = 0.5 * (left + right)
