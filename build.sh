@@ -26,7 +26,8 @@ usage: ./build.sh [command] [arguments]
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
-  figures  draw the figures of docs/mechanism.md (seconds), docs/figures/mechanism.py; arguments go to it
+  figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md (seconds);
+           docs/figures/mechanism.py, docs/figures/architecture.py, docs/tools/variables_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
@@ -132,7 +133,9 @@ case $command in
     stress) run_program '.[test]' -m benchmarks.stress "$@" ;;
     figures)
         install_dependencies .
-        exec .venv/bin/python docs/figures/mechanism.py "$@"
+        .venv/bin/python docs/figures/mechanism.py "$@"
+        .venv/bin/python docs/figures/architecture.py "$@"
+        .venv/bin/python docs/tools/variables_page.py "$@"
         ;;
     masters) run_program . masters/run.py "$@" ;;
     all)

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 ROOT = Path(__file__).resolve().parent.parent
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
 FMU = ROOT / "build" / "DualCamForward.fmu"
 sys.path.insert(0, str(ROOT / "system_examples"))
 
@@ -434,9 +434,9 @@ def test_limits_and_tracking(results):
         assert cycle.max_error < math.radians(0.1)
 
 
-def test_table_in_the_readme(results):
-    """README.md shows the figures that the example prints."""
-    rows = re.findall(r"^\| ([a-z][\w ]+) \| (plain door|cam) \| (.*) \|$", README, re.MULTILINE)
+def test_table_of_the_page(results):
+    """docs/examples.md shows the figures that the example prints."""
+    rows = re.findall(r"^\| ([a-z][\w ]+) \| (plain door|cam) \| (.*) \|$", PAGE, re.MULTILINE)
     assert {(attitude, name) for attitude, name, _ in rows} == set(results.cycles)
     for attitude, name, cells in rows:
         cycle = results.cycles[attitude, name]
@@ -446,7 +446,7 @@ def test_table_in_the_readme(results):
         assert [cell.strip() for cell in cells.split("|")] == measured
 
 
-def test_text_in_the_readme(results):
+def test_text_of_the_page(results):
     """So do the figures between the tables."""
     hold, half = example.design(), example.design().scaled(0.5)
     moves = [
@@ -455,7 +455,7 @@ def test_text_in_the_readme(results):
     ]
     fastest = max(np.max(-results.hands[attitude, CAM].speed) for attitude in example.ATTITUDES)
     plain = max(results.hands[attitude, BARE].latch_speed for attitude in example.ATTITUDES)
-    text = " ".join(README.split())
+    text = " ".join(PAGE.split())
     for phrase in (
         f"with at most {fastest:.1f} rad/s, where the plain door slams with {plain:.1f}.",
         f"moving takes {min(moves):.0f} to {max(moves):.0f} times the energy",

@@ -1,4 +1,4 @@
-"""docs/mechanism.md: its equations, its numbers, its pictures and its links.
+"""docs/mechanism.md: its equations, its numbers and its pictures. Links: tests/test_pages.py.
 
 The equations are written here as the page writes them. They are compared with forces and moments as vectors,
 with differences, with SciPy's integrator, and with the FMUs."""
@@ -14,13 +14,13 @@ from driver import ROOT
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize
 from scipy.special import lambertw
+from svg_files import assert_same_picture
 
 from dualcam import Fmu
 from dualcam.design import Ellipse, Helix, Mechanism, Spring, band_factors, efficiency, optimum
 
 DOCS = ROOT / "docs"
 PAGE = (DOCS / "mechanism.md").read_text(encoding="utf-8")
-LINK = re.compile(r"\]\(([^)\s]+)\)")
 NUMBER = re.compile(r"-?\d+\.\d+")
 
 
@@ -30,27 +30,7 @@ def numbers_after(words):
     return [float(found) for found in NUMBER.findall(sentence)]
 
 
-# ---- sections and links ----
-
-
-def anchor(heading):
-    """As GitHub makes it."""
-    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
-
-
-@pytest.mark.parametrize("name", ["mechanism.md", "glossary.md"])
-def test_links_lead_somewhere(name):
-    links = LINK.findall((DOCS / name).read_text(encoding="utf-8"))
-    assert links
-    for link in links:
-        if link.startswith("https://"):
-            continue
-        path, _, section = link.partition("#")
-        target = DOCS / (path or name)
-        assert target.is_file(), link
-        if section:
-            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
-            assert section in [anchor(heading) for heading in headings], link
+# ---- sections ----
 
 
 def test_sections_keep_their_numbers():
@@ -396,13 +376,6 @@ def test_best_efficiency_of_unequal_friction():
 PICTURES = ("mechanism.svg", "mechanism_forces.svg", "mechanism_band.svg")
 
 
-def split(svg):
-    """Version of matplotlib; text without numbers; numbers."""
-    version = re.search(r"Matplotlib v([\d.]+)", svg)[1]
-    number = re.compile(r"-?\d+\.\d+(?:e[-+]\d+)?")
-    return version, number.sub("#", svg), np.array([float(found) for found in number.findall(svg)])
-
-
 def test_script_draws_the_pictures(tmp_path):
     """The committed ones, if matplotlib is the version that drew them."""
     script = DOCS / "figures" / "mechanism.py"
@@ -412,10 +385,7 @@ def test_script_draws_the_pictures(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(PICTURES)
     for name in PICTURES:
         assert f"]({name})" in PAGE
-        drawn, committed = (split((directory / name).read_text()) for directory in (tmp_path, DOCS))
-        if drawn[0] == committed[0]:
-            assert drawn[1] == committed[1], name
-            assert drawn[2] == pytest.approx(committed[2], abs=1e-3), name
+        assert_same_picture(tmp_path / name, DOCS / name)
 
 
 def test_build_knows_the_pictures():

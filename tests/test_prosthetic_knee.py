@@ -327,8 +327,8 @@ def test_motor_off(results):
     assert late.theta[-1] > late.swing.angle[-1] + math.radians(5.0)
 
 
-def test_readme_says_what_the_example_prints(results):
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_page_says_what_the_example_prints(results):
+    text = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (first|second) subject, (\d+) \| ([^|]+?) \| (.*) \|$", text, re.MULTILINE)
     assert len(rows) == 8
     for subject, rate, joint, cells in rows:

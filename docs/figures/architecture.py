@@ -1,0 +1,122 @@
+"""Draws the picture of docs/architecture.md: the rooms of fmu_src and which room includes which.
+
+Run by `./build.sh figures`. The arrows come from the `#include` lines of the C files. An arrow that follows
+from others is left out: where A includes B and B includes C, no arrow leads from A to C. The same sources and
+the same version of matplotlib give the same file."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = ROOT / "fmu_src"
+TOOLS = "tools"  # programs that build the FMUs: no part of an FMU
+
+INK = "#222222"
+ARROW = "#5a5a5a"
+Place = tuple[float, float, float, float]  # left, bottom, width and height of a box
+
+# Bottom up: where a room's box stands, its colour, and what the room holds.
+ARITHMETIC, LAWS, MOTION, BOUNDARY = "#e9e9e9", "#fbe8cf", "#d6e4f5", "#dcefdc"
+ROOMS: dict[str, tuple[Place, str, str]] = {
+    "platform": ((5.3, 0.0, 4.5, 0.95), ARITHMETIC, "operating systems"),
+    "numerics": ((0.2, 0.0, 4.9, 0.95), ARITHMETIC, "sums, dual numbers, jets, roots"),
+    "model": ((0.2, 1.35, 6.4, 0.95), LAWS, "parameters, inputs, modes, tolerances"),
+    "geometry": ((0.2, 2.7, 9.6, 0.95), LAWS, "groove laws, tables, and the transmission along theta"),
+    "contact": ((0.2, 4.05, 9.6, 0.95), LAWS, "friction, flanks, stick band, balance of forces"),
+    "closed_form": ((0.2, 5.4, 3.1, 1.3), MOTION, "slip in closed form,\nand its events"),
+    "collocation": ((3.6, 5.4, 3.1, 1.3), MOTION, "slip by integration,\nand its events"),
+    "inverse": ((7.0, 5.4, 2.8, 2.65), MOTION, "inverse dynamics:\nmotion in,\ntorque out"),
+    "forward": ((0.2, 7.1, 6.5, 0.95), MOTION, "forward dynamics: torque in, motion out"),
+    "sensitivity": ((0.2, 8.45, 9.6, 0.95), MOTION, "derivatives of outputs and of a whole step"),
+    "fmi": ((0.2, 9.8, 9.6, 0.95), BOUNDARY, "the calls of FMI 2.0 and FMI 3.0; no physics"),
+}
+LABEL_SIZE, TEXT_SIZE = 16.0, 13.0
+
+
+def rooms_of_tree() -> set[str]:
+    """The folders of fmu_src that hold C code of the FMUs."""
+    return {path.name for path in SOURCES.iterdir() if path.is_dir() and any(path.glob("*.[ch]"))} - {TOOLS}
+
+
+def includes() -> set[tuple[str, str]]:
+    """Pairs of rooms: the first one includes a header of the second one."""
+    found = set()
+    for path in sorted(SOURCES.glob("*/*.[ch]")):
+        for included in re.findall(r'^#include "(\w+)/', path.read_text(encoding="utf-8"), re.MULTILINE):
+            found.add((path.parent.name, included))
+    return {(user, used) for user, used in found if user != used and user != TOOLS}
+
+
+def without_shortcuts(arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:
+    """The arrows that do not follow from others. There is no circle among them."""
+    reached = set(arrows)
+    for middle in ROOMS:  # Warshall's algorithm
+        before = {a for a, b in reached if b == middle}
+        after = {b for a, b in reached if a == middle}
+        reached |= {(a, b) for a in before for b in after}
+    return {(a, b) for a, b in arrows if not any((a, c) in reached and (c, b) in reached for c in ROOMS)}
+
+
+def draw_room(axes: Axes, name: str) -> None:
+    (left, bottom, width, height), color, words = ROOMS[name]
+    style = "round,pad=0,rounding_size=0.1"
+    axes.add_patch(FancyBboxPatch((left, bottom), width, height, boxstyle=style, fc=color, ec=INK, lw=1.0))
+    middle, top = left + 0.5 * width, bottom + height
+    axes.text(middle, top - 0.29, name, size=LABEL_SIZE, weight="bold", color=INK, ha="center", va="center")
+    text_height = 0.5 * (top - 0.49 + bottom)
+    axes.text(middle, text_height, words, size=TEXT_SIZE, color=INK, ha="center", va="center")
+
+
+def ends_of_arrow(user: Place, used: Place) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Upright between boxes that stand above each other, else level with their lower edges."""
+    left, right = max(user[0], used[0]), min(user[0] + user[2], used[0] + used[2])
+    if left < right:
+        x = 0.5 * (left + right)
+        return (x, user[1]), (x, used[1] + used[3])
+    to_the_left = used[0] < user[0]
+    start = (user[0] if to_the_left else user[0] + user[2], user[1] + 0.2)
+    end = (used[0] + used[2] if to_the_left else used[0], used[1] + 0.2)
+    return start, end
+
+
+def draw_arrow(axes: Axes, user: str, used: str) -> None:
+    ends = ends_of_arrow(ROOMS[user][0], ROOMS[used][0])
+    style = "-|>,head_length=6,head_width=3.5"
+    axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, color=ARROW, lw=1.6, shrinkA=0, shrinkB=0))
+
+
+def draw() -> Figure:
+    figure = Figure(figsize=(7.0, 7.6), facecolor="white")
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_xlim(0.0, 10.0)
+    axes.set_ylim(-0.15, 10.9)
+    axes.axis("off")
+    for user, used in sorted(without_shortcuts(includes())):
+        draw_arrow(axes, user, used)
+    for name in ROOMS:
+        draw_room(axes, name)
+    return figure
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--output", type=Path, default=ROOT / "docs", help="directory of the picture (docs)")
+    path = parser.parse_args().output / "architecture.svg"
+    if set(ROOMS) != rooms_of_tree():
+        raise SystemExit(f"the rooms of fmu_src are {sorted(rooms_of_tree())}: give each a box in ROOMS")
+    settings = {**mpl.rcParamsDefault, "svg.hashsalt": "dualcam"}
+    with mpl.rc_context(settings):
+        draw().savefig(path, metadata={"Date": None})
+    print(f"Picture: {path}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,266 @@
+"""README.md and docs/*.md: the code they show runs, what they name exists, what is generated is fresh."""
+
+import ast
+import importlib.util
+import re
+import runpy
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+from driver import ROOT, models
+from svg_files import assert_same_picture
+
+DOCS = ROOT / "docs"
+CORE = ROOT / "fmu_src"
+PAGES = {path.relative_to(ROOT).as_posix(): path for path in [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]}
+TEXTS = {name: path.read_text(encoding="utf-8") for name, path in PAGES.items()}
+README = TEXTS["README.md"]
+BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTALL)
+BLOCKS = [(name, code) for name, text in TEXTS.items() for mark, code in BLOCK.findall(text) if not mark]
+LINK = re.compile(r"(?:\]\(|<img src=\")([^)\"\s]+)[)\"]")
+
+
+def blocks_of(page, word):
+    return [code for name, code in BLOCKS if name == page and word in code]
+
+
+@pytest.fixture
+def run_block(tmp_path, monkeypatch):
+    """Runs a block; returns what it leaves."""
+
+    def run(code):
+        script = tmp_path / "block.py"
+        script.write_text(code)
+        monkeypatch.chdir(ROOT)
+        return runpy.run_path(str(script))
+
+    return run
+
+
+# ---- code blocks ----
+
+
+def decimals(text):
+    return re.findall(r"-?\d+\.\d+(?:e[-+]\d+)?", text)
+
+
+@pytest.mark.parametrize("page, code", BLOCKS, ids=[f"{name}-{i}" for i, (name, _) in enumerate(BLOCKS)])
+def test_block_runs_and_prints_what_it_says(run_block, capsys, page, code):
+    """Each number beside a print() is printed, to its digits."""
+    run_block(code)
+    printed = [float(word) for word in decimals(capsys.readouterr().out)]
+    for comment in re.findall(r"^\s*print\(.*\)  # (.*)$", code, re.MULTILINE):
+        for said in decimals(comment):
+            tolerance = 0.51 * 10.0 ** -len(said.partition(".")[2])
+            assert any(value == pytest.approx(float(said), abs=tolerance) for value in printed), said
+
+
+def test_fmpy_block(run_block):
+    (block,) = blocks_of("README.md", "fmpy")
+    last = run_block(block)["result"][-1]
+    theta, omega = map(float, re.search(r"theta = ([\d.]+) rad, omega = ([\d.]+)", block).groups())
+    assert last["theta"] == pytest.approx(theta, abs=5e-5)
+    assert last["omega"] == pytest.approx(omega, abs=5e-3)
+    assert last["mode"] == 2
+
+
+def test_python_control_block(run_block, capsys):
+    """Ten statements; at the end of the step the torque is the edge of the band, which would hold that angle
+    after a move up: rho (F0 + k z)."""
+    (block,) = blocks_of("docs/use-python-control.md", "import dualcam")
+    left = run_block(block)
+    assert len([node for node in ast.parse(block).body if not isinstance(node, ast.Import)]) <= 10
+    theta, tau = map(float, re.search(r"# ([\d.]+) rad, ([\d.]+) N\.m", block).groups())
+    printed = [float(word) for word in capsys.readouterr().out.split()]
+    assert printed == pytest.approx([theta, tau], abs=5e-5)
+    assert left["theta"][-1] == pytest.approx(0.6, abs=1e-3)
+    assert left["tau"][-1] == pytest.approx(0.01 * 1.14 / 0.86 * (50.0 + 500.0 * left["theta"][-1]), rel=1e-2)
+
+
+def test_design_block(run_block, capsys):
+    (block,) = blocks_of("docs/use-grooves.md", "dualcam.design")
+    run_block(block)
+    said = float(re.search(r"# ([\d.]+) N\.m both", block)[1])
+    assert [float(word) for word in capsys.readouterr().out.split()] == pytest.approx([said, said], abs=5e-5)
+
+
+# ---- the robot joint ----
+
+
+@pytest.fixture(scope="module")
+def robot_joint():
+    """Results of system_examples/robot_joint.py by payload in kg and name of the joint."""
+    sys.path.insert(0, str(ROOT / "system_examples"))
+    import robot_joint
+
+    names = {
+        "no cam": robot_joint.BARE,
+        "cam": robot_joint.CAM,
+        "cam, friction unknown to the controller": robot_joint.NAIVE,
+    }
+    results = robot_joint.run(ROOT / "build" / "DualCamForward.fmu")
+    by_key = {key: name for name, key in names.items()}
+    return {(payload, by_key[key]): result for (payload, key), result in results.items()}
+
+
+COLUMNS = {
+    "RMS current": lambda result: (result.rms_current, 2),
+    "motor heat": lambda result: (result.joule_heat, 1),
+    "friction heat": lambda result: (result.friction_heat, 2),
+    "peak torque": lambda result: (result.largest_torque, 2),
+    "hold current, arm lowered": lambda result: (result.hold_current, 2),
+    "largest error": lambda result: (1e3 * result.max_error, 2),
+}
+
+
+@pytest.mark.parametrize("page, complete", [("README.md", False), ("docs/examples.md", True)])
+def test_table_of_the_robot_joint(robot_joint, page, complete):
+    """The table's figures are those that system_examples/robot_joint.py prints."""
+    text = TEXTS[page]
+    head = re.search(r"^\| payload \| joint \| (.*) \|$", text, re.MULTILINE)[1].split(" | ")
+    rows = re.findall(r"^\| ([\d.]+) kg \| ([^|]+?) \| (.*) \|$", text, re.MULTILINE)
+    assert len(rows) == len(robot_joint) if complete else rows
+    assert not complete or head == list(COLUMNS)
+    for payload, joint, cells in rows:
+        result = robot_joint[float(payload), joint]
+        if "does not lift" in cells:
+            assert not result.lifts
+            continue
+        shown = [float(cell.split()[0]) if cell.strip() else 0.0 for cell in cells.split("|")]
+        measured = [COLUMNS[name](result) for name in head]
+        assert shown == [abs(round(value, digits)) for value, digits in measured]
+
+
+# ---- names, links, length ----
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_variables_named_exist(page):
+    pattern = r"`((?:cam[12]|spring|damper|inertia|stop|shaft|initial|energy|peak|step)\.\w+)`"
+    known = set().union(*(m.variables for m in models.values()))
+    assert {name for name in re.findall(pattern, TEXTS[page]) if name not in known} == set()
+
+
+def anchor(heading):
+    """As GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    links = LINK.findall(TEXTS[page])
+    assert links or page in ("docs/masters.md", "docs/ssp.md", "docs/stress.md")
+    for link in links:
+        if link.startswith("https://"):
+            continue
+        path, _, section = link.partition("#")
+        target = PAGES[page].parent / path if path else PAGES[page]
+        assert target.is_file(), link
+        if section:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            assert section in [anchor(heading) for heading in headings], link
+
+
+def test_readme_is_short():
+    assert len(README.splitlines()) <= 150
+
+
+def test_index_names_every_page():
+    linked = {link.partition("#")[0] for link in LINK.findall(TEXTS["docs/README.md"])}
+    assert linked == {path.name for path in DOCS.glob("*.md")} - {"README.md"}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_files_named_exist(page):
+    """Scripts, tests, results and folders of the project."""
+    roots = "tests|benchmarks|dualcam|system_examples|fmu_src|masters|modelDescription|docs"
+    named = set(re.findall(rf"`((?:{roots})/[\w./-]+)`", TEXTS[page]))
+    assert {name for name in named if not (ROOT / name).exists()} == set()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_commands_named_exist(page):
+    usage = (ROOT / "build.sh").read_text(encoding="utf-8")
+    commands = set(re.findall(r"^  (\w+) ", usage, re.MULTILINE))
+    assert set(re.findall(r"\./build\.sh (\w+)", TEXTS[page])) <= commands
+
+
+# ---- architecture.md ----
+
+ARCHITECTURE = TEXTS["docs/architecture.md"]
+LOCATION = re.compile(r"`(\w+)\(\)`(?:, `(\w+)\(\)`)*(?: and `(\w+)\(\)`)? in `([\w/]+\.[ch])`")
+
+
+def load(path):
+    name = f"{path.stem}_script"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_files_of_the_core_named_exist():
+    named = set(re.findall(r"`((?:\w+/)+\w+\.(?:[ch]|def))`", ARCHITECTURE))
+    assert len(named) > 20
+    assert {name for name in named if not (CORE / name).is_file()} == set()
+
+
+def test_functions_are_where_the_page_says():
+    """`name()` in `room/file.c`: defined there, not only called."""
+    found = LOCATION.findall(ARCHITECTURE)
+    assert len(found) > 20
+    for *functions, name in found:
+        code = (CORE / name).read_text(encoding="utf-8")
+        for function in filter(None, functions):
+            definition = rf"^[a-zA-Z][^;=\n]*\b{function}\([^;]*?\{{$"
+            assert re.search(definition, code, re.MULTILINE), (function, name)
+
+
+def test_rooms_are_those_of_the_tree_and_include_downwards():
+    figure = load(DOCS / "figures" / "architecture.py")
+    rooms = re.findall(r"^\| `(\w+)` \| ", ARCHITECTURE, re.MULTILINE)
+    assert set(rooms) == figure.rooms_of_tree() == set(figure.ROOMS)
+    upwards = {(user, used) for user, used in figure.includes() if rooms.index(used) > rooms.index(user)}
+    assert upwards == set()
+
+
+def test_picture_of_the_rooms_is_fresh(tmp_path):
+    script = DOCS / "figures" / "architecture.py"
+    subprocess.run(
+        [sys.executable, script, "--output", tmp_path], check=True, timeout=120, capture_output=True
+    )
+    assert_same_picture(tmp_path / "architecture.svg", DOCS / "architecture.svg")
+
+
+# ---- variables.md ----
+
+
+def test_page_of_variables_is_fresh():
+    """And has all variables of both FMUs."""
+    script = load(DOCS / "tools" / "variables_page.py")
+    assert script.page() == TEXTS["docs/variables.md"]
+    rows = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/variables.md"], re.MULTILINE))
+    for model in script.FMUS:
+        assert {variable.name for variable in script.read_variables(model)} <= rows
+
+
+@pytest.mark.parametrize("model", ["DualCamForward", "DualCamInverse"])
+def test_both_versions_have_the_same_variables(model):
+    """Names and value references, but for the time, the indicators and the second names of the states."""
+    script = load(DOCS / "tools" / "variables_page.py")
+    tree = ElementTree.parse(ROOT / "modelDescription" / f"{model}.xml")
+    second = {v.get("name"): v.get("valueReference") for v in tree.iter("ScalarVariable")}
+    more = {"state.theta", "state.omega", "der(state.theta)", "der(state.omega)"}
+    assert {name for name in second if "state." in name} == (more if model == "DualCamForward" else set())
+    third = {v.name: v.reference for v in script.read_variables(model)}
+    assert {n: r for n, r in second.items() if n not in more} == {
+        name: reference for name, reference in third.items() if not script.ONLY_FMI3.fullmatch(name)
+    }
+
+
+def test_build_draws_the_pictures_and_the_page():
+    text = (ROOT / "build.sh").read_text(encoding="utf-8")
+    for script in ("docs/figures/architecture.py", "docs/tools/variables_page.py"):
+        assert script in text
