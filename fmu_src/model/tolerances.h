@@ -11,6 +11,40 @@
 
 /* ---- geometry ---- */
 
+/* S = sin(lead angle) of an elliptical groove may come this close to 1, where tan(lead angle) is 7e4 b/a: beyond, the
+ * groove counts as vertical. */
+static const double ELLIPSE_VERTICAL = 1e-10;
+
+/* Newton's method for gamma ends where its step, or the gap between both grooves, is this share of the angle or of z. */
+static const double PIN_ROUNDING = 2.0 * DBL_EPSILON;
+
+/* Newton steps or bisections at most: bisection of all doubles takes 64 or, for those near zero, some more. */
+enum { PIN_MAX_ITERATIONS = 200 };
+
+/* A groove with tan(lead angle) below this value counts as level. */
+static const double LEVEL_SLOPE = 1e-9;
+
+/* rad, times 1 + |stop|: a groove may end this much before a stop, for the rounding of an end that is meant to be the
+ * stop. */
+static const double GROOVE_END_SLACK = 1e-12;
+
+/* Share of the range between the stops within which two breakpoints are one, and below which pieces are not halved;
+ * and share of a piece's width within which theta is at its breakpoint. */
+static const double BREAKPOINT_MERGING = 1e-9;
+
+/* Error of the transmission's polynomials, as a share of the largest slope or height. */
+static const double TRANSMISSION_ERROR = 1e-13;
+
+/* The polynomials may err by this many times the estimated rounding of the slopes, in addition. */
+static const double TRANSMISSION_ROUNDING_FACTOR = 16.0;
+
+/* Last two Chebyshev coefficients at most, in multiples of the allowed error: a necessary condition that saves the
+ * comparison between nodes. */
+static const double CHEBYSHEV_TAIL_FACTOR = 100.0;
+
+/* Pieces of a transmission at most, besides those that end at a knot of a table. */
+enum { TRANSMISSION_MAX_PIECES = 20000 };
+
 /* ---- contact ---- */
 
 /* Share of the terms that add up to a reaction below which the reaction is zero and suits either flank: rounding. */
