@@ -1,4 +1,5 @@
-/* Every tolerance and every limit of the core, each with its reason, by the room that uses it.
+/* Every tolerance and every limit of the core, each with its reason, by the room that uses it. Those of the numerical
+ * methods stand in numerics/tolerances.h, which numerics may include.
  *
  * A tolerance is a share of the size named beside it. Where a test fails once the tolerance is ten times larger, the
  * test is named. Limits bound the work of one call. */
@@ -7,7 +8,7 @@
 
 #include <float.h>
 
-/* ---- numerics ---- */
+/* ---- numerics: numerics/tolerances.h ---- */
 
 /* ---- geometry ---- */
 

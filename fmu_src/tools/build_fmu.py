@@ -68,12 +68,14 @@ OFF_THE_WAY = {
     *("step_sensitivity", "taylor"),
 }
 WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "instance", "mechanism", "radau"}
+WITH_LOOPS |= {"slip_mode", "balance_rates", "balance_partials"}
 WITH_EVENTS = {"bernstein", "radau_step", "event_location"}
 HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "linear_event", "linear_slip", "lobatto_step", "mechanism", "oscillator"}
+NUMERIC |= {"slip_mode", "balance_rates", "balance_partials", "elements"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
-NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "oscillator"}
+NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "oscillator", "elements"}
 
 
 @dataclass(frozen=True)
