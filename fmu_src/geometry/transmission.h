@@ -19,12 +19,12 @@
 #include "model/fault.h"
 #include "model/params.h"
 #include "numerics/chebyshev.h"
-#include "numerics/double_pair.h"
+#include "numerics/vector2.h"
 
 enum { TRANSMISSION_DEGREE = CHEBYSHEV_DEGREE };
 _Static_assert(TRANSMISSION_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");
 
-/* bytes: the alignment at which a DoublePair is loaded by one instruction; malloc of 32-bit systems guarantees 8. */
+/* bytes: the alignment at which a Vector2 is loaded by one instruction; malloc of 32-bit systems guarantees 8. */
 enum { PIECE_ALIGNMENT = sizeof(void *) == 8 ? 16 : 8 };
 
 /* Coefficients by powers of x = (theta - middle) scale, lowest first. x runs through [-1, 1]; only for two helices
@@ -74,18 +74,18 @@ const TransmissionPiece *transmission_piece(const Transmission *transmission, do
 double transmission_gamma(const Transmission *transmission, double theta);
 double transmission_z(const Transmission *transmission, double theta);
 
-typedef DoublePair Both; /* the name of DoublePair in lobatto_step.c */
+typedef Vector2 Both; /* the name of Vector2 in lobatto_step.c */
 
 /* Coefficients k of both slopes. */
-static inline DoublePair slopes_of(const TransmissionPiece *piece, int k) {
-    DoublePair slopes;
+static inline Vector2 slopes_of(const TransmissionPiece *piece, int k) {
+    Vector2 slopes;
     memcpy(&slopes, piece->slope[k], sizeof slopes);
     return slopes;
 }
 
 /* Coefficients k - 1 and k of z. */
-static inline DoublePair heights_of(const TransmissionPiece *piece, int k) {
-    return (DoublePair){piece->z[k - 1], piece->z[k]};
+static inline Vector2 heights_of(const TransmissionPiece *piece, int k) {
+    return (Vector2){piece->z[k - 1], piece->z[k]};
 }
 
 /* The derivatives of the slopes to compute. */
@@ -101,10 +101,10 @@ static inline TransmissionPoint piece_point(const TransmissionPiece *piece, doub
     const bool with_first = depth >= TRANSMISSION_FIRST_DERIVATIVES,
                with_second = depth >= TRANSMISSION_SECOND_DERIVATIVES;
     const double x = (theta - piece->middle) * piece->scale, y = x * x;
-    const DoublePair none = {0.0, 0.0};
-    DoublePair e = slopes_of(piece, TRANSMISSION_DEGREE), e1 = none, e2 = none;
-    DoublePair o = slopes_of(piece, TRANSMISSION_DEGREE - 1), o1 = none, o2 = none;
-    DoublePair z = heights_of(piece, TRANSMISSION_DEGREE); /* odd and even part */
+    const Vector2 none = {0.0, 0.0};
+    Vector2 e = slopes_of(piece, TRANSMISSION_DEGREE), e1 = none, e2 = none;
+    Vector2 o = slopes_of(piece, TRANSMISSION_DEGREE - 1), o1 = none, o2 = none;
+    Vector2 z = heights_of(piece, TRANSMISSION_DEGREE); /* odd and even part */
     for (int k = TRANSMISSION_DEGREE - 2; k >= 2; k -= 2) {
         if (with_second) e2 = e2 * y + e1;
         if (with_first) e1 = e1 * y + e;
@@ -117,9 +117,9 @@ static inline TransmissionPoint piece_point(const TransmissionPiece *piece, doub
     if (with_second) e2 = e2 * y + e1;
     if (with_first) e1 = e1 * y + e;
     e = e * y + slopes_of(piece, 0);
-    const DoublePair value = e + x * o;
-    const DoublePair first = with_first ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
-    const DoublePair half_second = with_second ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
+    const Vector2 value = e + x * o;
+    const Vector2 first = with_first ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
+    const Vector2 half_second = with_second ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
     const double square = 2.0 * piece->scale * piece->scale;
     return (TransmissionPoint){
         .slope = {value[0], value[1]},

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "geometry/breakpoint.h"
 #include "geometry/cam.h"
 #include "geometry/groove_pair.h"
 #include "geometry/pin_position.h"
+#include "geometry/transmission_breakpoint.h"
 #include "model/tolerances.h"
 #include "numerics/chebyshev.h"
 
@@ -228,7 +228,7 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     Fit fit = {.transmission = transmission, .params = p, .fault = fault, .limit = TRANSMISSION_MAX_PIECES};
     const double lower = transmission->lower, upper = transmission->upper;
     size_t count = 0;
-    Breakpoint *breakpoint = breakpoints_between(transmission->groove, lower, upper, &count);
+    Breakpoint *breakpoint = transmission_breakpoints(transmission->groove, lower, upper, &count);
     if (!breakpoint) return refuse_pieces(&fit);
     chebyshev_build(&fit.basis);
     fit.limit += count;

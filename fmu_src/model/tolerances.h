@@ -12,6 +12,16 @@
 
 /* ---- geometry ---- */
 
+/* Samples of a table, and bytes of its file. Fewer than four samples do not determine slopes and curvatures; the upper
+ * limits bound memory and time. */
+enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
+
+/* Newton's method for the angle of a table ends at this share of a piece's width: half a rounding of 1. */
+static const double TABLE_ROUNDING = 1e-16;
+
+/* Newton steps or bisections at most; bisection alone needs 53. */
+enum { TABLE_MAX_ITERATIONS = 100 };
+
 /* S = sin(lead angle) of an elliptical groove may come this close to 1, where tan(lead angle) is 7e4 b/a: beyond, the
  * groove counts as vertical. */
 static const double ELLIPSE_VERTICAL = 1e-10;
@@ -47,6 +57,10 @@ static const double CHEBYSHEV_TAIL_FACTOR = 100.0;
 enum { TRANSMISSION_MAX_PIECES = 20000 };
 
 /* ---- contact ---- */
+
+/* Samples per piece of the transmission in the search for jammed contacts. A piece is one smooth polynomial; the pieces
+ * of a table, JAM_MANY_PIECES or more, are short. */
+enum { JAM_SAMPLES = 64, JAM_SAMPLES_OF_MANY = 8, JAM_MANY_PIECES = 64 };
 
 /* Share of the terms that add up to a reaction below which the reaction is zero and suits either flank: rounding. */
 static const double REACTION_ROUNDING = 16.0 * DBL_EPSILON;

@@ -1,7 +1,7 @@
 /* Where the polynomials of a transmission must end: at the stops, and where the pin meets a knot of a table, for there
  * the third derivative of the groove jumps. */
-#ifndef DUALCAM_BREAKPOINT_H
-#define DUALCAM_BREAKPOINT_H
+#ifndef DUALCAM_TRANSMISSION_BREAKPOINT_H
+#define DUALCAM_TRANSMISSION_BREAKPOINT_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -14,6 +14,6 @@ typedef struct {
 } TransmissionBreakpoint;
 
 /* All breakpoints in order, from `lower` to `upper`, to be freed by the caller; NULL if memory is short. */
-TransmissionBreakpoint *breakpoints_between(const Groove groove[2], double lower, double upper, size_t *count);
+TransmissionBreakpoint *transmission_breakpoints(const Groove groove[2], double lower, double upper, size_t *count);
 
 #endif
