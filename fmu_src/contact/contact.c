@@ -25,8 +25,8 @@ static bool carries(const Transfer *t, const int flank[2]) {
     return t->regular && flank[0] * t->axial[0] >= 0.0 && flank[1] * t->axial[1] >= 0.0;
 }
 
-/* Loading: both supporting flanks. Releasing: the same, unless only one contact is locked; then the pin bears on the other
- * flank of the contact that is not locked. Both other flanks carry F > 0 only where loading jams. */
+/* Loading: both supporting flanks. Releasing: the same, unless only one contact is locked; then the pin bears on the
+ * other flank of the contact that is not locked. Both other flanks carry F > 0 only where loading jams. */
 bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     for (int k = 0; k < candidates; k++) {

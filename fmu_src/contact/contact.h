@@ -4,10 +4,10 @@
  * derivatives. It may include platform, numerics, model and geometry.
  *
  * In each groove the pin bears on one of two flanks. With x_i = R_i/hypot(r_i, a_i), R_i the total normal reaction
- * (positive on the flank that carries F > 0) and the flank sign e_i = sign(x_i), contact_factors.h gives the torques and
- * the axial forces of the contacts. Axial balance A_1 + A_2 = A and moment balance tau_2 - tau_1 = W, W = I gamma_ddot,
- * give x_1, x_2 and the torque T of cam 2, linear in A and W. No trigonometric function is needed, and only Delta = 0 is
- * singular (docs/mechanism.md, section 3).
+ * (positive on the flank that carries F > 0) and the flank sign e_i = sign(x_i), contact_factors.h gives the torques
+ * and the axial forces of the contacts. Axial balance A_1 + A_2 = A and moment balance tau_2 - tau_1 = W, W = I
+ * gamma_ddot, give x_1, x_2 and the torque T of cam 2, linear in A and W. No trigonometric function is needed, and only
+ * Delta = 0 is singular (docs/mechanism.md, section 3).
  *
  * Three words for contacts that block:
  *   locked  one contact: its lead angle does not exceed its friction angle (n_i <= 0 when releasing), so that the axial

@@ -34,8 +34,8 @@ typedef struct {
         moment_size; /* sums of the magnitudes of their terms: A and W round by a few eps of these sums */
 } Load;
 
-/* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its own
- * reactions. False if no pair does: wedged. */
+/* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its
+ * own reactions. False if no pair does: wedged. */
 bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
 
 /* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. */

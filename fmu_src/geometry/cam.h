@@ -37,8 +37,8 @@ static inline double cam_heat(const Geometry *g, int i) {
     return g->friction[i] * cam_length2(g, i) * g->dpsi_dtheta[i];
 }
 
-/* m: groove length per angle of cam i. The squares cannot overflow or underflow: a radius is at least 1e-6 m, a slope at
- * most 1e17 of the radius. */
+/* m: groove length per angle of cam i. The squares cannot overflow or underflow: a radius is at least 1e-6 m, a slope
+ * at most 1e17 of the radius. */
 static inline double cam_length(const Geometry *g, int i) {
     return sqrt(cam_length2(g, i));
 }

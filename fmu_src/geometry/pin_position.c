@@ -22,8 +22,8 @@ bool pin_is_reachable(const Groove groove[2], double theta) {
     return in.lower <= in.upper && gap(groove, theta, in.lower) <= 0.0 && gap(groove, theta, in.upper) >= 0.0;
 }
 
-/* Newton's method inside a bracket. Bisection takes over where a slope that nearly vanishes sends Newton's method out of
- * the bracket or lets it converge slowly. The iteration ends when the step or the gap is rounding. */
+/* Newton's method inside a bracket. Bisection takes over where a slope that nearly vanishes sends Newton's method out
+ * of the bracket or lets it converge slowly. The iteration ends when the step or the gap is rounding. */
 double pin_gamma(const Groove groove[2], double theta, double guess) {
     GammaRange in = pin_gamma_range(groove, theta);
     double gamma = guess >= in.lower && guess <= in.upper ? guess : 0.5 * (in.lower + in.upper);

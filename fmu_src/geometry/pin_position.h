@@ -1,5 +1,5 @@
-/* Where the pin is when cam 2 has turned by theta: the root gamma of g1(gamma) = g2(theta - gamma), from the groove laws
- * (docs/mechanism.md, section 2). */
+/* Where the pin is when cam 2 has turned by theta: the root gamma of g1(gamma) = g2(theta - gamma), from the groove
+ * laws (docs/mechanism.md, section 2). */
 #ifndef DUALCAM_PIN_POSITION_H
 #define DUALCAM_PIN_POSITION_H
 

@@ -1,8 +1,5 @@
 /* The transmission: both grooves as functions of theta alone.
  *
- * The geometry room: groove laws g_i(psi) (groove.h), the pin in both grooves (pin_position.h), the transmission, and
- * the kinematics at one theta (cam.h). It may include platform, numerics and model.
- *
  * z = g1(gamma) = g2(phi), gamma + phi = theta (docs/mechanism.md, section 2). The equations of motion need
  *     a_1(theta) = g1'(gamma(theta))    a_2(theta) = g2'(theta - gamma(theta))    z(theta) = g1(gamma)
  * and derivatives of a_i by theta. The transmission holds them as piecewise polynomials. The pieces end at the knots of

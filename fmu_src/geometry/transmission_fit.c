@@ -75,8 +75,8 @@ static double node_theta(const Fit *fit, const TransmissionPiece *piece, int j) 
     return j == N ? piece->upper : piece->middle + fit->basis.node[j] / piece->scale;
 }
 
-/* The error allowed to a_i is a share of the largest a_i between the stops or, where an end close to vertical makes this
- * value huge, of the larger of the piece's largest a_i and of slope 1; plus the rounding of a_i. */
+/* The error allowed to a_i is a share of the largest a_i between the stops or, where an end close to vertical makes
+ * this value huge, of the larger of the piece's largest a_i and of slope 1; plus the rounding of a_i. */
 static void set_allowed(const Fit *fit, const double steepest[2], const double rounding[2], NodeSamples *samples) {
     for (int i = 0; i < 2; i++)
         samples->allowed[i] =

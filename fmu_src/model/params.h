@@ -1,7 +1,4 @@
-/* The parameters, in SI units.
- *
- * The model room holds what describes the mechanism and its state for all other rooms: parameters, inputs, laws of spring
- * and damper, modes, regimes, events, ledger, faults, and every tolerance. It may include platform and numerics. */
+/* The parameters, in SI units. */
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 

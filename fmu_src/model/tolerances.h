@@ -1,5 +1,5 @@
 /* Every tolerance and every limit of the core, each with its reason, by the room that uses it. Those of the numerical
- * methods stand in numerics/tolerances.h, which numerics may include.
+ * methods stand in numerics/numerics.h, which numerics may include.
  *
  * A tolerance is a share of the size named beside it. Where a test fails once the tolerance is ten times larger, the
  * test is named. Limits bound the work of one call. */
@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-/* ---- numerics: numerics/tolerances.h ---- */
+/* ---- numerics: numerics/numerics.h ---- */
 
 /* ---- geometry ---- */
 
@@ -26,7 +26,8 @@ enum { TABLE_MAX_ITERATIONS = 100 };
  * groove counts as vertical. */
 static const double ELLIPSE_VERTICAL = 1e-10;
 
-/* Newton's method for gamma ends where its step, or the gap between both grooves, is this share of the angle or of z. */
+/* Newton's method for gamma ends where its step, or the gap between both grooves, is this share of the angle or of z.
+ * */
 static const double PIN_ROUNDING = 2.0 * DBL_EPSILON;
 
 /* Newton steps or bisections at most: bisection of all doubles takes 64 or, for those near zero, some more. */
@@ -43,7 +44,8 @@ static const double GROOVE_END_SLACK = 1e-12;
  * and share of a piece's width within which theta is at its breakpoint. */
 static const double BREAKPOINT_MERGING = 1e-9;
 
-/* Error of the transmission's polynomials, as a share of the largest slope or height. */
+/* Error of the polynomials of a transmission, as a share of the largest slope or height. Ten times larger:
+ * tests/test_groove.py fails, in the test of the derivatives of a transmission. */
 static const double TRANSMISSION_ERROR = 1e-13;
 
 /* The polynomials may err by this many times the estimated rounding of the slopes, in addition. */

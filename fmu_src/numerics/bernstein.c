@@ -50,8 +50,8 @@ static int sign_changes(const Bernstein *p) {
     return changes;
 }
 
-/* The zero of sign p in (left, right], to `width`, by two steps of regula falsi and one of bisection in turn. The values
- * of sign p at the ends are f_left >= 0 and f_right <= 0. */
+/* The zero of sign p in (left, right], to `width`, by two steps of regula falsi and one of bisection in turn. The
+ * values of sign p at the ends are f_left >= 0 and f_right <= 0. */
 static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
                            double width) {
     for (int n = 0; n < BERNSTEIN_MAX_ITERATIONS && right - left > width; n++) {

@@ -3,15 +3,15 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "numerics/tolerances.h"
+#include "numerics/numerics.h"
 
 static bool same_sign(double a, double b) {
     return (a > 0.0) == (b > 0.0);
 }
 
-/* The next point, as a share of the interval from a towards b: by inverse quadratic interpolation where the three latest
- * points make the interpolant monotone, else by bisection (T. R. Chandrupatla, Advances in Engineering Software 28,
- * 1997). */
+/* The next point, as a share of the interval from a towards b: by inverse quadratic interpolation where the three
+ * latest points make the interpolant monotone, else by bisection (T. R. Chandrupatla, Advances in Engineering Software
+ * 28, 1997). */
 static double share(double a, double f_a, double b, double f_b, double c, double f_c) {
     const double x = (a - b) / (c - b), f = (f_a - f_b) / (f_c - f_b);
     if (!(f * f < x && (1.0 - f) * (1.0 - f) < 1.0 - x)) return 0.5;
@@ -19,8 +19,8 @@ static double share(double a, double f_a, double b, double f_b, double c, double
     return isfinite(t) ? t : 0.5;
 }
 
-/* Invariant: the zero lies between a and b. a is the latest point, b the latest point on the other side of the zero, and
- * c the point that a or b replaced. */
+/* Invariant: the zero lies between a and b. a is the latest point, b the latest point on the other side of the zero,
+ * and c the point that a or b replaced. */
 double root_between(ScalarFunction *f, const void *context, double a, double f_a, double b, double f_b) {
     if (f_a == 0.0) return a;
     if (f_b == 0.0) return b;

@@ -2,7 +2,7 @@
 #ifndef DUALCAM_ROOT_H
 #define DUALCAM_ROOT_H
 
-#include "numerics/function.h"
+#include "numerics/numerics.h"
 
 /* The zero to rounding: no double lies between the x returned and a change of sign. The values f_a and f_b at a and b
  * differ in sign, or one of them is zero; they may be infinite. */

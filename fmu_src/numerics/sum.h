@@ -1,8 +1,8 @@
 /* Compensated sums.
  *
- * A million steps add a million roundings of size eps |sum|. When the increments are equal, the roundings are equal too,
- * and the error grows with the number of steps. A compensated sum keeps the part that rounding cuts off in `lo`; its
- * error is that of the increments alone (two-sum; D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2,
+ * A million steps add a million roundings of size eps |sum|. When the increments are equal, the roundings are equal
+ * too, and the error grows with the number of steps. A compensated sum keeps the part that rounding cuts off in `lo`;
+ * its error is that of the increments alone (two-sum; D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2,
  * theorem B). The method needs IEEE arithmetic: no -ffast-math. */
 #ifndef DUALCAM_SUM_H
 #define DUALCAM_SUM_H

@@ -1,6 +1,7 @@
 /* Compiler attributes of functions.
  *
- * COLD      never called in a step, only on request: compiled for small code. Functions that start a run are not cold: a
+ * COLD      never called in a step, only on request: compiled for small code. Functions that start a run are not cold:
+ * a
  *           study starts 200,000 runs per second.
  * NOINLINE  large and called from several places: not to be copied into each caller. */
 #ifndef DUALCAM_ATTRIBUTES_H

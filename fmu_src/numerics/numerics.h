@@ -1,12 +1,16 @@
-/* Tolerances and limits of the numerical methods. model/tolerances.h holds those of all other rooms.
+/* The numerics room holds arithmetic and methods that know nothing of cams: compensated sums, dual numbers, Taylor
+ * jets, Bernstein polynomials, Chebyshev interpolation, root finding, golden section search, quadrature and the tables
+ * of the collocation methods. It may include platform only.
  *
- * The numerics room holds arithmetic and methods that know nothing of cams: compensated sums, dual numbers, Taylor jets,
- * Bernstein polynomials, Chebyshev interpolation, root finding, golden section search, quadrature and the tables of the
- * collocation methods. It may include platform only. */
-#ifndef DUALCAM_NUMERICS_TOLERANCES_H
-#define DUALCAM_NUMERICS_TOLERANCES_H
+ * This header holds the type of functions of one variable, and the tolerances and limits of the numerical methods.
+ * model/tolerances.h holds the tolerances of all other rooms. */
+#ifndef DUALCAM_NUMERICS_H
+#define DUALCAM_NUMERICS_H
 
 #include <float.h>
+
+/* f(x); `context` holds all other arguments. */
+typedef double ScalarFunction(const void *context, double x);
 
 /* ---- bernstein ---- */
 
