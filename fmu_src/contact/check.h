@@ -21,7 +21,8 @@ bool check_initial(const Params *params, Fault *fault);
 bool check_jam(const Params *params, const Transmission *transmission, Fault *fault);
 
 /* The grooves reach from stop to stop and pass check_jam(). Replaces *transmission by the transmission of these
- * parameters unless it is this already. On failure *transmission is unchanged. `resources`: see transmission_build(). */
+ * parameters unless it is this already. On failure *transmission is unchanged. `resources`: see transmission_build().
+ * */
 bool check_transmission(const Params *params, const char *resources, Transmission *transmission, Fault *fault);
 
 #endif

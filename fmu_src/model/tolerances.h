@@ -16,18 +16,19 @@
  * limits bound memory and time. */
 enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
 
-/* Newton's method for the angle of a table ends at this share of a piece's width: half a rounding of 1. */
+/* Newton's method for the angle of a table ends at this share of a piece's width: half a rounding of 1. Ten
+ * times larger: tests/test_groove.py fails, in the test of a transmission with a dwell. */
 static const double TABLE_ROUNDING = 1e-16;
 
 /* Newton steps or bisections at most; bisection alone needs 53. */
 enum { TABLE_MAX_ITERATIONS = 100 };
 
 /* S = sin(lead angle) of an elliptical groove may come this close to 1, where tan(lead angle) is 7e4 b/a: beyond, the
- * groove counts as vertical. */
+ * groove counts as vertical. Ten times larger: tests/test_groove.py fails, in the test of the ends of an ellipse. */
 static const double ELLIPSE_VERTICAL = 1e-10;
 
 /* Newton's method for gamma ends where its step, or the gap between both grooves, is this share of the angle or of z.
- * */
+ * Ten times larger: tests/test_groove.py fails, in the test of a transmission. */
 static const double PIN_ROUNDING = 2.0 * DBL_EPSILON;
 
 /* Newton steps or bisections at most: bisection of all doubles takes 64 or, for those near zero, some more. */
@@ -48,7 +49,8 @@ static const double BREAKPOINT_MERGING = 1e-9;
  * tests/test_groove.py fails, in the test of the derivatives of a transmission. */
 static const double TRANSMISSION_ERROR = 1e-13;
 
-/* The polynomials may err by this many times the estimated rounding of the slopes, in addition. */
+/* The polynomials may err by this many times the estimated rounding of the slopes, in addition. Ten times larger:
+ * tests/test_groove.py fails, in the test of a transmission with a dwell. */
 static const double TRANSMISSION_ROUNDING_FACTOR = 16.0;
 
 /* Last two Chebyshev coefficients at most, in multiples of the allowed error: a necessary condition that saves the
