@@ -76,6 +76,7 @@ NUMERIC = {"balance", "linear_segment", "linear_peaks", "linear_slip", "lobatto_
 NUMERIC |= {"mechanism", "oscillator"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
 NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "lobatto_system", "oscillator"}
+WITH_LOOPS |= {"slip_mode", "balance_rates", "balance_partials"}
 
 
 @dataclass(frozen=True)
