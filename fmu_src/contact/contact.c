@@ -2,23 +2,21 @@
 
 #include <math.h>
 
+#include "contact/contact_factors.h"
+
 Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) {
-    double n[2], d[2];
-    for (int i = 0; i < 2; i++) {
-        const double mu = direction * flank[i] * g->friction[i];
-        n[i] = g->slope[i] + mu * g->radius[i];
-        d[i] = g->radius[i] - mu * g->slope[i];
-    }
-    const double rn[2] = {g->radius[0] * n[0], g->radius[1] * n[1]};
-    const double delta = rn[1] * d[0] + rn[0] * d[1];
-    const bool regular = delta != 0.0;
-    const double inverse = regular ? 1.0 / delta : 0.0;
+    ContactFactors f;
+    for (int i = 0; i < 2; i++)
+        contact_factors_set(&f, i, g->radius[i], direction * flank[i] * g->friction[i], g->slope[i]);
+    contact_factors_multiply(&f);
+    const bool regular = f.delta != 0.0;
+    const double inverse = regular ? 1.0 / f.delta : 0.0;
     return (Transfer){
         .regular = regular,
-        .rho = rn[0] * rn[1] * inverse,
-        .rho_kappa1 = d[0] * rn[1] * inverse,
-        .axial = {rn[1] * inverse, rn[0] * inverse},
-        .moment = {-d[1] * inverse, d[0] * inverse},
+        .rho = f.p * inverse,
+        .rho_kappa1 = f.q * inverse,
+        .axial = {f.rn[1] * inverse, f.rn[0] * inverse},
+        .moment = {-f.d[1] * inverse, f.d[0] * inverse},
     };
 }
 

@@ -1,10 +1,9 @@
 #include "contact/contact_statics.h"
 
-#include <float.h>
 #include <math.h>
 
-/* A reaction below this share of what adds up to it is none, and suits either flank. */
-static const double NO_REACTION = 16.0 * DBL_EPSILON;
+#include "contact/contact_factors.h"
+#include "model/tolerances.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2) by the quotient rule, with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
@@ -31,7 +30,7 @@ static void bear(const Load *b, ContactForces *forces) {
 bool contact_statics_is_idle(const ContactForces *forces, const Load *b, int i) {
     const Transfer *t = &forces->transfer;
     const double size = fabs(t->axial[i]) * b->axial_size + fabs(t->moment[i]) * b->moment_size;
-    return fabs(forces->x[i]) <= NO_REACTION * size;
+    return fabs(forces->x[i]) <= REACTION_ROUNDING * size;
 }
 
 static bool agrees(const Load *b, const ContactForces *forces) {
@@ -42,7 +41,7 @@ static bool agrees(const Load *b, const ContactForces *forces) {
 }
 
 bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
-    const int sign = load->axial < -NO_REACTION * load->axial_size ? -1 : 1;
+    const int sign = load->axial < -REACTION_ROUNDING * load->axial_size ? -1 : 1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         flank_pair(k, sign, forces->flank);
         forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);

@@ -5,9 +5,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "model/inputs.h"
 #include "numerics/sum.h"
-
-enum { INPUT_ORDER = 3 }; /* highest time derivative of an input that a step can carry */
 
 enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
 enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
@@ -79,19 +78,6 @@ typedef struct {
     DamperParams damper;
 } Tunables;
 
-/* value[k] is the k-th time derivative at the start of the step: u(t) = sum value[k] t^k / k! */
-typedef struct {
-    double tau[INPUT_ORDER + 1];   /* N.m, applied to cam 2, + loads */
-    double F_ext[INPUT_ORDER + 1]; /* N, on the follower, + opposes loading */
-} Inputs;
-
-/* The input's value and derivatives t later. */
-static inline void input_shift(double u[INPUT_ORDER + 1], double t) {
-    u[0] += t * (u[1] + t / 2.0 * (u[2] + t / 3.0 * u[3]));
-    u[1] += t * (u[2] + t / 2.0 * u[3]);
-    u[2] += t * u[3];
-}
-
 /* rad, between the stops: what the rounding of theta is of. */
 static inline double largest_angle(const Params *p) {
     return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
@@ -121,27 +107,10 @@ static inline bool has_friction(const Params *p) {
     return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
 }
 
-/* Is the input a polynomial of at most that degree? */
-static inline bool inputs_within(const Inputs *inputs, int degree) {
-    for (int k = degree + 1; k <= INPUT_ORDER; k++)
-        if (inputs->tau[k] != 0.0 || inputs->F_ext[k] != 0.0) return false;
-    return true;
-}
-
 /* Is every force linear in position and speed? Then slip in straight grooves has a closed form. */
 static inline bool is_linear(const Params *p) {
     return p->spring.stiffness2 == 0.0 && p->spring.stiffness3 == 0.0 && p->damper.q_load == 0.0 &&
            p->damper.q_release == 0.0;
-}
-
-static inline bool inputs_load_constant(const Inputs *inputs) {
-    for (int k = 1; k <= INPUT_ORDER; k++)
-        if (inputs->F_ext[k] != 0.0) return false;
-    return true;
-}
-
-static inline bool inputs_constant(const Inputs *inputs) {
-    return inputs_within(inputs, 0);
 }
 
 #endif

@@ -1,0 +1,112 @@
+/* The factors of the contact equations: the one place that holds the formulas of n_i, d_i and Delta.
+ *
+ * docs/mechanism.md, section 3, with the flank signs e_i and mu_i short for sigma e_i mu_i: per unit of x_i, the total
+ * normal reaction R_i over hypot(r_i, a_i), contact i passes on
+ *     the torque r_i n_i with n_i = a_i + mu_i r_i    and the axial force d_i = r_i - mu_i a_i
+ * The axial balance d_1 x_1 + d_2 x_2 = A and the moment balance r_2 n_2 x_2 - r_1 n_1 x_1 = W have the determinant
+ *     Delta = Q + r_1 n_1 d_2    Q = d_1 r_2 n_2    and with P = r_1 n_1 r_2 n_2 the solution
+ *     x_1 = (r_2 n_2 A - d_2 W)/Delta    x_2 = (r_1 n_1 A + d_1 W)/Delta    T = r_2 n_2 x_2 = (P A + Q W)/Delta
+ * so that rho = P/Delta and rho kappa_1 = Q/Delta.
+ *
+ * The same two functions stand here for each arithmetic: `set` writes r_i n_i and d_i of one contact, then `multiply`
+ * writes Q, Delta and P. Numbers and pairs compute r (a + mu r); arithmetic with derivatives computes r a + mu r^2, in
+ * which a derivative of a needs no further operation. */
+#ifndef DUALCAM_CONTACT_FACTORS_H
+#define DUALCAM_CONTACT_FACTORS_H
+
+#include "numerics/double_pair.h"
+#include "numerics/dual.h"
+#include "numerics/jet.h"
+
+/* ---- numbers ---- */
+
+typedef struct {
+    double rn[2];       /* m^2, r_i n_i */
+    double d[2];        /* m */
+    double delta, p, q; /* m^3, m^4, m^3: Delta, P, Q */
+} ContactFactors;
+
+static inline void contact_factors_set(ContactFactors *f, int i, double r, double mu, double a) {
+    f->rn[i] = r * (a + mu * r);
+    f->d[i] = r - mu * a;
+}
+
+static inline void contact_factors_multiply(ContactFactors *f) {
+    f->q = f->d[0] * f->rn[1];
+    f->delta = f->q + f->rn[0] * f->d[1];
+    f->p = f->rn[0] * f->rn[1];
+}
+
+/* ---- pairs: the factors at two angles ---- */
+
+typedef struct {
+    DoublePair rn[2], d[2], delta, p, q;
+} PairContactFactors;
+
+static inline void pair_contact_factors_set(PairContactFactors *f, int i, double r, double mu, DoublePair a) {
+    f->rn[i] = r * (a + mu * r);
+    f->d[i] = r - mu * a;
+}
+
+static inline void pair_contact_factors_multiply(PairContactFactors *f) {
+    f->q = f->d[0] * f->rn[1];
+    f->delta = f->q + f->rn[0] * f->d[1];
+    f->p = f->rn[0] * f->rn[1];
+}
+
+/* ---- dual numbers: the factors and their derivative by one variable ---- */
+
+typedef struct {
+    Dual rn[2], d[2], delta, p, q;
+} DualContactFactors;
+
+static inline void dual_contact_factors_set(DualContactFactors *f, int i, double r, double mu, Dual a) {
+    f->rn[i] = dual_line(r * (mu * r), r, a);
+    f->d[i] = dual_line(r, -mu, a);
+}
+
+static inline void dual_contact_factors_multiply(DualContactFactors *f) {
+    f->q = dual_multiply(f->d[0], f->rn[1]);
+    f->delta = dual_add(f->q, dual_multiply(f->rn[0], f->d[1]));
+    f->p = dual_multiply(f->rn[0], f->rn[1]);
+}
+
+/* rho = P/Delta */
+static inline Dual dual_contact_factors_rho(const DualContactFactors *f) {
+    const double inverse = 1.0 / f->delta.value, rho = f->p.value * inverse;
+    return (Dual){rho, (f->p.slope - rho * f->delta.slope) * inverse};
+}
+
+/* The factors with their derivatives by the friction coefficient of contact i, of radius r and slope a; `sign` is
+ * sigma e_i. */
+static inline DualContactFactors dual_contact_factors_by_friction(const DualContactFactors *f, int i, double r,
+                                                                  double sign, double a) {
+    DualContactFactors by = {
+        .rn = {{f->rn[0].value, 0.0}, {f->rn[1].value, 0.0}},
+        .d = {{f->d[0].value, 0.0}, {f->d[1].value, 0.0}},
+    };
+    by.rn[i].slope = r * r * sign;
+    by.d[i].slope = -a * sign;
+    dual_contact_factors_multiply(&by);
+    return by;
+}
+
+/* ---- jets: the factors as Taylor polynomials in time ---- */
+
+typedef struct {
+    Jet rn[2], d[2], delta, p, q;
+} JetContactFactors;
+
+static inline void jet_contact_factors_set(JetContactFactors *f, int i, double r, Dual mu, const Jet *a) {
+    f->rn[i] = jet_line(dual_scale(r * r, mu), (Dual){r, 0.0}, a);
+    f->d[i] = jet_line((Dual){r, 0.0}, dual_scale(-1.0, mu), a);
+}
+
+static inline void jet_contact_factors_multiply(JetContactFactors *f) {
+    f->q = jet_multiply(&f->d[0], &f->rn[1]);
+    f->delta = f->q;
+    jet_add_product(&f->delta, 1.0, &f->rn[0], &f->d[1]);
+    f->p = jet_multiply(&f->rn[0], &f->rn[1]);
+}
+
+#endif

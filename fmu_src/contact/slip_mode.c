@@ -1,0 +1,73 @@
+#include "contact/slip_mode.h"
+
+/* gamma' = a_2/(a_1 + a_2) and z' = a_1 gamma', differentiated (section 2 of docs/mechanism.md):
+ *     gamma'' = (a_2' phi' - a_1' gamma')/(a_1 + a_2)          z'' = a_1' gamma'^2 + a_2' phi'^2
+ *     gamma''' = (a_2'' phi' - a_1'' gamma' - 2 gamma'' (a_1' + a_2'))/(a_1 + a_2)
+ *     z''' = a_1'' gamma'^2 + a_2'' phi'^2 + 2 gamma'' (a_1' gamma' - a_2' phi') */
+static inline void set_kinematics(SlipCoefficients *k, const TransmissionPoint *s, bool third_derivatives) {
+    const double inverse = 1.0 / (s->slope[0] + s->slope[1]);
+    const double g = s->slope[1] * inverse, f = s->slope[0] * inverse;
+    const double gg = (s->dslope_dtheta[1] * f - s->dslope_dtheta[0] * g) * inverse;
+    const double zz = s->dslope_dtheta[0] * g * g + s->dslope_dtheta[1] * f * f;
+    k->dz_dtheta = (Dual){s->slope[0] * g, zz};
+    k->dpsi_dtheta[0] = (Dual){g, gg};
+    k->dpsi_dtheta[1] = (Dual){f, -gg};
+    k->d2z_dtheta2 = (Dual){zz, 0.0};
+    k->d2gamma_dtheta2 = (Dual){gg, 0.0};
+    if (!third_derivatives) return;
+    const double dslope_dtheta = s->dslope_dtheta[0] + s->dslope_dtheta[1];
+    k->d2gamma_dtheta2.slope =
+        (s->d2slope_dtheta2[1] * f - s->d2slope_dtheta2[0] * g - 2.0 * gg * dslope_dtheta) * inverse;
+    k->d2z_dtheta2.slope = s->d2slope_dtheta2[0] * g * g + s->d2slope_dtheta2[1] * f * f +
+                           2.0 * gg * (s->dslope_dtheta[0] * g - s->dslope_dtheta[1] * f);
+}
+
+static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, SlipCoefficients *k) {
+    for (int i = 0; i < 2; i++)
+        s.slope[i] = fmax(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
+    set_kinematics(k, &s, slip->heavy);
+    for (int i = 0; i < 2; i++) {
+        k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
+        dual_contact_factors_set(&k->factors, i, slip->params->cam[i].radius, slip->mu[i], k->slope[i]);
+    }
+    dual_contact_factors_multiply(&k->factors);
+}
+
+double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out) {
+    const TransmissionPoint point = slip->heavy ? piece_point(slip->piece, theta, TRANSMISSION_SECOND_DERIVATIVES)
+                                                : piece_point(slip->piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
+    set_coefficients(slip, point, out);
+    return point.z;
+}
+
+static TransmissionPoint straight_point(const TransmissionPiece *piece) {
+    return (TransmissionPoint){.slope = {piece->slope[0][0], piece->slope[0][1]}};
+}
+
+static Regime regime_of(const SlipMode *slip) {
+    if (has_inertia(slip->params)) return REGIME_INERTIAL;
+    return slip->c + slip->q + slip->params->shaft.damping > 0.0 ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
+}
+
+SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const Inputs *inputs, double theta,
+                      int direction, const int flank[2]) {
+    const DamperParams *d = &p->damper;
+    SlipMode slip; /* field by field: zeroing the coefficients would cost more than all fields */
+    slip.params = p;
+    slip.transmission = transmission;
+    slip.piece = transmission_piece(transmission, theta, direction);
+    slip.inputs = inputs;
+    slip.direction = direction;
+    for (int i = 0; i < 2; i++) {
+        slip.flank[i] = flank[i];
+        slip.mu[i] = direction * flank[i] * p->cam[i].friction;
+    }
+    slip.c = direction > 0 ? d->c_load : d->c_release;
+    slip.q = direction > 0 ? d->q_load : d->q_release;
+    slip.heavy = p->inertia.follower_mass + p->inertia.follower > 0.0;
+    slip.steady = inputs_constant(inputs);
+    slip.to_rounding = false;
+    slip.regime = regime_of(&slip);
+    if (transmission->straight) set_coefficients(&slip, straight_point(slip.piece), &slip.coefficients);
+    return slip;
+}

@@ -1,0 +1,103 @@
+/* A slip mode in grooves of any shape: one direction of slip sigma, one pair of flanks e_i, one segment of the
+ * transmission; and the coefficients of its equation of motion.
+ *
+ * The equation of motion (docs/mechanism.md, section 6) times Delta, with the factors of contact_factors.h, reads
+ *     [J Delta + P m z' + Q I gamma'] alpha
+ *         = Delta (tau - b omega) - P (F_s + F_ext + D) - [P m z'' + Q I gamma''] omega^2
+ * so that only the last step divides. */
+#ifndef DUALCAM_SLIP_MODE_H
+#define DUALCAM_SLIP_MODE_H
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "contact/contact_factors.h"
+#include "geometry/transmission.h"
+#include "model/inputs.h"
+#include "model/params.h"
+#include "model/regime.h"
+
+/* Grooves and friction at one theta, with derivatives by theta. */
+typedef struct {
+    Dual dz_dtheta;                    /* z' */
+    Dual slope[2], dpsi_dtheta[2];     /* a_i; gamma', phi' */
+    Dual d2z_dtheta2, d2gamma_dtheta2; /* z'', gamma''; their slopes only where the follower has mass or inertia */
+    DualContactFactors factors;
+} SlipCoefficients;
+
+typedef struct {
+    const Params *params;
+    const Transmission *transmission;
+    const TransmissionPiece *piece;
+    const Inputs *inputs; /* polynomials of the time since they were written */
+    Regime regime;
+    int direction;                 /* sigma */
+    int flank[2];                  /* e_i */
+    double mu[2];                  /* sigma e_i mu_i */
+    double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
+    bool heavy;                    /* the follower has mass or inertia */
+    bool steady;                   /* the inputs are constant */
+    SlipCoefficients coefficients; /* set where both grooves are straight: the same at every theta */
+    bool to_rounding; /* collocation steps are solved to rounding, not to a share of the tolerance: the last step
+                         before an event */
+} SlipMode;
+
+SlipMode slip_mode_of(const Params *params, const Transmission *transmission, const Inputs *inputs, double theta,
+                      int direction, const int flank[2]);
+
+/* The coefficients at theta in a groove that is not straight; returns z, m. */
+double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out);
+
+/* The coefficients at theta, in *storage unless the slip mode holds them; *z is set. */
+static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta,
+                                                           SlipCoefficients *storage, double *z) {
+    const TransmissionPiece *piece = slip->piece;
+    if (slip->transmission->straight) {
+        *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];
+        return &slip->coefficients;
+    }
+    *z = slip_coefficients_curved(slip, theta, storage);
+    return storage;
+}
+
+/* The inputs and their rates at one instant. */
+typedef struct {
+    double tau, F_ext, tau_rate, F_ext_rate; /* N.m, N, N.m/s, N/s */
+} InputValues;
+
+static inline InputValues slip_inputs_at(const SlipMode *slip, double t) {
+    const Inputs *in = slip->inputs;
+    if (slip->steady) return (InputValues){.tau = in->tau[0], .F_ext = in->F_ext[0]};
+    return (InputValues){input_value(in->tau, t), input_value(in->F_ext, t), input_rate(in->tau, t),
+                         input_rate(in->F_ext, t)};
+}
+
+/* N: D(v) = v (c + q |v|) */
+static inline double slip_damper_force(const SlipMode *slip, double v) {
+    return v * (slip->c + slip->q * fabs(v));
+}
+
+/* N.s/m: dD/dv */
+static inline double slip_damper_rate(const SlipMode *slip, double v) {
+    return slip->c + 2.0 * slip->q * fabs(v);
+}
+
+/* J Delta + P m z' + Q I gamma', the factor of alpha. */
+static inline Dual slip_inertia(const SlipMode *slip, const SlipCoefficients *k) {
+    const InertiaParams *i = &slip->params->inertia;
+    const DualContactFactors *f = &k->factors;
+    const Dual shaft = dual_scale(i->shaft, f->delta);
+    if (!slip->heavy) return shaft;
+    return dual_add(shaft, dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), k->dz_dtheta),
+                                    dual_multiply(dual_scale(i->follower, f->q), k->dpsi_dtheta[0])));
+}
+
+/* P m z'' + Q I gamma'', the factor of omega^2. */
+static inline Dual slip_inertia_by_speed(const SlipMode *slip, const SlipCoefficients *k) {
+    const InertiaParams *i = &slip->params->inertia;
+    const DualContactFactors *f = &k->factors;
+    return dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), k->d2z_dtheta2),
+                    dual_multiply(dual_scale(i->follower, f->q), k->d2gamma_dtheta2));
+}
+
+#endif
