@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "contact/contact_factors.h"
+
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
 }
@@ -34,15 +36,13 @@ bool check_initial(const Params *p, Fault *fault) {
 /* A piece is one smooth polynomial; where a table has many of them each is short. */
 enum { SAMPLES_OF_FEW = 64, SAMPLES_OF_MANY = 8, MANY = 64 };
 
-/* Delta of the supporting flanks at sigma = +1 (mechanism page, section 3), m^4: with n_i = a_i + mu_i r_i >= 0
- * it has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
+/* m^3: Delta of the supporting flanks when loading (docs/mechanism.md, section 3). With n_i = a_i + mu_i r_i >= 0 Delta
+ * has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
 static double load_margin(const Params *p, const double slope[2]) {
-    double n[2], d[2];
-    for (int i = 0; i < 2; i++) {
-        n[i] = slope[i] + p->cam[i].friction * p->cam[i].radius;
-        d[i] = p->cam[i].radius - p->cam[i].friction * slope[i];
-    }
-    return p->cam[1].radius * d[0] * n[1] + p->cam[0].radius * d[1] * n[0];
+    ContactFactors f;
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, p->cam[i].radius, p->cam[i].friction, slope[i]);
+    contact_factors_multiply(&f);
+    return f.delta;
 }
 
 static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {

@@ -61,22 +61,15 @@ bool contact_statics_on_edge(const ContactStatics *statics, int direction, doubl
     return true;
 }
 
-/* rho = r_1 r_2 n_1 n_2/Delta, n_i = a_i + c_i r_i, d_i = r_i - c_i a_i, c_i = sigma e_i mu_i,
- * Delta = r_2 d_1 n_2 + r_1 d_2 n_1; with b_i = da_i/dtheta, n_i' = b_i and d_i' = -c_i b_i. */
 double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces) {
     const Geometry *g = &statics->geometry;
-    double n[2], d[2], n_rate[2], d_rate[2];
+    DualContactFactors f;
     for (int i = 0; i < 2; i++) {
-        const double c = direction * forces->flank[i] * g->friction[i];
-        n[i] = g->slope[i] + c * g->radius[i];
-        d[i] = g->radius[i] - c * g->slope[i];
-        n_rate[i] = statics->dslope_dtheta[i];
-        d_rate[i] = -c * statics->dslope_dtheta[i];
+        const Dual slope = {g->slope[i], statics->dslope_dtheta[i]};
+        dual_contact_factors_set(&f, i, g->radius[i], direction * forces->flank[i] * g->friction[i], slope);
     }
-    const double r1 = g->radius[0], r2 = g->radius[1];
-    const double delta = r2 * d[0] * n[1] + r1 * d[1] * n[0];
-    const double delta_rate = r2 * (d_rate[0] * n[1] + d[0] * n_rate[1]) + r1 * (d_rate[1] * n[0] + d[1] * n_rate[0]);
-    return (r1 * r2 * (n_rate[0] * n[1] + n[0] * n_rate[1]) - forces->transfer.rho * delta_rate) / delta;
+    dual_contact_factors_multiply(&f);
+    return dual_contact_factors_rho(&f).slope;
 }
 
 /* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) (section 4) */

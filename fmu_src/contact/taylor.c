@@ -2,30 +2,31 @@
 
 #include <math.h>
 
-static Dual plain(double value) {
+static Dual constant(double value) {
     return (Dual){value, 0.0};
 }
 
 /* ---- along a given motion ---- */
 
-static void around(const double p[TRANSMISSION_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
+/* The polynomial p(x) as a polynomial in the variable of the jet x. */
+static void expand(const double p[TRANSMISSION_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
     const Jet value = jet_polynomial(p, TRANSMISSION_DEGREE, x);
     for (int k = 0; k < JET_TERMS; k++) out[k] = value.c[k].value;
 }
 
 void taylor_place(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
-    const Jet x = {.c = {plain((t->theta.c[0].value - piece->middle) * piece->scale), plain(piece->scale)}};
+    const Jet x = {.c = {constant((t->theta.c[0].value - piece->middle) * piece->scale), constant(piece->scale)}};
     for (int i = 0; i < 2; i++) {
         double slope[TRANSMISSION_DEGREE + 1];
         for (int k = 0; k <= TRANSMISSION_DEGREE; k++) slope[k] = piece->slope[k][i];
-        around(slope, &x, t->slope[i]);
-        t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* level, but for the polynomial's rounding */
+        expand(slope, &x, t->slope[i]);
+        t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
-    around(piece->z, &x, t->height);
+    expand(piece->z, &x, t->height);
 }
 
-/* A parameter, and its derivative by the knob. */
+/* A parameter and its derivative by the known. */
 static Dual seeded(const Taylor *t, double value, Known known) {
     return (Dual){value, t->known == known ? 1.0 : 0.0};
 }
@@ -51,19 +52,19 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-static void grip_along(const SlipMode *slip, const Jet slope[2], Taylor *t) {
+static void factors_along(const SlipMode *slip, const Jet slope[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        const Dual mu = dual_scale(slip->direction * slip->flank[i],
-                                   seeded(t, slip->params->cam[i].friction, (Known)(KNOWN_FRICTION_1 + i)));
-        t->rn[i] = jet_line(dual_scale(r * r, mu), plain(r), &slope[i]);
-        t->d[i] = jet_line(plain(r), dual_scale(-1.0, mu), &slope[i]);
+        const CamParams *cam = &slip->params->cam[i];
+        const Dual mu = seeded(t, cam->friction, (Known)(KNOWN_FRICTION_1 + i));
+        jet_contact_factors_set(&t->factors, i, cam->radius, dual_scale(slip->direction * slip->flank[i], mu),
+                                &slope[i]);
     }
+    jet_contact_factors_multiply(&t->factors);
 }
 
-/* Kinematics, and n_i, d_i; returns d gamma/dt. */
-static Jet move(const SlipMode *slip, Taylor *t) {
-    const Jet from_here = jet_line(plain(-t->theta.c[0].value), plain(1.0), &t->theta);
+/* Kinematics and the factors; returns d gamma/dt. */
+static Jet follow_grooves(const SlipMode *slip, Taylor *t) {
+    const Jet from_here = jet_line(constant(-t->theta.c[0].value), constant(1.0), &t->theta);
     const Jet slope[2] = {jet_polynomial(t->slope[0], JET_TERMS - 1, &from_here),
                           jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
     Jet sum = slope[0];
@@ -71,48 +72,45 @@ static Jet move(const SlipMode *slip, Taylor *t) {
     const Jet dpsi_dtheta = jet_divide(&slope[1], &sum), dz_dtheta = jet_multiply(&slope[0], &dpsi_dtheta);
     t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
     t->v = jet_multiply(&dz_dtheta, &t->omega);
-    grip_along(slip, slope, t);
+    factors_along(slip, slope, t);
     return jet_multiply(&dpsi_dtheta, &t->omega);
 }
 
 void taylor_balance(const SlipMode *slip, Taylor *t) {
     const InertiaParams *inertia = &slip->params->inertia;
-    const Jet gamma_rate = move(slip, t);
+    const Jet gamma_rate = follow_grooves(slip, t);
     t->load = spring_along(&slip->params->spring, t);
     jet_add_scaled(&t->load, 1.0, &t->F_ext);
     t->moment = (Jet){.c = {{0.0, 0.0}}};
-    if (t->stiffness > 0.0) t->tau = jet_line(plain(0.0), plain(t->stiffness), &t->far);
+    if (t->stiffness > 0.0) t->tau = jet_line(constant(0.0), constant(t->stiffness), &t->far);
     if (t->stiffness > 0.0) jet_add_scaled(&t->tau, -t->stiffness, &t->theta);
     Jet torque = t->tau;
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
         const Jet damper = damper_along(slip, t), alpha = jet_rate(&t->omega);
-        const Jet follow = jet_rate(&t->v), moment_along = jet_rate(&gamma_rate);
+        const Jet follower_acceleration = jet_rate(&t->v), gamma_acceleration = jet_rate(&gamma_rate);
         jet_add_scaled(&torque, -slip->params->shaft.damping, &t->omega);
         jet_add_scaled(&torque, -inertia->shaft, &alpha);
         jet_add_scaled(&t->load, 1.0, &damper);
-        jet_add_scaled(&t->load, inertia->follower_mass, &follow);
-        jet_add_scaled(&t->moment, inertia->follower, &moment_along);
+        jet_add_scaled(&t->load, inertia->follower_mass, &follower_acceleration);
+        jet_add_scaled(&t->moment, inertia->follower, &gamma_acceleration);
     }
-    const Jet q = jet_multiply(&t->d[0], &t->rn[1]), p = jet_multiply(&t->rn[0], &t->rn[1]);
-    t->delta = q;
-    jet_add_product(&t->delta, 1.0, &t->rn[0], &t->d[1]);
-    t->residual = jet_multiply(&t->delta, &torque);
-    jet_add_product(&t->residual, -1.0, &p, &t->load);
-    jet_add_product(&t->residual, -1.0, &q, &t->moment);
+    t->residual = jet_multiply(&t->factors.delta, &torque);
+    jet_add_product(&t->residual, -1.0, &t->factors.p, &t->load);
+    jet_add_product(&t->residual, -1.0, &t->factors.q, &t->moment);
 }
 
 /* ---- the motion itself ---- */
 
-/* The coefficient of R that has omega_k as its newest is linear in it, with this factor. */
-static double steepness(Regime kind, const Partials *by, int k, double stiffness) {
-    switch (kind) {
+/* The derivative by omega_k of the coefficient of R that omega_k is found from. */
+static double residual_by_speed(Regime regime, const Partials *by, int k, double stiffness) {
+    switch (regime) {
         case REGIME_INERTIAL: return by->by[KNOWN_ALPHA] * k;
         case REGIME_VISCOUS: return by->by[KNOWN_OMEGA];
         default: return (by->by[KNOWN_THETA] - stiffness * by->by[KNOWN_TAU]) / (k + 1);
     }
 }
 
-/* The value first, then, with it, the derivative by the knob. */
+/* Finds omega_k. The first pass finds the value; the second pass, with this value, the derivative by the known. */
 static void solve(const SlipMode *slip, int k, double by, Taylor *t) {
     const int shift = slip->regime == REGIME_INERTIAL ? -1 : slip->regime == REGIME_VISCOUS ? 0 : 1;
     const int passes = t->known == KNOWN_COUNT ? 1 : 2;
@@ -124,20 +122,19 @@ static void solve(const SlipMode *slip, int k, double by, Taylor *t) {
     }
 }
 
-void taylor_follow(const SlipMode *slip, const Balance *now, int last, Taylor *t) {
-    const Regime kind = slip->regime;
+void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
+    const Regime regime = slip->regime;
     Partials by;
-    balance_partials(slip, now, &by);
+    balance_partials(slip, balance, &by);
     t->omega = (Jet){.c = {{0.0, 0.0}}};
-    if (kind != REGIME_RATE_INDEPENDENT) t->omega.c[0].value = now->omega;
-    if (kind == REGIME_INERTIAL) t->omega.c[1].value = now->alpha;
+    if (regime != REGIME_RATE_INDEPENDENT) t->omega.c[0].value = balance->omega;
+    if (regime == REGIME_INERTIAL) t->omega.c[1].value = balance->alpha;
     for (int k = 0; k < 2; k++) t->theta.c[k + 1] = dual_scale(1.0 / (k + 1), t->omega.c[k]);
     taylor_place(slip, t);
-    const double first = steepness(kind, &by, 0, t->stiffness);
-    const bool follows = kind != REGIME_RATE_INDEPENDENT || first * by.by[KNOWN_TAU] < 0.0;
-    int k = kind == REGIME_INERTIAL ? 2 : 0;
-    if (kind == REGIME_VISCOUS && t->known == KNOWN_COUNT)
-        k = 1; /* omega is known, but not how it depends on the knob */
-    for (; follows && k <= last; k++) solve(slip, k, steepness(kind, &by, k, t->stiffness), t);
+    const double first = residual_by_speed(regime, &by, 0, t->stiffness);
+    const bool follows = regime != REGIME_RATE_INDEPENDENT || first * by.by[KNOWN_TAU] < 0.0;
+    int k = regime == REGIME_INERTIAL ? 2 : 0;
+    if (regime == REGIME_VISCOUS && t->known == KNOWN_COUNT) k = 1; /* the balance gives omega_0, not its derivative */
+    for (; follows && k <= last; k++) solve(slip, k, residual_by_speed(regime, &by, k, t->stiffness), t);
     taylor_balance(slip, t);
 }

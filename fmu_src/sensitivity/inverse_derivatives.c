@@ -50,9 +50,9 @@ static void effort_ahead(const Inverse *m, const Taylor *t, Instant *at, Effort 
 /* Does contact i, which carries nothing now, go on to bear on that flank? x_i Delta as in balance.h. */
 static bool agrees_ahead(const Taylor *t, int i, int flank) {
     const int other = 1 - i;
-    Jet x = jet_multiply(&t->rn[other], &t->load);
-    jet_add_product(&x, i == 0 ? -1.0 : 1.0, &t->d[other], &t->moment);
-    x = jet_divide(&x, &t->delta);
+    Jet x = jet_multiply(&t->factors.rn[other], &t->load);
+    jet_add_product(&x, i == 0 ? -1.0 : 1.0, &t->factors.d[other], &t->moment);
+    x = jet_divide(&x, &t->factors.delta);
     return flank * sign_ahead(&x, 1) >= 0;
 }
 
@@ -79,7 +79,7 @@ static void rigid_ahead(const Inverse *m, Taylor *t, Effort *effort) {
         if ((!idle[0] || agrees_ahead(t, 0, flank[0])) && (!idle[1] || agrees_ahead(t, 1, flank[1]))) break;
         if (k == 3) balance_on(m, &at, now, t);
     }
-    t->tau = jet_divide(&t->residual, &t->delta);
+    t->tau = jet_divide(&t->residual, &t->factors.delta);
     for (int k = 0; k < JET_TERMS; k++) t->tau.c[k].value = -t->tau.c[k].value;
 }
 
