@@ -12,15 +12,13 @@
 #include <stdbool.h>
 
 #include "numerics/bernstein.h"
+#include "numerics/double_pair.h"
 
 enum { LOBATTO_NODES = 4, LOBATTO_END = LOBATTO_NODES - 1, LOBATTO_HALVES = 2 };
 
-/* Values at two nodes, or of two cams, side by side in a vector register. */
-typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
-
 typedef union {
     double at[LOBATTO_NODES];
-    Vector2 half[LOBATTO_HALVES];
+    DoublePair half[LOBATTO_HALVES];
 } LobattoValues;
 
 typedef struct {
@@ -72,7 +70,7 @@ static inline bool lobatto_keeps_sign(const LobattoValues *v, int sign) {
     return low > BEYOND_NODES * (r.high - r.low);
 }
 
-static inline double lobatto_sum(Vector2 v) {
+static inline double lobatto_sum(DoublePair v) {
     return v[0] + v[1];
 }
 
