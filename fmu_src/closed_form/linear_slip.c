@@ -54,8 +54,8 @@ static double load_rate(const LinearSlipMode *linear, const SlipStart *l) {
     return l->tau_rate - linear->transfer.rho * l->F_ext_rate;
 }
 
-/* Slip begins only where the torque is beyond the edge of the stick band. Rounding at the edge must not start the motion
- * backwards: alpha, or without inertia omega, keeps to the direction. */
+/* Slip begins only where the torque is beyond the edge of the stick band. Rounding at the edge must not start the
+ * motion backwards: alpha, or without inertia omega, keeps to the direction. */
 static void start_inertial(const LinearSlipMode *linear, SlipStart *l) {
     l->alpha = (linear_slip_net_torque(linear, l) - linear->damping * l->omega) / linear->mass;
     if (l->omega == 0.0 && linear->direction * l->alpha < 0.0) l->alpha = 0.0;
@@ -69,8 +69,8 @@ static void start_viscous(const LinearSlipMode *linear, SlipStart *l) {
     l->alpha = (load_rate(linear, l) - linear->stiffness * l->omega) / linear->damping;
 }
 
-/* On the edge of the stick band N stays 0: the spring force follows the inputs. `offset` removes the N that rounding has
- * left; without it a long ramp in many steps would drift away from the edge. */
+/* On the edge of the stick band N stays 0: the spring force follows the inputs. `offset` removes the N that
+ * rounding has left; without it a long ramp in many steps would drift away from the edge. */
 static void start_rate_independent(const LinearSlipMode *linear, SlipStart *l) {
     if (linear->stiffness == 0.0) return;
     l->omega = load_rate(linear, l) / linear->stiffness;
@@ -96,9 +96,9 @@ SlipStart linear_slip_start(const LinearSlipMode *linear, const Params *p, const
     return l;
 }
 
-/* b0 = omega + alpha/(2a), the speed at which damping alone would settle, without the cancellation in that sum. With
- * inertia 2a = B/M and M alpha = N - B omega, so b0 = N/B. Without inertia 2a = K/B and B alpha = dN/dt - K omega, so b0
- * is the rate of the inputs over K. */
+/* b0 = omega + alpha/(2a), the speed at which damping alone would settle, without the cancellation in that sum.
+ * With inertia 2a = B/M and M alpha = N - B omega, so b0 = N/B. Without inertia 2a = K/B and B alpha = dN/dt - K
+ * omega, so b0 is the rate of the inputs over K. */
 static double settled_speed(const LinearSlipMode *linear, const SlipStart *l) {
     if (linear->regime == REGIME_VISCOUS) return load_rate(linear, l) / linear->stiffness;
     const bool held_back = l->omega == 0.0 && l->alpha == 0.0; /* see start_inertial */

@@ -168,8 +168,8 @@ static void fill_nearly_critical(const Oscillator *osc, double t, Kernel *k) {
     integrate_closed(osc, t, k);
 }
 
-/* True if damping settles the motion within t. A motion that vibrates long before it settles does not count: b0 would be
- * far larger than the speeds, and its terms would cancel again. */
+/* True if damping settles the motion within t. A motion that vibrates long before it settles does not count: b0
+ * would be far larger than the speeds, and its terms would cancel again. */
 static bool is_settled(const Oscillator *osc, double t) {
     return fabs(osc->decay2) * t > 1.0 && osc->decay2 * osc->decay2 >= osc->stiffness;
 }
@@ -205,8 +205,9 @@ typedef struct {
     double node[10], weight[10]; /* on [-1, 1] */
 } QuadratureRule;
 
-/* Gauss-Legendre quadrature with n points. The rates r of the integrand are at most twice the roots, r t <= 3.3 reach. So
- * the error t^(2n+1) (n!)^4 / ((2n+1) (2n)!^3) r^(2n) is below 1e-17 t for the first rule, 1e-19 t for the second one. (M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 25.4.30 and table 25.4) */
+/* Gauss-Legendre quadrature with n points. The rates r of the integrand are at most twice the roots, r t <= 3.3
+ * reach. So the error t^(2n+1) (n!)^4 / ((2n+1) (2n)!^3) r^(2n) is below 1e-17 t for the first rule, 1e-19 t for
+ * the second one. (M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 25.4.30 and table 25.4) */
 static const QuadratureRule QUADRATURE_RULES[2] = {
     {
         .reach = 0.1,
@@ -227,8 +228,8 @@ static const QuadratureRule QUADRATURE_RULES[2] = {
     },
 };
 
-/* s(x t)/t and p1(x t)/t^2 as polynomials in x; the coefficients follow from the derivatives of s at 0. Returns the number
- * of terms that matter for x <= 1. */
+/* s(x t)/t and p1(x t)/t^2 as polynomials in x; the coefficients follow from the derivatives of s at 0. Returns the
+ * number of terms that matter for x <= 1. */
 static int power_series(const Oscillator *osc, double t, double s[SERIES_TERMS], double p1[SERIES_TERMS]) {
     const double a = osc->decay2 * t, w = osc->stiffness * t * t;
     double older = 0.0, newer = 1.0;
@@ -263,8 +264,8 @@ static void square_by_quadrature(const Oscillator *osc, double lead, double t, d
     }
 }
 
-/* Extends the quadratic form from [0, t] to [0, 2t]. The second half starts from b(t), alpha(t) and the same U. Only sums
- * of squares arise, so nothing cancels. */
+/* Extends the quadratic form from [0, t] to [0, 2t]. The second half starts from b(t), alpha(t) and the same U.
+ * Only sums of squares arise, so nothing cancels. */
 static void double_square(const Oscillator *osc, double lead, const Kernel *k, double q[6]) {
     /* row i, column j: the share of (b0, alpha0, U)[i] in (b, alpha, U)[j] at t. With lead = 1/(2a) the share of alpha0
      * in b, s - lead c + lead s', vanishes but for the term in lead^2. */

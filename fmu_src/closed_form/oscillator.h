@@ -54,8 +54,8 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel);
 /* First t > 0 at which the homogeneous solution with y(0) = y0, y'(0) = dy0 vanishes, or infinity. */
 double oscillator_zero(const Oscillator *osc, double y0, double dy0);
 
-/* First t > 0 at which y would vanish without damping, where y' obeys the homogeneous equation; from y, y' and y'' at 0.
- * NAN or a negative number if y does not vanish. */
+/* First t > 0 at which y would vanish without damping, where y' obeys the homogeneous equation; from y, y' and y''
+ * at 0. NAN or a negative number if y does not vanish. */
 double oscillator_offset_zero(const Oscillator *osc, double y0, double dy0, double ddy0);
 
 #endif
