@@ -51,12 +51,12 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const NodePair *n = &s->pair[k];
-    const DoublePair omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->factors.delta;
-    const DoublePair dtheta = s->h * LOBATTO.weight.half[k] * omega;
-    const DoublePair dz = s->h * LOBATTO.weight.half[k] * v;
-    DoublePair axial = n->force + n->damper, moment = {0.0, 0.0};
+    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->factors.delta;
+    const Vector2 dtheta = s->h * LOBATTO.weight.half[k] * omega;
+    const Vector2 dz = s->h * LOBATTO.weight.half[k] * v;
+    Vector2 axial = n->force + n->damper, moment = {0.0, 0.0};
     if (slip->heavy) {
-        const DoublePair alpha = s->y.half[k], omega2 = omega * omega;
+        const Vector2 alpha = s->y.half[k], omega2 = omega * omega;
         axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
         moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
     }
@@ -67,11 +67,11 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
     b->heat_shaft += slip->params->shaft.damping * lobatto_sum(omega * dtheta);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        const DoublePair length2 = r * r + n->slope[i] * n->slope[i];
-        const DoublePair arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
-        const DoublePair x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
+        const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
+        const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
+        const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
         out->x[i].half[k] = x;
-        out->reaction[i].half[k] = x * (DoublePair){sqrt(length2[0]), sqrt(length2[1])};
+        out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         b->heat_cam[i] += slip->mu[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
     }
 }
@@ -201,7 +201,7 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     s.h = left;
     if (!solve_to_breakpoint(&s, rhs)) return false;
     if (!(s.h > 0.0 && s.h <= left) || !is_accepted(&s, from, out)) return false;
-    const DoublePair domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
+    const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
     out->h = s.h;
     out->dtheta = s.dtheta.at[LOBATTO_END];
     out->domega = s.h * lobatto_sum(domega);

@@ -9,32 +9,32 @@
 /* ---- grooves at two nodes ---- */
 
 typedef struct {
-    DoublePair slope[2], dslope_dtheta[2], z;
+    Vector2 slope[2], dslope_dtheta[2], z;
 } PointPair;
 
-static inline PointPair point_pair(const TransmissionPiece *piece, DoublePair theta, TransmissionDepth depth) {
+static inline PointPair point_pair(const TransmissionPiece *piece, Vector2 theta, TransmissionDepth depth) {
     const TransmissionPoint a = piece_point(piece, theta[0], depth), b = piece_point(piece, theta[1], depth);
     PointPair points = {.z = {a.z, b.z}};
     for (int i = 0; i < 2; i++) {
-        points.slope[i] = (DoublePair){a.slope[i], b.slope[i]};
-        points.dslope_dtheta[i] = (DoublePair){a.dslope_dtheta[i], b.dslope_dtheta[i]};
+        points.slope[i] = (Vector2){a.slope[i], b.slope[i]};
+        points.dslope_dtheta[i] = (Vector2){a.dslope_dtheta[i], b.dslope_dtheta[i]};
     }
     return points;
 }
 
-NOINLINE static void find_slopes(const TransmissionPiece *piece, DoublePair theta, PointPair *out) {
+NOINLINE static void find_slopes(const TransmissionPiece *piece, Vector2 theta, PointPair *out) {
     *out = point_pair(piece, theta, TRANSMISSION_SLOPES);
 }
 
-NOINLINE static void find_slopes_and_derivatives(const TransmissionPiece *piece, DoublePair theta, PointPair *out) {
+NOINLINE static void find_slopes_and_derivatives(const TransmissionPiece *piece, Vector2 theta, PointPair *out) {
     *out = point_pair(piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
 }
 
-static inline PointPair points_at(const SlipMode *slip, DoublePair theta) {
+static inline PointPair points_at(const SlipMode *slip, Vector2 theta) {
     const TransmissionPiece *piece = slip->piece;
     PointPair points;
     if (slip->transmission->straight) {
-        const DoublePair none = {0.0, 0.0};
+        const Vector2 none = {0.0, 0.0};
         points = (PointPair){.slope = {none + piece->slope[0][0], none + piece->slope[0][1]}};
         points.z = piece->z[0] + theta * piece->z[1];
     } else if (slip->heavy) {
@@ -46,15 +46,15 @@ static inline PointPair points_at(const SlipMode *slip, DoublePair theta) {
 }
 
 /* A negative slope is rounding of the polynomial of a level groove. */
-static inline DoublePair not_negative(DoublePair v) {
-    return (DoublePair){v[0] > 0.0 ? v[0] : 0.0, v[1] > 0.0 ? v[1] : 0.0};
+static inline Vector2 not_negative(Vector2 v) {
+    return (Vector2){v[0] > 0.0 ? v[0] : 0.0, v[1] > 0.0 ? v[1] : 0.0};
 }
 
 /* The kinematics of docs/mechanism.md, section 2. */
-static inline void find_kinematics(const SlipMode *slip, DoublePair theta, NodePair *n) {
+static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair *n) {
     const PointPair points = points_at(slip, theta);
     for (int i = 0; i < 2; i++) n->slope[i] = not_negative(points.slope[i]);
-    const DoublePair inverse = 1.0 / (n->slope[0] + n->slope[1]);
+    const Vector2 inverse = 1.0 / (n->slope[0] + n->slope[1]);
     n->z = points.z;
     n->dpsi_dtheta[0] = n->slope[1] * inverse;
     n->dpsi_dtheta[1] = n->slope[0] * inverse;
@@ -69,14 +69,14 @@ static inline void find_kinematics(const SlipMode *slip, DoublePair theta, NodeP
 /* ---- the balance at two nodes, see balance.h ---- */
 
 /* All that depends on theta and F_ext. */
-static inline void find_factors(const SlipMode *slip, DoublePair theta, DoublePair F_ext, NodePair *n) {
+static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_ext, NodePair *n) {
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
     for (int i = 0; i < 2; i++) {
-        pair_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->mu[i], n->slope[i]);
+        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->mu[i], n->slope[i]);
     }
-    pair_contact_factors_multiply(&n->factors);
-    const DoublePair rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
+    vector_contact_factors_multiply(&n->factors);
+    const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
     n->force = spring->preload + n->z * rate + F_ext;
 }
 
@@ -91,43 +91,43 @@ static inline bool is_resisted(const SlipMode *slip) {
 
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
  * forces of a sweep. */
-static inline DoublePair damper_at(const SlipMode *slip, DoublePair dz_dtheta, DoublePair omega) {
-    const DoublePair none = {0.0, 0.0}, v = dz_dtheta * omega;
+static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
+    const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
     return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
 /* alpha */
-static inline DoublePair inertial_rhs(const SlipMode *slip, DoublePair tau, DoublePair omega, NodePair *n) {
+static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, NodePair *n) {
     const InertiaParams *in = &slip->params->inertia;
-    const PairContactFactors *f = &n->factors;
+    const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
     n->damper = damper_at(slip, n->dz_dtheta, omega);
-    DoublePair net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
+    Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * f->delta;
     if (slip->heavy) {
-        const DoublePair m = f->p * in->follower_mass, I = f->q * in->follower;
+        const Vector2 m = f->p * in->follower_mass, I = f->q * in->follower;
         n->mass += m * n->dz_dtheta + I * n->dpsi_dtheta[0];
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
     if (is_resisted(slip)) {
-        const DoublePair resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
+        const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
     return net / n->mass;
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
-static inline DoublePair viscous_rhs(const SlipMode *slip, DoublePair tau, NodePair *n) {
-    const PairContactFactors *f = &n->factors;
-    const DoublePair lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
+static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
+    const VectorContactFactors *f = &n->factors;
+    const Vector2 lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
     n->mass = slip->params->shaft.damping * f->delta + slip->c * lever;
-    DoublePair sum = 2.0 * n->mass;
+    Vector2 sum = 2.0 * n->mass;
     if (slip->q > 0.0) {
-        const DoublePair square = n->mass * n->mass + (4.0 * slip->q * slip->direction) * lever * n->dz_dtheta * net;
-        sum = n->mass + (DoublePair){sqrt(square[0]), sqrt(square[1])};
+        const Vector2 square = n->mass * n->mass + (4.0 * slip->q * slip->direction) * lever * n->dz_dtheta * net;
+        sum = n->mass + (Vector2){sqrt(square[0]), sqrt(square[1])};
     }
-    const DoublePair omega = 2.0 * net / sum;
+    const Vector2 omega = 2.0 * net / sum;
     n->damper = damper_at(slip, n->dz_dtheta, omega);
     return omega;
 }
@@ -168,7 +168,7 @@ void lobatto_system_guess(LobattoSystem *s, double rhs) {
     const double alpha = lobatto_system_is_inertial(s) ? rhs : 0.0;
     s->y = lobatto_constant(rhs);
     for (int k = 0; k < LOBATTO_HALVES; k++) {
-        const DoublePair t = s->h * LOBATTO.node.half[k];
+        const Vector2 t = s->h * LOBATTO.node.half[k];
         s->speed.half[k] = s->omega + alpha * t;
         s->dtheta.half[k] = t * (s->omega + 0.5 * alpha * t);
     }
@@ -203,7 +203,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
         growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
     const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
     for (int k = 0; k < LOBATTO_HALVES; k++) {
-        const DoublePair by_angle = growth * h * h * twice.half[k];
+        const Vector2 by_angle = growth * h * h * twice.half[k];
         next.half[k] = resisted ? by_angle - s->pair[k].damping_rate * (h * next.half[k]) : by_angle;
     }
     return next;

@@ -6,37 +6,52 @@
 
 /* ---- the right-hand side ---- */
 
-/* alpha = [Delta (tau - b omega) - P F - (P m z'' + Q I gamma'') omega^2]/[J Delta + P m z' + Q I gamma'] */
-static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoefficients *k, double z,
-                                            const InputValues *in, double omega) {
+/* Delta (tau - b omega) - P F - (P m z'' + Q I gamma'') omega^2, with derivatives. */
+typedef struct {
+    Dual value; /* N.m m^3, and per rad */
+    double by_omega;
+    double size; /* sum of the magnitudes of the terms, without that in omega^2 */
+} NetTorque;
+
+static inline NetTorque net_torque(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                                   double omega) {
     const Params *p = slip->params;
     const DualContactFactors *f = &k->factors;
     const double v = k->dz_dtheta.value * omega;
-    const double damper = slip_damper_force(slip, v);
-    const double damper_rate = slip_damper_rate(slip, v);
+    const double damper = slip_damper_force(slip, v), damper_rate = slip_damper_rate(slip, v);
     const double spring = spring_force(&p->spring, z), F_ext = in->F_ext;
     const Dual load = {spring + F_ext + damper,
                        spring_rate(&p->spring, z) * k->dz_dtheta.value + damper_rate * k->dz_dtheta.slope * omega};
-    const double shaft_torque = p->shaft.damping * omega, torque = in->tau, tau = torque - shaft_torque;
-    const Dual inertia = slip_inertia(slip, k);
-    Dual net = {f->delta.value * tau - f->p.value * load.value,
-                f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
-    double net_by_omega = -f->delta.value * p->shaft.damping - f->p.value * damper_rate * k->dz_dtheta.value;
+    const double shaft_torque = p->shaft.damping * omega, tau = in->tau - shaft_torque;
+    NetTorque net = {
+        .value = {f->delta.value * tau - f->p.value * load.value,
+                  f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope},
+        .by_omega = -f->delta.value * p->shaft.damping - f->p.value * damper_rate * k->dz_dtheta.value,
+        .size = fabs(f->delta.value) * (fabs(in->tau) + fabs(shaft_torque)) +
+                fabs(f->p.value) * (fabs(spring) + fabs(F_ext) + fabs(damper)),
+    };
     if (slip->heavy) {
         const Dual by_speed = slip_inertia_by_speed(slip, k);
-        net.value -= by_speed.value * omega * omega;
-        net.slope -= by_speed.slope * omega * omega;
-        net_by_omega -= 2.0 * by_speed.value * omega;
+        net.value.value -= by_speed.value * omega * omega;
+        net.value.slope -= by_speed.slope * omega * omega;
+        net.by_omega -= 2.0 * by_speed.value * omega;
     }
+    return net;
+}
+
+/* alpha = net torque/[J Delta + P m z' + Q I gamma'] */
+static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                            const InputValues *in, double omega) {
+    const DualContactFactors *f = &k->factors;
+    const NetTorque net = net_torque(slip, k, z, in, omega);
+    const Dual inertia = slip_inertia(slip, k);
     const double inverse = 1.0 / inertia.value;
-    const double alpha = net.value * inverse;
-    const double force_size = fabs(spring) + fabs(F_ext) + fabs(damper);
+    const double alpha = net.value.value * inverse;
     return (RightHandSide){
         .value = alpha,
-        .size = (fabs(f->delta.value) * (fabs(torque) + fabs(shaft_torque)) + fabs(f->p.value) * force_size) *
-                fabs(inverse),
-        .by_theta = (net.slope - alpha * inertia.slope) * inverse,
-        .by_omega = net_by_omega * inverse,
+        .size = net.size * fabs(inverse),
+        .by_theta = (net.value.slope - alpha * inertia.slope) * inverse,
+        .by_omega = net.by_omega * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .resistance = fabs(inertia.value),
         .possible = inertia.value * f->delta.value > 0.0,
@@ -44,38 +59,50 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
     };
 }
 
-/* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. A locked contact (P < 0)
- * can cause two roots; the root nearer to zero is taken, for there more torque means more speed. It is computed as
- * 2 N/(B + sqrt(B^2 + 4 C N)), which does not cancel. For speeds against the direction, where an iteration may look, the
- * law is continued as an odd function. */
+/* The solution of B omega + C omega |omega| = N in the direction of slip. */
+typedef struct {
+    double omega;  /* rad/s */
+    double sign;   /* of B, or of C where B = 0 */
+    double sum;    /* B + sign sqrt(B^2 + 4 C N) */
+    double square; /* B^2 + 4 C N */
+} ViscousSpeed;
+
+/* A locked contact (P < 0) can cause two roots; the root nearer to zero is taken, for there more torque means more
+ * speed. The form 2 N/(B + sqrt(B^2 + 4 C N)) does not cancel. For speeds against the direction, where an iteration may
+ * look, the law is continued as an odd function. */
+static inline ViscousSpeed viscous_speed(double b, double c, double n, int direction) {
+    const double sign = b < 0.0 || (b == 0.0 && c < 0.0) ? -1.0 : 1.0;
+    const bool same_sign = b * c >= 0.0;
+    const double four_cn = same_sign ? fabs(c * n) : c * direction * n;
+    const double square = b * b + 4.0 * four_cn;
+    const double sum = b + sign * sqrt(fmax(square, 0.0));
+    return (ViscousSpeed){.omega = sum != 0.0 ? 2.0 * n / sum : 0.0, .sign = sign, .sum = sum, .square = square};
+}
+
+/* B omega + C omega |omega| = N with B = Delta b + P c z', C = P q z'^2, N = Delta tau - P F_0. */
 static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
                                            const InputValues *in) {
     const Params *p = slip->params;
     const DualContactFactors *f = &k->factors;
-    const double tau = in->tau;
-    const double spring = spring_force(&p->spring, z), F_ext = in->F_ext;
+    const double tau = in->tau, spring = spring_force(&p->spring, z), F_ext = in->F_ext;
     const Dual load = {spring + F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
     const Dual n = {f->delta.value * tau - f->p.value * load.value,
                     f->delta.slope * tau - f->p.slope * load.value - f->p.value * load.slope};
+    const double n_size = fabs(f->delta.value * tau) + fabs(f->p.value) * (fabs(spring) + fabs(F_ext));
     const Dual pz = dual_multiply(f->p, k->dz_dtheta);
     const Dual b = dual_add(dual_scale(p->shaft.damping, f->delta), dual_scale(slip->c, pz));
     const Dual c = dual_scale(slip->q, dual_multiply(pz, k->dz_dtheta));
-    const double sign = b.value < 0.0 || (b.value == 0.0 && c.value < 0.0) ? -1.0 : 1.0;
-    const bool same_sign = b.value * c.value >= 0.0;
-    const double four_cn = same_sign ? fabs(c.value * n.value) : c.value * slip->direction * n.value;
-    const double square = b.value * b.value + 4.0 * four_cn;
-    const double sum = b.value + sign * sqrt(fmax(square, 0.0));
-    const double omega = sum != 0.0 ? 2.0 * n.value / sum : 0.0;
+    const ViscousSpeed speed = viscous_speed(b.value, c.value, n.value, slip->direction);
+    const double omega = speed.omega;
     const double steepness = b.value + 2.0 * c.value * fabs(omega); /* dN/d omega */
     const double inverse = steepness != 0.0 ? 1.0 / steepness : 0.0;
-    const double n_size = fabs(f->delta.value * tau) + fabs(f->p.value) * (fabs(spring) + fabs(F_ext));
     return (RightHandSide){
         .value = omega,
-        .size = sum != 0.0 ? 2.0 * n_size / fabs(sum) : 0.0,
+        .size = speed.sum != 0.0 ? 2.0 * n_size / fabs(speed.sum) : 0.0,
         .by_theta = (n.slope - omega * (b.slope + c.slope * fabs(omega))) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
-        .possible = (sum != 0.0 || c.value != 0.0) && square >= 0.0 && f->delta.value != 0.0,
-        .stable = sign * f->delta.value > 0.0,
+        .possible = (speed.sum != 0.0 || c.value != 0.0) && speed.square >= 0.0 && f->delta.value != 0.0,
+        .stable = speed.sign * f->delta.value > 0.0,
     };
 }
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "contact/contact_factors.h"
+#include "model/tolerances.h"
 
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
@@ -33,9 +34,6 @@ bool check_initial(const Params *p, Fault *fault) {
 
 /* ---- jam ---- */
 
-/* A piece is one smooth polynomial; where a table has many of them each is short. */
-enum { SAMPLES_OF_FEW = 64, SAMPLES_OF_MANY = 8, MANY = 64 };
-
 /* m^3: Delta of the supporting flanks when loading (docs/mechanism.md, section 3). With n_i = a_i + mu_i r_i >= 0 Delta
  * has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
 static double load_margin(const Params *p, const double slope[2]) {
@@ -50,13 +48,13 @@ static bool loads_at(const Params *p, const TransmissionPiece *piece, double the
     return load_margin(p, point.slope) > 0.0;
 }
 
-/* Straight grooves are the same everywhere, however far the stops are. */
+/* In straight grooves the margin is the same everywhere. */
 static bool loads_in_straight(const Params *p, const TransmissionPiece *piece) {
     const double slope[2] = {piece->slope[0][0], piece->slope[0][1]};
     return load_margin(p, slope) > 0.0;
 }
 
-/* The first theta, to rounding, at which it jams; it does not at `good` and does at `bad`. */
+/* The first theta, to rounding, at which the contacts jam; they do not at `good` and do at `bad`. */
 static double first_jam(const Params *p, const TransmissionPiece *piece, double good, double bad) {
     for (double middle = 0.5 * (good + bad); middle > good && middle < bad; middle = 0.5 * (good + bad)) {
         if (loads_at(p, piece, middle)) good = middle;
@@ -65,7 +63,7 @@ static double first_jam(const Params *p, const TransmissionPiece *piece, double 
     return bad;
 }
 
-/* Where in the piece it jams first, or NAN. */
+/* The first theta in the piece at which the contacts jam, or NAN. */
 static double jam_in(const Params *p, const TransmissionPiece *piece, int samples) {
     double good = piece->lower;
     if (!loads_at(p, piece, good)) return good;
@@ -77,7 +75,7 @@ static double jam_in(const Params *p, const TransmissionPiece *piece, int sample
     return NAN;
 }
 
-/* `cam1.lead_angle = 1.5` of a helix; of other grooves the lead angle at that place. */
+/* Of a helix the parameter, as `cam1.lead_angle = 1.5`; of other grooves the lead angle at this slope. */
 static void name_lead(char text[80], const Params *p, int i, double slope) {
     if (p->cam[i].profile == PROFILE_HELIX) snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
     else snprintf(text, 80, "lead angle %.17g of cam%d there", atan(slope / p->cam[i].radius), i + 1);
@@ -94,7 +92,7 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
-    const int samples = transmission->count < MANY ? SAMPLES_OF_FEW : SAMPLES_OF_MANY;
+    const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
     if (transmission->straight && loads_in_straight(p, transmission->piece)) return true;
     for (size_t i = 0; i < transmission->count; i++) {
         const TransmissionPiece *piece = &transmission->piece[i];

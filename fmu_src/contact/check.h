@@ -1,4 +1,4 @@
-/* Can the mechanism work with these parameters? What the range of a single variable cannot tell. */
+/* Checks of parameters that the range of a single variable cannot express. */
 #ifndef DUALCAM_CHECK_H
 #define DUALCAM_CHECK_H
 
@@ -8,19 +8,21 @@
 #include "model/fault.h"
 #include "model/params.h"
 
-/* Each returns false and fills `fault` if not. */
+/* Each function returns false and fills `fault` if its condition does not hold. */
 
-/* Stops in order, something that fixes the pin. */
+/* The stops are in order, and the lead angles are not both zero, so that the grooves fix the pin. */
 bool check_params(const Params *params, Fault *fault);
 
-/* initial.theta between the stops: only where the mechanism starts from there. */
+/* initial.theta lies between the stops. Only a mechanism that starts from initial.theta needs this check. */
 bool check_initial(const Params *params, Fault *fault);
 
-/* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1. */
+/* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1 (docs/mechanism.md,
+ * section 3). */
 bool check_jam(const Params *params, const Transmission *transmission, Fault *fault);
 
-/* The grooves reach from stop to stop and pass check_jam(). Replaces *course by that of these parameters unless it is; where
- * they fail it stays as it was. `resources`: see transmission_build(). */
+/* The grooves reach from stop to stop and pass check_jam(). Replaces *transmission by the transmission of these
+ * parameters unless it is this already. On failure *transmission is unchanged. `resources`: see transmission_build().
+ * */
 bool check_transmission(const Params *params, const char *resources, Transmission *transmission, Fault *fault);
 
 #endif

@@ -20,13 +20,13 @@ Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) 
     };
 }
 
-/* A pair of flanks carries F > 0 at rest or at constant speed if both reactions have its signs. */
+/* A pair of flanks carries F > 0 at rest or at constant speed if the reactions have the signs of the flanks. */
 static bool carries(const Transfer *t, const int flank[2]) {
     return t->regular && flank[0] * t->axial[0] >= 0.0 && flank[1] * t->axial[1] >= 0.0;
 }
 
-/* Loading: both supporting flanks. Releasing: the same, unless one contact locks and the other does not; then the
- * unlocked pin bears on its other flank. */
+/* Loading: both supporting flanks. Releasing: the same, unless only one contact is locked; then the pin bears on the
+ * other flank of the contact that is not locked. Both other flanks carry F > 0 only where loading jams. */
 bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     for (int k = 0; k < candidates; k++) {
@@ -41,7 +41,7 @@ BandFactors contact_band(const Geometry *g) {
     int flank[2];
     Transfer t;
     const double load = contact_edge(g, 1, flank, &t) ? t.rho : INFINITY;
-    /* both lead angles exactly at the friction angle: n_1 = n_2 = 0, no torque at any load */
+    /* both lead angles equal the friction angle: n_1 = n_2 = 0, the torque is 0 at any load */
     if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1])
         return (BandFactors){.load = load, .release = 0.0};
     return (BandFactors){.load = load, .release = contact_edge(g, -1, flank, &t) ? t.rho : -INFINITY};

@@ -1,13 +1,20 @@
 /* Coulomb friction at the two contacts of the pin.
  *
- * In each groove the pin bears on one of two flanks. With x_i = R_i / hypot(r_i, a_i), R_i the total
- * normal reaction (+ on the flank that carries F > 0) and e_i = sign(x_i), moving in direction
- * sigma, the contact passes torque and axial force
- *     tau_i = r_i n_i x_i    A_i = d_i x_i    n_i = a_i + sigma e_i mu_i r_i    d_i = r_i - sigma e_i mu_i a_i
- * (mechanism page, section 3: "forms that stay finite at lambda -> 0"). Axial balance A_1 + A_2 = A
- * and moment balance tau_2 - tau_1 = W, with W = I gamma_ddot, give, with Delta = r2 d1 n2 + r1 d2 n1,
- *     x_1 = (r2 n2 A - d2 W)/Delta    x_2 = (r1 n1 A + d1 W)/Delta    T = tau_2 = r2 n2 x_2
- * No trigonometric call, and only Delta = 0 is singular. */
+ * The contact room holds the forces at the pin: friction, flanks, the stick band, the balance of forces and its
+ * derivatives. It may include platform, numerics, model and geometry.
+ *
+ * In each groove the pin bears on one of two flanks. With x_i = R_i/hypot(r_i, a_i), R_i the total normal reaction
+ * (positive on the flank that carries F > 0) and the flank sign e_i = sign(x_i), contact_factors.h gives the torques
+ * and the axial forces of the contacts. Axial balance A_1 + A_2 = A and moment balance tau_2 - tau_1 = W, W = I
+ * gamma_ddot, give x_1, x_2 and the torque T of cam 2, linear in A and W. No trigonometric function is needed, and only
+ * Delta = 0 is singular (docs/mechanism.md, section 3).
+ *
+ * Three words for contacts that block:
+ *   locked  one contact: its lead angle does not exceed its friction angle (n_i <= 0 when releasing), so that the axial
+ *           load cannot turn the cam back. With one contact locked, releasing needs tau < 0.
+ *   jammed  the pair, when loading: Delta <= 0, so that T_load is infinite. Such parameters are refused (check.h).
+ *   wedged  the pair, in one direction: no pair of flanks agrees with its own reactions, so that no torque moves the
+ *           mechanism this way, and it rests. */
 #ifndef DUALCAM_CONTACT_H
 #define DUALCAM_CONTACT_H
 
@@ -15,8 +22,7 @@
 
 #include "geometry/cam.h"
 
-/* Linear map from axial load A and twist W to torque and reactions, for one direction and one pair
- * of flanks. */
+/* The linear map from axial load A and moment W to torque and reactions, for one direction and one pair of flanks. */
 typedef struct {
     bool regular;      /* Delta != 0 */
     double rho;        /* m, T per A */
@@ -25,8 +31,8 @@ typedef struct {
     double moment[2];  /* 1/m^2, x_i per W */
 } Transfer;
 
-/* Edges of the stick band per axial load F_0 > 0: T_load = load F_0, T_release = release F_0.
- * load = +inf: jammed; release = -inf: wedged. For F_0 < 0 the two change places (same products). */
+/* Edges of the stick band per axial load F_0 > 0: T_load = load F_0, T_release = release F_0. load = +inf: jammed;
+ * release = -inf: wedged. For F_0 < 0 the same products are the edges of the other direction. */
 typedef struct {
     double load, release; /* m */
 } BandFactors;
@@ -45,7 +51,7 @@ typedef struct {
 
 enum { FLANK_PAIR_COUNT = 4, SLIP_MODE_COUNT = 2 * FLANK_PAIR_COUNT /* directions x pairs of flanks */ };
 
-/* The pairs of flanks in the order in which a search tries them: (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`, the
+/* Pair k of flanks in the order in which a search tries the pairs: (s,s), (s,-s), (-s,s), (-s,-s) with s = `sign`, the
  * sign of the axial load. The supporting flanks come first. */
 static inline void flank_pair(int k, int sign, int flank[2]) {
     flank[0] = k < 2 ? sign : -sign;
@@ -62,8 +68,8 @@ Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]);
 
 BandFactors contact_band(const Geometry *g);
 
-/* The pair of flanks and the transfer by which motion in `direction` along the band's edge carries F_0 > 0; false
- * where no torque moves it that way. */
+/* The pair of flanks and the transfer with which motion in `direction` along the band's edge carries F_0 > 0; false
+ * where no torque moves the mechanism in this direction. */
 bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer);
 
 #endif

@@ -9,14 +9,14 @@
  * so that rho = P/Delta and rho kappa_1 = Q/Delta.
  *
  * The same two functions stand here for each arithmetic: `set` writes r_i n_i and d_i of one contact, then `multiply`
- * writes Q, Delta and P. Numbers and pairs compute r (a + mu r); arithmetic with derivatives computes r a + mu r^2, in
- * which a derivative of a needs no further operation. */
+ * writes Q, Delta and P. Numbers and vectors compute r (a + mu r); arithmetic with derivatives computes r a + mu r^2,
+ * in which a derivative of a needs no further operation. */
 #ifndef DUALCAM_CONTACT_FACTORS_H
 #define DUALCAM_CONTACT_FACTORS_H
 
-#include "numerics/double_pair.h"
 #include "numerics/dual.h"
 #include "numerics/jet.h"
+#include "numerics/vector2.h"
 
 /* ---- numbers ---- */
 
@@ -37,18 +37,18 @@ static inline void contact_factors_multiply(ContactFactors *f) {
     f->p = f->rn[0] * f->rn[1];
 }
 
-/* ---- pairs: the factors at two angles ---- */
+/* ---- vectors of two: the factors at two angles ---- */
 
 typedef struct {
-    DoublePair rn[2], d[2], delta, p, q;
-} PairContactFactors;
+    Vector2 rn[2], d[2], delta, p, q;
+} VectorContactFactors;
 
-static inline void pair_contact_factors_set(PairContactFactors *f, int i, double r, double mu, DoublePair a) {
+static inline void vector_contact_factors_set(VectorContactFactors *f, int i, double r, double mu, Vector2 a) {
     f->rn[i] = r * (a + mu * r);
     f->d[i] = r - mu * a;
 }
 
-static inline void pair_contact_factors_multiply(PairContactFactors *f) {
+static inline void vector_contact_factors_multiply(VectorContactFactors *f) {
     f->q = f->d[0] * f->rn[1];
     f->delta = f->q + f->rn[0] * f->d[1];
     f->p = f->rn[0] * f->rn[1];

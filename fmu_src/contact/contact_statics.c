@@ -5,7 +5,7 @@
 #include "contact/contact_factors.h"
 #include "model/tolerances.h"
 
-/* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2) by the quotient rule, with b_i = da_i/dtheta:
+/* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_at(piece, theta);
@@ -21,22 +21,23 @@ ContactStatics contact_statics_at(const Params *params, const TransmissionPiece 
 
 /* ---- flanks ---- */
 
-static void bear(const Load *b, ContactForces *forces) {
+static void apply_load(const Load *load, ContactForces *forces) {
     const Transfer *t = &forces->transfer;
-    forces->torque = t->rho * b->axial + t->rho_kappa1 * b->moment;
-    for (int i = 0; i < 2; i++) forces->x[i] = t->axial[i] * b->axial + t->moment[i] * b->moment;
+    forces->torque = t->rho * load->axial + t->rho_kappa1 * load->moment;
+    for (int i = 0; i < 2; i++) forces->x[i] = t->axial[i] * load->axial + t->moment[i] * load->moment;
 }
 
-bool contact_statics_is_idle(const ContactForces *forces, const Load *b, int i) {
+bool contact_statics_is_idle(const ContactForces *forces, const Load *load, int i) {
     const Transfer *t = &forces->transfer;
-    const double size = fabs(t->axial[i]) * b->axial_size + fabs(t->moment[i]) * b->moment_size;
+    const double size = fabs(t->axial[i]) * load->axial_size + fabs(t->moment[i]) * load->moment_size;
     return fabs(forces->x[i]) <= REACTION_ROUNDING * size;
 }
 
-static bool agrees(const Load *b, const ContactForces *forces) {
+/* Do the reactions have the signs of the flanks? */
+static bool agrees(const Load *load, const ContactForces *forces) {
     if (!forces->transfer.regular || !isfinite(forces->torque)) return false;
     for (int i = 0; i < 2; i++)
-        if (forces->flank[i] * forces->x[i] < 0.0 && !contact_statics_is_idle(forces, b, i)) return false;
+        if (forces->flank[i] * forces->x[i] < 0.0 && !contact_statics_is_idle(forces, load, i)) return false;
     return true;
 }
 
@@ -45,19 +46,19 @@ bool contact_statics_forces(const ContactStatics *statics, int direction, const 
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         flank_pair(k, sign, forces->flank);
         forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);
-        bear(load, forces);
+        apply_load(load, forces);
         if (agrees(load, forces)) return true;
     }
     return false;
 }
 
-/* For F_0 < 0 both flanks change and so does the direction that decides (same products). */
+/* F_0 < 0 mirrors the band: both flanks change, and the edge is the edge of the other direction for F_0 > 0. */
 bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
     const int side = F_0 < 0.0 ? -1 : 1;
     if (!contact_edge(&statics->geometry, side * direction, forces->flank, &forces->transfer)) return false;
     for (int i = 0; i < 2; i++) forces->flank[i] *= side;
     const Load load = {.axial = F_0};
-    bear(&load, forces);
+    apply_load(&load, forces);
     return true;
 }
 
@@ -72,7 +73,7 @@ double contact_statics_drho_dtheta(const ContactStatics *statics, int direction,
     return dual_contact_factors_rho(&f).slope;
 }
 
-/* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) (section 4) */
+/* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) per |omega| (docs/mechanism.md, section 4) */
 double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i) {
     const Geometry *g = &statics->geometry;
     return cam_heat(g, i) * fabs(forces->x[i]);

@@ -1,4 +1,5 @@
-/* Geometry and loads where cam 2 stands at one angle: what inverse dynamics is made of. */
+/* Contact statics: kinematics at one theta, and the torque and reactions of given loads. Inverse dynamics is built on
+ * them. */
 #ifndef DUALCAM_CONTACT_STATICS_H
 #define DUALCAM_CONTACT_STATICS_H
 
@@ -19,35 +20,37 @@ typedef struct {
 
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta);
 
-/* What the contacts do under an axial load and a twist. */
+/* Torque and reactions under an axial load and a moment. */
 typedef struct {
-    double torque;     /* N.m, T that cam 2 passes on */
-    double x[2];       /* N/m, R_i / hypot(r_i, a_i), R_i total: see contact.h */
+    double torque;     /* N.m, T of cam 2 */
+    double x[2];       /* N/m, see contact.h */
     int flank[2];      /* e_i */
-    Transfer transfer; /* per axial load and twist */
+    Transfer transfer; /* per axial load and moment */
 } ContactForces;
 
 typedef struct {
-    double axial, moment;           /* N, N.m: A and W */
-    double axial_size, moment_size; /* of what adds up to them: rounding errors are a few eps of these */
+    double axial, moment; /* N, N.m: A and W */
+    double axial_size,
+        moment_size; /* sums of the magnitudes of their terms: A and W round by a few eps of these sums */
 } Load;
 
-/* The first pair of flanks, of (s,s), (s,-s), (-s,s), (-s,-s) with s = sign(A), that agree with their own reactions
- * when the mechanism moves in `direction`. False if none does: wedged. */
+/* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its
+ * own reactions. False if no pair does: wedged. */
 bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
 
-/* The same at rest on the edge of the stick band, where F_0 = F_s + F_ext is all there is. */
+/* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. */
 bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces);
 
-/* Is the reaction of contact i none, to rounding? Then it agrees with either flank. */
+/* Is the reaction of contact i zero, to rounding? Then either flank agrees. */
 bool contact_statics_is_idle(const ContactForces *forces, const Load *load, int i);
 
-/* d rho/dtheta of that transfer, m/rad. */
+/* m/rad: d rho/dtheta on the flanks of `forces`. */
 double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces);
 
-/* J per radian that cam 2 turns: friction heat at contact i, >= 0. */
+/* J/rad, >= 0: friction heat at contact i per angle of cam 2. */
 double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i);
 
+/* A number from 0 to 3 for each pair of flanks. */
 static inline int flank_branch(const int flank[2]) {
     return (flank[0] < 0) + 2 * (flank[1] < 0);
 }

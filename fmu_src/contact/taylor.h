@@ -1,8 +1,8 @@
 /* The balance of forces along the motion, as Taylor polynomials in the time since one instant: the time derivatives of
  * torque, speed and position, and their derivatives by one known.
  *
- * With v = z' omega, so that dv/dt = z' alpha + z'' omega^2, and the factors of contact_factors.h, all of them functions
- * of time, the residual of the equation of motion times Delta vanishes at every order:
+ * With v = z' omega, so that dv/dt = z' alpha + z'' omega^2, and the factors of contact_factors.h, all of them
+ * functions of time, the residual of the equation of motion times Delta vanishes at every order:
  *     R = Delta (tau - b omega - J domega/dt) - P A - Q W = 0
  *     A = F_s(z) + F_ext + v (c + q |v|) + m dv/dt      W = I d(gamma' omega)/dt
  * Where the motion is unknown, each coefficient of R is linear in one new coefficient of omega. The coefficients of

@@ -7,7 +7,7 @@ Geometry cam_geometry(const CamParams cam[2], const double slope[2]) {
     for (int i = 0; i < 2; i++) {
         g.radius[i] = cam[i].radius;
         g.friction[i] = cam[i].friction;
-        g.slope[i] = fmax(slope[i], 0.0); /* level, but for rounding */
+        g.slope[i] = fmax(slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
     const double sum = g.slope[0] + g.slope[1];
     g.dpsi_dtheta[0] = g.slope[1] / sum;

@@ -1,8 +1,8 @@
-/* Groove laws and kinematics: how far pin and follower move when cam 2 turns.
+/* The kinematics at one theta: how far pin and follower move when cam 2 turns (docs/mechanism.md, section 2).
  *
  * z = g1(gamma) = g2(phi) with gamma + phi = theta. With the slopes a_i = g_i'
  *     dgamma/dtheta = a2/(a1+a2)    dphi/dtheta = a1/(a1+a2)    dz/dtheta = a1 a2/(a1+a2)
- * No slope is divided by alone, so a dwell (one a_i = 0) is an ordinary place. */
+ * No slope is a divisor by itself, so a dwell (one a_i = 0) is an ordinary place. */
 #ifndef DUALCAM_CAM_H
 #define DUALCAM_CAM_H
 
@@ -14,25 +14,31 @@ typedef struct {
     double radius[2];      /* m, r_i */
     double friction[2];    /* mu_i */
     double slope[2];       /* m/rad, a_i = r_i tan(lambda_i) */
-    double dpsi_dtheta[2]; /* gamma' and phi': share of theta turned in cam i */
+    double dpsi_dtheta[2]; /* gamma' and phi', the shares of theta that the pin turns in cam 1 and in cam 2 */
     double dz_dtheta;      /* m/rad, z' */
 } Geometry;
 
-/* The geometry where the grooves have these slopes. */
+/* The kinematics where the grooves have these slopes. */
 Geometry cam_geometry(const CamParams cam[2], const double slope[2]);
 
-/* The square of the groove's length per angle of cam i, m^2: r_i^2 + a_i^2. */
+/* m/rad: z' = a1 a2/(a1+a2) */
+static inline double cam_dz_dtheta(const double slope[2]) {
+    return slope[0] * (slope[1] / (slope[0] + slope[1]));
+}
+
+/* m^2: r_i^2 + a_i^2, the square of the groove's length per angle of cam i. */
 static inline double cam_length2(const Geometry *g, int i) {
     return g->radius[i] * g->radius[i] + g->slope[i] * g->slope[i];
 }
 
-/* Friction heat at contact i per |x_i| (see contact.h) and |omega|, m^2: mu_i (r_i^2 + a_i^2) |psi_i'|. */
+/* m^2: friction heat at contact i per |x_i| (see contact.h) and per |omega|, mu_i (r_i^2 + a_i^2) |psi_i'|
+ * (docs/mechanism.md, section 4). */
 static inline double cam_heat(const Geometry *g, int i) {
     return g->friction[i] * cam_length2(g, i) * g->dpsi_dtheta[i];
 }
 
-/* Groove length per angle of cam i, m. The squares are far from the ends of the range of numbers: a radius is at least
- * 1e-6 m, a slope at most 1e17 of it. */
+/* m: groove length per angle of cam i. The squares cannot overflow or underflow: a radius is at least 1e-6 m, a slope
+ * at most 1e17 of the radius. */
 static inline double cam_length(const Geometry *g, int i) {
     return sqrt(cam_length2(g, i));
 }

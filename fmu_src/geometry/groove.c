@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An elliptical groove counts as left where S comes so close to 1: tan(lead angle) is 7e4 b/a there. */
-static const double VERTICAL = 1e-10;
+#include "model/tolerances.h"
 
 static bool build_helix(Groove *groove, const CamParams *cam) {
     groove->gain = cam->radius * tan(cam->lead_angle);
@@ -23,7 +22,7 @@ static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Faul
     groove->gain = cam->radius * cam->ellipse_b / cam->ellipse_a;
     groove->height = kappa * cam->ellipse_b;
     groove->rate = kappa * cam->radius / cam->ellipse_a;
-    const double room = groove->C0 * groove->C0 / (1.0 + groove->S0) - VERTICAL; /* from S0 to vertical */
+    const double room = groove->C0 * groove->C0 / (1.0 + groove->S0) - ELLIPSE_VERTICAL; /* of S, from S0 to vertical */
     if (!(room >= 0.0)) {
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.lead_angle = %.17g: the elliptical groove of cam %d would start vertical: "
@@ -85,8 +84,8 @@ static double clamped(double x, double low, double high) {
     return x > high ? high : x;
 }
 
-/* With u = S - S0: C^2 = C0^2 - u (S0 + S) and C0 - C = (C0^2 - C^2)/(C0 + C), so that nothing cancels
- * close to psi = 0. */
+/* With u = S - S0: C^2 = C0^2 - u (S0 + S) and C0 - C = (C0^2 - C^2)/(C0 + C). In this form nothing cancels close to
+ * psi = 0. */
 static GroovePoint ellipse_at(const Groove *g, double psi) {
     const double u = g->rate * psi;
     const double S = fmax(g->S0 + u, 0.0), rise = u * (g->S0 + S);

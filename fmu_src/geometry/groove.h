@@ -1,4 +1,4 @@
-/* Groove laws: z = g(psi), how far the pin rises when it turns by psi relative to its cam.
+/* Groove laws: the rise z = g(psi) of the pin when it turns by psi relative to its cam (docs/mechanism.md, section 2).
  *
  * g(0) = 0, g' >= 0. With the cam's radius r:
  *   helix    g = r tan(lead_angle) psi.
@@ -6,7 +6,7 @@
  *            b along z. It starts at lead_angle and steepens (kappa = +1) or flattens (kappa = -1):
  *            S = S0 + kappa r psi/a, S0 = sin(atan(a/b tan(lead_angle))),
  *            g = kappa b (sqrt(1 - S0^2) - sqrt(1 - S^2)), valid while 0 <= S < 1.
- *   table    Sampled (psi, z) made into a curve, see groove_table.h. */
+ *   table    A curve through samples (psi, z), see groove_table.h. */
 #ifndef DUALCAM_GROOVE_H
 #define DUALCAM_GROOVE_H
 
@@ -19,12 +19,12 @@
 typedef struct {
     int profile;        /* PROFILE_* */
     double radius;      /* m */
-    double gain;        /* m/rad, g' of a helix; r b/a, so that g' = gain S/sqrt(1 - S^2), of an ellipse */
+    double gain;        /* m/rad: of a helix g'; of an ellipse r b/a, so that g' = gain S/sqrt(1 - S^2) */
     double height;      /* m, kappa b of an ellipse */
     double rate;        /* 1/rad, dS/dpsi = kappa r/a of an ellipse */
     double S0, C0;      /* S and sqrt(1 - S^2) of an ellipse at psi = 0 */
     Table table;        /* owned; empty for the other laws */
-    char *path;         /* of its file, owned; else NULL */
+    char *path;         /* of the table's file, owned; else NULL */
     double first, last; /* rad: the law holds in [first, last]; infinite for a helix */
 } Groove;
 
@@ -39,11 +39,11 @@ void groove_free(Groove *groove);
 /* The law at psi in [first, last]; beyond, its value at that end. */
 GroovePoint groove_at(const Groove *groove, double psi);
 
-/* The inverse: an angle in [first, last] where g is z, or comes nearest to it. Not unique in a dwell. */
+/* The inverse: an angle in [first, last] where g is z or nearest to z. In a dwell the angle is not unique. */
 double groove_angle(const Groove *groove, double z);
 
-/* g' where angle and height are both known to rounding. Close to vertical an ellipse's slope follows
- * from the height far better than from the angle: by C = C0 - z/(kappa b), not by 1 - S^2. */
+/* g' at the angle psi and the height z, both known to rounding. Close to vertical the slope of an ellipse is taken from
+ * the height, by C = C0 - z/(kappa b): 1 - S^2, from the angle, would cancel. */
 double groove_slope(const Groove *groove, double psi, double z);
 
 #endif

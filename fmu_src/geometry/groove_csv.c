@@ -13,14 +13,14 @@ enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
 static const char HEADER[] = "psi_rad,z_m";
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
 
-/* What is being read. */
+/* The file being read. */
 typedef struct {
     const char *variable, *path; /* for messages */
     Fault *fault;
-    PlainLocale *locale; /* of its numbers */
+    PlainLocale *locale; /* of the file's numbers */
 } Source;
 
-/* A stretch of the file's text, not terminated. */
+/* A part of the file's text, not terminated by a zero. */
 typedef struct {
     const char *begin, *end;
 } Span;
@@ -28,7 +28,8 @@ typedef struct {
 int samples_quoted(const char *text, int limit) {
     const size_t length = strlen(text);
     if (length <= (size_t)limit) return (int)length;
-    while (limit > 0 && ((unsigned char)text[limit] & 0xC0) == 0x80) limit--; /* inside a UTF-8 character */
+    while (limit > 0 && ((unsigned char)text[limit] & 0xC0) == 0x80)
+        limit--; /* the cut would be inside a UTF-8 character */
     return limit;
 }
 
@@ -53,7 +54,7 @@ static FILE *open_absolute(const Source *source, const char *path) {
     return file;
 }
 
-/* The current directory plays no part: it is the host application's, and may change. */
+/* A relative path never starts from the current directory: the host application owns and may change this directory. */
 static FILE *open_table(const Source *source, const char *resources) {
     if (platform_is_absolute(source->path)) return open_absolute(source, source->path);
     if (!resources) {
@@ -72,7 +73,7 @@ static FILE *open_table(const Source *source, const char *resources) {
     return file;
 }
 
-/* The whole file as text that the caller frees; NULL after a fault. */
+/* The whole file as text, to be freed by the caller; NULL with the reason in the fault. */
 static char *read_all(const Source *source, FILE *file, size_t *length) {
     size_t size = 1 << 14, used = 0;
     char *text = malloc(size);
@@ -133,7 +134,8 @@ static const char *skip_sign(const char *c, const char *end) {
     return c < end && (*c == '+' || *c == '-') ? c + 1 : c;
 }
 
-/* A plain decimal number? strtod() also takes "nan", "inf", hexadecimal and leading line ends. */
+/* Is the text a plain decimal number? strtod() would also accept "nan", "inf", hexadecimal numbers and leading line
+ * ends. */
 static bool is_decimal(Span span) {
     const char *c = skip_sign(span.begin, span.end);
     const char *whole = c;
@@ -153,7 +155,7 @@ static bool is_decimal(Span span) {
     return c == span.end;
 }
 
-/* The number in `span`, NAN if it is none. */
+/* The number in `span`; NAN if `span` holds no number. */
 static double number(Span span, PlainLocale *locale) {
     span = trimmed(span);
     char text[NUMBER_SIZE];
@@ -187,17 +189,17 @@ static bool read_sample(const Source *source, Span line, size_t line_number, Sam
                   line_number, quoted_line(line, text));
 }
 
-static bool in_order(const Source *source, size_t line_number, Sample before, Sample here) {
-    if (!(here.psi > before.psi))
+static bool is_in_order(const Source *source, size_t line_number, Sample before, Sample sample) {
+    if (!(sample.psi > before.psi))
         return refuse(source, "line %zu: psi_rad = %.17g must be > %.17g, that of the line before", line_number,
-                      here.psi, before.psi);
-    if (!(here.z >= before.z))
-        return refuse(source, "line %zu: z_m = %.17g must be >= %.17g, that of the line before", line_number, here.z,
+                      sample.psi, before.psi);
+    if (!(sample.z >= before.z))
+        return refuse(source, "line %zu: z_m = %.17g must be >= %.17g, that of the line before", line_number, sample.z,
                       before.z);
     return true;
 }
 
-/* Everything after the header. samples->sample has room for SAMPLES_MAX. */
+/* Reads all lines after the header. samples->sample has space for SAMPLES_MAX samples. */
 static bool read_samples(const Source *source, Span text, Samples *samples) {
     for (size_t line_number = 2; !is_blank(text); line_number++) {
         const Span line = next_line(&text);
@@ -205,7 +207,7 @@ static bool read_samples(const Source *source, Span text, Samples *samples) {
         if (k == SAMPLES_MAX)
             return refuse(source, "the table is too long: at most %d points are allowed", SAMPLES_MAX);
         if (!read_sample(source, line, line_number, &samples->sample[k])) return false;
-        if (k > 0 && !in_order(source, line_number, samples->sample[k - 1], samples->sample[k])) return false;
+        if (k > 0 && !is_in_order(source, line_number, samples->sample[k - 1], samples->sample[k])) return false;
         samples->count++;
     }
     return true;

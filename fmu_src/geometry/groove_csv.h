@@ -6,9 +6,9 @@
 #include <stddef.h>
 
 #include "model/fault.h"
+#include "model/tolerances.h"
 
 enum { QUOTED_PATH = 120 }; /* bytes of a path in a message */
-enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
 
 typedef struct {
     double psi; /* rad */
@@ -21,15 +21,15 @@ typedef struct {
     size_t count;
 } Samples;
 
-/* Reads the file `path`: absolute, or relative to the directory `resources` (NULL: there is none).
- * `variable` is the parameter that names the file, for messages. On failure returns false with the
+/* Reads the file `path`, which is absolute or relative to the directory `resources` (NULL: there is none).
+ * `variable` is the name of the parameter that holds the path, for messages. On failure returns false with the
  * reason in `fault`; `samples` is then empty. */
 bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault);
 
 /* Safe on zeroed Samples, and twice. */
 void samples_free(Samples *samples);
 
-/* How many bytes of a text to quote in a message: at most `limit`, no UTF-8 character cut. */
+/* The number of bytes of a text to quote in a message: at most `limit`, without cutting a UTF-8 character. */
 int samples_quoted(const char *text, int limit);
 
 #endif

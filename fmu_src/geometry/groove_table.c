@@ -4,7 +4,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum { STENCIL = 5 };
+#include "model/tolerances.h"
+
+enum { STENCIL = 5 }; /* samples in the difference formula */
 
 /* Slope d and second derivative c at a sample. */
 typedef struct {
@@ -76,7 +78,8 @@ static double shrink(const Samples *s, size_t j, const Knot *knot) {
     return sum > 0.0 ? fmin(1.0, 5.0 * chord(s, j) / sum) : 1.0;
 }
 
-/* Step (4). Factors belong to the knots as they were before it, so the one of the left piece is kept. */
+/* Step (4). The factors belong to the knots before step (4): the factor of the left piece is computed before its right
+ * knot changes. */
 static void shrink_all(const Samples *s, Knot *knot) {
     double left = 1.0;
     for (size_t j = 0; j < s->count; j++) {
@@ -91,7 +94,7 @@ static void shrink_all(const Samples *s, Knot *knot) {
 static TablePiece piece_of(const Samples *s, size_t j, const Knot *knot) {
     const double h = width_at(s, j);
     const Knot a = knot[j], b = knot[j + 1];
-    /* each is >= 0 by the rule, but for rounding */
+    /* each coefficient is >= 0 by the rule; fmax removes its rounding */
     return (TablePiece){
         .psi = s->sample[j].psi,
         .width = h,
@@ -118,8 +121,8 @@ static const TablePiece *find(const Table *table, double psi) {
     return &table->piece[low];
 }
 
-/* The rise since the piece's start, and derivatives, at the share t of its width. The derivative is a
- * sum of terms >= 0, and so is the rise, its integral: no cancellation, no negative slope. */
+/* The rise since the start of the piece, and derivatives, at the share t of its width. Slope and rise are sums of terms
+ * >= 0: they do not cancel, and the slope is not negative. */
 static GroovePoint piece_value(const TablePiece *p, double t) {
     const double *b = p->slope;
     const double u = 1.0 - t, tt = t * t, uu = u * u, ut = u * t;
@@ -132,7 +135,7 @@ static GroovePoint piece_value(const TablePiece *p, double t) {
     return (GroovePoint){rise * p->width, slope, dslope_dpsi / p->width};
 }
 
-/* z counts from the curve's value at psi = 0: exactly 0 there. */
+/* Makes z exactly 0 at psi = 0. */
 static void shift_to_origin(Table *table) {
     const TablePiece *home = find(table, 0.0);
     const double offset = home->z, rise = piece_value(home, -home->psi / home->width).z;
@@ -181,11 +184,11 @@ static const TablePiece *find_height(const Table *table, double z) {
     return &table->piece[low];
 }
 
-/* Newton's method, held in a bracket that bisection shrinks where the curve is too flat for it. */
+/* Newton's method inside a bracket, with bisection where the curve is too flat for Newton's method. */
 double table_angle(const Table *table, double z) {
     const TablePiece *p = find_height(table, z);
     double low = 0.0, high = 1.0, t = 0.5;
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < TABLE_MAX_ITERATIONS; i++) {
         const GroovePoint point = piece_value(p, t);
         const double excess = p->z + point.z - z;
         if (excess == 0.0) break;
@@ -193,7 +196,7 @@ double table_angle(const Table *table, double z) {
         else high = t;
         double next = t - excess / (point.slope * p->width);
         if (!(next > low && next < high)) next = low + 0.5 * (high - low);
-        if (fabs(next - t) <= 1e-16) break;
+        if (fabs(next - t) <= TABLE_ROUNDING) break;
         t = next;
     }
     return p->psi + t * p->width;

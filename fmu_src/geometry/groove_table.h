@@ -1,4 +1,4 @@
-/* The curve of a groove law that is given by samples.
+/* The curve through the samples of a groove.
  *
  * Quintic Hermite pieces, so g is twice continuously differentiable. At each knot slope d_j and second
  * derivative c_j are those of the polynomial of degree 4 through the 5 nearest knots (j-2..j+2,
@@ -8,8 +8,8 @@
  *   (2) clamp c_j into [-4 d_j/h_right, +4 d_j/h_left] (only the existing side at the ends).
  *   (3) for each piece s = 2 d0 + c0 h/4 + 2 d1 - c1 h/4; f = min(1, 5 Delta/s) (f = 1 if s <= 0).
  *   (4) multiply d_j and c_j by the smallest f of the adjacent pieces.
- * Reason: the derivative's Bernstein coefficients d0, d0 + c0 h/4, 5 Delta - s, d1 - c1 h/4, d1 are
- * then all >= 0. Monotone data thus stay monotone. z counts from the curve's value at psi = 0. */
+ * Then the Bernstein coefficients of the derivative, d0, d0 + c0 h/4, 5 Delta - s, d1 - c1 h/4 and d1, are all >= 0:
+ * monotone samples give a monotone curve. z is measured from the curve's value at psi = 0. */
 #ifndef DUALCAM_GROOVE_TABLE_H
 #define DUALCAM_GROOVE_TABLE_H
 
@@ -36,8 +36,8 @@ typedef struct {
     size_t count;      /* of pieces */
 } Table;
 
-/* Lays the curve through samples that samples_read() has accepted. Returns false, with an empty table,
- * if memory is short or a coefficient overflows (samples too close). */
+/* Builds the curve through samples that samples_read() has accepted. Returns false, with an empty table, if memory is
+ * short or if the samples are so close that a coefficient overflows. */
 bool table_build(Table *table, const Samples *samples);
 
 /* Safe on a zeroed Table, and twice. */
@@ -46,7 +46,7 @@ void table_free(Table *table);
 /* The curve at psi within the samples' range. */
 GroovePoint table_at(const Table *table, double psi);
 
-/* An angle where the curve is at height z, or comes nearest to it. */
+/* An angle where the height of the curve is z or nearest to z. */
 double table_angle(const Table *table, double z);
 
 #endif

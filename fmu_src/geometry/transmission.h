@@ -1,10 +1,10 @@
-/* The pair of grooves along theta: the mechanism's geometry as a function of theta alone.
+/* The transmission: both grooves as functions of theta alone.
  *
- * z = g1(gamma) = g2(phi), gamma + phi = theta (mechanism page, section 2). What motion needs is
+ * z = g1(gamma) = g2(phi), gamma + phi = theta (docs/mechanism.md, section 2). The equations of motion need
  *     a_1(theta) = g1'(gamma(theta))    a_2(theta) = g2'(theta - gamma(theta))    z(theta) = g1(gamma)
- * and derivatives of a_i by theta. They are precomputed as piecewise polynomials: pieces end at table
- * knots, where third derivatives jump, and wherever TRANSMISSION_DEGREE does not suffice for 13 digits.
- * So a value costs a few multiplications, and no root is sought while the mechanism moves. */
+ * and derivatives of a_i by theta. The transmission holds them as piecewise polynomials. The pieces end at the knots of
+ * tables, where third derivatives jump, and wherever TRANSMISSION_DEGREE does not suffice for 13 digits. A value then
+ * costs a few multiplications, and no root is sought while the mechanism moves. */
 #ifndef DUALCAM_TRANSMISSION_H
 #define DUALCAM_TRANSMISSION_H
 
@@ -15,25 +15,26 @@
 #include "geometry/groove.h"
 #include "model/fault.h"
 #include "model/params.h"
+#include "numerics/chebyshev.h"
+#include "numerics/vector2.h"
 
-enum { TRANSMISSION_DEGREE = 12 };
+enum { TRANSMISSION_DEGREE = CHEBYSHEV_DEGREE };
 _Static_assert(TRANSMISSION_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");
 
-/* Where a vector may be loaded at once; a 32-bit malloc knows of no larger alignment. */
+/* bytes: the alignment at which a Vector2 is loaded by one instruction; malloc of 32-bit systems guarantees 8. */
 enum { PIECE_ALIGNMENT = sizeof(void *) == 8 ? 16 : 8 };
 
-/* Monomials in x = (theta - middle) scale, lowest first. x runs through [-1, 1]; only two helices have
+/* Coefficients by powers of x = (theta - middle) scale, lowest first. x runs through [-1, 1]; only for two helices
  * x = theta (middle 0, scale 1), which makes every value exact. */
 typedef struct {
     double lower, upper;                                                /* rad */
     double middle, scale;                                               /* rad, 1/rad */
-    _Alignas(PIECE_ALIGNMENT) double slope[TRANSMISSION_DEGREE + 1][2]; /* [k][i] of cam i: both are wanted at once */
+    _Alignas(PIECE_ALIGNMENT) double slope[TRANSMISSION_DEGREE + 1][2]; /* [k][i] of cam i: both are read together */
     double z[TRANSMISSION_DEGREE + 1];
-    bool knot_lower, knot_upper; /* a table knot (a third derivative jumps), not just another polynomial */
+    bool knot_lower, knot_upper; /* a knot of a table lies at that end: a third derivative jumps there */
 } TransmissionPiece;
 
-/* The geometry at one theta. Polynomials being what they are, a slope that should be 0 may be negative by
- * rounding. */
+/* The transmission at one theta. The polynomial of a slope that is 0 may round below 0. */
 typedef struct {
     double slope[2];           /* m/rad, a_i */
     double dslope_dtheta[2];   /* m/rad^2, da_i/dtheta */
@@ -43,64 +44,64 @@ typedef struct {
 
 typedef struct {
     Groove groove[2];
-    CamParams cam[2];         /* that it was built from */
+    CamParams cam[2];         /* the parameters that the transmission was built from */
     double lower, upper;      /* rad */
     size_t count;             /* of pieces */
     TransmissionPiece *piece; /* owned, in order of theta */
     bool straight;            /* both grooves are helices: one piece with exact constants */
-    double slope_size;        /* m/rad, largest |a_i|: what the rounding of the polynomials is of; 0 if straight */
+    double slope_size;        /* m/rad, largest |a_i|: the polynomials round by some eps of this value; 0 if straight */
     double z_size;            /* m, largest |z|, likewise */
 } Transmission;
 
-/* Precomputes the course between the stops. A table's relative path starts from the directory `resources`. On failure
- * returns false with the reason in `fault`; `course` then owns nothing. */
+/* Precomputes the transmission between the stops. A table's relative path starts from the directory `resources`. On
+ * failure returns false with the reason in `fault`; `transmission` then owns nothing. */
 bool transmission_build(Transmission *transmission, const Params *params, const char *resources, Fault *fault);
 
-/* Is this the course of these grooves and stops? Friction is no matter of it. False for a zeroed Transmission. */
+/* Was the transmission built for these grooves and stops? Friction does not matter. False for a zeroed Transmission. */
 bool transmission_is_of(const Transmission *transmission, const Params *params);
 
 /* Safe on a zeroed Transmission, and twice. */
 void transmission_free(Transmission *transmission);
 
-/* The piece that holds theta; at a border the one ahead in `direction` (0: either). Within 1e-9 of the
- * piece's width of a border counts as at the border. Outside the course: the first or last piece. */
+/* The piece that holds theta; at a breakpoint the piece ahead in `direction` (0: either). A theta within
+ * BREAKPOINT_MERGING of the piece's width counts as at the breakpoint. Beyond the stops: the first or last piece. */
 const TransmissionPiece *transmission_piece(const Transmission *transmission, double theta, int direction);
 
-/* gamma and z to rounding, from the groove laws (not from the polynomials); they depend on theta alone. */
+/* gamma and z to rounding, from the groove laws, not from the polynomials. */
 double transmission_gamma(const Transmission *transmission, double theta);
 double transmission_z(const Transmission *transmission, double theta);
 
-/* The same of both cams, computed by one instruction. */
-typedef double Both __attribute__((vector_size(2 * sizeof(double))));
+typedef Vector2 Both; /* the name of Vector2 in lobatto_step.c */
 
-static inline Both slopes_of(const TransmissionPiece *piece, int k) {
-    Both both;
-    memcpy(&both, piece->slope[k], sizeof both);
-    return both;
+/* Coefficients k of both slopes. */
+static inline Vector2 slopes_of(const TransmissionPiece *piece, int k) {
+    Vector2 slopes;
+    memcpy(&slopes, piece->slope[k], sizeof slopes);
+    return slopes;
 }
 
 /* Coefficients k - 1 and k of z. */
-static inline Both heights_of(const TransmissionPiece *piece, int k) {
-    return (Both){piece->z[k - 1], piece->z[k]};
+static inline Vector2 heights_of(const TransmissionPiece *piece, int k) {
+    return (Vector2){piece->z[k - 1], piece->z[k]};
 }
 
-/* How many derivatives of the slopes are wanted. */
+/* The derivatives of the slopes to compute. */
 typedef enum { TRANSMISSION_SLOPES, TRANSMISSION_FIRST_DERIVATIVES, TRANSMISSION_SECOND_DERIVATIVES } TransmissionDepth;
 
-/* Values of the piece's polynomials; also slightly outside the piece (analytic continuation).
+/* Values of the piece's polynomials; also slightly outside the piece, by their continuation. Derivatives beyond `depth`
+ * are left 0.
  *
- * p(x) = E(y) + x O(y) with y = x^2: Horner's rule for the even and the odd part, each with its first
- * derivative (e1, o1) and half its second by y (e2, o2), is half as long a chain as Horner's rule in x and
- * takes fewer operations. All chains are independent, so the processor runs them side by side. What is
- * deeper than wanted is left 0. */
+ * p(x) = E(y) + x O(y) with y = x^2. Horner's rule runs for the even and the odd part, each with its first derivative
+ * (e1, o1) and half its second derivative (e2, o2) by y. A chain is half as long as that of Horner's rule in x, and all
+ * chains are independent, so the processor runs them side by side. */
 static inline TransmissionPoint piece_point(const TransmissionPiece *piece, double theta, TransmissionDepth depth) {
     const bool with_first = depth >= TRANSMISSION_FIRST_DERIVATIVES,
                with_second = depth >= TRANSMISSION_SECOND_DERIVATIVES;
     const double x = (theta - piece->middle) * piece->scale, y = x * x;
-    const Both none = {0.0, 0.0};
-    Both e = slopes_of(piece, TRANSMISSION_DEGREE), e1 = none, e2 = none;
-    Both o = slopes_of(piece, TRANSMISSION_DEGREE - 1), o1 = none, o2 = none;
-    Both z = heights_of(piece, TRANSMISSION_DEGREE); /* odd and even part */
+    const Vector2 none = {0.0, 0.0};
+    Vector2 e = slopes_of(piece, TRANSMISSION_DEGREE), e1 = none, e2 = none;
+    Vector2 o = slopes_of(piece, TRANSMISSION_DEGREE - 1), o1 = none, o2 = none;
+    Vector2 z = heights_of(piece, TRANSMISSION_DEGREE); /* odd and even part */
     for (int k = TRANSMISSION_DEGREE - 2; k >= 2; k -= 2) {
         if (with_second) e2 = e2 * y + e1;
         if (with_first) e1 = e1 * y + e;
@@ -113,9 +114,9 @@ static inline TransmissionPoint piece_point(const TransmissionPiece *piece, doub
     if (with_second) e2 = e2 * y + e1;
     if (with_first) e1 = e1 * y + e;
     e = e * y + slopes_of(piece, 0);
-    const Both value = e + x * o;
-    const Both first = with_first ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
-    const Both half_second = with_second ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
+    const Vector2 value = e + x * o;
+    const Vector2 first = with_first ? (o + 2.0 * (x * e1 + y * o1)) * piece->scale : none;
+    const Vector2 half_second = with_second ? e1 + 4.0 * y * e2 + x * (3.0 * o1 + 4.0 * y * o2) : none;
     const double square = 2.0 * piece->scale * piece->scale;
     return (TransmissionPoint){
         .slope = {value[0], value[1]},

@@ -1,4 +1,4 @@
-/* Message of a refused parameter set: names the variable, its value and what is allowed. */
+/* The message of a refused parameter set: it names the variable, its value and the values allowed. */
 #ifndef DUALCAM_FAULT_H
 #define DUALCAM_FAULT_H
 

@@ -1,9 +1,9 @@
-/* What an output can be differentiated by. */
+/* The knowns of differentiation: the variables by which an output can be differentiated. */
 #ifndef DUALCAM_KNOWN_H
 #define DUALCAM_KNOWN_H
 
 typedef enum {
-    KNOWN_THETA, /* state of the forward FMU, input of the inverse; so omega */
+    KNOWN_THETA, /* a state of the forward FMU, an input of the inverse FMU; likewise omega */
     KNOWN_OMEGA,
     KNOWN_ALPHA,
     KNOWN_TAU,
@@ -22,7 +22,7 @@ typedef enum {
 } Known;
 
 typedef struct {
-    double by[KNOWN_COUNT]; /* unit of the output per unit of the knob */
+    double by[KNOWN_COUNT]; /* unit of the output per unit of the known */
 } Partials;
 
 #endif

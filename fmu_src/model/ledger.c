@@ -7,7 +7,7 @@ void ledger_open(Ledger *ledger, double stored) {
     *ledger = (Ledger){.start = stored};
 }
 
-/* Most scenes lack these sinks; a sink that takes nothing costs a comparison. */
+/* Most scenes lack these sinks: an amount of 0 costs a comparison instead of a compensated sum. */
 static void add(Sum *account, double joule) {
     if (joule != 0.0) sum_add(account, joule);
 }
@@ -38,5 +38,5 @@ double ledger_residual(const Ledger *ledger, double stored) {
 
 void peak_raise(double *peak, double value) {
     const double size = fabs(value);
-    *peak = size > *peak ? size : *peak; /* no branch: nothing foretells which */
+    *peak = size > *peak ? size : *peak; /* without a branch: the processor cannot predict the branch */
 }

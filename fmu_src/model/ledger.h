@@ -1,4 +1,4 @@
-/* Accounts in joules and the largest values seen. */
+/* The energy ledger: accounts in joules (docs/mechanism.md, section 4), and the largest values seen. */
 #ifndef DUALCAM_LEDGER_H
 #define DUALCAM_LEDGER_H
 
@@ -13,7 +13,7 @@ typedef struct {
 typedef struct {
     Sum work_in;     /* integral of tau omega */
     Sum work_ext;    /* integral of F_ext v: work done against F_ext */
-    Sum work_tuning; /* jumps of the spring's energy when it is tuned */
+    Sum work_tuning; /* jumps of the spring's energy when its parameters change */
     Sum heat_cam[2]; /* friction at contact i */
     Sum heat_damper; /* integral of D(v) v */
     Sum heat_shaft;  /* integral of b omega^2 */
@@ -22,12 +22,12 @@ typedef struct {
     Peaks peak;
 } Ledger;
 
-/* Apart from the accounts: it takes longer than all of them. */
+/* Separate from the accounts: the residual takes longer to compute than all accounts. */
 typedef struct {
     double residual; /* J, see ledger_residual() */
 } Audit;
 
-/* What one stretch of motion in one mode adds. All in J. */
+/* The amounts that one segment adds to the accounts, J; or their rates, W. */
 typedef struct {
     double work_in, work_ext;
     double heat_cam[2], heat_damper, heat_shaft;
@@ -37,7 +37,7 @@ typedef struct {
 void ledger_open(Ledger *ledger, double stored);
 void ledger_book(Ledger *ledger, const Booking *booking);
 
-/* work_in + work_tuning - work_ext - heats - (stored - start): zero to rounding. */
+/* J: work_in + work_tuning - work_ext - heats - (stored - start), which is zero to rounding. */
 double ledger_residual(const Ledger *ledger, double stored);
 
 /* Raises *peak to |value|. */

@@ -1,4 +1,4 @@
-/* What the user chooses (Params) and what acts from outside (Inputs). SI units throughout. */
+/* The parameters, in SI units. */
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 
@@ -43,7 +43,7 @@ typedef struct {
 
 typedef struct {
     double damping;   /* N.m.s/rad, b */
-    double stiffness; /* N.m/rad, K between port and cam 2; 0: rigid. Only inverse dynamics uses it. */
+    double stiffness; /* N.m/rad, K between port and cam 2; 0: rigid. Only inverse dynamics uses K. */
 } ShaftParams;
 
 typedef struct {
@@ -54,7 +54,7 @@ typedef struct {
 
 typedef struct {
     double theta; /* rad */
-    double omega; /* rad/s; without inertia the speed is no state and this is not used */
+    double omega; /* rad/s; not used without inertia, for then the speed is no state */
 } InitialParams;
 
 typedef struct {
@@ -65,20 +65,20 @@ typedef struct {
     ShaftParams shaft;
     StopParams stop;
     InitialParams initial;
-    double tolerance;               /* relative, of what is integrated step by step; no variable of the FMU */
+    double tolerance;               /* relative, of collocation; no variable of the FMU */
     int contacts;                   /* follower ends that share the load, 1 or 2 */
-    bool ledger;                    /* keep energy and peak accounts */
-    char table[2][TABLE_PATH_SIZE]; /* file with the sampled groove of each cam */
+    bool ledger;                    /* keep the energy accounts and the peaks */
+    char table[2][TABLE_PATH_SIZE]; /* path of the file with the sampled groove of each cam */
 } Params;
 
-/* What may change at a communication point. */
+/* The parameters that may change at a communication point. */
 typedef struct {
     double friction[2];
     SpringParams spring;
     DamperParams damper;
 } Tunables;
 
-/* rad, between the stops: what the rounding of theta is of. */
+/* rad: the largest |theta| between the stops; theta rounds by some eps of this value. */
 static inline double largest_angle(const Params *p) {
     return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
 }
@@ -93,7 +93,7 @@ static inline double distance_to_stop(const StopParams *stop, int direction, Sum
     return fmax(direction * (stop_ahead(stop, direction) - theta.hi - theta.lo), 0.0);
 }
 
-/* J: (J + m z'^2 + I gamma'^2) omega^2/2, of `lift` z' and `turn` gamma'. */
+/* J: (J + m z'^2 + I gamma'^2) omega^2/2, with `dpsi_dtheta` gamma'. */
 static inline double kinetic_energy_of(const InertiaParams *i, double dz_dtheta, double dpsi_dtheta, double omega) {
     return 0.5 * (i->shaft + i->follower_mass * dz_dtheta * dz_dtheta + i->follower * dpsi_dtheta * dpsi_dtheta) *
            omega * omega;
@@ -107,7 +107,7 @@ static inline bool has_friction(const Params *p) {
     return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
 }
 
-/* Is every force linear in position and speed? Then slip in straight grooves has a closed form. */
+/* Are spring and damper linear? Then slip in straight grooves has a closed form. */
 static inline bool is_linear(const Params *p) {
     return p->spring.stiffness2 == 0.0 && p->spring.stiffness3 == 0.0 && p->damper.q_load == 0.0 &&
            p->damper.q_release == 0.0;

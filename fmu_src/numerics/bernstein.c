@@ -2,8 +2,9 @@
 
 #include <math.h>
 
-enum { MAX_DEPTH = 48 }; /* halvings: below that an interval has no width in double precision */
+#include "numerics/sign.h"
 
+/* De Casteljau's algorithm. */
 double bernstein_value(const Bernstein *p, double x) {
     double c[BERNSTEIN_MAX + 1];
     for (int i = 0; i <= p->degree; i++) c[i] = p->c[i];
@@ -49,11 +50,11 @@ static int sign_changes(const Bernstein *p) {
     return changes;
 }
 
-/* The zero of sign p in (left, right], of which the values there are f_left >= 0 and f_right <= 0, to `width`: bisection
- * and regula falsi by turns. */
+/* The zero of sign p in (left, right], to `width`, by two steps of regula falsi and one of bisection in turn. The
+ * values of sign p at the ends are f_left >= 0 and f_right <= 0. */
 static double zero_between(const Bernstein *p, double sign, double left, double f_left, double right, double f_right,
                            double width) {
-    for (int n = 0; n < 100 && right - left > width; n++) {
+    for (int n = 0; n < BERNSTEIN_MAX_ITERATIONS && right - left > width; n++) {
         const double span = f_left - f_right;
         double x = n % 3 == 2 || !(span > 0.0) ? 0.5 * (left + right) : left + (right - left) * f_left / span;
         if (!(x > left && x < right)) x = 0.5 * (left + right);
@@ -69,27 +70,28 @@ static double zero_between(const Bernstein *p, double sign, double left, double 
     return right;
 }
 
-/* The one zero of p in (0, 1], p > 0 before and < 0 after it. */
+/* The only zero of p in (0, 1]; p > 0 before the zero and p < 0 after the zero. */
 static double only_zero(const Bernstein *p) {
-    return zero_between(p, 1.0, 0.0, fmax(p->c[0], 0.0), 1.0, fmin(p->c[p->degree], 0.0), 1e-15);
+    return zero_between(p, 1.0, 0.0, fmax(p->c[0], 0.0), 1.0, fmin(p->c[p->degree], 0.0), BERNSTEIN_ZERO_WIDTH);
 }
 
+/* bernstein_descent() of a p that does not fall at 0, after `depth` halvings. */
 static double descent(const Bernstein *p, int depth) {
     if (!has_negative(p)) return INFINITY;
     if (sign_changes(p) == 1 && p->c[p->degree] < 0.0) return only_zero(p);
-    if (depth >= MAX_DEPTH) return p->c[p->degree] < 0.0 ? 1.0 : INFINITY;
+    if (depth >= BERNSTEIN_MAX_DEPTH) return p->c[p->degree] < 0.0 ? 1.0 : INFINITY;
     Bernstein left, right;
     halve(p, &left, &right);
     double x = descent(&left, depth + 1);
     if (x < INFINITY) return 0.5 * x;
-    if (left.c[left.degree] < 0.0) return 0.5; /* it fell in between, within rounding */
+    if (left.c[left.degree] < 0.0) return 0.5; /* within rounding p falls at the middle */
     x = descent(&right, depth + 1);
     return x < INFINITY ? 0.5 + 0.5 * x : INFINITY;
 }
 
 double bernstein_descent(const Bernstein *p) {
     Bernstein q = *p;
-    int first = 0; /* first coefficient that tells which way it goes */
+    int first = 0; /* the first coefficient that is not zero */
     while (first <= q.degree && !(q.c[first] > 0.0) && !(q.c[first] < 0.0)) first++;
     if (first > q.degree) return INFINITY;
     if (q.c[0] < 0.0) {
@@ -101,13 +103,14 @@ double bernstein_descent(const Bernstein *p) {
     return descent(&q, 0);
 }
 
-/* The sign of the first (step 1) or last (step -1) coefficient that has one, or 0. */
+/* The sign of the first (step 1) or last (step -1) coefficient that is not zero, or 0. */
 static int outer_sign(const Bernstein *p, int step) {
     for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step)
-        if (p->c[i] != 0.0) return p->c[i] > 0.0 ? 1 : -1;
+        if (p->c[i] != 0.0) return sign_of(p->c[i]);
     return 0;
 }
 
+/* The only x in (0, 1] at which p changes its sign. */
 static double only_crossing(const Bernstein *p) {
     Bernstein falling = *p;
     const double sign = outer_sign(p, 1);
@@ -115,11 +118,12 @@ static double only_crossing(const Bernstein *p) {
     return only_zero(&falling);
 }
 
-/* Adds those of p, which is the whole polynomial on [from, from + width]. */
+/* Appends to x the sign changes of p, which stands for the whole polynomial on [from, from + width]. Returns the new
+ * number of sign changes. */
 static int collect_crossings(const Bernstein *p, double from, double width, int depth, double *x, int count) {
     const int changes = sign_changes(p);
-    if (changes == 0 || (depth >= MAX_DEPTH && changes % 2 == 0) || count >= BERNSTEIN_MAX) return count;
-    if (changes == 1 || depth >= MAX_DEPTH) {
+    if (changes == 0 || (depth >= BERNSTEIN_MAX_DEPTH && changes % 2 == 0) || count >= BERNSTEIN_MAX) return count;
+    if (changes == 1 || depth >= BERNSTEIN_MAX_DEPTH) {
         x[count] = from + width * only_crossing(p);
         return count + 1;
     }
@@ -141,7 +145,7 @@ Bernstein bernstein_derivative(const Bernstein *p) {
     return d;
 }
 
-/* Candidates are the ends and a maximum near the largest of 16 samples. */
+/* The largest of 17 samples, or the maximum of |p| beside this sample, where the derivative of p is zero. */
 double bernstein_peak(const Bernstein *p) {
     enum { SAMPLES = 16 };
     int best = 0;
@@ -157,8 +161,8 @@ double bernstein_peak(const Bernstein *p) {
     const Bernstein d = bernstein_derivative(p);
     double left = fmax(best - 1.0, 0.0) / (int)SAMPLES, right = fmin(best + 1.0, (double)(int)SAMPLES) / (int)SAMPLES;
     const double rises = sign * bernstein_value(&d, left), falls = sign * bernstein_value(&d, right);
-    if (rises <= 0.0 || falls >= 0.0) return (double)best / (int)SAMPLES; /* no maximum inside */
-    return zero_between(&d, sign, left, rises, right, falls, 1e-10);
+    if (rises <= 0.0 || falls >= 0.0) return (double)best / (int)SAMPLES; /* no maximum beside the sample */
+    return zero_between(&d, sign, left, rises, right, falls, BERNSTEIN_PEAK_WIDTH);
 }
 
 Bernstein bernstein_of_taylor(const double u[4], double t_end) {

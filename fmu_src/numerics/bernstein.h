@@ -1,12 +1,14 @@
 /* Zeros and maxima of a polynomial on [0, 1] in Bernstein form: p(x) = sum c_i binom(n, i) x^i (1-x)^(n-i).
  *
- * The coefficients' signs bound the number of zeros (Descartes' rule in this basis), and halving the interval
- * sharpens the bound, so that a pair of close zeros is not stepped over as samples would (G. Farouki,
- * Computer Aided Geometric Design 29, 2012). */
+ * The number of sign changes among the coefficients bounds the number of zeros (Descartes' rule in this basis). Halving
+ * the interval sharpens the bound. A pair of close zeros is therefore never missed, as samples could miss them
+ * (R. T. Farouki, Computer Aided Geometric Design 29, 2012). */
 #ifndef DUALCAM_BERNSTEIN_H
 #define DUALCAM_BERNSTEIN_H
 
 #include <stdbool.h>
+
+#include "numerics/numerics.h"
 
 enum { BERNSTEIN_MAX = 8 }; /* highest degree */
 
@@ -15,28 +17,24 @@ typedef struct {
     double c[BERNSTEIN_MAX + 1];
 } Bernstein;
 
-/* A polynomial through its values at the start and the nodes of a collocation method leaves their range by less than
- * this share of its width: the Lebesgue constants of those nodes are below 2.2. */
-static const double BEYOND_NODES = 0.6;
-
 double bernstein_value(const Bernstein *p, double x);
 
-/* True if p surely rises or falls throughout: its coefficients do. */
+/* True if the coefficients of p rise or fall throughout: then p does too. */
 bool bernstein_is_monotone(const Bernstein *p);
 
-/* First x in (0, 1] at which p falls below zero, or infinity. A p that is not positive at 0 falls at 0, unless
- * it rises there. */
+/* The first x in [0, 1] at which p falls below zero, or infinity. The result is 0 if p(0) <= 0, unless p rises from
+ * there. */
 double bernstein_descent(const Bernstein *p);
 
-/* All x in (0, 1) at which p changes its sign, in order; returns how many. */
+/* Writes all x in (0, 1) at which p changes its sign, in order; returns their number. */
 int bernstein_crossings(const Bernstein *p, double x[BERNSTEIN_MAX]);
 
-Bernstein bernstein_derivative(const Bernstein *p); /* by x; of a constant the constant 0 */
+Bernstein bernstein_derivative(const Bernstein *p); /* dp/dx; of a constant the constant 0 */
 
-/* The x in [0, 1] at which |p| is largest, to about 1e-9. */
+/* The x in [0, 1] at which |p| is largest, to BERNSTEIN_PEAK_WIDTH. */
 double bernstein_peak(const Bernstein *p);
 
-/* p of degree <= 3 given by its derivatives at 0, u(t) = sum u_k t^k/k!, on [0, t_end]. */
+/* The polynomial u(t) = sum u_k t^k/k! of degree 3 on [0, t_end], as a polynomial in x = t/t_end. */
 Bernstein bernstein_of_taylor(const double u[4], double t_end);
 
 #endif

@@ -1,6 +1,6 @@
-/* A number and its derivative by one variable, theta unless said otherwise: arithmetic that carries the derivative
- * along, exactly.
- * (Forward mode: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapter 3.) */
+/* Dual numbers: a value and its derivative by one variable, which is theta unless a comment says otherwise. The
+ * arithmetic computes the derivative exactly, up to rounding (forward mode: A. Griewank, A. Walther, Evaluating
+ * Derivatives, 2nd ed., chapter 3.) */
 #ifndef DUALCAM_DUAL_H
 #define DUALCAM_DUAL_H
 

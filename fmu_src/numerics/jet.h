@@ -1,5 +1,5 @@
-/* Truncated Taylor polynomials in time, f(t) = sum c_k t^k, and the arithmetic that carries them along, exactly: the
- * k-th time derivative of f is k! c_k. Each coefficient is a dual number: a derivative by one knob comes along.
+/* Jets: truncated Taylor polynomials in time, f(t) = sum c_k t^k, so that the k-th time derivative of f is k! c_k. Each
+ * coefficient is a dual number, which adds the derivative by one known. The arithmetic is exact up to rounding
  * (A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., chapter 13.) */
 #ifndef DUALCAM_JET_H
 #define DUALCAM_JET_H
@@ -25,7 +25,7 @@ void jet_add_scaled(Jet *sum, double factor, const Jet *a);
 Jet jet_multiply(const Jet *a, const Jet *b);
 Jet jet_divide(const Jet *a, const Jet *b);
 
-/* da/dt; its last coefficient is unknown and left 0. */
+/* da/dt; the last coefficient, which a does not determine, is left 0. */
 Jet jet_rate(const Jet *a);
 
 /* p[0] + p[1] x + ... + p[degree] x^degree */

@@ -12,13 +12,13 @@
 #include <stdbool.h>
 
 #include "numerics/bernstein.h"
-#include "numerics/double_pair.h"
+#include "numerics/vector2.h"
 
 enum { LOBATTO_NODES = 4, LOBATTO_END = LOBATTO_NODES - 1, LOBATTO_HALVES = 2 };
 
 typedef union {
     double at[LOBATTO_NODES];
-    DoublePair half[LOBATTO_HALVES];
+    Vector2 half[LOBATTO_HALVES];
 } LobattoValues;
 
 typedef struct {
@@ -70,7 +70,7 @@ static inline bool lobatto_keeps_sign(const LobattoValues *v, int sign) {
     return low > BEYOND_NODES * (r.high - r.low);
 }
 
-static inline double lobatto_sum(DoublePair v) {
+static inline double lobatto_sum(Vector2 v) {
     return v[0] + v[1];
 }
 

@@ -1,18 +1,14 @@
 #include "numerics/quadrature.h"
 
-#include <float.h>
 #include <math.h>
 #include <stddef.h>
 
 #include "numerics/golden_section.h"
+#include "numerics/numerics.h"
 
-enum { KNOTS = 15, PLACES = KNOTS + 2, MAX_DEPTH = 40, MAX_PANELS = 20000, GOLDEN_STEPS = 40 };
+enum { KNOTS = 15, POINTS = KNOTS + 2 };
 
-/* Shares of the whole way and of what is integrated along it. */
-static const double NARROW = 1e-6;
-static const double NEGLIGIBLE = 1e-3;
-
-/* On [-1, 1], in order; every second one is a Gauss point. */
+/* Knots and weights on [-1, 1], from the end to the middle; every second knot is a Gauss point. */
 static const double KNOT[8] = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
                                0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
                                0.586087235467691130294144691693013, 0.405845151377397166906606412076961,
@@ -24,35 +20,36 @@ static const double KRONROD[8] = {0.022935322010529224963732008058970, 0.0630920
 static const double GAUSS[4] = {0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
                                 0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
-/* The way seen from its start (0), the knots (1 to 15) and its end (16). */
+/* Samples at the start of an interval (index 0), at the knots (1 to 15) and at the end (16). */
 typedef struct {
-    double x[PLACES];
-    QuadratureSample seen[PLACES];
+    double x[POINTS];
+    QuadratureSample sample[POINTS];
 } Panel;
 
-static int mirrored(int j) { /* 0 to 14 -> 0 to 7 and back to 0 */
+/* 0 to 14 -> 0 to 7 and back to 0 */
+static int mirrored(int j) {
     return j < 8 ? j : 14 - j;
 }
 
 static void sample_panel(const Quadrature *s, double from, double to, Panel *panel) {
     const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
     panel->x[0] = from;
-    panel->x[PLACES - 1] = to;
+    panel->x[POINTS - 1] = to;
     for (int j = 0; j < KNOTS; j++) panel->x[j + 1] = middle + (j < 8 ? -half : half) * KNOT[mirrored(j)];
-    for (int k = 0; k < PLACES; k++) s->integrand(s->scene, panel->x[k], &panel->seen[k]);
+    for (int k = 0; k < POINTS; k++) s->integrand(s->scene, panel->x[k], &panel->sample[k]);
 }
 
 /* ---- integrals ---- */
 
-/* Returns the largest difference of the two rules; *size is the sum of the magnitudes. J. */
+/* Returns the largest difference of the two rules, J. *size is the sum of the magnitudes of all rates, J. */
 static double integrate(const Panel *panel, double total[RATE_COUNT], double *size) {
-    const double half = 0.5 * (panel->x[PLACES - 1] - panel->x[0]);
+    const double half = 0.5 * (panel->x[POINTS - 1] - panel->x[0]);
     double error = 0.0;
     *size = 0.0;
     for (int c = 0; c < RATE_COUNT; c++) {
         double kronrod = 0.0, gauss = 0.0, magnitude = 0.0;
         for (int j = 0; j < KNOTS; j++) {
-            const double rate = panel->seen[j + 1].rate[c];
+            const double rate = panel->sample[j + 1].rate[c];
             kronrod += KRONROD[mirrored(j)] * rate;
             magnitude += KRONROD[mirrored(j)] * fabs(rate);
             if (j % 2 == 1) gauss += GAUSS[mirrored(j) / 2] * rate;
@@ -74,50 +71,50 @@ typedef struct {
 
 static double magnitude_at(const void *context, double x) {
     const Magnitude *magnitude = context;
-    QuadratureSample seen;
-    magnitude->quadrature->integrand(magnitude->quadrature->scene, x, &seen);
-    return seen.size[magnitude->component];
+    QuadratureSample sample;
+    magnitude->quadrature->integrand(magnitude->quadrature->scene, x, &sample);
+    return sample.size[magnitude->component];
 }
 
 /* The largest value of magnitude c between a and b. */
 static double maximum(const Quadrature *s, int c, double a, double b) {
     const Magnitude magnitude = {s, c};
-    return golden_section_maximum(magnitude_at, &magnitude, a, b, GOLDEN_STEPS).value;
+    return golden_section_maximum(magnitude_at, &magnitude, a, b, QUADRATURE_PEAK_STEPS).value;
 }
 
 static void raise_peaks(Quadrature *s, const Panel *panel) {
     for (int c = 0; c < SIZE_COUNT; c++) {
         int best = 0;
-        for (int k = 1; k < PLACES; k++)
-            if (panel->seen[k].size[c] > panel->seen[best].size[c]) best = k;
-        const double top = panel->seen[best].size[c];
-        const bool inside = best > 0 && best < PLACES - 1;
-        const double drop = inside ? top - fmin(panel->seen[best - 1].size[c], panel->seen[best + 1].size[c]) : 0.0;
-        if (drop > 4.0 * DBL_EPSILON * top && top + drop > s->peak[c])
+        for (int k = 1; k < POINTS; k++)
+            if (panel->sample[k].size[c] > panel->sample[best].size[c]) best = k;
+        const double top = panel->sample[best].size[c];
+        const bool inside = best > 0 && best < POINTS - 1;
+        const double drop = inside ? top - fmin(panel->sample[best - 1].size[c], panel->sample[best + 1].size[c]) : 0.0;
+        if (drop > QUADRATURE_PEAK_ROUNDING * top && top + drop > s->peak[c])
             s->peak[c] = fmax(s->peak[c], maximum(s, c, panel->x[best - 1], panel->x[best + 1]));
         s->peak[c] = fmax(s->peak[c], top);
     }
 }
 
-/* ---- the way ---- */
+/* ---- division of the interval ---- */
 
-/* The last place before another formula takes over, between a and b, into *before and the first after it into
- * *after: no double lies between them. */
+/* Bisects to the point between a and b at which the formula `branch` ceases to hold: *before is the last double where
+ * this formula holds, *after the next double. */
 static void find_change(const Quadrature *s, double a, double b, int branch, double *before, double *after) {
     for (double middle = 0.5 * (a + b); middle != a && middle != b; middle = 0.5 * (a + b)) {
-        QuadratureSample seen;
-        s->integrand(s->scene, middle, &seen);
-        if (seen.branch == branch) a = middle;
+        QuadratureSample sample;
+        s->integrand(s->scene, middle, &sample);
+        if (sample.branch == branch) a = middle;
         else b = middle;
     }
     *before = a;
     *after = b;
 }
 
-/* What a way is measured by. */
+/* The scale of an interval. */
 typedef struct {
     double width;
-    double size; /* J, sum of the magnitudes of all rates, roughly */
+    double size; /* J, sum of the magnitudes of all rates, nearly */
 } Scale;
 
 static bool cover(Quadrature *s, const Scale *whole, double from, double to, int depth);
@@ -128,22 +125,23 @@ static bool cover_both(Quadrature *s, const Scale *whole, double from, double be
 }
 
 static bool is_known(Quadrature *s, const Panel *panel) {
-    for (int k = 0; k < PLACES; k++) {
-        if (panel->seen[k].branch >= 0) continue;
+    for (int k = 0; k < POINTS; k++) {
+        if (panel->sample[k].branch >= 0) continue;
         s->bad = panel->x[k];
         return false;
     }
     return true;
 }
 
-/* The first place of a panel at which another formula holds than at the one before it, or 0. */
+/* The index of the first sample at which another formula holds than at the sample before, or 0. */
 static int first_change(const Panel *panel) {
-    for (int k = 1; k < PLACES; k++)
-        if (panel->seen[k].branch != panel->seen[k - 1].branch) return k;
+    for (int k = 1; k < POINTS; k++)
+        if (panel->sample[k].branch != panel->sample[k - 1].branch) return k;
     return 0;
 }
 
-/* A narrow panel is not divided where formulas change: where two nearly agree, rounding may change them often. */
+/* Integrates over [from, to], divided as far as necessary. `whole` is the scale of the interval asked for, or NULL if
+ * [from, to] is this interval. */
 static bool cover(Quadrature *s, const Scale *whole, double from, double to, int depth) {
     if (from == to) return true;
     Panel panel;
@@ -154,14 +152,15 @@ static bool cover(Quadrature *s, const Scale *whole, double from, double to, int
     const double error = integrate(&panel, total, &size);
     const Scale own = {.width = fabs(to - from), .size = size};
     const Scale *scale = whole != NULL ? whole : &own;
-    const bool spent = depth >= MAX_DEPTH || s->panels >= MAX_PANELS;
-    const int change = spent || own.width < NARROW * scale->width ? 0 : first_change(&panel);
+    const bool spent = depth >= QUADRATURE_MAX_DEPTH || s->panels >= QUADRATURE_MAX_PANELS;
+    const int change = spent || own.width < QUADRATURE_NARROW * scale->width ? 0 : first_change(&panel);
     if (change > 0) {
         double before, after;
-        find_change(s, panel.x[change - 1], panel.x[change], panel.seen[change - 1].branch, &before, &after);
+        find_change(s, panel.x[change - 1], panel.x[change], panel.sample[change - 1].branch, &before, &after);
         return cover_both(s, scale, from, before, after, to, depth);
     }
-    const double allowed = fmax(s->tolerance * fmax(size, NEGLIGIBLE * scale->size), 16.0 * DBL_EPSILON * size);
+    const double allowed =
+        fmax(s->tolerance * fmax(size, QUADRATURE_NEGLIGIBLE * scale->size), QUADRATURE_ROUNDING * size);
     if (error > allowed && !spent) {
         const double middle = 0.5 * (from + to);
         return cover_both(s, scale, from, middle, middle, to, depth);

@@ -1,8 +1,8 @@
-/* Work, heat and peaks along a way on which everything is known at every place.
+/* Quadrature of several integrands over an interval of one coordinate, with the peaks of several magnitudes.
  *
- * What is integrated is smooth but where another formula takes over (contacts change flanks): such places are
- * found and the way is divided there. Between them: Gauss-Kronrod with 7 and 15 points, halved until the two
- * agree to the tolerance (R. Piessens et al., QUADPACK, 1983). */
+ * The integrands are smooth except where another formula takes over, as when contacts change flanks. Such points are
+ * located, and the interval is divided there. Between these points the Gauss-Kronrod rules with 7 and 15 points are
+ * applied, and the interval is halved until both rules agree to the tolerance (R. Piessens et al., QUADPACK, 1983). */
 #ifndef DUALCAM_QUADRATURE_H
 #define DUALCAM_QUADRATURE_H
 
@@ -11,11 +11,11 @@
 enum { RATE_WORK_IN, RATE_WORK_EXT, RATE_HEAT_CAM1, RATE_HEAT_CAM2, RATE_HEAT_DAMPER, RATE_HEAT_SHAFT, RATE_COUNT };
 enum { SIZE_TORQUE, SIZE_OMEGA, SIZE_REACTION1, SIZE_REACTION2, SIZE_COUNT };
 
-/* At one place. */
+/* Integrands and magnitudes at one point. */
 typedef struct {
-    double rate[RATE_COUNT]; /* J per unit of the way's coordinate */
-    double size[SIZE_COUNT]; /* N.m, rad/s, N, N: magnitudes whose peaks count */
-    int branch;              /* which formula holds here, or -1: none does */
+    double rate[RATE_COUNT]; /* J per unit of the coordinate */
+    double size[SIZE_COUNT]; /* N.m, rad/s, N, N: magnitudes whose peaks are wanted */
+    int branch;              /* the number of the formula that holds here, or -1: none */
 } QuadratureSample;
 
 typedef void Integrand(const void *scene, double x, QuadratureSample *out);
@@ -24,13 +24,13 @@ typedef struct {
     Integrand *integrand;
     const void *scene;
     double tolerance;         /* relative to the sum of the magnitudes of all rates */
-    double total[RATE_COUNT]; /* J, added up */
-    double peak[SIZE_COUNT];  /* raised */
-    double bad;               /* a place where no formula holds, if that was found */
-    int panels;               /* used so far: the work is bounded, whatever is looked at */
+    double total[RATE_COUNT]; /* J, the integrals are added */
+    double peak[SIZE_COUNT];  /* raised to the peaks found */
+    double bad;               /* a point where no formula holds, if quadrature_over() has returned false */
+    int panels;               /* used so far, at most QUADRATURE_MAX_PANELS */
 } Quadrature;
 
-/* Adds the way between two places, in either direction. False if no formula holds at a place of it. */
+/* Adds the integrals over [from, to], in either direction. False if no formula holds at a point between. */
 bool quadrature_over(Quadrature *quadrature, double from, double to);
 
 #endif

@@ -1,15 +1,15 @@
-/* A sum that does not forget what rounding cuts off.
+/* Compensated sums.
  *
- * A million steps add a million roundings of size eps |sum|; when the increments are alike, the
- * roundings are too, and drift grows with the number of steps. Keeping the cut-off part in `lo`
- * makes the error that of the increments alone (Knuth's two-sum; D. E. Knuth, The Art of Computer
- * Programming, vol. 2, 4.2.2, theorem B). Needs IEEE arithmetic: no -ffast-math. */
+ * A million steps add a million roundings of size eps |sum|. When the increments are equal, the roundings are equal
+ * too, and the error grows with the number of steps. A compensated sum keeps the part that rounding cuts off in `lo`;
+ * its error is that of the increments alone (two-sum; D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2,
+ * theorem B). The method needs IEEE arithmetic: no -ffast-math. */
 #ifndef DUALCAM_SUM_H
 #define DUALCAM_SUM_H
 
 typedef struct {
     double hi; /* the sum, correctly rounded */
-    double lo; /* what hi lacks */
+    double lo; /* the exact sum less hi */
 } Sum;
 
 static inline Sum sum_of(double x) {

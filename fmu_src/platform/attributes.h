@@ -1,8 +1,9 @@
-/* How functions are compiled where that is not left to the compiler.
+/* Compiler attributes of functions.
  *
- * COLD   runs when somebody asks, but never in a step: its code is to be small rather than fast. What starts a run is
- *        not rare: a study starts 200,000 a second
- * NOINLINE  large, and called from several places: not to be drawn into each */
+ * COLD      never called in a step, only on request: compiled for small code. Functions that start a run are not cold:
+ * a
+ *           study starts 200,000 runs per second.
+ * NOINLINE  large and called from several places: not to be copied into each caller. */
 #ifndef DUALCAM_ATTRIBUTES_H
 #define DUALCAM_ATTRIBUTES_H
 

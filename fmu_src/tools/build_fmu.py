@@ -68,14 +68,15 @@ OFF_THE_WAY = {
     *("radau_variation", "step_sensitivity", "taylor"),
 }
 WITH_LOOPS = {"balance", "linear_slip", "lobatto_step", "lobatto_system", "instance", "mechanism", "radau"}
+WITH_LOOPS |= {"slip_mode", "balance_rates", "balance_partials"}
 WITH_EVENTS = {"bernstein", "lu", "radau_system", "radau_edge", "radau_step", "radau_peaks", "step_energy"}
 WITH_EVENTS |= {"breakpoint", "step_control", "step_indicator", "event_location"}
 HANDING_ON = {"fmi3", "model_forward", "model_inverse"}
 # On macOS, whose linker knows no -flto, only these are compiled for speed.
 NUMERIC = {"balance", "linear_segment", "linear_peaks", "linear_slip", "lobatto_step", "lobatto_system"}
-NUMERIC |= {"mechanism", "oscillator"}
+NUMERIC |= {"mechanism", "oscillator", "slip_mode", "balance_rates", "balance_partials", "elements"}
 # Windows binaries hold a part of the C library: there only these for speed, all others outlined.
-NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "lobatto_system", "oscillator"}
+NUMERIC_WINDOWS = {"linear_slip", "lobatto_step", "lobatto_system", "oscillator", "elements"}
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,91 @@
+#include "geometry/groove_pair.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "geometry/pin_position.h"
+#include "model/tolerances.h"
+
+/* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
+typedef struct {
+    char text[QUOTED_PATH + 32];
+} ParameterText;
+
+static ParameterText parameter_text(const Params *p, int i) {
+    const CamParams *cam = p->cam;
+    ParameterText name;
+    switch (cam[i].profile) {
+        case PROFILE_HELIX:
+            snprintf(name.text, sizeof name.text, "cam%d.lead_angle = %.17g", i + 1, cam[i].lead_angle);
+            break;
+        case PROFILE_ELLIPSE:
+            snprintf(name.text, sizeof name.text, "cam%d.ellipse_a = %.17g", i + 1, cam[i].ellipse_a);
+            break;
+        default:
+            snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1,
+                     samples_quoted(p->table[i], QUOTED_PATH), p->table[i]);
+    }
+    return name;
+}
+
+/* The last theta between 0 and `stop` at which the grooves meet, by bisection. */
+static double last_reachable(const Groove groove[2], double stop) {
+    double good = 0.0, bad = stop;
+    for (int i = 0; i < PIN_MAX_ITERATIONS; i++) {
+        const double middle = 0.5 * (good + bad);
+        if (middle == good || middle == bad) break;
+        if (pin_is_reachable(groove, middle)) good = middle;
+        else bad = middle;
+    }
+    return good;
+}
+
+/* Where a groove's law ends in the direction of a stop, rad. */
+static double end_of(const Groove *groove, bool upper) {
+    return upper ? groove->last : groove->first;
+}
+
+/* The index of the groove that ends nearest to the pin at theta = `end`. */
+static int ending_groove(const Groove groove[2], double end, bool upper) {
+    const GammaRange in = pin_gamma_range(groove, end);
+    const double gamma = pin_gamma(groove, end, 0.5 * (in.lower + in.upper));
+    const double first = fabs(end_of(&groove[0], upper) - gamma);
+    const double second = fabs(end_of(&groove[1], upper) - (end - gamma));
+    return second < first ? 1 : 0;
+}
+
+static bool refuse_end(const Groove groove[2], const Params *p, double end, double stop, Fault *fault) {
+    const bool upper = stop > 0.0;
+    const int i = ending_groove(groove, end, upper);
+    const bool ellipse = groove[i].profile == PROFILE_ELLIPSE;
+    const ParameterText name = parameter_text(p, i);
+    snprintf(fault->text, sizeof fault->text,
+             "%s: the %s groove of cam %d ends at psi = %.10g rad, reached at theta = %.10g rad, "
+             "before %s = %.10g rad: %s",
+             name.text, ellipse ? "elliptical" : "sampled", i + 1, end_of(&groove[i], upper), end,
+             upper ? "stop.upper" : "stop.lower", stop,
+             ellipse ? "S = S0 + kappa r psi/a must stay in [0, 1)" : "the samples must reach as far as the stops");
+    return false;
+}
+
+static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
+    if (pin_is_reachable(groove, stop)) return true;
+    const double end = last_reachable(groove, stop);
+    return fabs(stop - end) <= GROOVE_END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, p, end, stop, fault);
+}
+
+/* The grooves meet at theta = 0, so they meet everywhere between 0 and an angle where they meet. */
+bool groove_pair_check_ends(const Groove groove[2], const Params *p, Fault *fault) {
+    const double lower = p->stop.lower, upper = p->stop.upper;
+    if (upper > 0.0 && !check_end(groove, p, upper, fault)) return false;
+    return !(lower < 0.0) || check_end(groove, p, lower, fault);
+}
+
+bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fault) {
+    const ParameterText first = parameter_text(p, 0), second = parameter_text(p, 1);
+    snprintf(fault->text, sizeof fault->text,
+             "%s and %s: both grooves are level at theta = %.10g rad, z = %.10g m: between the stops at "
+             "least one slope must be > 0, or nothing fixes the pin",
+             first.text, second.text, theta, z);
+    return false;
+}
