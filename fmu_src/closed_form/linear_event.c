@@ -35,7 +35,8 @@ static void search_crossing(EventSearch *search, EventKind kind, LinearQuantity 
     if (t < search->event.t || search->event.kind == EVENT_NONE) end_segment_at(search, kind, t);
 }
 
-/* Time at which theta reaches the stop. theta is monotone up to the present event, where the stop is reached or passed. */
+/* Time at which theta reaches the stop. theta is monotone up to the present event, where the stop is reached or
+ * passed. */
 static double time_to_stop(EventSearch *search) {
     const LinearSegment *s = search->segment;
     if (s->room <= 0.0) return 0.0;

@@ -186,7 +186,8 @@ static double peak_if_rate_monotone(const LinearIndicator *indicator, const Indi
     return fmax(ends, fabs(linear_indicator_at(indicator, find_root(indicator, OF_RATE, a, b->t)).value));
 }
 
-/* Largest |indicator| from `from` on, over `intervals` intervals of monotone rate, of which the first ends at `next`. */
+/* Largest |indicator| from `from` on, over `intervals` intervals of monotone rate, of which the first ends at
+ * `next`. */
 static double peak_in_intervals(const LinearIndicator *indicator, double from, double next, double t_end, int intervals,
                                 double known) {
     double peak = 0.0;

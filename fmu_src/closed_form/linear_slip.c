@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-static Regime kind_of(const Params *p, double damping) {
+static Regime regime_of(const Params *p, double damping) {
     if (has_inertia(p)) return REGIME_INERTIAL;
     return damping != 0.0 ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
@@ -40,7 +40,7 @@ void linear_slip_build(LinearSlipMode *linear, const Params *p, const Geometry *
         linear->reaction[i] = cam_length(g, i) / p->contacts;
         linear->heat[i] = direction * flank[i] * cam_heat(g, i);
     }
-    linear->regime = kind_of(p, linear->damping);
+    linear->regime = regime_of(p, linear->damping);
     linear->possible = is_possible(linear);
     if (linear->possible) linear->oscillator = oscillator_of_linear_slip(linear);
 }
@@ -49,13 +49,13 @@ double linear_slip_net_torque(const LinearSlipMode *linear, const SlipStart *sta
     return start->tau - linear->transfer.rho * start->force;
 }
 
-/* Rate at which the net torque changes by the inputs alone. */
+/* Rate of the net torque by the inputs alone, N.m/s. */
 static double load_rate(const LinearSlipMode *linear, const SlipStart *l) {
     return l->tau_rate - linear->transfer.rho * l->F_ext_rate;
 }
 
-/* Slip begins only where the torque presses past the band's edge, so rounding at the edge must not
- * start it backwards: both launches keep to the direction. */
+/* Slip begins only where the torque is beyond the edge of the stick band. Rounding at the edge must not start the
+ * motion backwards: alpha, or without inertia omega, keeps to the direction. */
 static void start_inertial(const LinearSlipMode *linear, SlipStart *l) {
     l->alpha = (linear_slip_net_torque(linear, l) - linear->damping * l->omega) / linear->mass;
     if (l->omega == 0.0 && linear->direction * l->alpha < 0.0) l->alpha = 0.0;
@@ -69,8 +69,8 @@ static void start_viscous(const LinearSlipMode *linear, SlipStart *l) {
     l->alpha = (load_rate(linear, l) - linear->stiffness * l->omega) / linear->damping;
 }
 
-/* On the edge of the band N stays 0: the spring takes what the inputs bring. What rounding has left of
- * N is moved off, or a long ramp in many steps would drift away from the edge. */
+/* On the edge of the stick band N stays 0: the spring force follows the inputs. `offset` removes the N that
+ * rounding has left; without it a long ramp in many steps would drift away from the edge. */
 static void start_rate_independent(const LinearSlipMode *linear, SlipStart *l) {
     if (linear->stiffness == 0.0) return;
     l->omega = load_rate(linear, l) / linear->stiffness;
@@ -86,7 +86,7 @@ SlipStart linear_slip_start(const LinearSlipMode *linear, const Params *p, const
         .tau_rate = inputs->tau[1],
         .F_ext = inputs->F_ext[0],
         .F_ext_rate = inputs->F_ext[1],
-        .force = p->spring.preload + p->spring.stiffness * (g->dz_dtheta * theta) + inputs->F_ext[0], /* it is linear */
+        .force = p->spring.preload + p->spring.stiffness * (g->dz_dtheta * theta) + inputs->F_ext[0],
     };
     switch (linear->regime) {
         case REGIME_INERTIAL: start_inertial(linear, &l); break;
@@ -96,15 +96,16 @@ SlipStart linear_slip_start(const LinearSlipMode *linear, const Params *p, const
     return l;
 }
 
-/* omega + alpha/(2a), the speed that damping alone would settle at, without the cancellation in that sum:
- * 2a = B/M and M alpha = N - B omega, or without inertia 2a = K/B and B alpha = dN/dt - K omega. */
+/* b0 = omega + alpha/(2a), the speed at which damping alone would settle, without the cancellation in that sum.
+ * With inertia 2a = B/M and M alpha = N - B omega, so b0 = N/B. Without inertia 2a = K/B and B alpha = dN/dt - K
+ * omega, so b0 is the rate of the inputs over K. */
 static double settled_speed(const LinearSlipMode *linear, const SlipStart *l) {
     if (linear->regime == REGIME_VISCOUS) return load_rate(linear, l) / linear->stiffness;
     const bool held_back = l->omega == 0.0 && l->alpha == 0.0; /* see start_inertial */
     return held_back ? 0.0 : linear_slip_net_torque(linear, l) / linear->damping;
 }
 
-/* The speed that the closed forms start from: see oscillator.h. */
+/* b0 or omega0, see oscillator.h. */
 static double base_speed(const LinearSlipMode *linear, const SlipStart *l, const Kernel *k) {
     return k->lead != 0.0 ? settled_speed(linear, l) : l->omega;
 }
@@ -133,7 +134,7 @@ void linear_slip_motion(const LinearSlipMode *linear, const SlipStart *l, const 
     };
 }
 
-/* x_i, or with the time derivatives of all three its own. */
+/* x_i; with the time derivatives of force, omega and alpha, the time derivative of x_i. */
 static inline double contact(const LinearSlipMode *linear, int i, double force, double omega, double alpha) {
     return linear->transfer.axial[i] * force + linear->speed[i] * omega + linear->acceleration[i] * alpha;
 }
@@ -177,7 +178,7 @@ ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params 
     };
 }
 
-/* integral of omega^2 over the arc, J per N.m.s/rad */
+/* integral of omega^2 over the segment, J per N.m.s/rad */
 static double integral_of_square(const LinearSlipMode *linear, const SlipStart *l, Kernel *k) {
     if (!k->squared) oscillator_square(&linear->oscillator, k);
     const double *q = k->square, b = base_speed(linear, l, k);
@@ -186,21 +187,21 @@ static double integral_of_square(const LinearSlipMode *linear, const SlipStart *
     return free + l->drive * (q[5] * l->drive + 2.0 * (q[2] * b + q[4] * l->alpha));
 }
 
-/* The reactions' power follows from the axial side, so that the balance with the torque's work is a
- * check of the motion and not an identity:
+/* The power of the reactions follows from the axial side. So its balance with the work of the torque checks the motion
+ * and is no identity:
  *     integral of x_i omega = axial integral of (F_s + F_ext) omega + speed integral of omega^2
  *                             + acceleration (omega1^2 - omega0^2)/2 */
 Booking linear_slip_booking(const LinearSlipMode *linear, const Params *p, const Geometry *g, const SlipStart *l,
                             const LinearMotion *motion, Kernel *k) {
     const double dtheta = motion->dtheta;
-    double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' */
+    double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' until the end */
     if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) {
-        /* integral of t omega = t (theta1 - theta0) - integral of (theta - theta0) */
-        const double sweep = base_speed(linear, l, k) * (k->p1 + linear->oscillator.decay2 * k->p2) +
-                             l->alpha * (k->lead != 0.0 ? -k->lead * k->p1 : k->p2) + l->drive * k->p3;
-        const double moment = motion->t * dtheta - sweep;
-        work_in += l->tau_rate * moment;
-        work_ext += l->F_ext_rate * moment;
+        /* of t omega over the segment: t (theta1 - theta0) less the integral of theta - theta0 */
+        const double angle_integral = base_speed(linear, l, k) * (k->p1 + linear->oscillator.decay2 * k->p2) +
+                                      l->alpha * (k->lead != 0.0 ? -k->lead * k->p1 : k->p2) + l->drive * k->p3;
+        const double omega_moment = motion->t * dtheta - angle_integral;
+        work_in += l->tau_rate * omega_moment;
+        work_ext += l->F_ext_rate * omega_moment;
     }
     const double dz_dtheta = g->dz_dtheta;
     const double force = l->force - l->F_ext; /* F_s at the start */

@@ -2,19 +2,15 @@
 
 #include <math.h>
 
+#include "model/tolerances.h"
+
 static const double PI = 3.14159265358979323846;
 
-/* Below this size of |2a| t and sqrt|w2| t the Taylor series is used. Its terms then shrink at least
- * like 3.3^n/(n+3)!, and above it the closed forms lose at most two digits in p3, one in p2, none in
- * s (see SERIES_TERMS and closed_integrals). */
-static const double SERIES_LIMIT = 2.0;
-
-/* Roots of the characteristic equation of size rate: |x| <= 3.24 at the limit (2a t = w t = 2);
+/* The roots of the characteristic equation times t are |x| <= 3.24 at OSCILLATOR_SERIES_LIMIT (2a t = w t = 2):
  * 3.24^30/34! * 24 = 2e-22. */
 enum { SERIES_TERMS = 30 };
-static const double SERIES_CUT = 1e-19; /* of sums of the order 1/6 and 1/24 */
 
-/* 1/(n+3)! and 1/(n+4)!: one table read at two offsets. */
+/* 1/n!. The series of p3 and p4 read the table from 1/4! and 1/5! on. */
 static const double INVERSE_FACTORIAL[SERIES_TERMS + 5] = {
     1.0,
     1.0,
@@ -53,10 +49,6 @@ static const double INVERSE_FACTORIAL[SERIES_TERMS + 5] = {
     1.0 / 295232799039604140847618609643520000000.0,
 };
 
-/* exp(2 * 300) is still a number, and so is the integral of its square. Whatever is told from rounding
- * grows past any end stop in that time. */
-static const double MAX_GROWTH = 300.0;
-
 Oscillator oscillator_of(double decay2, double stiffness) {
     const double a = 0.5 * decay2;
     const double separation = a * a - stiffness;
@@ -69,47 +61,47 @@ Oscillator oscillator_of(double decay2, double stiffness) {
         .frequency = frequency,
         .half_period = separation < 0.0 ? PI / frequency : INFINITY,
         .rate = fmax(fabs(decay2), sqrt(fabs(stiffness))),
-        .horizon = growth > 0.0 ? MAX_GROWTH / growth : INFINITY,
+        .horizon = growth > 0.0 ? OSCILLATOR_MAX_GROWTH / growth : INFINITY,
     };
 }
 
-/* p3/t^4 and p4/t^5, p4 the integral of p3. */
+/* p3/t^4 and p4/t^5, where p4 is the integral of p3. */
 typedef struct {
     double p3, p4;
-} Sums;
+} SeriesSums;
 
-static Sums sum_of_series(double a, double w) {
+static SeriesSums sum_series(double a, double w) {
     double older = 0.0, newer = 1.0; /* n-th derivative of s at 0, times t^(n-1): n = 0, 1 */
-    Sums sum = {0.0, 0.0};
+    SeriesSums sum = {0.0, 0.0};
     for (int n = 1; n <= SERIES_TERMS; n++) {
         sum.p3 += newer * INVERSE_FACTORIAL[n + 3];
         sum.p4 += newer * INVERSE_FACTORIAL[n + 4];
         const double next = -a * newer - w * older;
         older = newer;
         newer = next;
-        if ((fabs(newer) + fabs(older)) * INVERSE_FACTORIAL[n + 4] < SERIES_CUT) break;
+        if ((fabs(newer) + fabs(older)) * INVERSE_FACTORIAL[n + 4] < OSCILLATOR_SERIES_CUT) break;
     }
     return sum;
 }
 
-/* The same for a = 0, where every other derivative vanishes. */
-static Sums sum_of_undamped_series(double w) {
+/* The same for a = 0: every other derivative of s vanishes. */
+static SeriesSums sum_undamped_series(double w) {
     double derivative = 1.0;
-    Sums sum = {0.0, 0.0};
+    SeriesSums sum = {0.0, 0.0};
     for (int n = 1; n <= SERIES_TERMS; n += 2) {
         sum.p3 += derivative * INVERSE_FACTORIAL[n + 3];
         sum.p4 += derivative * INVERSE_FACTORIAL[n + 4];
         derivative *= -w;
-        if (fabs(derivative) * INVERSE_FACTORIAL[n + 5] < SERIES_CUT) break;
+        if (fabs(derivative) * INVERSE_FACTORIAL[n + 5] < OSCILLATOR_SERIES_CUT) break;
     }
     return sum;
 }
 
-/* p3 and p4 by series; p2, p1, s, s' from the equation integrated four, three, two, one times:
- * s' + 2a s + w2 p1 = 1, s + 2a p1 + w2 p2 = t, ... Each leading term dominates. */
-static void series(const Oscillator *osc, double t, Kernel *k) {
+/* p3 and p4 by series; p2, p1, s and s' from the equation integrated four, three, two times and once:
+ * s' + 2a s + w2 p1 = 1, s + 2a p1 + w2 p2 = t, ... In each the first term on the right dominates. */
+static void fill_by_series(const Oscillator *osc, double t, Kernel *k) {
     const double w = osc->stiffness * t * t;
-    const Sums sum = osc->decay2 == 0.0 ? sum_of_undamped_series(w) : sum_of_series(osc->decay2 * t, w);
+    const SeriesSums sum = osc->decay2 == 0.0 ? sum_undamped_series(w) : sum_series(osc->decay2 * t, w);
     const double t2 = t * t, t3 = t2 * t;
     const double p4 = sum.p4 * t2 * t3;
     k->p3 = sum.p3 * t2 * t2;
@@ -119,26 +111,25 @@ static void series(const Oscillator *osc, double t, Kernel *k) {
     k->ds = 1.0 - osc->decay2 * k->s - osc->stiffness * k->p1;
 }
 
-/* p1, p2, p3 from s, s' by the integrated equation; needs w2 t^2 not small (>= 3/4 here: loses a
- * factor of 12/(w2 t^2) in p3). */
-static void closed_integrals(const Oscillator *osc, double t, Kernel *k) {
+/* p1, p2, p3 from s and s' by the integrated equation. Rounding grows by 12/(w2 t^2) in p3; here w2 t^2 >= 3/4. */
+static void integrate_closed(const Oscillator *osc, double t, Kernel *k) {
     k->p1 = (1.0 - k->ds - osc->decay2 * k->s) / osc->stiffness;
     k->p2 = (t - k->s - osc->decay2 * k->p1) / osc->stiffness;
     k->p3 = (0.5 * t * t - k->p1 - osc->decay2 * k->p2) / osc->stiffness;
 }
 
-static void underdamped(const Oscillator *osc, double t, Kernel *k) {
+static void fill_underdamped(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
     const double envelope = a == 0.0 ? 1.0 : exp(-a * t);
     const double sine = envelope * sin(w * t), cosine = envelope * cos(w * t);
     k->s = sine / w;
     k->ds = cosine - a * k->s;
-    closed_integrals(osc, t, k);
+    integrate_closed(osc, t, k);
 }
 
-/* phi_k(x) = sum x^n/(n+k)!, k = 1, 2, 3. Above |x| = 1 the recurrence phi_{k+1} = (phi_k - 1/k!)/x
- * loses no more than one digit; below it would, so there the series starts it from the other end. */
-static void phi(double x, double out[3]) {
+/* phi_k(x) = sum x^n/(n+k)!, k = 1, 2, 3. Above |x| = 1 the recurrence phi_{k+1} = (phi_k - 1/k!)/x loses at most one
+ * digit. Below |x| = 1 the series gives phi_3, and the recurrence runs backwards. */
+static void phi_functions(double x, double out[3]) {
     if (fabs(x) > 1.0) {
         out[0] = expm1(x) / x;
         out[1] = (out[0] - 1.0) / x;
@@ -152,14 +143,14 @@ static void phi(double x, double out[3]) {
     out[0] = 1.0 + x * out[1];
 }
 
-/* Real roots apart by 1/t or more: p_k is the divided difference of t^k phi_k over the two roots. */
-static void two_exponentials(const Oscillator *osc, double t, Kernel *k) {
+/* Real roots that differ by 1/t or more: p_k is the divided difference of t^k phi_k over the two roots. */
+static void fill_overdamped(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
     const double large = a >= 0.0 ? -a - w : -a + w; /* no cancellation; the product of roots is w2 */
     const double small = osc->stiffness / large;
     double fast[3], slow[3];
-    phi(large * t, fast);
-    phi(small * t, slow);
+    phi_functions(large * t, fast);
+    phi_functions(small * t, slow);
     const double scale = t / (small - large);
     k->s = scale * (small * slow[0] - large * fast[0]);
     k->ds = 1.0 + large * t * fast[0] + small * k->s;
@@ -168,35 +159,37 @@ static void two_exponentials(const Oscillator *osc, double t, Kernel *k) {
     k->p3 = scale * t * t * (slow[2] - fast[2]);
 }
 
-static void nearly_critical(const Oscillator *osc, double t, Kernel *k) {
+/* Real roots that differ by less than 1/t. */
+static void fill_nearly_critical(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
     const double envelope = exp((w - a) * t); /* slow root; s = envelope (1 - exp(-2wt))/(2w) */
     k->s = w > 0.0 ? envelope * -expm1(-2.0 * w * t) / (2.0 * w) : envelope * t;
     k->ds = exp(-(a + w) * t) + (w - a) * k->s;
-    closed_integrals(osc, t, k);
+    integrate_closed(osc, t, k);
 }
 
-/* Where it vibrates long before it settles, b0 would be far larger than the speeds, and all of it cancel again. */
-static bool settles(const Oscillator *osc, double t) {
+/* True if damping settles the motion within t. A motion that vibrates long before it settles does not count: b0
+ * would be far larger than the speeds, and its terms would cancel again. */
+static bool is_settled(const Oscillator *osc, double t) {
     return fabs(osc->decay2) * t > 1.0 && osc->decay2 * osc->decay2 >= osc->stiffness;
 }
 
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel) {
     kernel->t = t;
-    kernel->lead = settles(osc, t) ? 1.0 / osc->decay2 : 0.0;
+    kernel->lead = is_settled(osc, t) ? 1.0 / osc->decay2 : 0.0;
     kernel->squared = false;
-    if (osc->rate * t <= SERIES_LIMIT) {
-        series(osc, t, kernel);
+    if (osc->rate * t <= OSCILLATOR_SERIES_LIMIT) {
+        fill_by_series(osc, t, kernel);
     } else if (osc->separation < 0.0) {
-        underdamped(osc, t, kernel);
+        fill_underdamped(osc, t, kernel);
     } else if (2.0 * osc->frequency * t >= 1.0) {
-        two_exponentials(osc, t, kernel);
+        fill_overdamped(osc, t, kernel);
     } else {
-        nearly_critical(osc, t, kernel);
+        fill_nearly_critical(osc, t, kernel);
     }
 }
 
-/* omega = of_b b0 + of_alpha alpha0 + of_drive U */
+/* Adds weight times the square of omega = of_b b0 + of_alpha alpha0 + of_drive U. */
 static void add_products(double weight, double of_b, double of_alpha, double of_drive, double q[6]) {
     q[0] += weight * of_b * of_b;
     q[1] += weight * of_b * of_alpha;
@@ -207,15 +200,15 @@ static void add_products(double weight, double of_b, double of_alpha, double of_
 }
 
 typedef struct {
-    double reach; /* of the stretch for which it is exact to rounding */
+    double reach; /* rate times t up to which the rule is exact to rounding */
     int count;
     double node[10], weight[10]; /* on [-1, 1] */
 } QuadratureRule;
 
-/* Gauss-Legendre with n points. The integrand's rates r are at most twice the roots, r t <= 3.3 reach, so
- * the error t^(2n+1) (n!)^4 / ((2n+1) (2n)!^3) r^(2n) is below 1e-17 t for the first, 1e-19 t for the
- * second. (M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 25.4.30 and table 25.4) */
-static const QuadratureRule QUADRATURES[2] = {
+/* Gauss-Legendre quadrature with n points. The rates r of the integrand are at most twice the roots, r t <= 3.3
+ * reach. So the error t^(2n+1) (n!)^4 / ((2n+1) (2n)!^3) r^(2n) is below 1e-17 t for the first rule, 1e-19 t for
+ * the second one. (M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 25.4.30 and table 25.4) */
+static const QuadratureRule QUADRATURE_RULES[2] = {
     {
         .reach = 0.1,
         .count = 5,
@@ -235,8 +228,8 @@ static const QuadratureRule QUADRATURES[2] = {
     },
 };
 
-/* s(x t)/t and p1(x t)/t^2 as polynomials in x, coefficients from the derivatives of s at 0; returns how
- * many terms matter for x <= 1. */
+/* s(x t)/t and p1(x t)/t^2 as polynomials in x; the coefficients follow from the derivatives of s at 0. Returns the
+ * number of terms that matter for x <= 1. */
 static int power_series(const Oscillator *osc, double t, double s[SERIES_TERMS], double p1[SERIES_TERMS]) {
     const double a = osc->decay2 * t, w = osc->stiffness * t * t;
     double older = 0.0, newer = 1.0;
@@ -246,14 +239,14 @@ static int power_series(const Oscillator *osc, double t, double s[SERIES_TERMS],
         const double next = -a * newer - w * older;
         older = newer;
         newer = next;
-        if ((fabs(newer) + fabs(older)) * INVERSE_FACTORIAL[n + 2] < SERIES_CUT) return n + 1;
+        if ((fabs(newer) + fabs(older)) * INVERSE_FACTORIAL[n + 2] < OSCILLATOR_SERIES_CUT) return n + 1;
     }
     return SERIES_TERMS;
 }
 
 /* With c = 1 - w2 p1: omega = c omega0 + s alpha0 + p1 U = c b0 + (s - lead c) alpha0 + p1 U. */
 static void square_by_quadrature(const Oscillator *osc, double lead, double t, double q[6]) {
-    const QuadratureRule *rule = &QUADRATURES[osc->rate * t <= QUADRATURES[0].reach ? 0 : 1];
+    const QuadratureRule *rule = &QUADRATURE_RULES[osc->rate * t <= QUADRATURE_RULES[0].reach ? 0 : 1];
     double s_of_x[SERIES_TERMS], p1_of_x[SERIES_TERMS];
     const int terms = power_series(osc, t, s_of_x, p1_of_x);
     for (int i = 0; i < 6; i++) q[i] = 0.0;
@@ -271,11 +264,11 @@ static void square_by_quadrature(const Oscillator *osc, double lead, double t, d
     }
 }
 
-/* From [0, t] to [0, 2t]: the second half starts from b(t), alpha(t) and the same U. Sums of squares only,
- * so nothing cancels. */
-static void square_doubled(const Oscillator *osc, double lead, const Kernel *k, double q[6]) {
-    /* column j of row: what (b0, alpha0, U) contribute to (b, alpha, U) at t; with lead = 1/(2a) the
-     * contribution of alpha0 to b, s - lead c + lead s', vanishes but for the term in lead^2 */
+/* Extends the quadratic form from [0, t] to [0, 2t]. The second half starts from b(t), alpha(t) and the same U.
+ * Only sums of squares arise, so nothing cancels. */
+static void double_square(const Oscillator *osc, double lead, const Kernel *k, double q[6]) {
+    /* row i, column j: the share of (b0, alpha0, U)[i] in (b, alpha, U)[j] at t. With lead = 1/(2a) the share of alpha0
+     * in b, s - lead c + lead s', vanishes but for the term in lead^2. */
     const double pull = osc->stiffness * k->s;
     const double row[3][3] = {
         {1.0 - osc->stiffness * k->p1 - lead * pull, -pull, 0.0},
@@ -299,13 +292,13 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
     const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
-    for (double x = osc->rate * t; x > QUADRATURES[1].reach; x *= 0.5) doublings++;
+    for (double x = osc->rate * t; x > QUADRATURE_RULES[1].reach; x *= 0.5) doublings++;
     t = ldexp(t, -doublings);
     square_by_quadrature(osc, lead, t, kernel->square);
     for (; doublings > 0; doublings--, t *= 2.0) {
         Kernel k;
         oscillator_kernel(osc, t, &k);
-        square_doubled(osc, lead, &k, kernel->square);
+        double_square(osc, lead, &k, kernel->square);
     }
     kernel->squared = true;
 }

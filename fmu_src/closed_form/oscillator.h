@@ -1,21 +1,20 @@
 /* The fundamental solution of alpha'' + 2a alpha' + w2 alpha = 0 and its repeated integrals.
  *
- * Inside one mode of a helical scene the angle obeys M theta'' + B theta' + K theta = u0 + u1 t, so
- * alpha = theta'' obeys the homogeneous equation with 2a = B/M and w2 = K/M (without inertia: with
- * 2a = K/B and w2 = 0). Let s be its solution with s(0) = 0, s'(0) = 1, and p1, p2, p3 the first to
- * third integral of s from 0. Everything else follows as increments from the start values omega0, alpha0
- * and the drive U (= u1/M), over a time in which the damping changes little:
+ * In one slip mode with helical grooves the angle obeys M theta'' + B theta' + K theta = u0 + u1 t. So alpha = theta''
+ * obeys the homogeneous equation with 2a = B/M and w2 = K/M; without inertia with 2a = K/B and w2 = 0. Let s be the
+ * solution with s(0) = 0 and s'(0) = 1. Let p1, p2, p3 be the first, second and third integral of s from 0. With the
+ * values at the start omega0 and alpha0 and the drive U = u1/M the motion follows as
  *     omega - omega0 = alpha0 s + (U - w2 omega0) p1
  *     theta - theta0 = omega0 (s + 2a p1) + alpha0 p1 + U p2
  *     integral of (theta - theta0) = omega0 (p1 + 2a p2) + alpha0 p2 + U p3
- * Over a time in which damping, rather than a vibration, settles the motion, terms in omega0 and alpha0 would nearly
- * cancel. Then the speed that is left, b0 = omega0 + alpha0/(2a), replaces omega0; the caller knows it better than as a sum
- * (inertial: b0 = N/B). With lead = 1/(2a):
+ * These increments are exact to rounding over a time in which the damping changes little. Over a time in which damping
+ * settles the motion, the terms in omega0 and alpha0 nearly cancel. Then the settled speed b0 = omega0 + alpha0/(2a)
+ * replaces omega0. The caller knows b0 without the cancellation (with inertia b0 = N/B). With lead = 1/(2a):
  *     omega = b0 (1 - w2 p1) - lead s' alpha0 + U p1
  *     theta - theta0 = b0 (s + 2a p1) - lead s alpha0 + U p2
  *     integral of (theta - theta0) = b0 (p1 + 2a p2) - lead p1 alpha0 + U p3
- * a may be negative and w2 of either sign (a locked contact drives itself), but not a < 0 with
- * w2 > a^2: a growing oscillation has no cause here. */
+ * a may be negative and w2 may have either sign: a locked contact drives itself. Excluded is a < 0 together with
+ * w2 > a^2: nothing in the mechanism causes a growing oscillation. */
 #ifndef DUALCAM_OSCILLATOR_H
 #define DUALCAM_OSCILLATOR_H
 
@@ -28,22 +27,24 @@ typedef struct {
     double frequency;   /* rad/s, sqrt(|separation|) */
     double half_period; /* s, pi/frequency if underdamped, else infinity */
     double rate;        /* 1/s, the largest of the motion */
-    double horizon;     /* s, to be used for no longer: a growing solution reaches exp(MAX_GROWTH) */
+    double horizon;     /* s, limit of t: a growing solution then reaches exp(OSCILLATOR_MAX_GROWTH) */
 } Oscillator;
 
 typedef struct {
-    double t;          /* s; NAN: empty */
+    double t;          /* s; NAN: the kernel is empty */
     double s, ds;      /* s, 1: s and its derivative */
     double p1, p2, p3; /* s^2, s^3, s^4 */
-    double lead;       /* s, 1/(2a) if |2a| t > 1 and (2a)^2 >= w2, else 0: which of the two forms above to use */
-    /* integral of omega^2 as a quadratic form in (b0, alpha0, U); see oscillator_square */
+    double
+        lead; /* s, 1/(2a) if damping settles the motion, |2a| t > 1 and (2a)^2 >= w2: the second form above; else 0 */
+    /* integral of omega^2 as a quadratic form in (b0, alpha0, U), see oscillator_square() */
     double square[6];
     bool squared;
 } Kernel;
 
+/* decay2: 2a, 1/s; stiffness: w2, 1/s^2. */
 Oscillator oscillator_of(double decay2, double stiffness);
 
-/* s, ds, p1, p2, p3 and lead at t >= 0. */
+/* Fills s, ds, p1, p2, p3 and lead at t >= 0. */
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel);
 
 /* Fills kernel->square: integral of omega^2 over [0, t]
@@ -53,8 +54,8 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel);
 /* First t > 0 at which the homogeneous solution with y(0) = y0, y'(0) = dy0 vanishes, or infinity. */
 double oscillator_zero(const Oscillator *osc, double y0, double dy0);
 
-/* First t > 0 at which y, of a rate that is homogeneous, would vanish without damping; from y, y' and y'' at 0. NAN or
- * below 0 if it does not. */
+/* First t > 0 at which y would vanish without damping, where y' obeys the homogeneous equation; from y, y' and y''
+ * at 0. NAN or a negative number if y does not vanish. */
 double oscillator_offset_zero(const Oscillator *osc, double y0, double dy0, double ddy0);
 
 #endif

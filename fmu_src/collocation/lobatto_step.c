@@ -51,7 +51,7 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const NodePair *n = &s->pair[k];
-    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->delta;
+    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->factors.delta;
     const Vector2 dtheta = s->h * LOBATTO.weight.half[k] * omega;
     const Vector2 dz = s->h * LOBATTO.weight.half[k] * v;
     Vector2 axial = n->force + n->damper, moment = {0.0, 0.0};
@@ -68,8 +68,8 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 arm = i == 0 ? -n->d[1] : n->d[0];
-        const Vector2 x = (n->rn[1 - i] * axial + arm * moment) * inverse;
+        const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
+        const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         b->heat_cam[i] += slip->mu[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
@@ -101,7 +101,7 @@ static bool stays_on_flanks(const LobattoSystem *s, const Loads *loads) {
     const double load = balance_load_size(slip->params, n->force[0], n->damper[0], n->dz_dtheta[0] * s->y.at[0]);
     for (int i = 0; i < 2; i++) {
         const LobattoValues *x = &loads->x[i];
-        if (!balance_is_firm(slip, i, x->at[0], n->rn[1 - i][0] / n->delta[0], load)) return false;
+        if (!balance_is_firm(slip, i, x->at[0], n->factors.rn[1 - i][0] / n->factors.delta[0], load)) return false;
         if (!lobatto_keeps_sign(x, slip->flank[i])) return false;
     }
     return true;
@@ -159,20 +159,16 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
 static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
-    double rn[2], d[2];
-    for (int i = 0; i < 2; i++) {
-        rn[i] = g->radius[i] * (g->slope[i] + slip->mu[i] * g->radius[i]);
-        d[i] = g->radius[i] - slip->mu[i] * g->slope[i];
-    }
-    const double factor_p = rn[0] * rn[1], delta = d[0] * rn[1] + rn[0] * d[1];
-    double damping = delta * p->shaft.damping;
-    if (slip->c + slip->q > 0.0)
-        damping += factor_p * g->dz_dtheta * (slip->c + slip->q * fabs(g->dz_dtheta * from->omega));
+    ContactFactors f;
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], slip->mu[i], g->slope[i]);
+    contact_factors_multiply(&f);
+    double damping = f.delta * p->shaft.damping;
+    if (slip->c + slip->q > 0.0) damping += f.p * g->dz_dtheta * (slip->c + slip->q * fabs(g->dz_dtheta * from->omega));
     const double net =
-        delta * slip->inputs->tau[0] - factor_p * (spring_force(&p->spring, from->z) + slip->inputs->F_ext[0]);
+        f.delta * slip->inputs->tau[0] - f.p * (spring_force(&p->spring, from->z) + slip->inputs->F_ext[0]);
     if (slip->regime != REGIME_INERTIAL) return net / damping;
-    double mass = delta * p->inertia.shaft;
-    if (slip->heavy) mass += factor_p * p->inertia.follower_mass * g->dz_dtheta;
+    double mass = f.delta * p->inertia.shaft;
+    if (slip->heavy) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
     return (net - damping * from->omega) / mass;
 }
 

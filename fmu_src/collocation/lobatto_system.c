@@ -73,13 +73,9 @@ static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_e
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
     for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        n->rn[i] = r * (n->slope[i] + slip->mu[i] * r);
-        n->d[i] = r - slip->mu[i] * n->slope[i];
+        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->mu[i], n->slope[i]);
     }
-    n->q = n->d[0] * n->rn[1];
-    n->p = n->rn[0] * n->rn[1];
-    n->delta = n->q + n->rn[0] * n->d[1];
+    vector_contact_factors_multiply(&n->factors);
     const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
     n->force = spring->preload + n->z * rate + F_ext;
 }
@@ -103,27 +99,29 @@ static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2
 /* alpha */
 static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, NodePair *n) {
     const InertiaParams *in = &slip->params->inertia;
+    const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
     n->damper = damper_at(slip, n->dz_dtheta, omega);
-    Vector2 net = n->delta * (tau - b * omega) - n->p * (n->force + n->damper), swirl = {0.0, 0.0};
-    n->mass = in->shaft * n->delta;
+    Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
+    n->mass = in->shaft * f->delta;
     if (slip->heavy) {
-        const Vector2 m = n->p * in->follower_mass, I = n->q * in->follower;
+        const Vector2 m = f->p * in->follower_mass, I = f->q * in->follower;
         n->mass += m * n->dz_dtheta + I * n->dpsi_dtheta[0];
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
     if (is_resisted(slip)) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
-        n->damping_rate = (b * n->delta + n->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
+        n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
     return net / n->mass;
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
 static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
-    const Vector2 lever = n->p * n->dz_dtheta, net = n->delta * tau - n->p * n->force;
-    n->mass = slip->params->shaft.damping * n->delta + slip->c * lever;
+    const VectorContactFactors *f = &n->factors;
+    const Vector2 lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
+    n->mass = slip->params->shaft.damping * f->delta + slip->c * lever;
     Vector2 sum = 2.0 * n->mass;
     if (slip->q > 0.0) {
         const Vector2 square = n->mass * n->mass + (4.0 * slip->q * slip->direction) * lever * n->dz_dtheta * net;
@@ -157,9 +155,9 @@ static inline bool is_possible(const LobattoSystem *s) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
-        const double mass = n->mass[k % 2], delta = n->delta[k % 2];
-        possible &=
-            lobatto_system_is_inertial(s) ? mass * delta > 0.0 : delta > 0.0 && mass >= 0.0 && n->p[k % 2] > 0.0;
+        const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
+        possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
+                                                  : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
     return possible;
 }

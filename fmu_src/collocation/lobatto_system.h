@@ -10,16 +10,17 @@
 #define DUALCAM_LOBATTO_SYSTEM_H
 
 #include "contact/balance.h"
+#include "contact/contact_factors.h"
 #include "numerics/lobatto.h"
 
-/* The balance of forces at two nodes, with the names of balance.h. */
+/* The balance of forces at two nodes, see balance.h. */
 typedef struct {
     Vector2 slope[2], dpsi_dtheta[2], dz_dtheta;
     Vector2 d2z_dtheta2, d2gamma_dtheta2; /* only if the follower has mass or inertia */
-    Vector2 rn[2], d[2], p, q, delta;
-    Vector2 z, force, damper; /* m, N, N: z, F_0, D */
-    Vector2 mass;             /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
-    Vector2 damping_rate;     /* 1/s, -d alpha/d omega; only if a force depends on the speed */
+    VectorContactFactors factors;         /* r_i n_i, d_i, Delta, P, Q */
+    Vector2 z, force, damper;             /* m, N, N: z, F_0, D */
+    Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
+    Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
 } NodePair;
 
 typedef struct {

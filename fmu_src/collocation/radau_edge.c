@@ -14,7 +14,8 @@ typedef struct {
 
 typedef enum { EDGE_FOUND, EDGE_SEARCHING, EDGE_LOST } EdgeProgress;
 
-/* One iteration from *theta: a Newton step, or the middle of the bracket if the Newton step leaves it. EDGE_FOUND: *theta is the solution. EDGE_LOST: the edge does not rise to the torque. */
+/* One iteration from *theta: a Newton step, or the middle of the bracket if the Newton step leaves it. EDGE_FOUND:
+ * *theta is the solution. EDGE_LOST: the edge does not rise to the torque. */
 static EdgeProgress improve_angle(const RadauSystem *s, double t, int n, EdgeBracket *bracket, double *theta) {
     const int sign = s->slip->direction;
     const RightHandSide rhs = balance_rhs(s->slip, *theta, 0.0, t);

@@ -83,6 +83,18 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
  * reaction follows from the first derivative that is not zero. */
 #define NO_REACTION 1e-13
 
+/* |2a| t and sqrt|w2| t up to which the oscillator's kernel is summed as a Taylor series. Below the limit the terms
+ * shrink at least like 3.3^n/(n+3)!. Above the limit the closed forms lose at most two digits in p3, one in p2,
+ * none in s. */
+static const double OSCILLATOR_SERIES_LIMIT = 2.0;
+
+/* Last term of these series, whose sums are about 1/6 and 1/24. */
+static const double OSCILLATOR_SERIES_CUT = 1e-19;
+
+/* Exponent that a growing solution may reach. exp(2 * 300) is still a finite number, and so is the integral of its
+ * square. An excursion above rounding grows past any end stop in that time. */
+static const double OSCILLATOR_MAX_GROWTH = 300.0;
+
 /* Share of its value at the start below which a derivative at the end of a segment has died away, so that its sign is
  * rounding. */
 static const double LINEAR_DECAYED = 1e-12;

@@ -12,11 +12,9 @@
 #include <stdbool.h>
 
 #include "numerics/bernstein.h"
+#include "numerics/vector2.h"
 
 enum { LOBATTO_NODES = 4, LOBATTO_END = LOBATTO_NODES - 1, LOBATTO_HALVES = 2 };
-
-/* Values at two nodes, or of two cams, side by side in a vector register. */
-typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 
 typedef union {
     double at[LOBATTO_NODES];

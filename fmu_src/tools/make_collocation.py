@@ -1,11 +1,11 @@
 """Writes radau_table.h and lobatto_table.h: the coefficients of collocation, computed at 60 digits.
 
-    python fmu_src/make_collocation.py [--check]
+    python fmu_src/tools/make_collocation.py [--check]
 
 Radau IIA: nodes c_1 < ... < c_s = 1 are the zeros of the polynomial of degree s that is orthogonal to all of
 degree s - 2 on [0, 1] with weight 1 and vanishes at 1: P_s(2c - 1) - P_{s-1}(2c - 1), P Legendre polynomials
 (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5). Lobatto IIIA with four stages: nodes
-0, (5 - sqrt 5)/10, (5 + sqrt 5)/10, 1 (there too). Everything else follows from interpolation in the nodes.
+0, (5 - sqrt 5)/10, (5 + sqrt 5)/10, 1 (the same section). All other numbers follow from interpolation in the nodes.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def nodes(s: int) -> list[Number]:
 
 
 def lagrange(points: list[Number], j: int) -> Polynomial:
-    """1 at points[j], 0 at the others."""
+    """Coefficients of the polynomial that is 1 at points[j] and 0 at the other points."""
     p = [MP.mpf(1)]
     for k, x in enumerate(points):
         if k != j:
@@ -100,7 +100,9 @@ def matrix(
 
 
 def defects(name: str, c: list[Number]) -> list[str]:
-    """The largest single and double integral of what a polynomial through the nodes misses, if 1 at 0."""
+    """Lines with the largest single and double integral of prod(1 - x/c_i) over [0, 1].
+
+    This product is the shape of the error of a polynomial through the nodes c_i."""
     defect = [MP.mpf(1)]
     for x in c:
         defect = multiply(defect, [MP.mpf(1), -1 / x])
