@@ -336,9 +336,8 @@ def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
     icon = DESCRIPTIONS / "model.png"
     extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "terminalsAndIcons/icon.png": icon}
     extra |= {"model.png": icon} if version == 2 else {}
-    extra |= archive.sources(CORE, core_files(identifier, version, [".c", ".h", ".def"]))
     extra |= archive.reference(DESCRIPTIONS, identifier)
-    texts = {
+    texts = archive.sources(CORE, core_files(identifier, version, [".c", ".h", ".def"])) | {
         "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
         "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid, version),
         "terminalsAndIcons/terminalsAndIcons.xml": archive.terminals(MODELS[identifier]),
