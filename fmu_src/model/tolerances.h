@@ -21,8 +21,8 @@
 
 /* ---- inverse ---- */
 
-/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to it:
- * a speed that is zero at the end makes no reversal just before the end. */
+/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
+ * it: a speed that is zero at the end makes no reversal just before the end. */
 static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles. */

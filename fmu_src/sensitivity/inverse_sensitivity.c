@@ -52,8 +52,8 @@ static bool edge_partials(const Inverse *m, const ElasticShaftState *shaft, Part
     return true;
 }
 
-/* Of the angle x of cam 2 and of the torque of the elastic shaft, tau = K (theta - x). While cam 2 sticks, x is constant.
- * While it slips, tau is also the edge E(x, k) of the stick band, so dx = (K dtheta - E_k dk)/(K + E_x). */
+/* Of the angle x of cam 2 and of the torque of the elastic shaft, tau = K (theta - x). While cam 2 sticks, x is
+ * constant. While it slips, tau is also the edge E(x, k) of the stick band, so dx = (K dtheta - E_k dk)/(K + E_x). */
 static bool elastic_partials(const Inverse *m, const ElasticShaftState *shaft, Partials *x, Partials *tau) {
     const double K = m->params.shaft.stiffness;
     *x = *tau = (Partials){.by = {0.0}};

@@ -153,7 +153,7 @@ HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while b
 ONLY_IN = {  # by version of FMI
     2: {"fmi2.c"},
     3: {
-        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c", "version3.h"),
+        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c"),
         *("dependencies.c", "dependencies.def", "dependencies.h"),
     },
 }
@@ -217,7 +217,7 @@ def core_sources(identifier: str, version: int = 2) -> list[Path]:
 
 
 def headers() -> list[Path]:
-    return [*CORE.rglob("*.h"), *CORE.glob("*.def"), *BARE.glob("*.h")]
+    return [*CORE.rglob("*.h"), *CORE.rglob("*.def"), *BARE.glob("*.h")]
 
 
 def fingerprint(files: Iterable[Path], *words: str) -> str:
