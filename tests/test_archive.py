@@ -57,10 +57,15 @@ def test_building_again_writes_the_same_bytes(model, tmp_path):
 # ---- sources ----
 
 
+def c_files(folder):
+    """From there: room/file.c."""
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.c"))
+
+
 def test_source_files_are_all_c_files_of_the_folder(model, unzipped):
     (co_simulation,) = model.document.findall("CoSimulation")
     listed = [file.attrib["name"] for file in co_simulation.find("SourceFiles")]
-    assert listed == sorted(path.name for path in (unzipped / "sources").glob("*.c"))
+    assert listed == c_files(unzipped / "sources")
 
 
 def fmi_headers(directory):
@@ -76,7 +81,7 @@ def compiled(model, unzipped, tmp_path_factory):
     """The sources as they are in the FMU, with the command that they and the documentation name."""
     directory = tmp_path_factory.mktemp(f"compiled-{model}")
     library = directory / f"{model}.so"
-    sources = sorted(path.name for path in (unzipped / "sources").glob("*.c"))
+    sources = c_files(unzipped / "sources")
     options = ["-std=c17", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]
     headers = fmi_headers(directory / "headers")
     command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]
@@ -85,7 +90,8 @@ def compiled(model, unzipped, tmp_path_factory):
 
 
 def test_the_command_is_the_one_that_is_documented(model, unzipped):
-    command = "cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> {}*.c -lm -o " + f"{model}.so"
+    options = "-std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers>"
+    command = f"cc {options} {{}}*/*.c -lm -o {model}.so"
     assert command.format("") in (unzipped / "sources/identity.h").read_text()
     page = (unzipped / "documentation/index.html").read_text().replace("&lt;", "<").replace("&gt;", ">")
     assert command.format("sources/") in page
@@ -119,9 +125,23 @@ def test_the_functions_can_have_the_prefix_that_static_linking_needs(model, unzi
     header.write_text(text.replace(plain, paste))
     product = tmp_path / "fmi2.o"
     options = ["-std=c17", f"-DFMI2_FUNCTION_PREFIX={model}_", "-isystem", headers]
-    command = [*build_fmu.ZIG, *options, "-c", "fmi2.c", "-o", product]
+    command = [*build_fmu.ZIG, *options, "-c", "fmi/fmi2.c", "-o", product]
     subprocess.run(command, cwd=unzipped / "sources", check=True)
     assert f"\0{model}_fmi2DoStep\0".encode() in product.read_bytes()
+
+
+@pytest.mark.parametrize(("identifier", "version"), [(FORWARD.identifier, 2), (INVERSE.identifier, 3)])
+def test_macros_and_options_of_importers_do_not_disturb_the_sources(identifier, version, tmp_path):
+    """FMPy's CMake projects define CO_SIMULATION and MODEL_EXCHANGE. Other tools compile from another folder,
+    and name no include directory but that of the FMI headers."""
+    with zipfile.ZipFile(build_fmu.place(version) / f"{identifier}.fmu") as archive:
+        archive.extractall(tmp_path)
+    sources = [f"sources/{name}" for name in c_files(tmp_path / "sources")]
+    options = ["-std=c17", "-O0", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]
+    macros = ["-DCO_SIMULATION", "-DMODEL_EXCHANGE", "-DFMI3_OVERRIDE_FUNCTION_PREFIX"]
+    product = ["-lm", "-o", tmp_path / f"{identifier}.so"]
+    command = [*build_fmu.ZIG, *options, *macros, "-isystem", build_fmu.fmi_headers(), *sources, *product]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
 
 
 # ---- documentation ----

@@ -120,7 +120,8 @@ def interface(model):
 
 def test_the_committed_file_is_what_the_emitter_prints(model):
     build_fmu.emit_description(model.identifier, 2, check=True)
-    names = [source.name for source in build_fmu.core_sources(model.identifier)]
+    sources = build_fmu.core_sources(model.identifier)
+    names = [source.relative_to(build_fmu.CORE).as_posix() for source in sources]
     emitter = ROOT / f"build/host/emit_{model.identifier}_2"
     printed = subprocess.run([emitter, *names], capture_output=True, check=True)
     assert printed.stdout == model.xml.read_bytes()

@@ -96,7 +96,7 @@ bool access_get_texts(Instance *instance, const char *function, const ValueRefer
 
 typedef struct {
     Params params;
-    FmuInputs inputs;
+    ModelInputs inputs;
 } Draft; /* laid out as the beginning of Values, so that Variable.offset holds for both */
 
 _Static_assert(offsetof(Values, model.params) == offsetof(Draft, params), "one offset for both");

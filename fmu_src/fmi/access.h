@@ -1,5 +1,5 @@
-/* Reading and setting variables by value reference, whatever the version of FMI. Where these functions return false, the
- * log says why and names `function`, and nothing has changed. */
+/* Reading and setting variables by value reference, whatever the version of FMI. Where these functions return false,
+ * the log says why and names `function`, and nothing has changed. */
 #ifndef DUALCAM_ACCESS_H
 #define DUALCAM_ACCESS_H
 

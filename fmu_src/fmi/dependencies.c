@@ -2,15 +2,15 @@
 
 const Dependency DEPENDENCIES[] = {
 #define DEPENDENCY(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
-#include "dependencies.def"
+#include "fmi/dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 const Dependency INITIAL_DEPENDENCIES[] = {
 #define INITIAL_DEPENDENCY(model, unknown, known, kind) IN_##model({VR_##unknown, VR_##known, kind}, )
-#include "dependencies.def"
+#include "fmi/dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT, DEPENDENT}};
 
 const StateDerivative STATE_DERIVATIVES[] = {
 #define STATE_DERIVATIVE(model, derivative, state) IN_##model({VR_##derivative, VR_##state}, )
-#include "dependencies.def"
+#include "fmi/dependencies.def"
     {VARIABLE_COUNT, VARIABLE_COUNT}};

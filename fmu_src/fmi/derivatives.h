@@ -5,9 +5,9 @@
 
 #include "fmi/access.h"
 
-/* Time derivatives of inputs, orders 1 to INPUT_ORDER. They hold for one step: without new ones the inputs are constant
- * over the following step. The old ones stay until then, since the derivatives of outputs at the end of a step depend on
- * them. */
+/* Time derivatives of inputs, orders 1 to INPUT_ORDER. They hold for one step: without new ones the inputs are
+ * constant over the following step. The old ones stay until then, since the derivatives of outputs at the end of a
+ * step depend on them. */
 bool derivatives_set_of_inputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                const int32_t order[], const double value[]);
 

@@ -3,16 +3,11 @@
  * A call that returns fmi2Error has logged one message that says what is allowed, and has changed nothing: the instance
  * goes on as before. This file translates the types and names of FMI 2.0; access.h, derivatives.h, simulation.h and
  * fmu_state.h do the work. */
-#include "fmi2Functions.h"
-
 #include "fmi/access.h"
 #include "fmi/derivatives.h"
+#include "fmi/fmi.h"
 #include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
-
-static fmi2Status status_of(bool good) {
-    return good ? fmi2OK : fmi2Error;
-}
 
 const char *fmi2GetTypesPlatform(void) {
     return fmi2TypesPlatform;
@@ -24,22 +19,13 @@ const char *fmi2GetVersion(void) {
 
 /* ---- life ---- */
 
-/* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and # doubled
- * the text is right where it is expanded, and readable where it is not. */
-static void escape(char *escaped, size_t size, const char *text) {
-    size_t length = 0;
-    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
-        if (*c == '%' || *c == '#') escaped[length++] = *c;
-        escaped[length++] = *c;
-    }
-    escaped[length] = '\0';
-}
-
+/* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and #
+ * doubled the text is right where it is expanded, and readable where it is not. */
 static void log_error(const Log *log, const char *name, const char *text) {
     const fmi2CallbackLogger logger = (fmi2CallbackLogger)log->logger;
     if (logger == NULL) return;
     char message[2048];
-    escape(message, sizeof message, text);
+    escape_message(message, sizeof message, text, "%#");
     logger(log->environment, name, fmi2Error, ERROR_CATEGORY, message);
 }
 

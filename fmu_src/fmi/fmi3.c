@@ -1,13 +1,14 @@
-/* The functions of FMI 3.0: life of an instance, FMU states, co-simulation, events and model exchange. Variables stand in
- * fmi3_variables.c, functions that the FMU only refuses in fmi3_unsupported.c.
+/* The functions of FMI 3.0: life of an instance, FMU states, co-simulation, events and model exchange. Variables stand
+ * in fmi3_variables.c, functions that the FMU only refuses in fmi3_unsupported.c.
  *
- * A call that returns fmi3Error has logged one message that says what is allowed, and has changed nothing: the instance
- * goes on as before. These files translate the types and names of FMI 3.0; simulation.h and fmu_state.h do the work. */
+ * A call that returns fmi3Error has logged one message that says what is allowed, and has changed nothing: the
+ * instance goes on as before. These files translate the types and names of FMI 3.0; simulation.h and fmu_state.h do
+ * the work. */
 #include <math.h>
 
+#include "fmi/fmi.h"
 #include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
-#include "fmi/version3.h"
 
 const char *fmi3GetVersion(void) {
     return fmi3Version;
@@ -16,21 +17,12 @@ const char *fmi3GetVersion(void) {
 /* ---- life ---- */
 
 /* In a message of FMI, #...# stands for a variable, and ## for #. */
-static void escape(char *escaped, size_t size, const char *text) {
-    size_t length = 0;
-    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
-        if (*c == '#') escaped[length++] = *c;
-        escaped[length++] = *c;
-    }
-    escaped[length] = '\0';
-}
-
 static void log_error(const Log *log, const char *name, const char *text) {
     (void)name; /* the environment tells instances apart */
     const fmi3LogMessageCallback logger = (fmi3LogMessageCallback)log->logger;
     if (logger == NULL) return;
     char message[2048];
-    escape(message, sizeof message, text);
+    escape_message(message, sizeof message, text, "#");
     logger(log->environment, fmi3Error, ERROR_CATEGORY, message);
 }
 

@@ -1,6 +1,6 @@
 /* The functions of FMI 3.0 that the FMU only refuses: scheduled execution, structural parameters, further types of
  * variables, and clocks. */
-#include "fmi/version3.h"
+#include "fmi/fmi.h"
 
 /* ---- scheduled execution and configuration ---- */
 

@@ -1,9 +1,175 @@
 #include "fmi/fmu_state.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi/snapshot.h"
+#ifndef MODEL_GUID
+#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
+#endif
+
+/* Everything that a restored FMU state needs. */
+typedef struct {
+    uint64_t magic; /* distinguishes a snapshot from other memory */
+    Params params;
+    ModelInputs inputs;
+    ModelState state;
+    Run run;
+} Snapshot;
+
+/* With a header that shows damaged bytes and bytes of another FMU. */
+typedef struct {
+    uint64_t magic;
+    uint64_t format;
+    uint64_t size;     /* of the snapshot */
+    uint64_t checksum; /* of the snapshot */
+    char guid[64];
+    Snapshot snapshot;
+} SerializedSnapshot;
+
+/* ---- snapshots ---- */
+
+static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
+static const uint64_t SERIALIZED_MAGIC = UINT64_C(0x6d61636c6175642e);
+enum { FORMAT = 3 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
+
+/* Equal states must have equal bytes, so the bytes that belong to no member are cleared. A new member does not compile
+ * before its padding is dealt with, here or in model_clear_padding(). */
+enum { PARAMS_END = offsetof(Params, table) + sizeof(((Params *)NULL)->table) };
+_Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int), "padding in CamParams");
+_Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
+                                 sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
+                                 sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool) +
+                                 2 * TABLE_PATH_SIZE,
+               "padding in Params");
+_Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
+_Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");
+_Static_assert(sizeof(Snapshot) ==
+                   sizeof(uint64_t) + sizeof(Params) + sizeof(ModelInputs) + sizeof(ModelState) + sizeof(Run),
+               "padding in Snapshot");
+
+static void clear_padding(Snapshot *snapshot) {
+    memset((char *)&snapshot->params + PARAMS_END, 0, sizeof(Params) - PARAMS_END);
+    model_clear_padding(&snapshot->state);
+}
+
+static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
+    const FmuModel *model = &instance->values.model;
+    snapshot->magic = SNAPSHOT_MAGIC;
+    snapshot->params = model->params;
+    snapshot->inputs = model->inputs;
+    snapshot->state = model->state;
+    snapshot->run = instance->run;
+    clear_padding(snapshot);
+}
+
+/* Copies a table's path only if one of both paths is not empty: a path is zeros from its end on. */
+static void restore_params(const Params *params, Params *to) {
+    memcpy(to, params, offsetof(Params, table));
+    for (int i = 0; i < 2; i++)
+        if (params->table[i][0] != '\0' || to->table[i][0] != '\0')
+            memcpy(to->table[i], params->table[i], sizeof to->table[i]);
+}
+
+static void restore_members(const Snapshot *snapshot, Instance *instance) {
+    FmuModel *model = &instance->values.model;
+    restore_params(&snapshot->params, &model->params);
+    model->inputs = snapshot->inputs;
+    model->state = snapshot->state;
+    instance->run = snapshot->run;
+    model->continuous = instance_has_begun(instance) && instance->run.interface_type == INTERFACE_MODEL_EXCHANGE;
+}
+
+static bool restore_and_build(const Snapshot *snapshot, Instance *instance, Fault *fault) {
+    Snapshot before;
+    snapshot_take(&before, instance);
+    restore_members(snapshot, instance);
+    if (model_rebuild(&instance->values.model, fault)) return true;
+    restore_members(&before, instance);
+    return false;
+}
+
+/* False, with the reason in `fault` and the instance as before, if the transmission cannot be built from the
+ * parameters. A snapshot holds the path of a table, not the table. So a file that has changed since gives another
+ * geometry, and a file that was removed gives none, unless the instance has read the file already.
+ *
+ * A state of another interface type is refused, since this instance does not have all of its phases. Before the run has
+ * begun nothing is built, since the parameters may not be possible yet. */
+static bool snapshot_restore(const Snapshot *snapshot, Instance *instance, Fault *fault) {
+    if (snapshot->run.interface_type != instance->run.interface_type) {
+        snprintf(fault->text, sizeof fault->text, "FMU state of %s: allowed is an FMU state of %s, as this instance",
+                 interface_name((InterfaceType)snapshot->run.interface_type),
+                 interface_name((InterfaceType)instance->run.interface_type));
+        return false;
+    }
+    if (snapshot->run.phase & PHASES_BEFORE_START) restore_members(snapshot, instance);
+    else if (!restore_and_build(snapshot, instance, fault)) return false;
+    instance_invalidate(instance);
+    return true;
+}
+
+/* False for NULL and for memory that snapshot_take() did not fill. */
+static bool snapshot_is_valid(const Snapshot *snapshot) {
+    return snapshot != NULL && snapshot->magic == SNAPSHOT_MAGIC;
+}
+
+/* ---- serialized bytes ---- */
+
+/* FNV-1a, 64 bits (G. Fowler, L. Noll, P. Vo): each round is invertible, so any single changed byte changes the sum. */
+static uint64_t checksum(const void *bytes, size_t size) {
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    const unsigned char *byte = bytes;
+    for (size_t i = 0; i < size; i++) hash = (hash ^ byte[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+static SerializedSnapshot serialized_of(const Snapshot *snapshot) {
+    SerializedSnapshot serialized = {
+        .magic = SERIALIZED_MAGIC,
+        .format = FORMAT,
+        .size = sizeof(Snapshot),
+        .checksum = checksum(snapshot, sizeof *snapshot),
+        .guid = MODEL_GUID,
+    };
+    /* an assignment need not copy the cleared padding */
+    memcpy(&serialized.snapshot, snapshot, sizeof *snapshot);
+    return serialized;
+}
+
+/* `bytes` has room for a SerializedSnapshot; any alignment will do. */
+static void snapshot_serialize(const Snapshot *snapshot, char *bytes) {
+    const SerializedSnapshot serialized = serialized_of(snapshot);
+    memcpy(bytes, &serialized, sizeof serialized);
+}
+
+/* False, with the reason in `fault`, if the bytes are not those of a snapshot of this FMU. */
+static bool snapshot_deserialize(const char *bytes, size_t size, Snapshot *snapshot, Fault *fault) {
+    if (size != sizeof(SerializedSnapshot)) {
+        snprintf(fault->text, sizeof fault->text, "serialized state of %zu bytes: allowed are only %zu", size,
+                 sizeof(SerializedSnapshot));
+        return false;
+    }
+    SerializedSnapshot serialized;
+    memcpy(&serialized, bytes, sizeof serialized);
+    const SerializedSnapshot expected = serialized_of(&serialized.snapshot);
+    const char *wrong = NULL;
+    if (serialized.magic != expected.magic) wrong = "does not begin like a state of this FMU";
+    else if (serialized.format != expected.format || serialized.size != expected.size)
+        wrong = "is of another version of this FMU";
+    else if (memcmp(serialized.guid, expected.guid, sizeof serialized.guid) != 0)
+        wrong = "is of an FMU with another GUID than " MODEL_GUID;
+    else if (serialized.checksum != expected.checksum || !snapshot_is_valid(&serialized.snapshot))
+        wrong = "is damaged: its checksum differs";
+    if (wrong != NULL) {
+        snprintf(fault->text, sizeof fault->text,
+                 "serialized state %s: allowed are only unchanged bytes that it has serialized", wrong);
+        return false;
+    }
+    memcpy(snapshot, &serialized.snapshot, sizeof *snapshot);
+    return true;
+}
+
+/* ---- behind the pointers of masters ---- */
 
 static bool is_snapshot(const Instance *instance, const char *function, const void *state) {
     return snapshot_is_valid(state) ||

@@ -1,5 +1,5 @@
-/* FMU states: snapshots behind the pointers that masters hold, whatever the version of FMI. Where these functions return
- * false, the log says why and names `function`, and nothing has changed. */
+/* FMU states, behind the pointers that masters hold, whatever the version of FMI. Where these functions
+ * return false, the log says why and names `function`, and nothing has changed. */
 #ifndef DUALCAM_FMU_STATE_H
 #define DUALCAM_FMU_STATE_H
 

@@ -52,6 +52,15 @@ __attribute__((format(printf, 3, 4))) static Instance *refuse_instance(const Log
     return NULL;
 }
 
+void escape_message(char *escaped, size_t size, const char *text, const char *doubled) {
+    size_t length = 0;
+    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
+        if (strchr(doubled, *c) != NULL) escaped[length++] = *c;
+        escaped[length++] = *c;
+    }
+    escaped[length] = '\0';
+}
+
 bool instance_has_array(const Instance *instance, const char *function, size_t n, const void *array, const char *name) {
     if (n == 0 || array != NULL) return true;
     return instance_refuse(instance, "%s: %s = NULL, with %zu elements asked for: allowed is an array of that many",

@@ -1,9 +1,5 @@
-/* One instance of the FMU: its values, its phase, and how it reports errors.
- *
- * The room fmi/ holds the functions of FMI 2.0 (fmi2.c) and FMI 3.0 (fmi3*.c), which translate the words and types of the
- * standard, and below them what both share: instance, access to variables, simulation, FMU states. The tables of variables
- * come from variables.def. No physics stands here: model.h calls forward or inverse dynamics. The room may include every
- * other room. */
+/* One instance of the FMU: its values, its phase, and how it reports errors. Nothing here depends on the version of
+ * FMI. */
 #ifndef DUALCAM_INSTANCE_H
 #define DUALCAM_INSTANCE_H
 
@@ -117,20 +113,24 @@ const char *interface_name(InterfaceType type);
 /* Changes the phase from one of `from` to `to`. */
 bool instance_change_phase(Instance *instance, const char *function, unsigned from, Phase to);
 
-/* Sets time and tolerance before the run begins. NULL: the tolerance or the stop time is not defined. A tolerance outside
- * TOLERANCE_MIN to TOLERANCE_MAX is taken as the nearest of both. Steps may go on past the stop time. */
+/* Sets time and tolerance before the run begins. NULL: the tolerance or the stop time is not defined. A tolerance
+ * outside TOLERANCE_MIN to TOLERANCE_MAX is taken as the nearest of both. Steps may go on past the stop time. */
 bool instance_setup(Instance *instance, const char *function, const double *tolerance, double start_time,
                     const double *stop_time);
 
 /* Ends initialization: to step mode, or, in model exchange and where the master handles events, to event mode. */
 bool instance_exit_initialization(Instance *instance, const char *function);
 
-/* Switches the messages of the categories on or off; no category means all. Only the categories of errors have messages. */
+/* Switches the messages of the categories on or off; no category means all. Only the categories of errors have
+ * messages. */
 bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
                           const char *const categories[]);
 
 /* Logs the message of a refused call. Returns false. */
 __attribute__((format(printf, 2, 3))) bool instance_refuse(const Instance *instance, const char *format, ...);
+
+/* Copies a message with each character of `doubled` written twice; what does not fit is left out. */
+void escape_message(char *escaped, size_t size, const char *text, const char *doubled);
 
 /* Checks that many functions share. Each logs what it refuses. */
 bool instance_has_array(const Instance *instance, const char *function, size_t n, const void *array, const char *name);

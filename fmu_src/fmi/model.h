@@ -27,9 +27,9 @@ enum { MAX_OUTPUT_ORDER = 2 }; /* highest time derivative of an output */
 #include "forward/ode.h"
 #include "forward/state.h"
 typedef Mechanism FmuModel;
-typedef Inputs FmuInputs;
-typedef State FmuState;
-typedef Outputs FmuOutputs;
+typedef Inputs ModelInputs;
+typedef State ModelState;
+typedef Outputs ModelOutputs;
 enum { RETURNS_EARLY = 1 };  /* a step can end at a mode change */
 enum { SAMPLES_INPUTS = 1 }; /* a master can set inputs inside a step */
 enum { MODEL_UNKNOWNS = 5 }; /* number of variables that have partial derivatives */
@@ -37,9 +37,9 @@ enum { CONTINUOUS_STATES = ODE_STATES, EVENT_INDICATORS = ODE_INDICATORS }; /* o
 #elif MODEL_BUILT == MODEL_INVERSE
 #include "inverse/inverse.h"
 typedef Inverse FmuModel;
-typedef InverseInputs FmuInputs;
-typedef InverseState FmuState;
-typedef InverseOutputs FmuOutputs;
+typedef InverseInputs ModelInputs;
+typedef InverseState ModelState;
+typedef InverseOutputs ModelOutputs;
 enum { RETURNS_EARLY = 0, SAMPLES_INPUTS = 0 }; /* the motion is imposed to the end of the step */
 enum { MODEL_UNKNOWNS = 3 };
 enum { CONTINUOUS_STATES = 0, EVENT_INDICATORS = 1 };
@@ -61,8 +61,8 @@ bool model_retune(FmuModel *m, const Params *params, Fault *fault);
 /* Frees the memory of the model. Safe on a zeroed model, and twice. */
 void model_free(FmuModel *m);
 
-/* A step of h > 0 seconds; m->inputs then hold their values at the end. Bit r of `derivatives_given`: derivatives of the
- * input with value reference r are given for this step. */
+/* A step of h > 0 seconds; m->inputs then hold their values at the end. Bit r of `derivatives_given`: derivatives of
+ * the input with value reference r are given for this step. */
 bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fault);
 
 /* The same with a watcher of mode changes (mechanism_advance_watched()). A model that does not return early tells the
@@ -70,10 +70,10 @@ bool model_advance(FmuModel *m, double h, unsigned derivatives_given, Fault *fau
 bool model_advance_watched(FmuModel *m, double h, unsigned derivatives_given, Watcher *watcher, Fault *fault);
 
 /* Sets all derivatives of the inputs to zero. */
-void model_clear_input_derivatives(FmuInputs *inputs);
+void model_clear_input_derivatives(ModelInputs *inputs);
 
 /* Computes these groups of outputs (Group in variables.h) with the present inputs. */
-bool model_outputs(const FmuModel *m, unsigned groups, FmuOutputs *outputs, Fault *fault);
+bool model_outputs(const FmuModel *m, unsigned groups, ModelOutputs *outputs, Fault *fault);
 
 /* Time derivative, of order 1 to MAX_OUTPUT_ORDER, of an output that model_outputs() can compute: along the motion that
  * follows with the present inputs. */
@@ -108,6 +108,6 @@ bool model_update_discrete_states(FmuModel *m, Fault *fault);
 bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault);
 
 /* Sets the bytes that belong to no member to zero, so that equal states have equal bytes. */
-void model_clear_padding(FmuState *state);
+void model_clear_padding(ModelState *state);
 
 #endif

@@ -26,7 +26,7 @@ static bool is_step(const Instance *instance, const char *function, double t, do
 bool simulation_step(Instance *instance, const char *function, double t, double h) {
     if (!instance_is_in(instance, function, PHASE_STEP) || !is_step(instance, function, t, h)) return false;
     FmuModel *model = &instance->values.model;
-    const FmuInputs before = model->inputs;
+    const ModelInputs before = model->inputs;
     if (instance->run.derivatives_given == 0) model_clear_input_derivatives(&model->inputs);
     Fault fault;
     if (!model_advance(model, h, instance->run.derivatives_given, &fault)) {
@@ -143,7 +143,7 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
     if (update == NULL && instance->run.interface_type == INTERFACE_CO_SIMULATION)
         return simulation_step(instance, function, t, h);
     WatchedStep step = {.watcher = {.changed = mode_changed}, .instance = instance, .update = update, .end = t + h};
-    const FmuInputs inputs = instance->values.model.inputs;
+    const ModelInputs inputs = instance->values.model.inputs;
     const Run run = instance->run;
     if (!advance(&step, function, t, h)) {
         instance->values.model.inputs = inputs;

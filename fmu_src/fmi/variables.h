@@ -97,7 +97,7 @@ typedef struct {
 /* All values that variables have. */
 typedef struct {
     FmuModel model;
-    FmuOutputs outputs;
+    ModelOutputs outputs;
     struct {                                /* variables of FMI 3.0 alone */
         double time;                        /* s */
         double indicator[EVENT_INDICATORS]; /* event indicators of model exchange */

@@ -84,8 +84,8 @@ static double rest_between(const BandEdge *edge, double a, double b) {
     return root_between(band_edge_excess, edge, a, band_edge_excess(edge, a), b, band_edge_excess(edge, b));
 }
 
-/* The angle between x and `end` where cam 2 comes to rest, or `end` with *rests = false. Between two samples a maximum of
- * the holding angle may hold cam 2, so reversals are looked at too. */
+/* The angle between x and `end` where cam 2 comes to rest, or `end` with *rests = false. Between two samples a maximum
+ * of the holding angle may hold cam 2, so reversals are looked at too. */
 static double rest_on_interval(const BandEdge *edge, double x, double end, bool *rests) {
     EdgeSample a = band_edge_sample(edge, x);
     *rests = true;

@@ -1,7 +1,7 @@
 /* Cam 2 at the end of an elastic shaft: where the far end of the shaft takes it.
  *
- * Friction holds cam 2 at x while the shaft's torque is inside the stick band. Otherwise cam 2 moves until the torque is
- * on the edge of the band (band_edge.h), or to an end stop. */
+ * Friction holds cam 2 at x while the shaft's torque is inside the stick band. Otherwise cam 2 moves until the torque
+ * is on the edge of the band (band_edge.h), or to an end stop. */
 #ifndef DUALCAM_ELASTIC_CAM_H
 #define DUALCAM_ELASTIC_CAM_H
 

@@ -3,8 +3,8 @@
  *     tau = K (theta - x),    T_release(x) <= tau <= T_load(x)
  * Inside the stick band friction holds x. Where tau would leave the band, x moves just so far that tau is on the edge:
  * loading, to the first x with theta <= x + T_load(x)/K. Where this sum falls along the motion (a soft shaft, an edge
- * that falls), x snaps to where the sum has recovered. The energy that the shaft then releases and friction does not take
- * counts as heat of the damper. An end stop holds x against any torque that presses into it.
+ * that falls), x snaps to where the sum has recovered. The energy that the shaft then releases and friction does not
+ * take counts as heat of the damper. An end stop holds x against any torque that presses into it.
  *
  * Work: d(K (theta - x)^2/2) = tau (dtheta - dx), so work_in = change of the shaft's energy + integral of tau dx. */
 #ifndef DUALCAM_ELASTIC_SHAFT_H

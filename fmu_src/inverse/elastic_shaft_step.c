@@ -95,9 +95,11 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     ElasticStep step = {.next = next, .quadrature = step_booking_begin(m, &next->ledger)};
     step.cam = (ElasticCam){.m = m, .x = next->cam, .quadrature = m->params.ledger ? &step.quadrature : NULL};
     if (!follow_motion(&step, motion)) {
-        snprintf(fault->text, sizeof fault->text,
-                 "theta = %.17g: cam 2 cannot pass %.17g rad, where the contacts wedge; allowed is motion short of it",
-                 next->theta, step.quadrature.bad);
+        snprintf(
+            fault->text, sizeof fault->text,
+            "theta = %.17g: cam 2 cannot pass the angle %.17g rad, where the contacts wedge; allowed is motion that "
+            "ends before this angle",
+            next->theta, step.quadrature.bad);
         return false;
     }
     const double fastest = fabs(imposed_omega(motion, bernstein_peak(&motion->dtheta_ds)));

@@ -7,8 +7,8 @@
 enum { DEGREE = INPUT_ORDER + 2 }; /* of theta, where all derivatives of alpha are given */
 _Static_assert((int)DEGREE <= (int)BERNSTEIN_MAX, "room for the motion");
 
-/* The Bernstein coefficients at both ends are the given values, to the last digit. So a speed of zero at the end makes no
- * reversal just before the end. */
+/* The Bernstein coefficients at both ends are the given values, to the last digit. So a speed of zero at the end makes
+ * no reversal just before the end. */
 static void set_cubic(ImposedMotion *m, double theta0, double omega0, double theta1, double omega1) {
     const double distance = theta1 - theta0, start = omega0 * m->h, end = omega1 * m->h;
     m->theta = (Bernstein){3, {theta0, theta0 + start / 3.0, theta1 - end / 3.0, theta1}};

@@ -83,8 +83,8 @@ static bool check_motion(const Inverse *m, const ImposedMotion *motion, double h
                inverse_reaches(m, motion->theta.c[motion->theta.degree], fault);
     snprintf(
         fault->text, sizeof fault->text,
-        "the motion to theta = %.17g, omega = %.17g within %.17g s leaves the range of numbers; allowed are finite "
-        "values",
+        "the motion to theta = %.17g, omega = %.17g within %.17g s is not finite; allowed are inputs that make finite "
+        "theta, omega, alpha and F_ext",
         m->inputs.theta[0], m->inputs.omega[0], h);
     return false;
 }
@@ -93,9 +93,11 @@ static bool check_ledger(const Ledger *l, double h, double theta, Fault *fault) 
     const double sum =
         l->work_in.hi + l->work_ext.hi + l->heat_cam[0].hi + l->heat_cam[1].hi + l->heat_damper.hi + l->heat_shaft.hi;
     if (isfinite(sum)) return true;
-    snprintf(fault->text, sizeof fault->text,
-             "step of %.17g s to theta = %.17g: an account leaves the range of numbers; allowed are finite values", h,
-             theta);
+    snprintf(
+        fault->text, sizeof fault->text,
+        "step of %.17g s to theta = %.17g: energy.work_in or another account is not finite; allowed is motion with "
+        "finite energy",
+        h, theta);
     return false;
 }
 

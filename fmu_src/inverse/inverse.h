@@ -1,7 +1,9 @@
 /* Inverse dynamics: the torque that an imposed motion of cam 2's shaft takes (docs/mechanism.md, section 7).
  *
- * The room inverse/ holds the imposed motion, the torque with a rigid and with an elastic shaft, the step and its booking,
- * and the outputs. It may include the rooms up to closed_form/, but not forward/; nothing here knows of FMI. SI units.
+ * The room inverse/ holds the imposed motion, the torque with a rigid and with an elastic shaft, the step and its
+ * booking, and the outputs. Nothing here knows of FMI. All values are in SI units.
+ *
+ * May include: platform, numerics, model, geometry, contact, closed_form, collocation; not forward.
  *
  * With D(v) the damper's force, sigma the direction of motion, and rho and kappa_1 those of the flanks on which the
  * contacts then bear (contact.h),
@@ -18,8 +20,8 @@
 #include "inverse/inverse_state.h"
 #include "model/fault.h"
 
-/* Functions that return bool return false, with the reason in `fault`, if the request cannot be carried out. Then nothing
- * but the transmission has changed. */
+/* Functions that return bool return false, with the reason in `fault`, if the request cannot be carried out. Then
+ * nothing but the transmission has changed. */
 
 /* Starts from m->params and m->inputs: at theta and omega now, and at rest before. */
 bool inverse_start(Inverse *m, Fault *fault);
@@ -36,11 +38,12 @@ bool inverse_retune(Inverse *m, const Params *params, Fault *fault);
 void inverse_free(Inverse *m);
 
 /* Moves as imposed (imposed_motion.h) for h > 0 seconds and leaves in m->inputs their values at the end. If angle and
- * speed are those of the latest communication point, cam 2 does not move. Refused are angles beyond the stops, and motion
- * that no torque brings about. */
+ * speed are those of the latest communication point, cam 2 does not move. Refused are angles beyond the stops, and
+ * motion that no torque brings about. */
 bool inverse_advance(Inverse *m, double h, GivenInput given, Fault *fault);
 
-/* Model exchange: takes on the direction of the present motion, if there is motion. From now on friction acts against it. */
+/* Model exchange: takes on the direction of the present motion, if there is motion. From now on friction acts against
+ * it. */
 void inverse_settle(Inverse *m);
 
 /* Model exchange: the event indicator, rad/s, is the speed in the present direction. Its sign change asks for

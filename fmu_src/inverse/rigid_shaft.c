@@ -61,8 +61,8 @@ double rigid_shaft_kinetic_energy(const Params *p, const ContactStatics *statics
 void rigid_shaft_describe_wedge(Fault *fault, const OperatingPoint *at) {
     snprintf(
         fault->text, sizeof fault->text,
-        "theta = %.17g, omega = %.17g, alpha = %.17g, F_ext = %.17g: the contacts wedge, no torque moves them in "
-        "the %s direction there; allowed is motion in which each contact bears on a flank that its reaction agrees "
-        "with",
+        "theta = %.17g, omega = %.17g, alpha = %.17g, F_ext = %.17g: the contacts wedge, no torque brings about this "
+        "motion in the %s direction; allowed is motion in which each contact bears on the flank that its reaction "
+        "presses on, as with a smaller alpha or less friction",
         at->theta, at->omega, at->alpha, at->F_ext, at->direction > 0 ? "loading" : "releasing");
 }

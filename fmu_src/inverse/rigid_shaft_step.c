@@ -124,8 +124,8 @@ static double kinetic_energy_on(const RigidStep *step, double s) {
     return kinetic_energy_at(step, imposed_theta(step->part.motion, s), imposed_omega(step->part.motion, s));
 }
 
-/* One monotone part of the motion. While the polynomial lies beyond a stop, cam 2 rests there. The stop takes the kinetic
- * energy; the imposed motion gives it back when it returns. */
+/* One monotone part of the motion. While the polynomial lies beyond a stop, cam 2 rests there. The stop takes the
+ * kinetic energy; the imposed motion gives it back when it returns. */
 static bool follow_between_stops(RigidStep *step, double a, double b) {
     const StopParams *stop = &step->part.m->params.stop;
     const ImposedMotion *motion = step->part.motion;

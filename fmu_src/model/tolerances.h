@@ -387,22 +387,24 @@ enum { MAX_JAMS_PER_STEP = 1000 };
 
 /* ---- inverse ---- */
 
-/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to it:
- * a speed that is zero at the end makes no reversal just before the end. */
+/* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
+ * it: a speed that is zero at the end makes no reversal just before the end. */
 static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
 
-/* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles. */
+/* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles.
+ * From 7e-7 on test_refuses_to_go_beyond_the_stops of test_inverse.py fails; ten times the value passes. */
 static const double IMPOSED_STOP_ROUNDING = 1e-9;
 
 /* rad/s: the event indicator changes its sign this late, so that rest, omega = 0, is no event. */
 static const double INVERSE_INDICATOR_DELAY = 1e-10;
 
 /* The elastic shaft's torque and the edge of the stick band are known to a few roundings. Shares of the sum of the
- * magnitudes that their difference adds up: */
+ * magnitudes that their difference adds up. The tests pass with ten times these values. */
 static const double BAND_EDGE_ROUNDING = 16.0 * DBL_EPSILON; /* a smaller excess does not move cam 2 */
 static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON; /* a smaller difference is none: the torque is on the edge */
 
-/* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. */
+/* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. A larger
+ * share costs more searches for the smallest slope, and finds no fewer reversals. */
 static const double SMALL_EDGE_SLOPE = 0.1;
 
 /* Sampling with an elastic shaft. More samples find narrower places where cam 2 rests or snaps, and cost more. */

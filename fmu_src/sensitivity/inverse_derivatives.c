@@ -25,7 +25,8 @@ static Taylor imposed_taylor(const InverseInputs *u) {
                     .known = KNOWN_COUNT};
 }
 
-/* The sign of the first coefficient, from the given order on, that is not zero: the sign just after the present instant. */
+/* The sign of the first coefficient, from the given order on, that is not zero: the sign just after the present
+ * instant. */
 static int sign_ahead(const Jet *jet, int from) {
     for (int k = from; k < JET_TERMS; k++)
         if (jet->c[k].value != 0.0) return jet->c[k].value > 0.0 ? 1 : -1;
@@ -64,8 +65,8 @@ static void balance_on_flanks(const Inverse *m, const OperatingPoint *at, const 
     taylor_balance(&slip, t);
 }
 
-/* Balances on the present flanks. A contact that carries nothing now takes the first flank that its reaction agrees with
- * a little later. */
+/* Balances on the present flanks. A contact that carries nothing now takes the first flank that its reaction agrees
+ * with a little later. */
 static void balance_ahead(const Inverse *m, const OperatingPoint *at, const RequiredTorque *required, Taylor *t) {
     const int *present = required->forces.flank;
     const bool idle[2] = {contact_statics_is_idle(&required->forces, &required->load, 0),

@@ -13,9 +13,9 @@ typedef struct {
  * else they follow from the higher derivatives given for omega or theta; else they are 0. F_ext' and F_ext'' are as
  * given. After a step the polynomials of the step go on.
  *
- * The derivatives are those of the motion that follows. Where omega = 0, its direction is that of alpha, or of the first
- * of alpha's derivatives that is not 0. If all are 0, or if no torque moves cam 2 in this direction, it is the direction
- * of the last motion. */
+ * The derivatives are those of the motion that follows. Where omega = 0, its direction is that of alpha, or of the
+ * first of alpha's derivatives that is not 0. If all are 0, or if no torque moves cam 2 in this direction, it is the
+ * direction of the last motion. */
 void inverse_derivatives(const Inverse *m, InverseDerivatives *out);
 
 #endif

@@ -52,8 +52,8 @@ static bool edge_partials(const Inverse *m, const ElasticShaftState *shaft, Part
     return true;
 }
 
-/* Of the angle x of cam 2 and of the torque of the elastic shaft, tau = K (theta - x). While cam 2 sticks, x is constant.
- * While it slips, tau is also the edge E(x, k) of the stick band, so dx = (K dtheta - E_k dk)/(K + E_x). */
+/* Of the angle x of cam 2 and of the torque of the elastic shaft, tau = K (theta - x). While cam 2 sticks, x is
+ * constant. While it slips, tau is also the edge E(x, k) of the stick band, so dx = (K dtheta - E_k dk)/(K + E_x). */
 static bool elastic_partials(const Inverse *m, const ElasticShaftState *shaft, Partials *x, Partials *tau) {
     const double K = m->params.shaft.stiffness;
     *x = *tau = (Partials){.by = {0.0}};
@@ -78,7 +78,9 @@ bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
     elastic_shaft_present(m, &shaft);
     if (elastic_partials(m, &shaft, &x, out)) return true;
     snprintf(fault->text, sizeof fault->text,
-             "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %.17g only", m->state.theta);
+             "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %.17g, as at the latest "
+             "communication point",
+             m->state.theta);
     return false;
 }
 
@@ -91,8 +93,8 @@ static bool elastic_axial_partials(const Inverse *m, int order, Partials *out, F
         return true;
     }
     snprintf(fault->text, sizeof fault->text,
-             "%s with shaft.stiffness = %.17g has no partial derivatives: shaft.stiffness must be 0 for them",
-             order == 0 ? "z, wedged," : "v", m->params.shaft.stiffness);
+             "%s has no partial derivatives with shaft.stiffness = %.17g: allowed is shaft.stiffness = 0",
+             order == 0 ? "z of a wedged cam 2" : "v", m->params.shaft.stiffness);
     return false;
 }
 

@@ -21,7 +21,8 @@ void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     out->by[KNOWN_OMEGA] = dz_dtheta;
 }
 
-/* Without inertia the balance of forces gives omega, and alpha is the time derivative of this omega along the motion. */
+/* Without inertia the balance of forces gives omega, and alpha is the time derivative of this omega along the
+ * motion. */
 static void viscous_partials(const Mechanism *m, const SlipMode *slip, Partials *out) {
     for (int k = 0; k < KNOWN_COUNT; k++) {
         Taylor along;

@@ -3,24 +3,41 @@ which compiles from there alone, and a reference result."""
 
 from __future__ import annotations
 
+import posixpath
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
+IDENTITY = "identity.h"
+INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 
-def sources(core: Path, files: Iterable[Path]) -> dict[str, Path]:
-    """Name in the archive -> file."""
-    return {f"sources/{path.relative_to(core).as_posix()}": path for path in files}
+
+def sources(core: Path, files: Iterable[Path]) -> dict[str, str]:
+    """Name in the archive -> text. In the project an include names a file from `core`; in the archive from
+    the folder of the including file, so that the sources compile in tools that know no include directory."""
+    paths = {path.relative_to(core).as_posix(): path for path in files}
+
+    def text(name: str) -> str:
+        def relative(include: re.Match[str]) -> str:
+            included = include[1]
+            if included not in paths and included != IDENTITY:
+                return include[0]  # a header of FMI
+            return f'#include "{posixpath.relpath(included, posixpath.dirname(name) or ".")}"'
+
+        return INCLUDE.sub(relative, paths[name].read_text(encoding="utf-8"))
+
+    return {f"sources/{name}": text(name) for name in paths}
 
 
 def identity_header(identifier: str, model: str, guid: str, version: int) -> str:
-    """What the project's own build says by -D options. model.h includes it where nobody does."""
+    """What the project's own build says by -D options. model.h includes this header where there are none."""
     return f"""\
-/* Which FMU the files in this directory are. They need a C17 compiler and the headers of FMI {version}.0:
- *
- *     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> -I. */*.c -lm -o {identifier}.so
- *
- * -ffp-contract=off keeps the last digits those of the binaries in this FMU. The functions have no prefix; to
- * link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_ */
+// Which FMU the files in this directory are. They need a C17 compiler and the headers of FMI {version}.0:
+//
+//     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> */*.c -lm -o {identifier}.so
+//
+// With -ffp-contract=off the results have the same last digits as those of the binaries in this FMU. The
+// functions have no prefix. To link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_
 #ifndef DUALCAM_IDENTITY_H
 #define DUALCAM_IDENTITY_H
 

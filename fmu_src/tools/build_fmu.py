@@ -156,7 +156,7 @@ HOST_SOURCES = {"emit.c", "emit.h", "emit_fmi2.c", "emit_fmi3.c"}  # run while b
 ONLY_IN = {  # by version of FMI
     2: {"fmi2.c"},
     3: {
-        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c", "version3.h"),
+        *("fmi3.c", "fmi3_unsupported.c", "fmi3_variables.c"),
         *("dependencies.c", "dependencies.def", "dependencies.h"),
     },
 }
@@ -220,7 +220,7 @@ def core_sources(identifier: str, version: int = 2) -> list[Path]:
 
 
 def headers() -> list[Path]:
-    return [*CORE.rglob("*.h"), *CORE.glob("*.def"), *BARE.glob("*.h")]
+    return [*CORE.rglob("*.h"), *CORE.rglob("*.def"), *BARE.glob("*.h")]
 
 
 def fingerprint(files: Iterable[Path], *words: str) -> str:
@@ -339,9 +339,8 @@ def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
     icon = DESCRIPTIONS / "model.png"
     extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "terminalsAndIcons/icon.png": icon}
     extra |= {"model.png": icon} if version == 2 else {}
-    extra |= archive.sources(CORE, core_files(identifier, version, [".c", ".h", ".def"]))
     extra |= archive.reference(DESCRIPTIONS, identifier)
-    texts = {
+    texts = archive.sources(CORE, core_files(identifier, version, [".c", ".h", ".def"])) | {
         "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
         "sources/identity.h": archive.identity_header(identifier, MODELS[identifier], guid, version),
         "terminalsAndIcons/terminalsAndIcons.xml": archive.terminals(MODELS[identifier]),

@@ -1,5 +1,6 @@
 /* A program that the build runs: it prints modelDescription.xml, from variables.def, of the FMU that MODEL_BUILT and
- * FMI_VERSION choose. emit.c holds the parts that both versions of FMI share; emit_fmi2.c and emit_fmi3.c hold the rest. */
+ * FMI_VERSION choose. emit.c holds the parts that both versions of FMI share; emit_fmi2.c and emit_fmi3.c hold the
+ * rest. */
 #ifndef DUALCAM_EMIT_H
 #define DUALCAM_EMIT_H
 
@@ -35,8 +36,8 @@ void put_unit_and_range(Sink *sink, const Variable *variable); /* declaredType, 
 bool has_start(const Variable *variable);
 const char *start_of(const Variable *variable, ShortestDecimal *text); /* not of a String, whose start is "" */
 
-/* ` dependencies="..." dependenciesKind="..."`: the dependencies of `unknown` in `list`. `number` gives the number by which
- * the standard refers to a known. */
+/* ` dependencies="..." dependenciesKind="..."`: the dependencies of `unknown` in `list`. `number` gives the number by
+ * which the standard refers to a known. */
 void put_dependencies(Sink *sink, unsigned unknown, const Dependency *list, unsigned (*number)(unsigned reference));
 
 bool is_output(unsigned reference);

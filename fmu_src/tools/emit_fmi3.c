@@ -1,5 +1,5 @@
-/* modelDescription.xml of FMI 3.0. Unknowns are referred to by their value references. The list of sources is in another
- * file, sources/buildDescription.xml (archive.py). */
+/* modelDescription.xml of FMI 3.0. Unknowns are referred to by their value references. The list of sources is in
+ * another file, sources/buildDescription.xml (archive.py). */
 #include "tools/emit.h"
 
 static void put_type(Sink *sink, const Unit *unit) {

@@ -1,0 +1,32 @@
+/* The standard that this FMU implements, FMI 2.0 or FMI 3.0, as the files fmi2.c and fmi3*.c share it.
+ *
+ * The room fmi/ holds the functions of FMI 2.0 (fmi2.c) and of FMI 3.0 (fmi3*.c). They translate the names and types
+ * of the standard. Below them stands what both share: the instance, access to variables, simulation, FMU states. The
+ * tables of variables come from variables.def and dependencies.def. No physics stands here: model.h calls forward or
+ * inverse dynamics.
+ *
+ * May include: platform, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
+ * sensitivity. */
+#ifndef DUALCAM_FMI_H
+#define DUALCAM_FMI_H
+
+#include "fmi/instance.h"
+
+#if FMI_VERSION == 2
+#include "fmi2Functions.h"
+
+static inline fmi2Status status_of(bool good) {
+    return good ? fmi2OK : fmi2Error;
+}
+#else
+#include "fmi3Functions.h"
+
+static inline fmi3Status status_of(bool good) {
+    return good ? fmi3OK : fmi3Error;
+}
+
+/* The log of an importer's callback, which may be NULL. */
+Log fmi3_log(fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger);
+#endif
+
+#endif
