@@ -401,10 +401,10 @@ static const double INVERSE_INDICATOR_DELAY = 1e-10;
 /* The elastic shaft's torque and the edge of the stick band are known to a few roundings. Shares of the sum of the
  * magnitudes that their difference adds up. The tests pass with ten times these values. */
 static const double BAND_EDGE_ROUNDING = 16.0 * DBL_EPSILON; /* a smaller excess does not move cam 2 */
-static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON; /* a smaller difference is none: the torque is on the edge */
+static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON;      /* a smaller difference: the torque is on the edge */
 
-/* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. A larger
- * share costs more searches for the smallest slope, and finds no fewer reversals. */
+/* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. A
+ * larger share costs more searches for the smallest slope, and finds no fewer reversals. */
 static const double SMALL_EDGE_SLOPE = 0.1;
 
 /* Sampling with an elastic shaft. More samples find narrower places where cam 2 rests or snaps, and cost more. */
