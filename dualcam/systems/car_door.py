@@ -159,9 +159,7 @@ def plain_door() -> DoorCam:
     return DoorCam(replace(design().cam, friction=(0.0, 0.0), preload=0.0, stiffness=0.0))
 
 
-def held_share(
-    cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000
-) -> float:
+def held_share(cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000) -> float:
     """Share of `points` angles in these attitudes at which the door stays where it is let go."""
     held = 0
     for attitude in attitudes:

@@ -96,6 +96,13 @@ def horizontal_torque(payload: float) -> float:
     return weight(payload).torque(0.5 * math.pi - LEAN)
 
 
+def cycle_friction(cam: HelicalCam) -> float:
+    """Friction heat of a slow cycle over the motion's travel [J]: the area between T_load and T_release."""
+    middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
+    release, load = cam.band(middle)
+    return (load - release) * (MOTION.end - MOTION.start)
+
+
 @dataclass(frozen=True)
 class Cycle:
     """Figures of the last cycle of a run, `whole` being the run from the start."""

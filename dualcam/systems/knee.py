@@ -111,9 +111,7 @@ def plant(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
     return {**cam, "inertia.shaft": inertia(walker), "stop.lower": 0.0, "stop.upper": RANGE}
 
 
-def simulate(
-    fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impedance | None
-) -> KneeSwing:
+def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impedance | None) -> KneeSwing:
     """One swing with the cam of these start values under `controller`; None: the motor is off.
 
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
