@@ -18,6 +18,7 @@ load (pin of 3 mm radius, flank 8 mm wide, steel) is read off curvature and pres
 
 from __future__ import annotations
 
+import argparse
 import math
 import tempfile
 from collections.abc import Callable, Sequence
@@ -27,12 +28,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from story import command_line
 
 from dualcam import Fmu
 from dualcam.design import Assessment, Design, Helix, Limits, Pin, Spring, assess, optimum, synthesize
 from dualcam.design.statics import Array
 
+BUILD = Path(__file__).resolve().parent.parent / "build"
 UPPER = math.radians(80.0)
 FRICTION = (0.14, 0.14)  # of the paper's first grease
 WEIGHT = 1.5 * 9.81 * 0.5  # N.m, of the arm when it is level
@@ -107,15 +108,8 @@ def slow_torque(fmu: Fmu, parameters: dict[str, float | int | str], theta: Array
 
 def solve(task: Task, fmu: Fmu) -> Result:
     """Design the groove and turn the FMU through it, both ways."""
-    design = synthesize(
-        task.torque,
-        UPPER,
-        task.spring,
-        direction=task.direction,
-        groove2=task.groove2,
-        friction=FRICTION,
-        radius=0.02,
-    )
+    options = {"direction": task.direction, "groove2": task.groove2}
+    design = synthesize(task.torque, UPPER, task.spring, friction=FRICTION, radius=0.02, **options)
     theta = np.linspace(0.0, UPPER, ANGLES)
     with tempfile.TemporaryDirectory() as directory:
         parameters = design.mechanism.parameters(directory)
@@ -163,17 +157,12 @@ def picture(results: Sequence[Result], output: Path) -> None:
         f"friction {FRICTION[0]} included, obtained within {worst:.0e} of what was wanted",
         fontsize=14,
     )
-    _draw_torque(axes[0, 0], results)
-    _draw_error(axes[0, 1], results)
-    _draw_grooves(axes[1, 0], results)
-    _draw_lead_angles(axes[1, 1], results)
-    _draw_bend(axes[2, 0], results)
-    _draw_pressure(axes[2, 1], results)
-    for one in axes.flat:
-        one.grid(color="0.9")
-    for one in (axes[0, 0], axes[0, 1], axes[1, 1], axes[2, 0], axes[2, 1]):
-        one.set_xlabel("theta [deg]")
-        one.set_xlim(0.0, 80.0)
+    panels = (_draw_torque, _draw_error, _draw_grooves, _draw_lead_angles, _draw_bend, _draw_pressure)
+    for panel, draw in zip(axes.flat, panels, strict=True):
+        draw(panel, results)
+        panel.grid(color="0.9")
+        if draw is not _draw_grooves:
+            panel.set(xlabel="theta [deg]", xlim=(0.0, 80.0))
     output.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(output, dpi=110)
 
@@ -186,9 +175,7 @@ def _draw_torque(axes: Axes, results: Sequence[Result]) -> None:
         axes.plot(degrees, result.other, color=colour, lw=1, ls=":")
     axes.plot([], [], "k--", lw=1.2, label="wanted")
     axes.plot([], [], "k:", lw=1, label="the way back")
-    axes.set_title("Torque of slow motion in DualCamInverse")
-    axes.set_ylabel("torque [N.m]")
-    axes.set_ylim(0.0, 17.0)
+    axes.set(title="Torque of slow motion in DualCamInverse", ylabel="torque [N.m]", ylim=(0.0, 17.0))
     axes.legend(loc="upper left")
 
 
@@ -198,9 +185,7 @@ def _draw_error(axes: Axes, results: Sequence[Result]) -> None:
         axes.semilogy(np.degrees(result.theta), error, color=result.task.colour, lw=0.8)
     axes.axhline(1e-6, color="tab:red", ls="--", lw=1)
     axes.text(79.0, 1.3e-6, "asked for", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Obtained against wanted torque")
-    axes.set_ylabel("relative error")
-    axes.set_ylim(1e-11, 1e-5)
+    axes.set(title="Obtained against wanted torque", ylabel="relative error", ylim=(1e-11, 1e-5))
 
 
 def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
@@ -215,12 +200,8 @@ def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
         _draw_flanks(axes, path, 1e3 * course.z, colour)
     axes.plot([], [], "k-", lw=2, label="groove 1 (or both): path of the pin and flanks")
     axes.plot([], [], "k--", lw=1, label="groove 2, given: a helix")
-    axes.set_xlim(-5.0, 42.0)
-    axes.set_ylim(-5.0, 21.0)
-    axes.set_aspect("equal")
-    axes.set_title("Unwrapped grooves")
-    axes.set_xlabel("along the circumference, r psi [mm]")
-    axes.set_ylabel("z [mm]")
+    axes.set(title="Unwrapped grooves", xlim=(-5.0, 42.0), ylim=(-5.0, 21.0), aspect="equal")
+    axes.set(xlabel="along the circumference, r psi [mm]", ylabel="z [mm]")
     axes.legend(loc="lower right", fontsize=9)
 
 
@@ -241,9 +222,7 @@ def _draw_lead_angles(axes: Axes, results: Sequence[Result]) -> None:
     axes.plot([], [], "k--", label="groove 2")
     axes.axhline(math.degrees(math.atan(FRICTION[0])), color="tab:red", ls=":")
     axes.text(79.0, 8.6, "below: locks itself", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Lead angles")
-    axes.set_ylabel("lead angle [deg]")
-    axes.set_ylim(0.0, 80.0)
+    axes.set(title="Lead angles", ylabel="lead angle [deg]", ylim=(0.0, 80.0))
     axes.legend(loc="upper right")
 
 
@@ -254,8 +233,7 @@ def _draw_bend(axes: Axes, results: Sequence[Result]) -> None:
     for side in (-1.0, 1.0):
         axes.axhline(side, color="tab:red", ls="--", lw=1)
     axes.text(79.0, -0.97, "beyond: the inner flank is undercut", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Bend of groove 1 (+ steepens)")
-    axes.set_ylabel("pin radius / radius of curvature")
+    axes.set(title="Bend of groove 1 (+ steepens)", ylabel="pin radius / radius of curvature")
     axes.set_ylim(-1.1, 1.1)
 
 
@@ -266,18 +244,20 @@ def _draw_pressure(axes: Axes, results: Sequence[Result]) -> None:
             axes.plot(np.degrees(seen.theta), pressure, color=colour, ls=style)
     axes.axhline(LIMITS.pressure / 1e6, color="tab:red", ls="--", lw=1)
     axes.text(79.0, LIMITS.pressure / 1e6 + 15.0, "allowed", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Pressure between pin and flank (Hertz), the higher one of both ways")
-    axes.set_ylabel("largest pressure [MPa]")
-    axes.set_ylim(0.0, 1700.0)
+    axes.set(title="Pressure between pin and flank (Hertz), the higher one of both ways")
+    axes.set(ylabel="largest pressure [MPa]", ylim=(0.0, 1700.0))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    fmu, output = command_line(__doc__, "designed_groove.png", arguments, model="DualCamInverse")
-    results = run(fmu)
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--fmu", type=Path, default=BUILD / "DualCamInverse.fmu")
+    parser.add_argument("--output", type=Path, default=BUILD / "designed_groove.png", help="picture to write")
+    options = parser.parse_args(arguments)
+    results = run(options.fmu)
     print(report(results))
-    picture(results, output)
-    print(f"Picture: {output}")
+    picture(results, options.output)
+    print(f"Picture: {options.output}")
 
 
 if __name__ == "__main__":
