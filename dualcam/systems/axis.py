@@ -1,9 +1,9 @@
 """The forward FMU as a motor-driven axis: a closed loop of controller, current loop, load and cam.
 
-    with Fmu("build/DualCamForward.fmu") as fmu:
-        axis = CamAxis(fmu)
-        axis.start({"inertia.shaft": 0.2, **cam.parameters()}, angle=0.1)
-        record = follow(axis, load, controller, CurrentLoop(motor), motion.sample(time))
+with Fmu("build/DualCamForward.fmu") as fmu:
+    axis = CamAxis(fmu)
+    axis.start({"inertia.shaft": 0.2, **cam.parameters()}, angle=0.1)
+    record = follow(axis, load, controller, CurrentLoop(motor), motion.sample(time))
 """
 
 from __future__ import annotations
