@@ -8,8 +8,10 @@ usage: ./build.sh [command] [arguments]
 
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
-  door     build, then run system_examples/car_door.py; arguments go to it
+  door     build, then run system_examples/car_door.py (seconds); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
+  report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
+           further arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -23,7 +25,7 @@ usage: ./build.sh [command] [arguments]
   precision build, then run benchmarks/work_precision.py (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
   stress   build, then run benchmarks/stress.py (five minutes), which writes docs/stress.md; arguments go to it
-  paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
+  paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   coupling build, then run benchmarks/coupling.py (seconds), which draws docs/coupling.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
@@ -108,7 +110,14 @@ case $command in
     knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
     door) run_program . system_examples/car_door.py "$@" ;;
     design) run_program . system_examples/designed_groove.py "$@" ;;
-    ssp) run_program . system_examples/ssp_run.py "$@" ;;
+    ssp)
+        export PYTHONPATH=fmu_src:masters  # how FMUs are built, and how other masters are installed
+        run_program . -m system_examples.ssp "$@"
+        ;;
+    report)
+        [ $# -gt 0 ] || die "report of what? robot_joint, prosthetic_knee or car_door"
+        run_program . -m "case_studies.$1" "${@:2}"
+        ;;
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' benchmarks/bench.py "$@" ;;
@@ -118,7 +127,7 @@ case $command in
     skipping) run_program . benchmarks/skipping.py "$@" ;;
     growth) run_program . benchmarks/growth.py "$@" ;;
     loop) run_program . benchmarks/loop_cost.py "$@" ;;
-    paper) run_program . system_examples/paper.py "$@" ;;
+    paper) run_program . -m case_studies.paper "$@" ;;
     coupling) run_program . benchmarks/coupling.py "$@" ;;
     rate) run_program . benchmarks/study_rate.py "$@" ;;
     study)

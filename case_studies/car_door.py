@@ -203,8 +203,8 @@ def findings(results: Results) -> str:
         f" {results.slams[NOSE_UP, UNDAMPED, hardest].latch_speed:.2f} rad/s.",
     ]
     hurts = [
-        f"Friction is what holds, and every move pays for it: {level.record.friction_heat:.0f} J per cycle. On"
-        f" level ground the motor takes {level.move_energy:.0f} J to open and close the door,"
+        f"Friction is what holds, and every move pays for it: {level.record.friction_heat:.0f} J per cycle."
+        f" On level ground the motor takes {level.move_energy:.0f} J to open and close the door,"
         f" {results.cycles[LEVEL, BARE].move_energy:.1f} J without the cam, made up for only after"
         f" {pays_off(results, LEVEL) / 60:.0f} min of holding. To save energy on short stops, leave the cam"
         " out.",

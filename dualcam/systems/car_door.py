@@ -199,12 +199,17 @@ def plant(cam: DoorCam) -> dict[str, float]:
     }
 
 
+def believed(cam: DoorCam) -> DoorCam:
+    """The cam as the controller believes it."""
+    return replace(cam, cam=cam.cam.with_friction(FRICTION_BELIEVED))
+
+
 def controller(cam: DoorCam, attitude: str) -> SpeedController:
     """The speed controller, whose mass and friction are off by MASS_BELIEVED and FRICTION_BELIEVED."""
     return SpeedController(
         inertia=INERTIA,
         load=weight(attitude, MASS_BELIEVED * MASS),
-        hold=replace(cam, cam=cam.cam.with_friction(FRICTION_BELIEVED)),
+        hold=believed(cam),
         limit=MOTOR.peak_torque,
         bandwidth=BANDWIDTH,
         rest_speed=REST_SPEED,
