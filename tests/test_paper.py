@@ -16,7 +16,16 @@ from case_studies.paper.cams import Pair, Statics, pair
 from case_studies.paper.efficiency import beyond_one, efficiency, searched_optimum
 from case_studies.paper.measurements import needed_friction
 from case_studies.paper.printed import Case
-from case_studies.paper.published import GREASES, LOADING, PAIRS, PUBLISHED, RADII, RANGE, RELEASING, WAYS
+from case_studies.paper.published import (
+    DIRECTIONS,
+    GREASES,
+    LOADING,
+    PAIRS,
+    PUBLISHED,
+    RADII,
+    RANGE,
+    RELEASING,
+)
 from case_studies.paper.readings import rms
 from dualcam import Fmu
 from dualcam.design import optimum
@@ -24,7 +33,7 @@ from dualcam.design import optimum
 PAGE = ROOT / "docs" / "paper.md"
 each_pair = pytest.mark.parametrize("name", PAIRS)
 each_grease = pytest.mark.parametrize("mu", GREASES)
-each_way = pytest.mark.parametrize("way", WAYS)
+each_way = pytest.mark.parametrize("way", DIRECTIONS)
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +182,7 @@ def test_curves_are_those_of_the_balance(work, name):
         lead, z = place(cams, work.angle[index])
         force = cams.force * (cams.preload + (1 - cams.preload) * z / stroke)
         for mu in GREASES:
-            for way in WAYS:
+            for way in DIRECTIONS:
                 drawn = work.curves[name, mu, way]
                 r1, r2, torque = balance(lead, RADII, (mu, mu), way, force)
                 assert drawn.torque[index] == pytest.approx(float(torque), rel=1e-10)
@@ -185,7 +194,7 @@ def test_curves_are_those_of_the_balance(work, name):
 @each_grease
 def test_formula_meets_the_fmu_everywhere(work, name, mu):
     statics = Statics(pair(name), work.angle)
-    for way in WAYS:
+    for way in DIRECTIONS:
         drawn = work.curves[name, mu, way]
         assert np.max(np.abs(drawn.torque - statics.torque(way, mu))) < 1e-9
         for mine, theirs in zip(statics.reactions(way, mu), drawn.reactions, strict=True):
@@ -196,7 +205,7 @@ def test_formula_meets_the_fmu_everywhere(work, name, mu):
 @each_pair
 @each_grease
 def test_heat_is_the_area_and_the_friction_power(work, name, mu):
-    up, down = (work.curves[name, mu, way] for way in WAYS)
+    up, down = (work.curves[name, mu, way] for way in DIRECTIONS)
     assert work.heat[name, mu] == pytest.approx(simpson(up.torque - down.torque, x=work.angle), rel=1e-6)
     power = sum(
         mu * published.CONTACTS * reaction * sliding
@@ -231,7 +240,7 @@ def test_other_pairs_keep_to_the_published_facts(work, name):
 def test_torque_of_two_helices(work, way):
     case = Case()
     exact = float(balance(case.lead, case.radii, (case.friction,) * 2, way, case.force)[2])
-    fmu = dict(zip(WAYS, fmus.torques_of_fmu(work, case), strict=True))
+    fmu = dict(zip(DIRECTIONS, fmus.torques_of_fmu(work, case), strict=True))
     assert [case.correct(way), case.balance(way), fmu[way]] == pytest.approx([exact] * 3, rel=1e-12)
 
 
@@ -374,14 +383,14 @@ def test_constant_friction_force(name, way):
 def test_what_the_words_on_friction_claim(work):
     _, factors = needed_friction(work)
     for mu in GREASES:
-        loading, releasing = (factors["B", mu, way] for way in WAYS)
+        loading, releasing = (factors["B", mu, way] for way in DIRECTIONS)
         assert loading == pytest.approx(releasing, rel=0.04)  # the two directions agree in pair B,
         assert min(loading, releasing) > GREASES[1] / GREASES[0]
         assert factors["A", mu, RELEASING] > 1.2 * factors["A", mu, LOADING]  # not in pair A,
         statics = Statics(pair("B"), work.angle)  # and worse in pair B with less friction
-        less = [readings.friction_for(statics, mu, way, PUBLISHED["B"][way], -1) for way in WAYS]
+        less = [readings.friction_for(statics, mu, way, PUBLISHED["B"][way], -1) for way in DIRECTIONS]
         assert less[1] > (2.0 if mu == GREASES[0] else 1.15) * less[0]
-    for way in WAYS:
+    for way in DIRECTIONS:
         assert max(readings.law_error(statics, GREASES[0], 1 / 2, way)) < PUBLISHED["B"][way]
     assert max(readings.law_error(statics, GREASES[0], 1.0, LOADING)) < PUBLISHED["B"][LOADING]
     grease = rms(statics.torque(LOADING, GREASES[1]) - statics.torque(LOADING, GREASES[0]))

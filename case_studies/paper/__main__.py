@@ -20,9 +20,9 @@ ROOT = Path(__file__).resolve().parents[2]
 SECTIONS = (verdicts, efficiency_section, torque_section, errata, uncertainty, measurements, friction_laws)
 
 
-def page(work: FmuResults) -> str:
+def page(fmus: FmuResults) -> str:
     """The text of docs/paper.md."""
-    return "\n".join([opening(), *(section(work) for section in SECTIONS)])
+    return "\n".join([opening(), *(section(fmus) for section in SECTIONS)])
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -33,10 +33,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     build = ROOT / "build"
     options.output.mkdir(parents=True, exist_ok=True)
     with Fmu(build / "DualCamInverse.fmu") as inverse, Fmu(build / "DualCamForward.fmu") as forward:
-        work = FmuResults(inverse, forward)
-        (options.output / "paper.md").write_text(page(work), encoding="utf-8")
+        fmus = FmuResults(inverse, forward)
+        (options.output / "paper.md").write_text(page(fmus), encoding="utf-8")
         for name, draw in PICTURES.items():
-            draw(work).savefig(options.output / f"paper_{name}.png", dpi=100)
+            draw(fmus).savefig(options.output / f"paper_{name}.png", dpi=100)
     print(f"Written: {options.output / 'paper.md'} and {len(PICTURES)} pictures beside it")
 
 

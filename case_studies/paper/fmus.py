@@ -11,6 +11,7 @@ import numpy as np
 from case_studies.paper.cams import Pair, other_pairs, pair
 from case_studies.paper.printed import Case
 from case_studies.paper.published import (
+    DIRECTIONS,
     EQUAL,
     GREASES,
     OTHERS,
@@ -20,7 +21,6 @@ from case_studies.paper.published import (
     RANGE,
     SPEED,
     TORQUE,
-    WAYS,
 )
 from dualcam import Fmu
 from dualcam.design.statics import Array
@@ -28,7 +28,8 @@ from dualcam.design.statics import Array
 
 @dataclass(frozen=True)
 class Curve:
-    """One way along the range as DualCamInverse gives it."""
+    """Torque, reactions and sliding speeds in one direction along the range, as DualCamInverse gives them;
+    arrays of shape (n,)."""
 
     angle: Array  # rad
     torque: Array  # N.m
@@ -37,7 +38,7 @@ class Curve:
 
 
 def curve(inverse: Fmu, cams: Pair, friction: float, direction: int, angle: Array) -> Curve:
-    """Torque and reactions at 1 rad/s without inertia: the kinetostatic ones."""
+    """The kinetostatic curve: at 1 rad/s without inertia, at these angles [rad], shape (n,)."""
     inverse.start({**cams.parameters(friction), "ledger": False})
     motion = inverse.reals("theta", "omega")
     wanted = inverse.reals(
@@ -54,7 +55,7 @@ def curve(inverse: Fmu, cams: Pair, friction: float, direction: int, angle: Arra
 
 
 def edges(inverse: Fmu, parameters: dict[str, float]) -> tuple[float, float]:
-    """Torques when loading and releasing at the start of two helices, N.m."""
+    """Torques [N.m] when loading and releasing at theta = 0 of two helices."""
     inverse.start({"inertia.shaft": 0.0, "stop.upper": 0.01, **parameters})
     return inverse.real("torque_load"), inverse.real("torque_release")
 
@@ -62,6 +63,7 @@ def edges(inverse: Fmu, parameters: dict[str, float]) -> tuple[float, float]:
 def helices(
     lead: tuple[float, float], friction: tuple[float, float], radii: tuple[float, float], force: float
 ) -> dict[str, float]:
+    """Start values of the FMU with two helices under a constant axial force [N]."""
     return {
         "cam1.radius": radii[0],
         "cam2.radius": radii[1],
@@ -77,12 +79,14 @@ def helices(
 def efficiency_of_fmu(
     inverse: Fmu, lead: tuple[float, float], friction: tuple[float, float], radii: tuple[float, float]
 ) -> float:
+    """Torque when releasing over torque when loading."""
     load, release = edges(inverse, helices(lead, friction, radii, 1000.0))
     return release / load
 
 
 def friction_heat(forward: Fmu, cams: Pair, friction: float) -> tuple[float, float]:
-    """Heat at cam 1 and cam 2 of a slow cycle over the whole range, J: torque up and down in ramps."""
+    """Friction heat [J] at cam 1 and cam 2 of a slow cycle over the whole range: torque in ramps up and
+    down."""
     peak = 1.2 * TORQUE * max(1.0, friction / GREASES[0])
     forward.start(cams.parameters(friction))
     command = forward.reals("tau")
@@ -97,22 +101,24 @@ def friction_heat(forward: Fmu, cams: Pair, friction: float) -> tuple[float, flo
 
 @dataclass(frozen=True)
 class FmuResults:
-    """All that is taken from the FMUs."""
+    """The numbers of the page that come from the FMUs, each computed once."""
 
     inverse: Fmu
     forward: Fmu
 
     @cached_property
     def angle(self) -> Array:
+        """Angles of all curves [rad], shape (57,)."""
         return np.linspace(0.0, RANGE, 57)
 
     @cached_property
     def curves(self) -> dict[tuple[str, float, int], Curve]:
+        """By pair, friction and direction."""
         return {
-            (name, mu, way): curve(self.inverse, pair(name), mu, way, self.angle)
+            (name, mu, direction): curve(self.inverse, pair(name), mu, direction, self.angle)
             for name in PAIRS
             for mu in GREASES
-            for way in WAYS
+            for direction in DIRECTIONS
         }
 
     @cached_property
@@ -121,19 +127,22 @@ class FmuResults:
         found: dict[str, list[tuple[Pair, Array, Array]]] = {name: [] for name in PAIRS}
         for name in PAIRS:
             for cams in other_pairs(name, OTHERS):
-                up, down = (curve(self.inverse, cams, GREASES[0], way, self.angle).torque for way in WAYS)
+                up, down = (
+                    curve(self.inverse, cams, GREASES[0], direction, self.angle).torque
+                    for direction in DIRECTIONS
+                )
                 found[name].append((cams, up, down))
         return found
 
     @cached_property
     def heat(self) -> dict[tuple[str, float], float]:
-        """Friction heat of a slow cycle, J."""
+        """Friction heat of a slow cycle [J], by pair and friction."""
         return {
             (name, mu): sum(friction_heat(self.forward, pair(name), mu)) for name in PAIRS for mu in GREASES
         }
 
     def best_on_grid(self, friction: float) -> tuple[float, float, float]:
-        """Largest efficiency on a grid of lead angles with pi/4 in it: lead angles and efficiency."""
+        """Lead angles [rad] and efficiency of the best point of a grid that contains pi/4."""
         grid = np.linspace(0.3, 0.5 * math.pi - 0.3, 21)
         found = [
             (efficiency_of_fmu(self.inverse, (x, y), (friction, friction), EQUAL), x, y)
@@ -144,23 +153,24 @@ class FmuResults:
         return float(x), float(y), best
 
 
-def torques_of_fmu(work: FmuResults, case: Case) -> tuple[float, float]:
-    """Torques of the FMU when loading and releasing."""
+def torques_of_fmu(results: FmuResults, case: Case) -> tuple[float, float]:
+    """Torques [N.m] of the FMU when loading and releasing."""
     parameters = helices(case.lead, (case.friction, case.friction), case.radii, case.force)
-    return edges(work.inverse, parameters)
+    return edges(results.inverse, parameters)
 
 
-def damper_of_fmu(work: FmuResults, case: Case) -> tuple[float, float]:
-    """Damper force and torque when releasing at SPEED."""
+def damper_of_fmu(results: FmuResults, case: Case) -> tuple[float, float]:
+    """Damper force [N] and torque [N.m] when releasing at SPEED."""
     s1, s2 = (r * math.tan(x) for r, x in zip(case.radii, case.lead, strict=True))
     parameters = helices(case.lead, (case.friction,) * 2, case.radii, case.force)
     omega = -SPEED * (s1 + s2) / (s1 * s2)
-    work.inverse.start({**parameters, "inertia.shaft": 0.0, "damper.q_release": QUADRATIC, "omega": omega})
-    return work.inverse.real("damper.force"), work.inverse.real("tau")
+    results.inverse.start({**parameters, "inertia.shaft": 0.0, "damper.q_release": QUADRATIC, "omega": omega})
+    return results.inverse.real("damper.force"), results.inverse.real("tau")
 
 
-def pull_of_fmu(work: FmuResults, case: Case) -> tuple[float, float]:
-    """Torque when loading at 1 rad/s with the follower pulled up, and its speed: friction takes T - F v."""
+def pull_of_fmu(results: FmuResults, case: Case) -> tuple[float, float]:
+    """Torque [N.m] when loading at 1 rad/s with the follower pulled up by PULL, and the follower's speed v
+    [m/s]. Friction takes T - F v."""
     parameters = helices(case.lead, (case.friction,) * 2, case.radii, case.force)
-    work.inverse.start({**parameters, "inertia.shaft": 0.0, "F_ext": PULL, "omega": 1.0})
-    return work.inverse.real("tau"), work.inverse.real("v")
+    results.inverse.start({**parameters, "inertia.shaft": 0.0, "F_ext": PULL, "omega": 1.0})
+    return results.inverse.real("tau"), results.inverse.real("v")

@@ -10,6 +10,7 @@ import numpy as np
 from case_studies.paper.cams import Statics, pair
 from case_studies.paper.fmus import FmuResults
 from case_studies.paper.published import (
+    DIRECTIONS,
     EXPONENTS,
     FEW,
     GREASES,
@@ -22,7 +23,6 @@ from case_studies.paper.published import (
     TILT,
     TORQUE,
     UNCERTAINTY,
-    WAYS,
 )
 from case_studies.paper.readings import (
     DRAWS,
@@ -38,18 +38,18 @@ from case_studies.paper.readings import (
 from case_studies.paper.text import paragraph, percent, span, table
 
 
-def uncertainty(work: FmuResults) -> str:
+def uncertainty(fmus: FmuResults) -> str:
     budget = uncertainty_budget()
     rows = [
         [
             name,
-            WAYS[way],
+            DIRECTIONS[direction],
             f"{error}",
             percent(error / TORQUE, 2),
             f"{error / (UNCERTAINTY * TORQUE):.0f}",
         ]
         for name in PAIRS
-        for way, error in PUBLISHED[name].items()
+        for direction, error in PUBLISHED[name].items()
     ]
     return "\n".join(
         [
@@ -83,7 +83,7 @@ def uncertainty(work: FmuResults) -> str:
     )
 
 
-def measurements(work: FmuResults) -> str:
+def measurements(fmus: FmuResults) -> str:
     rows = []
     for draw in DRAWS:
         cells = [draw]
@@ -96,13 +96,13 @@ def measurements(work: FmuResults) -> str:
     shares = [
         [
             name,
-            WAYS[way],
+            DIRECTIONS[direction],
             f"{error}",
             *(f"{share_needed(error, band_at_readings(name, mu)):.2f}" for mu in GREASES),
-            span([math.sqrt(3.0) * error / rms(up - down) for _, up, down in work.others[name]]),
+            span([math.sqrt(3.0) * error / rms(up - down) for _, up, down in fmus.others[name]]),
         ]
         for name in PAIRS
-        for way, error in PUBLISHED[name].items()
+        for direction, error in PUBLISHED[name].items()
     ]
     ratios = {
         count: readings(band_at_readings("B", GREASES[0], count), uniform)[1] for count in (READINGS, FEW)
@@ -150,47 +150,50 @@ def measurements(work: FmuResults) -> str:
     )  # fmt: skip
 
 
-def needed_friction(work: FmuResults) -> tuple[list[list[str]], dict[tuple[str, float, int], float]]:
+def needed_friction(fmus: FmuResults) -> tuple[list[list[str]], dict[tuple[str, float, int], float]]:
     """Rows of the constant frictions that make the published RMSE; the larger one over the grease's."""
     rows, factors = [], {}
     for name, mu in product(PAIRS, GREASES):
-        statics = Statics(pair(name), work.angle)
-        for way, error in PUBLISHED[name].items():
-            more, less = (friction_for(statics, mu, way, error, sign) for sign in (1, -1))
-            factors[name, mu, way] = more / mu
-            share = error / rms(work.curves[name, mu, way].torque)
+        statics = Statics(pair(name), fmus.angle)
+        for direction, error in PUBLISHED[name].items():
+            more, less = (friction_for(statics, mu, direction, error, sign) for sign in (1, -1))
+            factors[name, mu, direction] = more / mu
+            share = error / rms(fmus.curves[name, mu, direction].torque)
             cells = (f"{friction:.3f} ({friction / mu:.2f})" for friction in (more, less))
-            rows.append([name, f"{mu}", WAYS[way], f"{error}", *cells, percent(share)])
+            rows.append([name, f"{mu}", DIRECTIONS[direction], f"{error}", *cells, percent(share)])
     return rows, factors
 
 
-def load_laws(work: FmuResults) -> list[list[str]]:
+def load_laws(fmus: FmuResults) -> list[list[str]]:
     """Rows of the RMSE that friction which falls with the load makes, and that the other grease makes."""
     rows = []
-    for name, way in product(PAIRS, WAYS):
-        statics = Statics(pair(name), work.angle)
+    for name, direction in product(PAIRS, DIRECTIONS):
+        statics = Statics(pair(name), fmus.angle)
         cells = [
             ", ".join("locks" if math.isnan(error) else f"{error:.2f}" for error in errors)
-            for errors in (law_error(statics, GREASES[0], n, way) for n in EXPONENTS)
+            for errors in (law_error(statics, GREASES[0], n, direction) for n in EXPONENTS)
         ]
-        other = rms(statics.torque(way, GREASES[1]) - statics.torque(way, GREASES[0]))
-        rows.append([name, WAYS[way], f"{PUBLISHED[name][way]}", *cells, f"{other:.2f}"])
+        other = rms(statics.torque(direction, GREASES[1]) - statics.torque(direction, GREASES[0]))
+        rows.append([name, DIRECTIONS[direction], f"{PUBLISHED[name][direction]}", *cells, f"{other:.2f}"])
     return rows
 
 
-def friction_laws(work: FmuResults) -> str:
-    needed, factors = needed_friction(work)
+def friction_laws(fmus: FmuResults) -> str:
+    needed, factors = needed_friction(fmus)
     pair_b = [factor for (name, _, _), factor in factors.items() if name == "B"]
-    others = [Statics(cams, work.angle) for cams, _, _ in work.others["B"]]
-    level = {way: [friction_for(s, GREASES[0], way, PUBLISHED["B"][way], 1) for s in others] for way in WAYS}
+    others = [Statics(cams, fmus.angle) for cams, _, _ in fmus.others["B"]]
+    level = {
+        direction: [friction_for(s, GREASES[0], direction, PUBLISHED["B"][direction], 1) for s in others]
+        for direction in DIRECTIONS
+    }
     ratio = max(
         float(sliding.max() / sliding.min())
         for name in PAIRS
-        for sliding in work.curves[name, GREASES[0], LOADING].sliding
+        for sliding in fmus.curves[name, GREASES[0], LOADING].sliding
     )
     change = largest_change(ratio)
     first, second = (tuple(factors[name, mu, LOADING] for mu in GREASES) for name in ("B", "A"))
-    reaction = np.concatenate(Statics(pair("B"), work.angle).reactions(LOADING))
+    reaction = np.concatenate(Statics(pair("B"), fmus.angle).reactions(LOADING))
     return "\n".join(
         [
             "## Could another friction law explain pair B?\n",
@@ -237,24 +240,27 @@ def friction_laws(work: FmuResults) -> str:
             ),
             table(
                 ["pair", "direction", "published", "n = 1/3", "n = 1/2", "n = 1", "friction 0.19 for 0.14"],
-                load_laws(work),
+                load_laws(fmus),
             ),
-            paragraph(law_conclusion(work)),
+            paragraph(law_conclusion(fmus)),
         ]
     )
 
 
-def law_conclusion(work: FmuResults) -> str:
-    statics = Statics(pair("B"), work.angle)
-    most = {(way, n): max(law_error(statics, GREASES[0], n, way)) for way, n in product(WAYS, EXPONENTS)}
+def law_conclusion(fmus: FmuResults) -> str:
+    statics = Statics(pair("B"), fmus.angle)
+    most = {
+        (direction, n): max(law_error(statics, GREASES[0], n, direction))
+        for direction, n in product(DIRECTIONS, EXPONENTS)
+    }
     loose = {
         n: [
-            max(law_error(Statics(cams, work.angle), GREASES[0], n, LOADING))
-            for cams, _, _ in work.others["B"]
+            max(law_error(Statics(cams, fmus.angle), GREASES[0], n, LOADING))
+            for cams, _, _ in fmus.others["B"]
         ]
         for n in EXPONENTS[1:]
     }
-    loading, releasing = (PUBLISHED["B"][way] for way in WAYS)
+    loading, releasing = (PUBLISHED["B"][direction] for direction in DIRECTIONS)
     return f"""
     The {loading} N.m of pair B when loading are out of reach of all of these: at most
     {most[LOADING, 1 / 3]:.2f}, {most[LOADING, 1 / 2]:.2f} and {most[LOADING, 1.0]:.2f} N.m. So are its

@@ -12,6 +12,7 @@ from case_studies.paper.cams import Statics, pair
 from case_studies.paper.efficiency import efficiency
 from case_studies.paper.fmus import FmuResults, efficiency_of_fmu
 from case_studies.paper.published import (
+    DIRECTIONS,
     EQUAL,
     GREASES,
     LOADING,
@@ -22,7 +23,6 @@ from case_studies.paper.published import (
     RANGE,
     READINGS,
     RELEASING,
-    WAYS,
 )
 from case_studies.paper.readings import band_at_readings, rms, share_needed
 from dualcam.design import optimum
@@ -55,13 +55,13 @@ def draw_map(figure: Figure, axes: Axes) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4, fontsize=8)
 
 
-def draw_cut(axes: Axes, work: FmuResults) -> None:
+def draw_cut(axes: Axes, fmus: FmuResults) -> None:
     lead = np.radians(np.linspace(0.5, 89.5, 400))
     points = np.radians(np.arange(15.0, 76.0, 5.0))
     for mu, colour in zip(GREASES, ("tab:blue", "tab:green"), strict=True):
         line = efficiency((lead, lead), (mu, mu), EQUAL)
         axes.plot(np.degrees(lead), line, color=colour, label=f"lead angles alike, friction {mu}")
-        fmu = [efficiency_of_fmu(work.inverse, (x, x), (mu, mu), EQUAL) for x in points]
+        fmu = [efficiency_of_fmu(fmus.inverse, (x, x), (mu, mu), EQUAL) for x in points]
         axes.plot(np.degrees(points), fmu, "o", color=colour, ms=4)
     other = np.full_like(lead, math.radians(5.0))
     line = efficiency((lead, other), (GREASES[0],) * 2, EQUAL)
@@ -81,24 +81,24 @@ def draw_cut(axes: Axes, work: FmuResults) -> None:
     axes.legend(loc="upper right", fontsize=8)
 
 
-def draw_efficiency(work: FmuResults) -> Figure:
+def draw_efficiency(fmus: FmuResults) -> Figure:
     figure = Figure(figsize=(12.5, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     draw_map(figure, left)
-    draw_cut(right, work)
+    draw_cut(right, fmus)
     return figure
 
 
-def draw_torque(work: FmuResults) -> Figure:
+def draw_torque(fmus: FmuResults) -> Figure:
     figure = Figure(figsize=(12.5, 8.0), layout="constrained")
     for column, name in zip(figure.subplots(2, 2, sharex=True, sharey="row").T, PAIRS, strict=True):
-        for (_, mu, way), drawn in ((k, c) for k, c in work.curves.items() if k[0] == name):
-            label = f"{WAYS[way]}, friction {mu}"
-            column[0].plot(drawn.angle, drawn.torque, LINES[mu], color=COLOURS[way], label=label)
+        for (_, mu, direction), drawn in ((k, c) for k, c in fmus.curves.items() if k[0] == name):
+            label = f"{DIRECTIONS[direction]}, friction {mu}"
+            column[0].plot(drawn.angle, drawn.torque, LINES[mu], color=COLOURS[direction], label=label)
             for reaction, width in zip(drawn.reactions, (1.0, 2.0), strict=True):
-                column[1].plot(drawn.angle, reaction, LINES[mu], color=COLOURS[way], lw=width)
-        up, down = (work.curves[name, GREASES[0], way].torque for way in WAYS)
-        column[0].fill_between(work.angle, down, up, color="0.9", label=f"stick band, friction {GREASES[0]}")
+                column[1].plot(drawn.angle, reaction, LINES[mu], color=COLOURS[direction], lw=width)
+        up, down = (fmus.curves[name, GREASES[0], direction].torque for direction in DIRECTIONS)
+        column[0].fill_between(fmus.angle, down, up, color="0.9", label=f"stick band, friction {GREASES[0]}")
         column[0].set(title=f"Pair {name}: torque", ylabel="torque [N.m]", ylim=(0.0, 13.5))
         for width, cam in ((1.0, "inner"), (2.0, "outer")):
             column[1].plot([], [], "k", lw=width, label=f"{cam} cam; colours and dashes as above")
@@ -110,14 +110,20 @@ def draw_torque(work: FmuResults) -> Figure:
     return figure
 
 
-def draw_dependence(work: FmuResults) -> Figure:
+def draw_dependence(fmus: FmuResults) -> Figure:
     figure = Figure(figsize=(12.5, 4.6), layout="constrained")
     for axes, name in zip(figure.subplots(1, 2, sharey=True), PAIRS, strict=True):
-        for way, index in ((LOADING, 1), (RELEASING, 2)):
-            for other in work.others[name]:
-                axes.plot(work.angle, other[index], color=COLOURS[way], lw=0.6, alpha=0.35)
-            mine = work.curves[name, GREASES[0], way].torque
-            axes.plot(work.angle, mine, color=COLOURS[way], lw=3, label=f"{WAYS[way]}, as assumed here")
+        for direction, index in ((LOADING, 1), (RELEASING, 2)):
+            for other in fmus.others[name]:
+                axes.plot(fmus.angle, other[index], color=COLOURS[direction], lw=0.6, alpha=0.35)
+            mine = fmus.curves[name, GREASES[0], direction].torque
+            axes.plot(
+                fmus.angle,
+                mine,
+                color=COLOURS[direction],
+                lw=3,
+                label=f"{DIRECTIONS[direction]}, as assumed here",
+            )
         axes.plot([], [], color="0.5", lw=0.6, label=f"{OTHERS} other pairs that the facts allow")
         axes.set(title=f"Pair {name}, friction {GREASES[0]}", xlabel="angle of the turning cam [rad]")
         axes.set(ylabel="torque [N.m]", xlim=(0.0, RANGE), ylim=(0.0, 13.0))
@@ -125,20 +131,20 @@ def draw_dependence(work: FmuResults) -> Figure:
     return figure
 
 
-def draw_readings(axes: Axes, work: FmuResults) -> None:
+def draw_readings(axes: Axes, fmus: FmuResults) -> None:
     name, mu = "B", GREASES[0]
-    up, down = (work.curves[name, mu, way].torque for way in WAYS)
-    axes.fill_between(work.angle, down, up, color="0.9", label="stick band")
-    axes.plot(work.angle, up, color=COLOURS[LOADING], label="kinetostatic line, loading")
-    axes.plot(work.angle, down, color=COLOURS[RELEASING], label="kinetostatic line, releasing")
+    up, down = (fmus.curves[name, mu, direction].torque for direction in DIRECTIONS)
+    axes.fill_between(fmus.angle, down, up, color="0.9", label="stick band")
+    axes.plot(fmus.angle, up, color=COLOURS[LOADING], label="kinetostatic line, loading")
+    axes.plot(fmus.angle, down, color=COLOURS[RELEASING], label="kinetostatic line, releasing")
     angles = np.linspace(0.0, RANGE, READINGS)
     statics = Statics(pair(name), angles)
     random = np.random.default_rng(5)
-    for way, colour in COLOURS.items():
+    for direction, colour in COLOURS.items():
         depth = random.uniform(0.0, 1.0, READINGS)
-        values = statics.torque(way, mu) - way * depth * statics.band(mu)
+        values = statics.torque(direction, mu) - direction * depth * statics.band(mu)
         error = rms(depth * statics.band(mu))
-        label = f"readings anywhere, {WAYS[way]}: RMSE {error:.2f} N.m"
+        label = f"readings anywhere, {DIRECTIONS[direction]}: RMSE {error:.2f} N.m"
         axes.plot(angles, values, "o", color=colour, mec="k", label=label)
     axes.set(title=f"Pair {name}, friction {mu}: one series of readings by hand", ylabel="torque [N.m]")
     axes.set(xlabel="angle of the turning cam [rad]", xlim=(-0.03, RANGE + 0.03), ylim=(0.0, 14.5))
@@ -153,21 +159,21 @@ def draw_shares(axes: Axes) -> None:
             axes.plot(
                 100 * shares, shares * whole, LINES[mu], color=colour, label=f"pair {name}, friction {mu}"
             )
-        for way, mark in ((LOADING, "^"), (RELEASING, "v")):
-            error = PUBLISHED[name][way]
+        for direction, mark in ((LOADING, "^"), (RELEASING, "v")):
+            error = PUBLISHED[name][direction]
             axes.axhline(error, color=colour, lw=0.7, ls=":")
             parts = [100 * share_needed(error, band_at_readings(name, mu)) for mu in GREASES]
-            label = f"published, {name}, {WAYS[way]}: {error}"
+            label = f"published, {name}, {DIRECTIONS[direction]}: {error}"
             axes.plot(parts, [error, error], mark, color=colour, mec="k", ls="none", label=label)
     axes.set(title="RMSE of readings spread over the part of the band next to the line")
     axes.set(xlabel="part of the band [%]", ylabel="RMSE [N.m]", xlim=(0, 100), ylim=(0, 3.2))
     axes.legend(loc="upper left", fontsize=8)
 
 
-def draw_measurements(work: FmuResults) -> Figure:
+def draw_measurements(fmus: FmuResults) -> Figure:
     figure = Figure(figsize=(12.5, 5.0), layout="constrained")
     left, right = figure.subplots(1, 2)
-    draw_readings(left, work)
+    draw_readings(left, fmus)
     draw_shares(right)
     return figure
 

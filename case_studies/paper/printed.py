@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from case_studies.paper.published import GREASES, INNER_RADIUS, LOADING, OUTER_RADIUS
+from dualcam.design.statics import transfer
 
 
 @dataclass(frozen=True)
 class Case:
-    """Two helices under an axial force."""
+    """Two helices under an axial force, with the torque [N.m] by the paper's equations."""
 
-    lead: tuple[float, float] = (0.8203, 0.7)
-    radii: tuple[float, float] = (INNER_RADIUS, OUTER_RADIUS)
+    lead: tuple[float, float] = (0.8203, 0.7)  # rad
+    radii: tuple[float, float] = (INNER_RADIUS, OUTER_RADIUS)  # m
     friction: float = GREASES[0]
-    force: float = 1000.0
+    force: float = 1000.0  # N
 
     def tangents(self, direction: int = LOADING) -> tuple[float, float]:
         """tan(lambda_i + direction phi)."""
@@ -25,9 +26,10 @@ class Case:
         return math.tan(self.lead[0] + phi), math.tan(self.lead[1] + phi)
 
     def correct(self, direction: int = LOADING) -> float:
-        """Moment balance: T = F/(kappa_1 + kappa_2)."""
-        (t1, t2), (r1, r2) = self.tangents(direction), self.radii
-        return self.force / (1.0 / (r1 * t1) + 1.0 / (r2 * t2))
+        """Moment balance, as dualcam.design has it: T = F/(kappa_1 + kappa_2) [N.m]."""
+        slopes = [radius * math.tan(lead) for radius, lead in zip(self.radii, self.lead, strict=True)]
+        friction = (self.friction, self.friction)
+        return self.force * float(transfer(slopes, friction, self.radii, direction).rho)
 
     def printed_3(self, direction: int = LOADING) -> float:
         """(3): the minus sign in the denominator."""

@@ -24,7 +24,7 @@ ARCS = {
 }  # start angle, rad; radius of inner, outer arc, m
 
 PAIRS = ("A", "B")
-WAYS = {LOADING: "loading", RELEASING: "releasing"}
+DIRECTIONS = {LOADING: "loading", RELEASING: "releasing"}
 UNEQUAL, RADII = GREASES, (INNER_RADIUS, OUTER_RADIUS)
 EQUAL = (0.02, 0.02)  # radii, m
 OTHERS = 60  # other pairs of each kind that the published facts allow

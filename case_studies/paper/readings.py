@@ -15,6 +15,7 @@ from dualcam.design.statics import Array
 
 
 def rms(values: Array) -> float:
+    """Root mean square."""
     return math.sqrt(float(np.mean(np.square(values))))
 
 
@@ -26,7 +27,7 @@ DRAWS: dict[str, tuple[Callable[[np.random.Generator, tuple[int, ...]], Array], 
     ),
     "in the near half": (lambda random, shape: random.uniform(0.0, 0.5, shape), math.sqrt(1 / 12)),
     "in the near quarter": (lambda random, shape: random.uniform(0.0, 0.25, shape), math.sqrt(1 / 48)),
-}  # how far from the line, as a share of the band; and its root mean square
+}  # distribution of the distance from the line as a share of the band; root mean square of that share
 
 
 @dataclass(frozen=True)
@@ -36,13 +37,14 @@ class Readings:
     mean: float
     low: float  # 2.5 % of the series are below
     high: float  # 2.5 % are above
-    exact: float  # of endlessly many readings
+    exact: float  # limit for many readings
 
 
 def readings(
     band: Array, draw: str, series: int = 4000, seed: int = 2
 ) -> tuple[Readings, tuple[float, float]]:
-    """One reading at each angle of `band`; and the 95 % range of the ratio of two such RMSEs."""
+    """RMSE of `series` series with one reading at each angle of `band` [N.m], drawn as DRAWS[draw]; and the
+    95 % range of the ratio of two such RMSEs."""
     sample, share = DRAWS[draw]
     random = np.random.default_rng(seed)
     errors = np.sqrt(np.mean(np.square(band * sample(random, (2, series, band.size))), axis=2))
@@ -55,7 +57,8 @@ def readings(
 
 
 def friction_for(statics: Statics, friction: float, direction: int, error: float, sign: int) -> float:
-    """The friction, larger (sign +1) or smaller, whose torque is off by the RMSE `error`; nan if none is."""
+    """The friction, larger (sign +1) or smaller (-1), whose torque deviates by the RMSE `error` [N.m]; nan if
+    there is none."""
     line = statics.torque(direction, friction)
 
     def miss(other: float) -> float:
@@ -75,8 +78,8 @@ def power_law(friction: float, reference: float, exponent: float) -> Law:
 def law_error(
     statics: Statics, friction: float, exponent: float, direction: int
 ) -> tuple[float, float, float]:
-    """RMSE between friction that falls with the load and a constant one, which agree at the least, the mean
-    and the largest reaction."""
+    """RMSE [N.m] between friction that falls with the load and constant friction, if both agree at the least,
+    at the mean, and at the largest reaction."""
     reactions = np.concatenate(statics.reactions(LOADING, friction))
     line = statics.torque(direction, friction)
     least, mean, largest = (
@@ -92,11 +95,12 @@ def largest_change(ratio: float) -> float:
 
 
 def band_at_readings(name: str, friction: float, count: int = READINGS) -> Array:
+    """Width of the stick band at the angles of `count` readings [N.m], shape (count,)."""
     return Statics(pair(name), np.linspace(0.0, RANGE, count)).band(friction)
 
 
 def share_needed(error: float, band: Array) -> float:
-    """Part of the band, next to the line, over which evenly spread readings have that RMSE."""
+    """Part of the band, next to the line, over which evenly spread readings have the RMSE `error` [N.m]."""
     return math.sqrt(3.0) * error / rms(band)
 
 
@@ -104,15 +108,16 @@ def share_needed(error: float, band: Array) -> float:
 class Budget:
     """Relative uncertainties of the torque."""
 
-    as_sine: float
-    as_cosine: float
+    as_sine: float  # of the misalignment, as the paper has it
+    as_cosine: float  # of the misalignment, right
     rest: float  # all but the misalignment, root of squares
     printed_total: float
-    bias: float  # mean loss of torque, tilt anywhere within its limits
-    spread: float  # standard deviation about that
+    bias: float  # mean loss of torque, all tilts within the limits equally likely
+    spread: float  # standard deviation of that loss
 
 
 def uncertainty_budget() -> Budget:
+    """The uncertainties with the misalignment TILT, and the total UNCERTAINTY."""
     sine, cosine = math.sin(TILT), 1.0 - math.cos(TILT)
     rest = math.sqrt(UNCERTAINTY**2 - cosine**2)
     mean = math.sin(TILT) / TILT  # of cos over -TILT..TILT

@@ -13,6 +13,7 @@ from case_studies.paper.fmus import FmuResults, damper_of_fmu, efficiency_of_fmu
 from case_studies.paper.printed import Case
 from case_studies.paper.published import (
     ARCS,
+    DIRECTIONS,
     EQUAL,
     GREASES,
     HARDNESS,
@@ -29,7 +30,6 @@ from case_studies.paper.published import (
     TORQUE,
     UNCERTAINTY,
     UNEQUAL,
-    WAYS,
     WEAR,
 )
 from case_studies.paper.readings import rms, uncertainty_budget
@@ -86,12 +86,12 @@ def opening() -> str:
     )
 
 
-def verdicts(work: FmuResults) -> str:
+def verdicts(fmus: FmuResults) -> str:
     case, level = Case(), replace(Case(), radii=EQUAL)
     budget = uncertainty_budget()
-    loading, releasing = torques_of_fmu(work, case)
+    loading, releasing = torques_of_fmu(fmus, case)
     row_1, row_2 = case.balance(LOADING, axial=-1), case.balance(RELEASING, tangential=-1)
-    x, y, best = work.best_on_grid(GREASES[0])
+    x, y, best = fmus.best_on_grid(GREASES[0])
     unequal = optimum(UNEQUAL, RADII)
     rows = [
         ["(3), (6)", "torque", "corrected", f"{level.printed_3():.1f} N.m printed, not"
@@ -127,19 +127,19 @@ def verdicts(work: FmuResults) -> str:
     return "\n".join(["## Verdicts\n", table(["where", "what", "verdict", "our number"], rows)])
 
 
-def efficiency_section(work: FmuResults) -> str:
+def efficiency_section(fmus: FmuResults) -> str:
     rows = []
     for mu in GREASES:
-        x, y, best = work.best_on_grid(mu)
+        x, y, best = fmus.best_on_grid(mu)
         rows.append([f"{mu}", f"{best:.10f}", f"{x:.4f}, {y:.4f}", f"{optimum((mu, mu)).efficiency:.10f}"])
     starts = [
-        efficiency_of_fmu(work.inverse, (ARCS[name][0],) * 2, (GREASES[0],) * 2, RADII) for name in PAIRS
+        efficiency_of_fmu(fmus.inverse, (ARCS[name][0],) * 2, (GREASES[0],) * 2, RADII) for name in PAIRS
     ]
     unequal = optimum(UNEQUAL, RADII)
     (x, y), formula = unequal.lead_angle, unequal.efficiency
     searched = searched_optimum(UNEQUAL, RADII)
-    fmu = efficiency_of_fmu(work.inverse, (x, y), UNEQUAL, RADII)
-    naive = efficiency_of_fmu(work.inverse, (math.pi / 4,) * 2, UNEQUAL, RADII)
+    fmu = efficiency_of_fmu(fmus.inverse, (x, y), UNEQUAL, RADII)
+    naive = efficiency_of_fmu(fmus.inverse, (math.pi / 4,) * 2, UNEQUAL, RADII)
     share, _ = beyond_one(GREASES[0])
     return "\n".join(
         [
@@ -182,12 +182,12 @@ def efficiency_section(work: FmuResults) -> str:
     )
 
 
-def torque_section(work: FmuResults) -> str:
+def torque_section(fmus: FmuResults) -> str:
     rows = []
     for name in PAIRS:
         for mu in GREASES:
-            up, down = (work.curves[name, mu, way] for way in WAYS)
-            work_in, work_out = (float(np.trapezoid(c.torque, work.angle)) for c in (up, down))
+            up, down = (fmus.curves[name, mu, direction] for direction in DIRECTIONS)
+            work_in, work_out = (float(np.trapezoid(c.torque, fmus.angle)) for c in (up, down))
             rows.append(
                 [
                     name,
@@ -201,8 +201,8 @@ def torque_section(work: FmuResults) -> str:
             )
     spread = []
     for name in PAIRS:
-        middle = work.angle.size // 2
-        ups, downs = (np.array([other[i] for other in work.others[name]]) for i in (1, 2))
+        middle = fmus.angle.size // 2
+        ups, downs = (np.array([other[i] for other in fmus.others[name]]) for i in (1, 2))
         spread.append(
             [
                 name,
@@ -225,7 +225,7 @@ def torque_section(work: FmuResults) -> str:
             paragraph(
                 "From DualCamInverse.fmu at 1 rad/s without inertia; the formula of the statics agrees to"
                 " better than 1e-9. The friction heat of a slow cycle of DualCamForward.fmu, "
-                + ", ".join(f"{name} {work.heat[name, GREASES[0]]:.4f} J" for name in PAIRS)
+                + ", ".join(f"{name} {fmus.heat[name, GREASES[0]]:.4f} J" for name in PAIRS)
                 + " with grease 1, is the area between the curves."
             ),
             "![How much the shape depends on what is assumed](paper_dependence.png)\n",
@@ -252,22 +252,22 @@ def torque_section(work: FmuResults) -> str:
     )  # fmt: skip
 
 
-def errata(work: FmuResults) -> str:
+def errata(fmus: FmuResults) -> str:
     case = Case()
-    loading, releasing = torques_of_fmu(work, case)
+    loading, releasing = torques_of_fmu(fmus, case)
     row_1, row_2 = case.balance(LOADING, axial=-1), case.balance(RELEASING, tangential=-1)
     level = replace(case, radii=EQUAL)
-    level_torque, _ = torques_of_fmu(work, level)
+    level_torque, _ = torques_of_fmu(fmus, level)
     alike = Case((0.7, 0.7), EQUAL)
-    alike_torque, _ = torques_of_fmu(work, alike)
-    damper_force, damped = damper_of_fmu(work, case)
-    pulled, speed = pull_of_fmu(work, case)
+    alike_torque, _ = torques_of_fmu(fmus, alike)
+    damper_force, damped = damper_of_fmu(fmus, case)
+    pulled, speed = pull_of_fmu(fmus, case)
     force = case.force + PULL
     wrong_flank = force * loading / case.force
     lead, wrong_lead = case.lead[1], math.pi / 2 - case.lead[1]
     wrong_slope = Case((case.lead[0], wrong_lead)).correct()
     smooth = [Case(friction=0.0, radii=radii) for radii in ((0.02, 0.016), EQUAL, (0.02, 0.025))]
-    distance = work.heat["A", GREASES[0]] / GREASES[0]
+    distance = fmus.heat["A", GREASES[0]] / GREASES[0]
     rows = [
         ["(3)", "1 - tan/tan", f"{level.printed_3():.2f} N.m for radii of 20 mm",
          f"{level_torque:.2f} N.m (16)"],
