@@ -14,12 +14,12 @@ from dualcam.forward import (
     INPUTS,
     OUTPUTS,
     STATES,
+    CamAtState,
     Names,
-    PlacedCam,
     Source,
     checked_period,
-    chosen,
     open_forward,
+    selected_names,
 )
 from dualcam.linear import linearize
 
@@ -27,7 +27,7 @@ REST_SPEED = 1e-3  # rad/s: a thousand times the absolute tolerance of SciPy's s
 REST_TIME = 1e-3  # s: explicit solvers then take steps of some ms at rest
 STOP_TIME = 1e-5  # s: a hit on a stop is over in about ten of them, which costs a solver a few dozen steps
 
-ACCOUNTS = ("energy.", "peak.", "events")
+ACCUMULATED = ("energy.", "peak.", "events")  # beginnings of names of variables that sum up over steps
 
 
 def to_nonlinear_io_system(
@@ -79,7 +79,7 @@ def to_nonlinear_io_system(
 
     Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all that
     the FMU refuses, in its own words."""
-    names_in = chosen(inputs, INPUTS, "input")
+    names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
         if not (rest_speed > 0.0 and rest_time > 0.0):
             raise FmuError(f"rest_speed = {rest_speed!r}, rest_time = {rest_time!r}: allowed is > 0")
@@ -88,33 +88,34 @@ def to_nonlinear_io_system(
 
 
 def _outputs(fmu: Handle, names: Names) -> list[str]:
-    """Names of outputs; all of them follow from states and inputs."""
+    """Names of outputs. FmuError for variables that do not follow from states and inputs alone."""
     variables = fmu.description.modelVariables
     allowed = [
         variable.name
         for variable in variables
-        if variable.causality in ("output", "local") and not variable.name.startswith(ACCOUNTS)
+        if variable.causality in ("output", "local") and not variable.name.startswith(ACCUMULATED)
     ]
     wanted = list(OUTPUTS) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
-        if fmu.variable(name).name.startswith(ACCOUNTS):
+        if fmu.variable(name).name.startswith(ACCUMULATED):
             raise FmuError(
                 f"output {name!r} is kept over steps and does not follow from theta and omega: step a Fmu"
             )
-    return chosen(wanted, allowed, "output")
+    return selected_names(wanted, allowed, "output")
 
 
-class _Inputs:
-    """All inputs of the FMU from those of the system."""
+class _InputValues:
+    """Values of all inputs of the FMU from those of the system."""
 
     def __init__(self, names: list[str], parameters: Mapping[str, Scalar]) -> None:
         self._values = [float(parameters.get(name, 0.0)) for name in INPUTS]
-        self._places = [INPUTS.index(name) for name in names]
+        self._indices = [INPUTS.index(name) for name in names]
 
-    def full(self, u: Array) -> list[float]:
+    def all_inputs(self, u: Array) -> list[float]:
+        """tau [N.m] and F_ext [N] for inputs u of the system, shape (inputs,)."""
         values = list(self._values)
-        for place, value in zip(self._places, u, strict=True):
-            values[place] = float(value)
+        for index, value in zip(self._indices, u, strict=True):
+            values[index] = float(value)
         return values
 
 
@@ -144,29 +145,29 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         rest_time: float,
         name: str,
     ) -> None:
-        cam = PlacedCam(source, parameters)
+        cam = CamAtState(source, parameters)
         fmu = cam.fmu
         if fmu.real("stop.restitution") > 0.0:
             raise FmuError(
                 "stop.restitution > 0: a bounce is an impulse, which no continuous right-hand side has;"
                 " allowed is 0, or any with a period, which makes a sampled system"
             )
-        self._fmu, self._inputs = fmu, _Inputs(inputs, fmu.parameters)
-        full = self._inputs.full
+        self._fmu, self._inputs = fmu, _InputValues(inputs, fmu.parameters)
+        all_inputs = self._inputs.all_inputs
         names = _outputs(fmu, outputs)
         self._names = inputs, names  # the FMU's, whatever the system's become
-        seen = [name for name in names if name not in STATES]
+        needs_fmu = any(name not in STATES for name in names)
 
-        def place(x: Array, u: Array) -> tuple[bool, bool]:
-            """Whether it counts as at rest, and as at a stop that it moves into."""
+        def set_state(x: Array, u: Array) -> tuple[bool, bool]:
+            """Sets the FMU; whether the cam counts as at rest, and as moving into a stop."""
             theta, omega = float(x[0]), float(x[1])
             blocked = (theta >= cam.upper and omega > 0.0) or (theta <= cam.lower and omega < 0.0)
             rests = blocked or abs(omega) < rest_speed
-            cam.place(theta, 0.0 if rests else omega, *full(u))
+            cam.set_state(theta, 0.0 if rests else omega, *all_inputs(u))
             return rests, blocked
 
         def rates(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-            rests, blocked = place(x, u)
+            rests, blocked = set_state(x, u)
             omega, alpha = float(x[1]), cam.alpha
             if blocked and abs(omega) >= rest_speed:
                 alpha -= omega / STOP_TIME
@@ -174,13 +175,13 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
                 alpha -= omega / rest_time
             return np.array([0.0 if blocked else omega, alpha])
 
-        def put_out(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-            if seen:
-                place(x, u)
+        def output(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
+            if needs_fmu:
+                set_state(x, u)
             return _read(fmu, names, x)
 
         super().__init__(
-            rates, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
+            rates, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
         )
 
     def linearize(
@@ -194,12 +195,12 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         **names: object,
     ) -> control.StateSpace:
         """dualcam.linearize at states x0, shape (2,), and inputs u0, shape (inputs,); `names` rename its
-        signals.
-        The other arguments are python-control's and do nothing here: the model is exact, and has names."""
+        signals. The other arguments are python-control's and have no effect: the model is exact, and has
+        names."""
         if isinstance(x0, control.OperatingPoint):
             x0, u0 = x0.states, x0.inputs if u0 is None else u0
         theta, omega = np.broadcast_to(np.asarray(x0, dtype=float), 2)
-        tau, F_ext = self._inputs.full(
+        tau, F_ext = self._inputs.all_inputs(
             np.broadcast_to(np.asarray(0.0 if u0 is None else u0, dtype=float), self.ninputs)
         )
         inputs, outputs = self._names
@@ -221,21 +222,21 @@ def _sampled(
 ) -> control.NonlinearIOSystem:
     fmu, values = open_forward(Fmu, source, parameters)
     names = _outputs(fmu, outputs)
-    seen = [name for name in names if name not in STATES]
-    full = _Inputs(inputs, values).full
+    needs_fmu = any(name not in STATES for name in names)
+    all_inputs = _InputValues(inputs, values).all_inputs
     run = Preparation(fmu, values, ["initial.theta", "initial.omega", *INPUTS])
     state = fmu.reals(*STATES)
 
     def update(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-        run.begin([*x, *full(u)])
+        run.begin([*x, *all_inputs(u)])
         fmu.step(period)
         return np.array(state.read())
 
-    def put_out(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-        if seen:
-            run.rewind([*x, *full(u)])
+    def output(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
+        if needs_fmu:
+            run.rewind([*x, *all_inputs(u)])
         return _read(fmu, names, x)
 
     return control.NonlinearIOSystem(
-        update, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
+        update, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
     )

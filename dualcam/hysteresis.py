@@ -14,8 +14,8 @@ from dualcam.fmu import Array, Fmu, Preparation, Scalar
 from dualcam.forward import Source, open_forward
 from dualcam.linear import OperatingPointError
 
-POINTS = 201  # angles at which the FMU is asked for its stick band; between them, cubic splines
-PHASES = 4096  # per cycle: kinks at turning points leave an error of the harmonic of 1/PHASES^2 or so
+POINTS = 201  # angles of the stick band from the FMU; cubic splines between them
+PHASES = 4096  # per cycle: kinks at turning points make an error of the harmonic near 1/PHASES^2
 
 
 class CamHysteresis(control.DescribingFunctionNonlinearity):
@@ -96,13 +96,15 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         one: the middle of the band at `theta`). It remembers the angle: where it was left is where it rests.
         """
         tau = self._middle + float(np.squeeze(x))
-        self._angle = float(np.clip(self._angle, self._follow(tau, True), self._follow(tau, False)))
+        self._angle = float(
+            np.clip(self._angle, self._angle_at_edge(tau, True), self._angle_at_edge(tau, False))
+        )
         return self._angle - self.theta
 
     def _isstatic(self) -> bool:
         return False
 
-    def _follow(self, tau: float | Array, rising: bool) -> Array:
+    def _angle_at_edge(self, tau: float | Array, rising: bool) -> Array:
         """The angle at which that edge of the band is tau, and the stops beyond."""
         edge = self._rising if rising else self._falling
         low, high = self._ends[1 if rising else 0]
@@ -112,17 +114,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
 
     def cycle(self, amplitude: float, bias: float) -> tuple[Array, Array]:
         """Torque [N.m] and angle [rad] over one steady cycle tau = bias + amplitude sin(phase), at PHASES
-        phases
-        from 0 on, shape (PHASES,) both."""
+        phases from 0 on, shape (PHASES,) each."""
         phase = 2.0 * np.pi / PHASES * np.arange(PHASES)
         tau = bias + amplitude * np.sin(phase)
-        top = self._follow(bias + amplitude, True)
-        bottom = self._follow(bias - amplitude, False)
-        if bottom >= top:  # somewhere there it rests
+        top = self._angle_at_edge(bias + amplitude, True)
+        bottom = self._angle_at_edge(bias - amplitude, False)
+        if bottom >= top:  # the cam rests
             return tau, np.full(PHASES, 0.5 * (top + bottom))
         falls = (phase >= 0.5 * np.pi) & (phase < 1.5 * np.pi)
         theta = np.where(
-            falls, np.minimum(top, self._follow(tau, False)), np.maximum(bottom, self._follow(tau, True))
+            falls,
+            np.minimum(top, self._angle_at_edge(tau, False)),
+            np.maximum(bottom, self._angle_at_edge(tau, True)),
         )
         return tau, theta
 
@@ -143,13 +146,11 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
 
     def describing_function(self, A: float) -> complex:
         """First harmonic of the angle over that of the torque at amplitude A [N.m] > 0, rad/N.m; 0 in the
-        dead
-        band."""
+        dead band."""
         if not A >= 0.0:
             raise ValueError(f"amplitude A = {A}: allowed is >= 0")
         if A == 0.0 or (self.bias is None and self.dead_band >= A):
             return 0j
         theta = self.cycle(A, self.bias_at(A))[1]
-        # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its discrete spectrum is Im N - i Re
-        # N
+        # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its spectrum is Im N - i Re N
         return complex(2j / (PHASES * A) * np.fft.rfft(theta)[1])

@@ -21,17 +21,17 @@ from dualcam.forward import (
     STICK,
     UPPER_STOP,
     WEDGED,
+    CamAtState,
     Names,
-    PlacedCam,
     Source,
     checked_period,
-    chosen,
+    selected_names,
 )
 
 AtRest = Literal["loading", "releasing", "frozen"]
 
-NUDGE = 1e-6  # of the band's edges: torque beyond one by this much begins slip, as 1e-13 of them would
-ITERATIONS = 20  # one for each pair of flanks and one more would do
+BEYOND_EDGE = 1e-6  # of the band's edge: torque this much beyond the edge begins slip, as 1e-13 would
+ITERATIONS = 20  # one for each pair of flanks and one more are enough
 
 
 class OperatingPointError(FmuError):
@@ -87,12 +87,12 @@ def linearize(
     `operating_point`. Raises OperatingPointError where no such model exists (at rest without `at_rest`, on a
     stop, wedged, outside the stops), FmuError for what the FMU refuses (without inertia the speed is no
     state) and unknown names. Both are ValueErrors."""
-    names_in, names_out = chosen(inputs, INPUTS, "input"), chosen(outputs, OUTPUTS, "output")
+    names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
     sampling = None if period is None else checked_period(period)
-    cam = PlacedCam(source, parameters)
+    cam = CamAtState(source, parameters)
     try:
         force = float(cam.fmu.parameters.get("F_ext", 0.0)) if F_ext is None else F_ext
-        point = _settle_at(cam, theta, omega, tau, force, at_rest)
+        point = _go_to_operating_point(cam, theta, omega, tau, force, at_rest)
         model = _model(cam, point, names_in, names_out)
     finally:
         cam.fmu.close()
@@ -103,23 +103,23 @@ def linearize(
 
 
 def _model(
-    cam: PlacedCam, point: OperatingPoint, inputs: list[str], outputs: list[str]
+    cam: CamAtState, point: OperatingPoint, inputs: list[str], outputs: list[str]
 ) -> control.StateSpace:
     rates = cam.fmu.jacobian(["omega", "alpha"], [*STATES, *inputs])
     if point.mode not in (LOADING, RELEASING):
-        rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction ends it at once
-    seen = cam.fmu.jacobian(outputs, [*STATES, *inputs])
+        rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction stops it at once
+    output_jacobian = cam.fmu.jacobian(outputs, [*STATES, *inputs])
     return control.ss(
-        rates[:, :2], rates[:, 2:], seen[:, :2], seen[:, 2:], inputs=inputs, outputs=outputs,
-        states=list(STATES), name="cam",
+        rates[:, :2], rates[:, 2:], output_jacobian[:, :2], output_jacobian[:, 2:],
+        inputs=inputs, outputs=outputs, states=list(STATES), name="cam",
     )  # fmt: skip
 
 
 # ---- operating points ----
 
 
-def _settle_at(
-    cam: PlacedCam, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
+def _go_to_operating_point(
+    cam: CamAtState, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
 ) -> OperatingPoint:
     """Leaves the FMU at the operating point, in its mode there."""
     where = f"theta = {theta:g} rad, omega = {omega:g} rad/s"
@@ -137,7 +137,7 @@ def _settle_at(
                 f"at_rest = {at_rest!r} with {where}: allowed is only one of them, omega has a direction"
             )
         torque = _steady_torque(cam, theta, omega, F_ext, where) if tau is None else tau
-        cam.place(theta, omega, torque, F_ext)
+        cam.set_state(theta, omega, torque, F_ext)
     elif at_rest in ("loading", "releasing"):
         if tau is not None:
             raise OperatingPointError(
@@ -147,7 +147,7 @@ def _settle_at(
     else:
         torque = _torque_at_rest(cam, theta, tau, F_ext, at_rest, where)
     mode = cam.mode
-    _insist_on_model(cam, mode, at_rest, f"{where}, tau = {torque:g} N.m")
+    _check_model_exists(cam, mode, at_rest, f"{where}, tau = {torque:g} N.m")
     return OperatingPoint(theta, omega, torque, F_ext, cam.alpha, mode)
 
 
@@ -160,7 +160,7 @@ ADVICE = {
 }
 
 
-def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: str) -> None:
+def _check_model_exists(cam: CamAtState, mode: int, at_rest: AtRest | None, where: str) -> None:
     release, load = cam.band()
     band = f"the stick band, {release:g} to {load:g} N.m"
     slips = mode in (LOADING, RELEASING)
@@ -173,12 +173,12 @@ def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: s
         )
 
 
-def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, where: str) -> float:
+def _steady_torque(cam: CamAtState, theta: float, omega: float, F_ext: float, where: str) -> float:
     """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay,
     so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
     tau = 0.0
     for _ in range(ITERATIONS):
-        cam.place(theta, omega, tau, F_ext)
+        cam.set_state(theta, omega, tau, F_ext)
         slope = float(cam.fmu.jacobian(["alpha"], ["tau"])[0, 0])
         if slope == 0.0 or not math.isfinite(slope):
             break
@@ -190,9 +190,9 @@ def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, whe
     )
 
 
-def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
+def _break_away(cam: CamAtState, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
     """Into slip at omega = 0, and there to the edge of the band."""
-    cam.place(theta, 0.0, 0.0, F_ext)
+    cam.set_state(theta, 0.0, 0.0, F_ext)
     release, load = cam.band()
     direction, edge = (1.0, load) if at_rest == "loading" else (-1.0, release)
     if not math.isfinite(edge):
@@ -201,13 +201,13 @@ def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, whe
             " other lead angles"
         )
     size = max(abs(x) for x in (release, load, 1e-3) if math.isfinite(x))
-    cam.place(theta, 0.0, edge + direction * NUDGE * size, F_ext)
+    cam.set_state(theta, 0.0, edge + direction * BEYOND_EDGE * size, F_ext)
     cam.set_inputs(edge, F_ext)
     return edge
 
 
 def _torque_at_rest(
-    cam: PlacedCam, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
+    cam: CamAtState, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
 ) -> float:
     """The given torque, or one inside the band."""
     if tau is None:
@@ -216,8 +216,8 @@ def _torque_at_rest(
                 f"{where}: at rest the model depends on the torque; give at_rest = 'loading' or 'releasing'"
                 " for slip about to begin, at_rest = 'frozen' for stick, or tau"
             )
-        cam.place(theta, 0.0, 0.0, F_ext)
+        cam.set_state(theta, 0.0, 0.0, F_ext)
         edges = [edge for edge in cam.band() if math.isfinite(edge)]
         tau = float(np.mean(edges)) if edges else 0.0
-    cam.place(theta, 0.0, tau, F_ext)
+    cam.set_state(theta, 0.0, tau, F_ext)
     return tau

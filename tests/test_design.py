@@ -75,7 +75,7 @@ def read_at(fmu, parameters, angles, *names):
     fmu.start(parameters)
     group, found = fmu.reals(*names), []
     for angle in angles:
-        fmu.place((angle, 0.0))
+        fmu.set_states_and_mode((angle, 0.0))
         found.append(group.read())
     return np.array(found).T
 
