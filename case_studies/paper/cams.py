@@ -54,7 +54,7 @@ class Pair:
     @cached_property
     def stroke(self) -> float:
         """Travel of the follower over the range [m]."""
-        return float(self.mechanism(0.0, Spring(0.0, 0.0)).course(RANGE).z)
+        return float(self.mechanism(0.0, Spring(0.0, 0.0)).configuration(RANGE).z)
 
     @property
     def spring(self) -> Spring:
@@ -80,7 +80,7 @@ class Statics:
     def __init__(self, pair: Pair, angle: Array) -> None:
         self.cams = (pair.inner, pair.outer)
         self._radii = (pair.inner.radius, pair.outer.radius)
-        configuration = pair.mechanism(0.0, pair.spring).course(angle)
+        configuration = pair.mechanism(0.0, pair.spring).configuration(angle)
         self._slopes = configuration.slope  # m/rad, shape (2, n)
         self.slopes = tuple(configuration.slope / np.array(self._radii)[:, None])  # tangents of lead angles
         self.spring = pair.spring.force(configuration.z)  # N

@@ -133,17 +133,17 @@ def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points:
 
 def strength(mechanism: Mechanism, pin: Pin, theta: Array) -> Strength:
     """Properties at angles theta [rad], shape (n,)."""
-    course = mechanism.course(theta)
+    configuration = mechanism.configuration(theta)
     bends = mechanism.curvature(theta)
-    (_, rho), reaction = band(course.slope, mechanism.friction, mechanism.radius)
-    force = mechanism.spring.force(course.z)
+    (_, rho), reaction = band(configuration.slope, mechanism.friction, mechanism.radius)
+    force = mechanism.spring.force(configuration.z)
     # [releasing or loading, groove, theta]; where it does not move that way there is no load of motion
     reactions = np.where(np.isfinite(reaction), reaction, 0.0) * force / mechanism.contacts
     loads = np.abs(reactions)
     # a pin that bears on the other flank has a negative reaction
     flank = np.where(reactions < 0.0, -1.0, 1.0)
     pressures = hertz_pressure(loads, pin, flank * bends)
-    lead = np.arctan(course.slope / np.array(mechanism.radius)[:, None])
+    lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
     return Strength(theta, force, rho, lead, bends, loads.max(axis=0), pressures.max(axis=0))
 
 
