@@ -23,9 +23,9 @@ from dualcam.forward import (
 )
 from dualcam.linear import linearize
 
-REST_SPEED = 1e-3  # rad/s: a thousand times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
-REST_TIME = 1e-3  # s: explicit solvers then take steps of some ms at rest
-STOP_TIME = 1e-5  # s: a hit on a stop is over in about ten of them, which costs a solver a few dozen steps
+REST_SPEED = 1e-3  # rad/s: 1000 times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
+REST_TIME = 1e-3  # s: steps of explicit solvers at rest are then some ms long
+STOP_TIME = 1e-5  # s: an impact lasts about ten of these, a few dozen steps of a solver
 
 ACCUMULATED = ("energy.", "peak.", "events")  # beginnings of names of variables that sum up over steps
 
@@ -41,44 +41,44 @@ def to_nonlinear_io_system(
     rest_time: float = REST_TIME,
     name: str = "cam",
 ) -> control.NonlinearIOSystem:
-    """The cam as a plant for input_output_response, interconnect, linearize and all else in python-control.
+    """The cam as a plant for input_output_response, interconnect, linearize and the rest of python-control.
 
-    States are theta [rad] and omega [rad/s], in both kinds. Start them in the simulation: `initial.theta` and
-    `initial.omega` are not used.
+    States are theta [rad] and omega [rad/s], in both kinds of system. Their initial values belong to the
+    simulation: `initial.theta` and `initial.omega` have no effect.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
-    inputs       out of tau [N.m], F_ext [N]; None: both. One left out stays at that of `parameters`, or 0
+    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
+    inputs       out of tau [N.m], F_ext [N]; None: both. An input left out keeps its value of `parameters`,
+                 or 0
     outputs      None: theta, omega, z [m], v [m/s]; else any outputs or locals of the FMU that follow from
                  states and inputs (`mode`, `torque_load`, `spring.force`, ...; not the accounts `energy.*`,
-                 `peak.*`). python-control allows no dot in a name: there it is `spring_force`
+                 `peak.*`). python-control allows no dot in a name: `spring.force` becomes `spring_force`
     parameters   start values of the FMU
-    period       a number [s]: a sampled system from co-simulation. Prefer it: what happens within a period,
-                 stick, slip, stops and bounces, is located by the FMU, to its own accuracy. Inputs are held
-                 over it.
-                 None: a continuous system from model exchange, for solvers that know no events; see below.
+    period       a number [s]: a sampled system from co-simulation, with inputs held over the period. Prefer
+                 this kind: the FMU locates stick, slip, stops and bounces within a period, to its accuracy.
+                 None: a continuous system from model exchange, for solvers without event location; see below
 
-    What is in the state: theta and omega alone. The FMU also remembers its mode. It decides it anew each
-    time, slip by the sign of omega, and at omega = 0 slip or stick by torque: there is no other memory, with
-    one exception. Where a contact locks (lead angle below atan(friction)) several ways to slip can agree with
-    themselves, and a motion keeps to its own; deciding anew prefers both supporting flanks.
+    The state is theta and omega alone. The FMU's mode is decided anew at each call: slip by the sign of
+    omega, and at omega = 0 slip or stick by the torque. There is no other memory, with one exception. Where a
+    contact locks (lead angle below atan(friction)) several slip modes can be consistent, and a motion in the
+    FMU keeps its mode. The decision here prefers both supporting flanks.
 
-    Without inertia (sampled only) omega is no state: it is put out as the speed at the end of the last
-    period, and its initial value does nothing.
+    Without inertia (sampled only) omega is no state: the output omega is the speed at the end of the last
+    period, and its initial value has no effect.
 
-    The continuous system. A speed that passes through zero, or a stop, is an event, which python-control's
-    solvers do not look for. They see a right-hand side that jumps, step across, and find out by their error
-    estimate: events are smeared by the solver's tolerance. Give input_output_response a `max_step` in
-    `solve_ivp_kwargs` no longer than what must not be missed, and tolerances as small as the answer needs.
-    Exactly zero is never hit, so rest is made a set that can be: below `rest_speed` [rad/s] the FMU decides
-    as at omega = 0, from torque; if it sticks, omega decays with the time constant `rest_time` [s], and the
-    angle creeps by at most rest_speed * rest_time (1e-6 rad) per stop. Moving into an end stop, the angle
-    stands still and omega decays within 1e-4 s or so. Bounces are impulses: stop.restitution > 0 is refused.
+    The continuous system. A zero of the speed, or a stop, is an event. The solvers of python-control do not
+    locate events. Their error estimate sees a right-hand side that jumps, so events are smeared by the
+    solver's tolerance. Give input_output_response a `max_step` in `solve_ivp_kwargs` no longer than the
+    shortest motion of interest, and tolerances as small as the result needs. A solver never hits a speed of
+    exactly zero, so rest has a width: below `rest_speed` [rad/s] the FMU decides by torque, as at omega = 0.
+    If the cam sticks, omega decays with the time constant `rest_time` [s], and the angle creeps by at most
+    rest_speed * rest_time (1e-6 rad) per stop. In motion into an end stop the angle stands still, and omega
+    decays within about 1e-4 s. Bounces are impulses: stop.restitution > 0 is refused.
 
-    control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. Of the
-    sampled one it is python-control's own, by differences of whole steps.
+    control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. For the
+    sampled system it is python-control's own, by differences of whole steps.
 
-    Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all that
-    the FMU refuses, in its own words."""
+    Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all values
+    that the FMU refuses, with the FMU's message."""
     names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
         if not (rest_speed > 0.0 and rest_time > 0.0):
@@ -155,7 +155,7 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         self._fmu, self._inputs = fmu, _InputValues(inputs, fmu.parameters)
         all_inputs = self._inputs.all_inputs
         names = _outputs(fmu, outputs)
-        self._names = inputs, names  # the FMU's, whatever the system's become
+        self._names = inputs, names  # names in the FMU; those of the system can be changed
         needs_fmu = any(name not in STATES for name in names)
 
         def set_state(x: Array, u: Array) -> tuple[bool, bool]:

@@ -35,12 +35,12 @@ ITERATIONS = 20  # one for each pair of flanks and one more are enough
 
 
 class OperatingPointError(FmuError):
-    """There is no linear model there; the message says where there is one."""
+    """There is no linear model at this point; the message says where there is one."""
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """Where a linear model holds. Its states, inputs and outputs are deviations from here."""
+    """The point of a linear model. The model's states, inputs and outputs are deviations from this point."""
 
     theta: float  # rad
     omega: float  # rad/s
@@ -68,25 +68,25 @@ def linearize(
     With x = (theta, omega) [rad, rad/s], u out of (tau [N.m], F_ext [N]) and y out of theta, omega, z [m],
     v [m/s], all as deviations:  x' = A x + B u,  y = C x + D u.  A is (2, 2); D is zero.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
-    theta, omega where [rad, rad/s]; the sign of omega is the direction of slip
-    tau          torque there [N.m]; None: the one that keeps omega constant (alpha = 0)
-    F_ext        axial force there [N]; None: that of `parameters`, else 0
+    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
+    theta, omega the operating point [rad, rad/s]; the sign of omega is the direction of slip
+    tau          torque at the point [N.m]; None: the torque that keeps omega constant (alpha = 0)
+    F_ext        axial force at the point [N]; None: that of `parameters`, else 0
     at_rest      for omega = 0, where slip or stick depends on the torque:
-                 "loading", "releasing": slip that is just about to begin in that direction, at that edge of
-                 the stick band. This is the model to design a controller with for moves in that direction.
-                 "frozen": stick. Nothing moves, A = 0 and B = 0, as long as tau stays inside the band.
-                 None: what tau decides. If that is slip from rest, its model; if it is stick, an error.
+                 "loading", "releasing": slip at its beginning in that direction, at that edge of the stick
+                 band. Design controllers for moves in that direction with this model.
+                 "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the band.
+                 None: tau decides. For slip from rest the model of that slip; for stick an error.
     inputs, outputs   names, in order; None: all
     parameters   start values of the FMU
     period       None: continuous; else the model at multiples of `period` [s] under inputs held over each:
-                 control.sample_system of the continuous one. While the mode lasts that is exact where slip is
-                 linear (helices, linear spring and damper), and to first order in the period elsewhere.
+                 control.sample_system of the continuous one. While the mode lasts, the sampled model is exact
+                 for linear slip (helices, linear spring and damper), else right to first order in the period.
 
     Returns a control.StateSpace with named signals, and the OperatingPoint as its attribute
     `operating_point`. Raises OperatingPointError where no such model exists (at rest without `at_rest`, on a
-    stop, wedged, outside the stops), FmuError for what the FMU refuses (without inertia the speed is no
-    state) and unknown names. Both are ValueErrors."""
+    stop, wedged, outside the stops), FmuError for values that the FMU refuses (without inertia the speed is
+    no state) and unknown names. Both are ValueErrors."""
     names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
     sampling = None if period is None else checked_period(period)
     cam = CamAtState(source, parameters)
@@ -121,7 +121,7 @@ def _model(
 def _go_to_operating_point(
     cam: CamAtState, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
 ) -> OperatingPoint:
-    """Leaves the FMU at the operating point, in its mode there."""
+    """The operating point, with the FMU at it and in its mode. OperatingPointError if there is none."""
     where = f"theta = {theta:g} rad, omega = {omega:g} rad/s"
     if not cam.lower <= theta <= cam.upper:
         raise OperatingPointError(
@@ -174,8 +174,8 @@ def _check_model_exists(cam: CamAtState, mode: int, at_rest: AtRest | None, wher
 
 
 def _steady_torque(cam: CamAtState, theta: float, omega: float, F_ext: float, where: str) -> float:
-    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay,
-    so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
+    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay the same.
+    So a step that is small against tau (or 1e-6 N.m) is the last one, and exact."""
     tau = 0.0
     for _ in range(ITERATIONS):
         cam.set_state(theta, omega, tau, F_ext)
@@ -191,7 +191,7 @@ def _steady_torque(cam: CamAtState, theta: float, omega: float, F_ext: float, wh
 
 
 def _break_away(cam: CamAtState, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
-    """Into slip at omega = 0, and there to the edge of the band."""
+    """Begins slip at omega = 0 and then sets tau to the edge of the band; returns that torque [N.m]."""
     cam.set_state(theta, 0.0, 0.0, F_ext)
     release, load = cam.band()
     direction, edge = (1.0, load) if at_rest == "loading" else (-1.0, release)
@@ -209,7 +209,7 @@ def _break_away(cam: CamAtState, theta: float, F_ext: float, at_rest: AtRest, wh
 def _torque_at_rest(
     cam: CamAtState, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
 ) -> float:
-    """The given torque, or one inside the band."""
+    """The given torque, or one inside the band [N.m]."""
     if tau is None:
         if at_rest is None:
             raise OperatingPointError(

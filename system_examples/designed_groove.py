@@ -47,7 +47,7 @@ ANGLES = 997  # at which wanted and obtained torque are compared
 
 @dataclass(frozen=True)
 class Task:
-    """The wanted torque, and what is given."""
+    """The wanted torque, and the given spring and groove 2."""
 
     name: str
     colour: str

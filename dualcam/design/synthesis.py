@@ -1,8 +1,7 @@
 """The inverse problem: the groove that makes a given spring give a wanted torque over the angle.
 
-While cam 2 turns slowly in direction sigma, T = rho_sigma(a_1, a_2) F_s(z). At each theta what groove 2
-gives, z = g_2(phi) and a_2 = g_2'(phi), is known once phi is. So is the rho = T/F_s that groove 1 must
-provide:
+While cam 2 turns slowly in direction sigma, T = rho_sigma(a_1, a_2) F_s(z). At each theta the angle phi gives
+z = g_2(phi) and a_2 = g_2'(phi) of groove 2, and with z the rho = T/F_s that groove 1 must provide:
 
     kappa_1 = 1/rho - kappa_2     tan lambda_1 = (1 - sigma mu_1 r_1 kappa_1)/(r_1 kappa_1 + sigma mu_1)
 
@@ -21,8 +20,8 @@ groove itself decides: with z = c theta, c = a_1 a_2/(a_1 + a_2), T'(0) = rho(a_
 a_1(0). The solution is followed from a very small angle on; an error there dies out, since too much z makes
 T/F_s, hence the slope, too small.
 
-The table. Its points are found by halving: wherever the curve that the FMU lays through the samples misses
-the wanted torque by more than the tolerance, the samples are set twice as close.
+The table. Its samples are found by halving: where the FMU's curve through the samples misses the wanted
+torque by more than the tolerance, the samples are set twice as close.
 """
 
 from __future__ import annotations
@@ -391,7 +390,7 @@ def _problem(
 
 
 def _check_spring(spring: Spring) -> None:
-    """What the FMU takes; the preload is looked at where the design starts."""
+    """DesignError for values that the FMU refuses; the preload is checked where the design starts."""
     for name, value in spring.parameters().items():
         least = 0.0 if name == "spring.stiffness" else -math.inf
         if not (math.isfinite(value) and value >= least):

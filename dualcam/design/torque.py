@@ -34,7 +34,7 @@ def _function(torque: Torque, angles: Array) -> Torque:
 
     try:
         at_once(angles)
-    except Exception:  # whatever it does with arrays, math.sin's TypeError for one
+    except Exception:  # any error for an array, as math.sin's TypeError
         try:
             one_by_one(angles)
         except Exception as error:

@@ -1,4 +1,4 @@
-"""Variables of the parts, with their units: what several parts have in common."""
+"""Units of the parts, and variables that several parts have in common."""
 
 from __future__ import annotations
 
