@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 from case_studies.command_line import bullets, parse
 from dualcam import Fmu
+from dualcam.design.statics import sign_of, transfer
 from dualcam.systems import car_door
 from dualcam.systems.axis import LEDGER, CamAxis, follow
 from dualcam.systems.car_door import (
@@ -27,7 +28,6 @@ from dualcam.systems.car_door import (
     BOTH,
     CLOSING_LIMIT,
     DURATION,
-    FRICTION,
     HANDLE,
     INERTIA,
     LEVEL,
@@ -38,7 +38,6 @@ from dualcam.systems.car_door import (
     OPEN,
     PUSH,
     RADIUS,
-    RATIO,
     SIDE_DOWN,
     SIDE_UP,
     DoorCam,
@@ -230,10 +229,12 @@ def findings(results: Results) -> str:
 
 
 def slow_pin_load(hold: DoorCam) -> float:
-    """Normal force at one pin [N], nearly shut and closing slowly: T sqrt(1 + s^2)/(r (s + mu))/2."""
-    _, load = hold.cam.band(RATIO * OPEN)
-    slope = math.tan(hold.cam.lead_angle[0])
-    return 0.5 * load * math.hypot(1.0, slope) / (RADIUS * (slope + FRICTION))
+    """Normal force at one of two pins [N], nearly shut and closing slowly."""
+    cam = hold.cam
+    force = cam.preload + cam.stiffness * car_door.stroke(cam)  # N, of the spring
+    slope = RADIUS * math.tan(cam.lead_angle[0])
+    reaction = transfer((slope, slope), cam.friction, cam.radius, sign_of("loading")).reaction[0]
+    return 0.5 * force * float(reaction)
 
 
 COLOURS = {BARE: "tab:orange", CAM: "tab:blue", UNDAMPED: "tab:green"}

@@ -73,28 +73,26 @@ class CamAxis:
         Both torques are held over the step, the load's at the angle that the axis reaches at half of it.
         """
         load_torque = load.torque(self.angle + 0.5 * size * self.speed)
-        self._tau.values[0] = (torque + load_torque) / self.ratio
-        self._tau.write()
-        self.fmu.step(size)
-        self._read_state()
+        self.set_torque(torque + load_torque)
+        self.advance(size)
         return load_torque
 
-    def step_polynomial(self, torque: tuple[float, float, float], size: float) -> None:
-        """Advance by `size` [s] under a torque on the axis that is a polynomial of time within the step: its
-        value [N.m] and its first two time derivatives [N.m/s, N.m/s2] at the beginning."""
-        value, first, second = (part / self.ratio for part in torque)
-        self._tau.values[0] = value
-        self._tau.write()
-        self._tau.write_derivatives(1, [first])
-        self._tau.write_derivatives(2, [second])
-        self.fmu.step(size)
-        self._read_state()
-
-    def acceleration(self, torque: float) -> float:
-        """Angular acceleration of the axis [rad/s2] at its state under this torque [N.m]."""
+    def set_torque(self, torque: float) -> None:
+        """Set the torque on the axis [N.m] from now on."""
         self._tau.values[0] = torque / self.ratio
         self._tau.write()
+
+    def acceleration(self) -> float:
+        """Angular acceleration of the axis [rad/s2] now."""
         return self._alpha.read()[0] / self.ratio
+
+    def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
+        """Advance by `size` [s]. The torque is a polynomial of time with these first, second (and third) time
+        derivatives [N.m/s, N.m/s2, N.m/s3] at the beginning of the step; none: the torque is held."""
+        for order, derivative in enumerate(derivatives, start=1):
+            self._tau.write_derivatives(order, [derivative / self.ratio])
+        self.fmu.step(size)
+        self._read_state()
 
     def ledger(self) -> Array:
         """The FMU's energy accounts since the start [J] in the order of LEDGER, shape (8,); valid until the

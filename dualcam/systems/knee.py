@@ -117,7 +117,7 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
     the control period's mean.
     """
-    walker, period = motion.walker, motion.period
+    walker, pendulum, period = motion.walker, motion.walker.pendulum, motion.period
     axis = CamAxis(fmu)
     axis.start(plant(cam, walker), float(motion.angle[0]), float(motion.speed[0]))
     current_loop = CurrentLoop(MOTOR, CURRENT_BANDWIDTH, CURRENT_RATE, period)
@@ -132,10 +132,10 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
                 command = max(command, 0.0)
             motor = current_loop.run(command, speed)
         knee = angle + motion.extension
-        value = walker.pendulum.drive(hinge, knee)[0]
-        alpha = axis.acceleration(motor.torque + value)
-        _, first, second = walker.pendulum.drive(hinge, knee, speed, alpha)
-        axis.step_polynomial((motor.torque + value, first, second), period)
+        value = pendulum.drive(hinge, knee)[0]
+        axis.set_torque(motor.torque + value)
+        _, *derivatives = pendulum.drive(hinge, knee, speed, axis.acceleration())
+        axis.advance(period, tuple(derivatives))
         recorder.add(axis, command, motor, value, angle)
     return KneeSwing(motion, inertia(walker), recorder.finished(motion.angle[1:]))
 
