@@ -178,18 +178,12 @@ def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
     theta = np.linspace(0.0, UPPER, 300)
     for result in results:
         mechanism, colour = result.design.mechanism, result.task.colour
-        configuration = mechanism.configuration(theta)
-        path = 1e3 * mechanism.radius[0] * configuration.psi[0]
-        axes.plot(path, 1e3 * configuration.z, color=colour, lw=2)
+        pin = mechanism.configuration(theta)
+        z, (first, second) = 1e3 * pin.z, 1e3 * np.array(mechanism.radius)[:, None] * pin.psi
+        axes.plot(first, z, color=colour, lw=2)
         if result.task.groove2 is not None:
-            axes.plot(
-                1e3 * mechanism.radius[1] * configuration.psi[1],
-                1e3 * configuration.z,
-                color=colour,
-                lw=1,
-                ls="--",
-            )
-        _draw_flanks(axes, path, 1e3 * configuration.z, colour)
+            axes.plot(second, z, color=colour, lw=1, ls="--")
+        _draw_flanks(axes, first, z, colour)
     axes.plot([], [], "k-", lw=2, label="groove 1 (or both): path of the pin and flanks")
     axes.plot([], [], "k--", lw=1, label="groove 2, given: a helix")
     axes.set(title="Unwrapped grooves", xlim=(-5.0, 42.0), ylim=(-5.0, 21.0), aspect="equal")
