@@ -120,10 +120,12 @@ class _InputValues:
 
 
 def _labels(names: list[str]) -> list[str]:
+    """Names that python-control allows."""
     return [name.replace(".", "_") for name in names]
 
 
 def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
+    """Values of the outputs at state x, shape (outputs,)."""
     return np.array(
         [x[STATES.index(name)] if name in STATES else fmu.get(name) for name in outputs], dtype=float
     )
@@ -220,6 +222,7 @@ def _sampled(
     period: float,
     name: str,
 ) -> control.NonlinearIOSystem:
+    """See to_nonlinear_io_system."""
     fmu, values = open_forward(Fmu, source, parameters)
     names = _outputs(fmu, outputs)
     needs_fmu = any(name not in STATES for name in names)

@@ -338,6 +338,7 @@ class ContinuousFmu(Handle):
         self._indicators = (c_double * int(self.description.numberOfEventIndicators))()
 
     def _settle(self) -> None:
+        """Event iteration, then continuous-time mode."""
         info = fmi2EventInfo(newDiscreteStatesNeeded=1)
         while info.newDiscreteStatesNeeded:
             self._instance.call("fmi2NewDiscreteStates", byref(info))
@@ -383,6 +384,7 @@ class ContinuousFmu(Handle):
 
 
 def _description(path: Path) -> ModelDescription:
+    """modelDescription.xml of an FMI 2.0 FMU. FmuError if there is none."""
     if not path.is_file():
         raise FmuError(f"there is no file {path}: give the path of an FMU, which ./build.sh makes in build/")
     try:
@@ -397,6 +399,7 @@ def _description(path: Path) -> ModelDescription:
 
 
 def _unknown(name: str, names: list[str], model: str) -> str:
+    """A message with names near the unknown one."""
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
     group = name.split(".")[0]
     listed = [other for other in names if other.split(".")[0] == group] if "." in name else []
@@ -407,6 +410,7 @@ def _unknown(name: str, names: list[str], model: str) -> str:
 
 
 def _number(variable: ScalarVariable, value: Any) -> float:  # noqa: ANN401
+    """`value` as a float. FmuError if it is no number."""
     try:
         if isinstance(value, str):
             raise TypeError

@@ -73,17 +73,20 @@ class Instance:
         self.check(getattr(self._fmu.dll, name)(self.component, *arguments), name)
 
     def check(self, status: int, name: str) -> None:
+        """FmuError with the messages of the FMU if `status` of function `name` is no success."""
         if status > OK_OR_WARNING:
             text = "; ".join(self.messages) or f"{name} returned status {status}, without a message"
             self.messages.clear()
             raise FmuError(text)
 
     def free_state(self, address: int) -> None:
+        """Free a saved state, once."""
         if address in self.states:
             self.states.remove(address)
             self.call("fmi2FreeFMUstate", byref(c_void_p(address)))
 
     def free(self) -> None:
+        """Free the instance and the unpacked files, once."""
         if not self.is_open:
             return
         for address in list(self.states):

@@ -105,6 +105,7 @@ def linearize(
 def _model(
     cam: CamAtState, point: OperatingPoint, inputs: list[str], outputs: list[str]
 ) -> control.StateSpace:
+    """The model from the partial derivatives at the FMU's present state."""
     rates = cam.fmu.jacobian(["omega", "alpha"], [*STATES, *inputs])
     if point.mode not in (LOADING, RELEASING):
         rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction stops it at once
@@ -161,6 +162,7 @@ ADVICE = {
 
 
 def _check_model_exists(cam: CamAtState, mode: int, at_rest: AtRest | None, where: str) -> None:
+    """OperatingPointError where the mode has no linear model of the kind asked for."""
     release, load = cam.band()
     band = f"the stick band, {release:g} to {load:g} N.m"
     slips = mode in (LOADING, RELEASING)

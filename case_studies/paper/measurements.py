@@ -39,6 +39,7 @@ from case_studies.paper.text import paragraph, percent, span, table
 
 
 def uncertainty(fmus: FmuResults) -> str:
+    """Section on the uncertainty and the published RMSE."""
     budget = uncertainty_budget()
     rows = [
         [
@@ -84,6 +85,7 @@ def uncertainty(fmus: FmuResults) -> str:
 
 
 def measurements(fmus: FmuResults) -> str:
+    """Section on hand-read static torques."""
     rows = []
     for draw in DRAWS:
         cells = [draw]
@@ -179,6 +181,7 @@ def load_laws(fmus: FmuResults) -> list[list[str]]:
 
 
 def friction_laws(fmus: FmuResults) -> str:
+    """Section on other friction laws for pair B."""
     needed, factors = needed_friction(fmus)
     pair_b = [factor for (name, _, _), factor in factors.items() if name == "B"]
     others = [Statics(cams, fmus.angle) for cams, _, _ in fmus.others["B"]]
@@ -248,6 +251,7 @@ def friction_laws(fmus: FmuResults) -> str:
 
 
 def law_conclusion(fmus: FmuResults) -> str:
+    """Conclusion on friction that falls with the load."""
     statics = Statics(pair("B"), fmus.angle)
     most = {
         (direction, n): max(law_error(statics, GREASES[0], n, direction))

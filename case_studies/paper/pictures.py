@@ -32,6 +32,7 @@ LINES = {GREASES[0]: "-", GREASES[1]: "--"}
 
 
 def draw_map(figure: Figure, axes: Axes) -> None:
+    """Efficiency over both lead angles."""
     degrees = np.linspace(0.25, 89.75, MAP)
     x, y = np.meshgrid(np.radians(degrees), np.radians(degrees))
     eta = efficiency((x, y), (GREASES[0], GREASES[0]), EQUAL)
@@ -56,6 +57,7 @@ def draw_map(figure: Figure, axes: Axes) -> None:
 
 
 def draw_cut(axes: Axes, fmus: FmuResults) -> None:
+    """Cuts through the map, by formula and by the FMU."""
     lead = np.radians(np.linspace(0.5, 89.5, 400))
     points = np.radians(np.arange(15.0, 76.0, 5.0))
     for mu, colour in zip(GREASES, ("tab:blue", "tab:green"), strict=True):
@@ -82,6 +84,7 @@ def draw_cut(axes: Axes, fmus: FmuResults) -> None:
 
 
 def draw_efficiency(fmus: FmuResults) -> Figure:
+    """Map and cuts."""
     figure = Figure(figsize=(12.5, 5.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     draw_map(figure, left)
@@ -90,6 +93,7 @@ def draw_efficiency(fmus: FmuResults) -> Figure:
 
 
 def draw_torque(fmus: FmuResults) -> Figure:
+    """Torque and reactions of both pairs."""
     figure = Figure(figsize=(12.5, 8.0), layout="constrained")
     for column, name in zip(figure.subplots(2, 2, sharex=True, sharey="row").T, PAIRS, strict=True):
         for (_, mu, direction), drawn in ((k, c) for k, c in fmus.curves.items() if k[0] == name):
@@ -111,6 +115,7 @@ def draw_torque(fmus: FmuResults) -> Figure:
 
 
 def draw_dependence(fmus: FmuResults) -> Figure:
+    """Torque of other pairs that the published facts allow."""
     figure = Figure(figsize=(12.5, 4.6), layout="constrained")
     for axes, name in zip(figure.subplots(1, 2, sharey=True), PAIRS, strict=True):
         for direction, index in ((LOADING, 1), (RELEASING, 2)):
@@ -132,6 +137,7 @@ def draw_dependence(fmus: FmuResults) -> Figure:
 
 
 def draw_readings(axes: Axes, fmus: FmuResults) -> None:
+    """One series of readings inside the stick band."""
     name, mu = "B", GREASES[0]
     up, down = (fmus.curves[name, mu, direction].torque for direction in DIRECTIONS)
     axes.fill_between(fmus.angle, down, up, color="0.9", label="stick band")
@@ -152,6 +158,7 @@ def draw_readings(axes: Axes, fmus: FmuResults) -> None:
 
 
 def draw_shares(axes: Axes) -> None:
+    """RMSE over the part of the band in which readings lie."""
     shares = np.linspace(0.0, 1.0, 21)
     for name, colour in zip(PAIRS, ("tab:purple", "tab:green"), strict=True):
         for mu in GREASES:
@@ -171,6 +178,7 @@ def draw_shares(axes: Axes) -> None:
 
 
 def draw_measurements(fmus: FmuResults) -> Figure:
+    """Readings and parts of the band."""
     figure = Figure(figsize=(12.5, 5.0), layout="constrained")
     left, right = figure.subplots(1, 2)
     draw_readings(left, fmus)

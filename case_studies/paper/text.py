@@ -11,10 +11,12 @@ from dualcam.design.statics import Array
 
 
 def paragraph(text: str) -> str:
+    """A paragraph in lines of at most 110 characters."""
     return textwrap.fill(" ".join(text.split()), 110, break_on_hyphens=False, break_long_words=False) + "\n"
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     assert all(len(line) == len(head) for line in lines)
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
@@ -27,4 +29,5 @@ def span(values: Sequence[float] | Array, digits: int = 2) -> str:
 
 
 def percent(value: float, digits: int = 1) -> str:
+    """A share in percent."""
     return f"{100.0 * value:.{digits}f} %"

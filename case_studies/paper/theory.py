@@ -38,6 +38,7 @@ from dualcam.design import optimum
 
 
 def opening() -> str:
+    """Title, and the published and assumed values."""
     rows = [
         ["friction", f"{GREASES[0]} (grease 1), {GREASES[1]} (grease 2)", "published"],
         ["range", f"0 to {RANGE} rad", "published"],
@@ -87,6 +88,7 @@ def opening() -> str:
 
 
 def verdicts(fmus: FmuResults) -> str:
+    """The table of verdicts."""
     case, level = Case(), replace(Case(), radii=EQUAL)
     budget = uncertainty_budget()
     loading, releasing = torques_of_fmu(fmus, case)
@@ -128,6 +130,7 @@ def verdicts(fmus: FmuResults) -> str:
 
 
 def efficiency_section(fmus: FmuResults) -> str:
+    """Section on the efficiency map and its optimum."""
     rows = []
     for mu in GREASES:
         x, y, best = fmus.best_on_grid(mu)
@@ -183,6 +186,7 @@ def efficiency_section(fmus: FmuResults) -> str:
 
 
 def torque_section(fmus: FmuResults) -> str:
+    """Section on torque and reactions over the range."""
     rows = []
     for name in PAIRS:
         for mu in GREASES:
@@ -253,6 +257,7 @@ def torque_section(fmus: FmuResults) -> str:
 
 
 def errata(fmus: FmuResults) -> str:
+    """Section on the errata in numbers."""
     case = Case()
     loading, releasing = torques_of_fmu(fmus, case)
     row_1, row_2 = case.balance(LOADING, axial=-1), case.balance(RELEASING, tangential=-1)

@@ -68,6 +68,7 @@ class Mechanism:
 
     @property
     def radius(self) -> tuple[float, float]:
+        """Radii of both cams [m]."""
         return self.grooves[0].radius, self.grooves[1].radius
 
     def angles(self, points: int = POINTS) -> Array:

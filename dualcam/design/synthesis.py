@@ -62,6 +62,7 @@ class Design:
 
     @property
     def table(self) -> Table:
+        """The sampled groove."""
         groove = self.mechanism.grooves[0]
         assert isinstance(groove, Table)
         return groove
@@ -109,6 +110,8 @@ def synthesize(
 
 @dataclass(frozen=True)
 class _Problem:
+    """The wanted torque and everything given, with the differential equation of the state."""
+
     wanted: Torque
     upper: float
     spring: Spring
@@ -315,6 +318,7 @@ class _Problem:
         )
 
     def where(self, theta: float) -> str:
+        """The angle in messages."""
         return f"theta = {float(theta):.9g} rad"
 
 
@@ -402,6 +406,7 @@ def _check_spring(spring: Spring) -> None:
 
 
 def _scale(wanted: Torque, theta: Array, upper: float) -> Array:
+    """Torque [N.m] to which errors are relative."""
     largest = np.max(np.abs(wanted(np.linspace(0.0, upper, 400))))
     return np.maximum(np.abs(wanted(theta)), SMALL * largest)
 

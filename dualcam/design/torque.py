@@ -47,6 +47,7 @@ def _function(torque: Torque, angles: Array) -> Torque:
 
 
 def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
+    """A spline through samples (theta, torque)."""
     try:
         theta, value = (np.asarray(each, dtype=float) for each in torque)
     except (TypeError, ValueError):

@@ -41,6 +41,7 @@ class HelicalCam:
 
     @cached_property
     def _torque_per_force(self) -> tuple[float, float]:
+        """While releasing and while loading [m]."""
         release, load = band_factors(self._slopes, self.friction, self.radius)
         return float(release), float(load)
 

@@ -111,6 +111,7 @@ class PositionController:
         return torque
 
     def _may_rest(self, error: float, speed: float, advance: float, angle: float) -> bool:
+        """Whether the joint may rest now: the plan rests, and error and speed are small."""
         release, load = self.cam.band(angle)
         tolerance = 2.0 * self.rest.tolerance if self.resting else self.rest.tolerance
         self.resting = (

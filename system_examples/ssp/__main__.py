@@ -70,6 +70,7 @@ class Master:
 
     @property
     def version(self) -> str:
+        """Its pinned version."""
         return install.pins()[self.package]
 
 
@@ -177,6 +178,7 @@ PYTHON_HEAD = ("system", "what", "Python", "package", "apart", "allowed", "verdi
 
 
 def table(head: Sequence[str], outcomes: Sequence[Outcome]) -> list[str]:
+    """A table in Markdown, with columns of even width."""
     rows = [head, *(o.cells for o in outcomes)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = [" | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
@@ -185,6 +187,7 @@ def table(head: Sequence[str], outcomes: Sequence[Outcome]) -> list[str]:
 
 
 def markdown(checks: Sequence[Outcome], masters: Sequence[Outcome], pythons: Sequence[Outcome]) -> str:
+    """The page docs/ssp.md."""
     page = (compilation.SOURCES / "page.md").read_text()
     facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
     page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
@@ -193,6 +196,7 @@ def markdown(checks: Sequence[Outcome], masters: Sequence[Outcome], pythons: Seq
 
 
 def main() -> int:
+    """Command line; returns the exit code."""
     parser = argparse.ArgumentParser(prog="ssp", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--only", help="names of masters, with commas; nothing is written then")
     only = parser.parse_args().only

@@ -87,6 +87,7 @@ class PartFmu(build_fmu.Fmu):
 
     @property
     def path(self) -> Path:
+        """The FMU in build/ssp/parts."""
         return FOLDER / f"{self.identifier}.fmu"
 
 

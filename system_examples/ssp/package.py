@@ -38,10 +38,12 @@ def tag(name: str) -> str:
 
 
 def add(parent: ET.Element, name: str, /, **attributes: str) -> ET.Element:
+    """A new element below `parent`."""
     return ET.SubElement(parent, tag(name), attributes)
 
 
 def document(root: ET.Element) -> bytes:
+    """The XML file."""
     ET.indent(root)
     file = io.BytesIO()
     ET.ElementTree(root).write(file, encoding="UTF-8", xml_declaration=True)
@@ -56,12 +58,15 @@ def split(end: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Component:
+    """An FMU with start values."""
+
     name: str
     fmu: Path
     values: Mapping[str, Value]  # start values of parameters
 
     @cached_property
     def description(self) -> ET.Element:
+        """The FMU's modelDescription.xml."""
         with zipfile.ZipFile(self.fmu) as archive:
             return ET.fromstring(archive.read("modelDescription.xml"))
 
@@ -79,6 +84,8 @@ class Component:
 
 @dataclass(frozen=True)
 class System:
+    """Components and their connections."""
+
     name: str
     text: str
     components: tuple[Component, ...]
@@ -104,6 +111,7 @@ class System:
 
 
 def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]) -> None:
+    """The units by their exponents of base units."""
     element = add(root, f"{prefix}:Units")
     for name, base in sorted(units.items()):
         add(add(element, "ssc:Unit", name=name), "ssc:BaseUnit", **base)

@@ -38,6 +38,8 @@ PARAMETER, INPUT, OUTPUT, LOCAL = "parameter", "input", "output", "local"
 
 @dataclass(frozen=True)
 class Variable:
+    """A variable of a part."""
+
     name: str
     causality: str
     unit: str
@@ -51,18 +53,22 @@ class Variable:
 
 
 def parameter(name: str, unit: str, start: float, text: str) -> Variable:
+    """A parameter with its start value."""
     return Variable(name, PARAMETER, unit, start, text)
 
 
 def input_variable(name: str, unit: str, text: str) -> Variable:
+    """An input, 0 at the start."""
     return Variable(name, INPUT, unit, 0.0, text)
 
 
 def output_variable(name: str, unit: str, text: str) -> Variable:
+    """An output."""
     return Variable(name, OUTPUT, unit, 0.0, text)
 
 
 def local_variable(name: str, unit: str, text: str) -> Variable:
+    """A local variable, which keeps its value between steps."""
     return Variable(name, LOCAL, unit, 0.0, text)
 
 
