@@ -115,7 +115,10 @@ case $command in
         run_program . -m system_examples.ssp "$@"
         ;;
     report)
-        [ $# -gt 0 ] || die "report of what? robot_joint, prosthetic_knee or car_door"
+        case ${1-} in
+            robot_joint | prosthetic_knee | car_door) ;;
+            *) die "report of '${1-}': allowed are robot_joint, prosthetic_knee and car_door" ;;
+        esac
         run_program . -m "case_studies.$1" "${@:2}"
         ;;
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
