@@ -8,8 +8,10 @@ usage: ./build.sh [command] [arguments]
 
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
-  door     build, then run system_examples/car_door.py; arguments go to it
+  door     build, then run system_examples/car_door.py (seconds); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
+  report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
+           further arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
   test     build, then run the tests; arguments go to pytest
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -25,7 +27,7 @@ usage: ./build.sh [command] [arguments]
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
-  paper    build, then write docs/paper.md and its pictures (seconds), system_examples/paper.py
+  paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md (seconds);
            docs/figures/mechanism.py, docs/figures/architecture.py, docs/tools/variables_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
@@ -112,7 +114,17 @@ case $command in
     knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
     door) run_program . system_examples/car_door.py "$@" ;;
     design) run_program . system_examples/designed_groove.py "$@" ;;
-    ssp) run_program . system_examples/ssp_run.py "$@" ;;
+    ssp)
+        export PYTHONPATH=fmu_src/tools:masters  # how FMUs are built, and how other masters are installed
+        run_program . -m system_examples.ssp "$@"
+        ;;
+    report)
+        case ${1-} in
+            robot_joint | prosthetic_knee | car_door) ;;
+            *) die "report of '${1-}': allowed are robot_joint, prosthetic_knee and car_door" ;;
+        esac
+        run_program . -m "case_studies.$1" "${@:2}"
+        ;;
     test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
@@ -122,7 +134,7 @@ case $command in
     skipping) run_program . -m benchmarks.skipping "$@" ;;
     growth) run_program . -m benchmarks.growth "$@" ;;
     loop) run_program . -m benchmarks.loop_cost "$@" ;;
-    paper) run_program . system_examples/paper.py "$@" ;;
+    paper) run_program . -m case_studies.paper "$@" ;;
     coupling) run_program . -m benchmarks.coupling "$@" ;;
     rate) run_program . -m benchmarks.study_rate "$@" ;;
     study)

@@ -5,8 +5,10 @@
     linearize                   its linear model about an operating point, a control.StateSpace
     CamHysteresis               its friction hysteresis for describing function analysis
     dualcam.design              best lead angles, and grooves that give a wanted torque
+    dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
+    dualcam.study               parameter studies
 
-What needs python-control is loaded when it is first asked for: that import takes a second or two.
+The names that need python-control are loaded at their first use: that import takes a second or two.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ __all__ = [
     "to_nonlinear_io_system",
 ]
 
-_LATER = {
+_LOADED_AT_FIRST_USE = {
     "CamHysteresis": "dualcam.hysteresis",
     "OperatingPoint": "dualcam.linear",
     "OperatingPointError": "dualcam.linear",
@@ -44,8 +46,8 @@ _LATER = {
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401
-    if name not in _LATER:
+    if name not in _LOADED_AT_FIRST_USE:
         raise AttributeError(f"module 'dualcam' has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module(_LATER[name]), name)
+    return getattr(import_module(_LOADED_AT_FIRST_USE[name]), name)

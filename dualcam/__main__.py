@@ -15,6 +15,7 @@ INTERRUPTED = 130  # what shells say of Ctrl-C
 
 
 def main(words: Sequence[str] | None = None) -> int:
+    """The command line; returns the exit code."""
     parser = argparse.ArgumentParser(
         prog="dualcam", description="Dual cylindrical cam: its FMUs from the command line"
     )

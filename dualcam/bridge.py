@@ -14,20 +14,20 @@ from dualcam.forward import (
     INPUTS,
     OUTPUTS,
     STATES,
+    CamAtState,
     Names,
-    PlacedCam,
     Source,
     checked_period,
-    chosen,
     open_forward,
+    selected_names,
 )
 from dualcam.linear import linearize
 
-REST_SPEED = 1e-3  # rad/s: a thousand times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
-REST_TIME = 1e-3  # s: explicit solvers then take steps of some ms at rest
-STOP_TIME = 1e-5  # s: a hit on a stop is over in about ten of them, which costs a solver a few dozen steps
+REST_SPEED = 1e-3  # rad/s: 1000 times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
+REST_TIME = 1e-3  # s: steps of explicit solvers at rest are then some ms long
+STOP_TIME = 1e-5  # s: an impact lasts about ten of these, a few dozen steps of a solver
 
-ACCOUNTS = ("energy.", "peak.", "events")
+ACCUMULATED = ("energy.", "peak.", "events")  # beginnings of names of variables that sum up over steps
 
 
 def to_nonlinear_io_system(
@@ -41,45 +41,45 @@ def to_nonlinear_io_system(
     rest_time: float = REST_TIME,
     name: str = "cam",
 ) -> control.NonlinearIOSystem:
-    """The cam as a plant for input_output_response, interconnect, linearize and all else in python-control.
+    """The cam as a plant for input_output_response, interconnect, linearize and the rest of python-control.
 
-    States are theta [rad] and omega [rad/s], in both kinds. Start them in the simulation: `initial.theta` and
-    `initial.omega` are not used.
+    States are theta [rad] and omega [rad/s], in both kinds of system. Their initial values belong to the
+    simulation: `initial.theta` and `initial.omega` have no effect.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
-    inputs       out of tau [N.m], F_ext [N]; None: both. One left out stays at that of `parameters`, or 0
+    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
+    inputs       out of tau [N.m], F_ext [N]; None: both. An input left out keeps its value of `parameters`,
+                 or 0
     outputs      None: theta, omega, z [m], v [m/s]; else any outputs or locals of the FMU that follow from
                  states and inputs (`mode`, `torque_load`, `spring.force`, ...; not the accounts `energy.*`,
-                 `peak.*`). python-control allows no dot in a name: there it is `spring_force`
+                 `peak.*`). python-control allows no dot in a name: `spring.force` becomes `spring_force`
     parameters   start values of the FMU
-    period       a number [s]: a sampled system from co-simulation. Prefer it: what happens within a period,
-                 stick, slip, stops and bounces, is located by the FMU, to its own accuracy. Inputs are held
-                 over it.
-                 None: a continuous system from model exchange, for solvers that know no events; see below.
+    period       a number [s]: a sampled system from co-simulation, with inputs held over the period. Prefer
+                 this kind: the FMU locates stick, slip, stops and bounces within a period, to its accuracy.
+                 None: a continuous system from model exchange, for solvers without event location; see below
 
-    What is in the state: theta and omega alone. The FMU also remembers its mode. It decides it anew each
-    time, slip by the sign of omega, and at omega = 0 slip or stick by torque: there is no other memory, with
-    one exception. Where a contact locks (lead angle below atan(friction)) several ways to slip can agree with
-    themselves, and a motion keeps to its own; deciding anew prefers both supporting flanks.
+    The state is theta and omega alone. The FMU's mode is decided anew at each call: slip by the sign of
+    omega, and at omega = 0 slip or stick by the torque. There is no other memory, with one exception. Where a
+    contact locks (lead angle below atan(friction)) several slip modes can be consistent, and a motion in the
+    FMU keeps its mode. The decision here prefers both supporting flanks.
 
-    Without inertia (sampled only) omega is no state: it is put out as the speed at the end of the last
-    period, and its initial value does nothing.
+    Without inertia (sampled only) omega is no state: the output omega is the speed at the end of the last
+    period, and its initial value has no effect.
 
-    The continuous system. A speed that passes through zero, or a stop, is an event, which python-control's
-    solvers do not look for. They see a right-hand side that jumps, step across, and find out by their error
-    estimate: events are smeared by the solver's tolerance. Give input_output_response a `max_step` in
-    `solve_ivp_kwargs` no longer than what must not be missed, and tolerances as small as the answer needs.
-    Exactly zero is never hit, so rest is made a set that can be: below `rest_speed` [rad/s] the FMU decides
-    as at omega = 0, from torque; if it sticks, omega decays with the time constant `rest_time` [s], and the
-    angle creeps by at most rest_speed * rest_time (1e-6 rad) per stop. Moving into an end stop, the angle
-    stands still and omega decays within 1e-4 s or so. Bounces are impulses: stop.restitution > 0 is refused.
+    The continuous system. A zero of the speed, or a stop, is an event. The solvers of python-control do not
+    locate events. Their error estimate sees a right-hand side that jumps, so events are smeared by the
+    solver's tolerance. Give input_output_response a `max_step` in `solve_ivp_kwargs` no longer than the
+    shortest motion of interest, and tolerances as small as the result needs. A solver never hits a speed of
+    exactly zero, so rest has a width: below `rest_speed` [rad/s] the FMU decides by torque, as at omega = 0.
+    If the cam sticks, omega decays with the time constant `rest_time` [s], and the angle creeps by at most
+    rest_speed * rest_time (1e-6 rad) per stop. In motion into an end stop the angle stands still, and omega
+    decays within about 1e-4 s. Bounces are impulses: stop.restitution > 0 is refused.
 
-    control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. Of the
-    sampled one it is python-control's own, by differences of whole steps.
+    control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. For the
+    sampled system it is python-control's own, by differences of whole steps.
 
-    Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all that
-    the FMU refuses, in its own words."""
-    names_in = chosen(inputs, INPUTS, "input")
+    Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all values
+    that the FMU refuses, with the FMU's message."""
+    names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
         if not (rest_speed > 0.0 and rest_time > 0.0):
             raise FmuError(f"rest_speed = {rest_speed!r}, rest_time = {rest_time!r}: allowed is > 0")
@@ -88,41 +88,44 @@ def to_nonlinear_io_system(
 
 
 def _outputs(fmu: Handle, names: Names) -> list[str]:
-    """Names of outputs; all of them follow from states and inputs."""
+    """Names of outputs. FmuError for variables that do not follow from states and inputs alone."""
     variables = fmu.description.modelVariables
     allowed = [
         variable.name
         for variable in variables
-        if variable.causality in ("output", "local") and not variable.name.startswith(ACCOUNTS)
+        if variable.causality in ("output", "local") and not variable.name.startswith(ACCUMULATED)
     ]
     wanted = list(OUTPUTS) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
-        if fmu.variable(name).name.startswith(ACCOUNTS):
+        if fmu.variable(name).name.startswith(ACCUMULATED):
             raise FmuError(
                 f"output {name!r} is kept over steps and does not follow from theta and omega: step a Fmu"
             )
-    return chosen(wanted, allowed, "output")
+    return selected_names(wanted, allowed, "output")
 
 
-class _Inputs:
-    """All inputs of the FMU from those of the system."""
+class _InputValues:
+    """Values of all inputs of the FMU from those of the system."""
 
     def __init__(self, names: list[str], parameters: Mapping[str, Scalar]) -> None:
         self._values = [float(parameters.get(name, 0.0)) for name in INPUTS]
-        self._places = [INPUTS.index(name) for name in names]
+        self._indices = [INPUTS.index(name) for name in names]
 
-    def full(self, u: Array) -> list[float]:
+    def all_inputs(self, u: Array) -> list[float]:
+        """tau [N.m] and F_ext [N] for inputs u of the system, shape (inputs,)."""
         values = list(self._values)
-        for place, value in zip(self._places, u, strict=True):
-            values[place] = float(value)
+        for index, value in zip(self._indices, u, strict=True):
+            values[index] = float(value)
         return values
 
 
 def _labels(names: list[str]) -> list[str]:
+    """Names that python-control allows."""
     return [name.replace(".", "_") for name in names]
 
 
 def _read(fmu: Handle, outputs: list[str], x: Array) -> Array:
+    """Values of the outputs at state x, shape (outputs,)."""
     return np.array(
         [x[STATES.index(name)] if name in STATES else fmu.get(name) for name in outputs], dtype=float
     )
@@ -144,29 +147,29 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         rest_time: float,
         name: str,
     ) -> None:
-        cam = PlacedCam(source, parameters)
+        cam = CamAtState(source, parameters)
         fmu = cam.fmu
         if fmu.real("stop.restitution") > 0.0:
             raise FmuError(
                 "stop.restitution > 0: a bounce is an impulse, which no continuous right-hand side has;"
                 " allowed is 0, or any with a period, which makes a sampled system"
             )
-        self._fmu, self._inputs = fmu, _Inputs(inputs, fmu.parameters)
-        full = self._inputs.full
+        self._fmu, self._inputs = fmu, _InputValues(inputs, fmu.parameters)
+        all_inputs = self._inputs.all_inputs
         names = _outputs(fmu, outputs)
-        self._names = inputs, names  # the FMU's, whatever the system's become
-        seen = [name for name in names if name not in STATES]
+        self._names = inputs, names  # names in the FMU; those of the system can be changed
+        needs_fmu = any(name not in STATES for name in names)
 
-        def place(x: Array, u: Array) -> tuple[bool, bool]:
-            """Whether it counts as at rest, and as at a stop that it moves into."""
+        def set_state(x: Array, u: Array) -> tuple[bool, bool]:
+            """Sets the FMU; whether the cam counts as at rest, and as moving into a stop."""
             theta, omega = float(x[0]), float(x[1])
             blocked = (theta >= cam.upper and omega > 0.0) or (theta <= cam.lower and omega < 0.0)
             rests = blocked or abs(omega) < rest_speed
-            cam.place(theta, 0.0 if rests else omega, *full(u))
+            cam.set_state(theta, 0.0 if rests else omega, *all_inputs(u))
             return rests, blocked
 
         def rates(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-            rests, blocked = place(x, u)
+            rests, blocked = set_state(x, u)
             omega, alpha = float(x[1]), cam.alpha
             if blocked and abs(omega) >= rest_speed:
                 alpha -= omega / STOP_TIME
@@ -174,13 +177,13 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
                 alpha -= omega / rest_time
             return np.array([0.0 if blocked else omega, alpha])
 
-        def put_out(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-            if seen:
-                place(x, u)
+        def output(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
+            if needs_fmu:
+                set_state(x, u)
             return _read(fmu, names, x)
 
         super().__init__(
-            rates, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
+            rates, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=0
         )
 
     def linearize(
@@ -194,12 +197,12 @@ class ContinuousCamSystem(control.NonlinearIOSystem):
         **names: object,
     ) -> control.StateSpace:
         """dualcam.linearize at states x0, shape (2,), and inputs u0, shape (inputs,); `names` rename its
-        signals.
-        The other arguments are python-control's and do nothing here: the model is exact, and has names."""
+        signals. The other arguments are python-control's and have no effect: the model is exact, and has
+        names."""
         if isinstance(x0, control.OperatingPoint):
             x0, u0 = x0.states, x0.inputs if u0 is None else u0
         theta, omega = np.broadcast_to(np.asarray(x0, dtype=float), 2)
-        tau, F_ext = self._inputs.full(
+        tau, F_ext = self._inputs.all_inputs(
             np.broadcast_to(np.asarray(0.0 if u0 is None else u0, dtype=float), self.ninputs)
         )
         inputs, outputs = self._names
@@ -219,23 +222,24 @@ def _sampled(
     period: float,
     name: str,
 ) -> control.NonlinearIOSystem:
+    """See to_nonlinear_io_system."""
     fmu, values = open_forward(Fmu, source, parameters)
     names = _outputs(fmu, outputs)
-    seen = [name for name in names if name not in STATES]
-    full = _Inputs(inputs, values).full
+    needs_fmu = any(name not in STATES for name in names)
+    all_inputs = _InputValues(inputs, values).all_inputs
     run = Preparation(fmu, values, ["initial.theta", "initial.omega", *INPUTS])
     state = fmu.reals(*STATES)
 
     def update(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-        run.begin([*x, *full(u)])
+        run.begin([*x, *all_inputs(u)])
         fmu.step(period)
         return np.array(state.read())
 
-    def put_out(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-        if seen:
-            run.rewind([*x, *full(u)])
+    def output(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
+        if needs_fmu:
+            run.rewind([*x, *all_inputs(u)])
         return _read(fmu, names, x)
 
     return control.NonlinearIOSystem(
-        update, put_out, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
+        update, output, inputs=inputs, outputs=_labels(names), states=list(STATES), name=name, dt=period
     )

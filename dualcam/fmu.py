@@ -1,8 +1,8 @@
-"""One instance of an FMI 2.0 FMU from Python: names instead of value references, its own words in errors, and
-fast enough for a 1 kHz loop.
+"""One instance of an FMI 2.0 FMU from Python, with names instead of value references, the FMU's messages in
+errors, and fast enough for a 1 kHz loop.
 
-FMPy reads the description and loads the binary. Added here are buffers that are laid out once: reading or
-writing a group of reals costs one call into the FMU and allocates nothing but the floats that it returns.
+FMPy reads the description and loads the binary. This module adds buffers that are laid out once: reading or
+writing a group of reals costs one call into the FMU and allocates only the returned floats.
 
     with Fmu("build/DualCamForward.fmu") as fmu:
         command, state = fmu.reals("tau"), fmu.reals("theta", "omega")
@@ -19,11 +19,8 @@ from __future__ import annotations
 
 import ctypes
 import difflib
-import shutil
-import tempfile
 import weakref
 import zipfile
-from collections import deque
 from collections.abc import Mapping, Sequence
 from ctypes import byref, c_char_p, c_double, c_int, c_uint, c_void_p
 from pathlib import Path
@@ -32,119 +29,16 @@ from typing import Any, Self
 
 import fmpy
 import numpy as np
-from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE, fmi2EventInfo
+from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2EventInfo
 from fmpy.model_description import ModelDescription, ScalarVariable
 from numpy.typing import ArrayLike, NDArray
+
+from dualcam.instance import OK_OR_WARNING, FmuError, Instance, UnknownVariableError
 
 Scalar = float | int | bool | str
 Array = NDArray[np.float64]
 
-OK_OR_WARNING = 1  # fmi2Status up to this is success
-LATEST = 8  # messages that are kept: an FMU may log warnings for ever
-LISTED = 12  # names that a message about an unknown variable lists at most
-
-
-class FmuError(ValueError):
-    """The FMU, or this package, refuses what was asked; the message says what is allowed."""
-
-
-class UnknownVariableError(FmuError):
-    """The FMU has no variable of that name."""
-
-
-# ---- the binary ----
-
-
-class Instance:
-    """A loaded binary with one instance in it, freed once. Nothing here refers to the handle in front of it,
-    so that a handle that is dropped can free it."""
-
-    def __init__(self, path: Path, description: ModelDescription, kind: type[FMU2Slave | FMU2Model]) -> None:
-        self.messages: deque[str] = deque(maxlen=LATEST)  # logged since the last error
-        self.states: set[int] = set()  # addresses of FMU states not yet freed
-        identifier = (
-            description.coSimulation if kind is FMU2Slave else description.modelExchange
-        ).modelIdentifier
-        wanted = (f"binaries/{fmpy.platform}/", "resources/")
-        self._directory = _extracted(path, wanted)
-        try:
-            (Path(self._directory) / "resources").mkdir(exist_ok=True)
-            self._fmu = kind(
-                instanceName=description.modelName,
-                guid=description.guid,
-                modelIdentifier=identifier,
-                unzipDirectory=self._directory,
-            )
-            # not FMPy's proxy for printf arguments: it has one logger for the whole process
-            callbacks = fmi2CallbackFunctions()
-            callbacks.logger = self._logger()
-            self._fmu.instantiate(callbacks=callbacks)
-        except Exception as error:
-            shutil.rmtree(self._directory, ignore_errors=True)
-            raise FmuError("; ".join([f"{path}: {error}", *self.messages])) from error
-        self.component = self._fmu.component
-        library = self._fmu.dll
-        self.get_real, self.set_real = library.fmi2GetReal, library.fmi2SetReal
-        self.do_step = library.fmi2DoStep
-        self.is_open = True
-
-    def _logger(self) -> fmi2CallbackLoggerTYPE:
-        messages = self.messages
-
-        def log(_: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
-            # FMI doubles what its printf format would take for its own
-            messages.append(text.decode(errors="replace").replace("%%", "%").replace("##", "#"))
-
-        return fmi2CallbackLoggerTYPE(log)
-
-    def call(self, name: str, *arguments: object) -> None:
-        """Call that FMI function; FmuError with the FMU's message if it fails."""
-        if not self.is_open:
-            _refuse_closed()
-        self.check(getattr(self._fmu.dll, name)(self.component, *arguments), name)
-
-    def check(self, status: int, name: str) -> None:
-        if status > OK_OR_WARNING:
-            text = "; ".join(self.messages) or f"{name} returned status {status}, without a message"
-            self.messages.clear()
-            raise FmuError(text)
-
-    def free_state(self, address: int) -> None:
-        if address in self.states:
-            self.states.remove(address)
-            self.call("fmi2FreeFMUstate", byref(c_void_p(address)))
-
-    def free(self) -> None:
-        if not self.is_open:
-            return
-        for address in list(self.states):
-            self.free_state(address)
-        self.is_open = False
-        self.get_real = self.set_real = self.do_step = _refuse_closed
-        self._fmu.freeInstance()
-        shutil.rmtree(self._directory, ignore_errors=True)
-
-    def abandon(self) -> None:
-        """After fmi2Fatal nothing of it may be called, not even to free it: its memory is lost."""
-        self.states.clear()
-        self.is_open = False
-        self.get_real = self.set_real = self.do_step = _refuse_closed
-        shutil.rmtree(self._directory, ignore_errors=True)
-
-
-def _extracted(path: Path, wanted: tuple[str, ...]) -> str:
-    """A new folder with those parts of the FMU. FmuError if they are damaged or there is no room."""
-    folder = tempfile.mkdtemp()
-    try:
-        fmpy.extract(path, folder, include=lambda name: name.startswith(wanted))
-    except Exception as error:  # zipfile's, zlib's and the system's
-        shutil.rmtree(folder, ignore_errors=True)
-        raise FmuError(f"{path} cannot be unpacked into {folder}: {error}") from error
-    return folder
-
-
-def _refuse_closed(*_: object) -> int:
-    raise FmuError("this FMU is closed: open a new one")
+NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
 # ---- groups of reals ----
@@ -204,7 +98,7 @@ class Reals:
 
 
 class FmuState:
-    """All that an instance remembers, as `take` found it. It is freed with the last reference to it."""
+    """The whole state of an instance, from `save_state`. The state is freed with the last reference to it."""
 
     def __init__(self, instance: Instance, address: int, time: float) -> None:
         self._instance, self._address, self._time = instance, address, time
@@ -212,7 +106,7 @@ class FmuState:
 
 
 class Handle:
-    """What co-simulation and model exchange have in common."""
+    """The common part of the handles for co-simulation and for model exchange."""
 
     _kind: type[FMU2Slave | FMU2Model]
     _use = ""
@@ -304,9 +198,8 @@ class Handle:
         return float(self.get(name))
 
     def set(self, name: str, value: Scalar) -> None:
-        """One variable of any type, for use outside the loop. FmuError if `value` does not suit its type, or
-        if
-        the FMU refuses it."""
+        """Set one variable of any type, for use outside the loop. FmuError if `value` does not suit the
+        variable's type, or if the FMU refuses the value."""
         variable = self.variable(name)
         reference = byref(c_uint(variable.valueReference))
         if variable.type == "Real":
@@ -357,8 +250,8 @@ class Handle:
 
     # ---- states ----
 
-    def take(self) -> FmuState:
-        """All that the instance remembers now."""
+    def save_state(self) -> FmuState:
+        """The whole state of the instance now."""
         address = c_void_p()
         self._instance.call("fmi2GetFMUstate", byref(address))
         if address.value is None:
@@ -366,8 +259,8 @@ class Handle:
         self._instance.states.add(address.value)
         return FmuState(self._instance, address.value, self.time)
 
-    def restore(self, state: FmuState) -> None:
-        """Go back to a state that this instance gave; `time` too."""
+    def restore_state(self, state: FmuState) -> None:
+        """Go back to a saved state of this instance, with its `time`. FmuError for a state of another one."""
         if state._instance is not self._instance:
             raise FmuError("this state is of another instance: allowed are those that this one gave")
         self._instance.call("fmi2SetFMUstate", state._address)
@@ -386,10 +279,9 @@ class Fmu(Handle):
         time: float = 0.0,
         tolerance: float | None = None,
     ) -> None:
-        """Begin a run at `time` [s] with these start values of parameters and inputs; everything not named
-        has
-        its own again. `tolerance`: relative, of the FMU's integrator; None: the FMU's own, 1e-9.
-        FmuError if the FMU refuses a value or all of them together."""
+        """Begin a run at `time` [s] with these start values of parameters and inputs. All other variables get
+        their default start values. `tolerance`: relative, of the FMU's integrator; None: the FMU's default,
+        1e-9. FmuError if the FMU refuses a value or the combination of values."""
         self._begin(parameters or {}, time, tolerance)
         self._instance.call("fmi2ExitInitializationMode")
 
@@ -403,35 +295,35 @@ class Fmu(Handle):
 
 
 class Preparation:
-    """A run of `fmu` that is held in initialization mode, to be begun over and over from other start values.
-    The FMU keeps its precomputed geometry, so a beginning costs about as much as a step.
+    """A run of `fmu` in initialization mode, which can begin many times from different start values. The FMU
+    keeps its precomputed geometry, so a beginning costs about as much as a step.
 
-    `reals` are start values, parameters or inputs, that differ from run to run."""
+    `reals` are the start values, parameters or inputs, that differ between the runs."""
 
     def __init__(self, fmu: Fmu, parameters: Mapping[str, Scalar], reals: Sequence[str]) -> None:
         self.fmu = fmu
         fmu._begin(parameters, 0.0, None)
         self.start_values = fmu.reals(*reals)
-        self._state = fmu.take()
+        self._state = fmu.save_state()
 
     def rewind(self, values: ArrayLike) -> None:
-        """Back into initialization mode, with these values of `reals`. What does not follow from a step can
-        be read there."""
-        self.fmu.restore(self._state)
+        """Return to initialization mode, with these values of `reals`, shape (n,). Variables that need no
+        step can be read there."""
+        self.fmu.restore_state(self._state)
         self.start_values.values[:] = values
         self.start_values.write()
 
     def begin(self, values: ArrayLike) -> None:
-        """Begin a run with these values of `reals`."""
+        """Begin a run with these values of `reals`, shape (n,)."""
         self.rewind(values)
         self.fmu._instance.call("fmi2ExitInitializationMode")
 
 
 class ContinuousFmu(Handle):
-    """One instance for model exchange: somebody else integrates the states `theta` [rad] and `omega` [rad/s].
+    """One instance for model exchange: the caller integrates the states `theta` [rad] and `omega` [rad/s].
 
-    `place` puts it at states and lets the FMU decide its mode there; `derivatives` are read after that. In
-    between, `move` goes elsewhere in the same mode, as solvers do between events."""
+    `set_states_and_mode` sets the states and lets the FMU decide its mode there. After that `derivatives` can
+    be read. `set_states` sets other states in the same mode, as solvers do between events."""
 
     _kind, _use = FMU2Model, "modelExchange"
 
@@ -446,19 +338,20 @@ class ContinuousFmu(Handle):
         self._indicators = (c_double * int(self.description.numberOfEventIndicators))()
 
     def _settle(self) -> None:
+        """Event iteration, then continuous-time mode."""
         info = fmi2EventInfo(newDiscreteStatesNeeded=1)
         while info.newDiscreteStatesNeeded:
             self._instance.call("fmi2NewDiscreteStates", byref(info))
         self._instance.call("fmi2EnterContinuousTimeMode")
 
-    def move(self, states: Sequence[float]) -> None:
-        """Go to states, shape (2,), in the present mode."""
+    def set_states(self, states: Sequence[float]) -> None:
+        """Set theta [rad] and omega [rad/s], shape (2,), in the present mode."""
         self._states[:] = list(states)
         self._instance.call("fmi2SetContinuousStates", self._states, len(self._states))
 
-    def place(self, states: Sequence[float]) -> None:
-        """Go to states, shape (2,), and carry out the mode changes that are due there."""
-        self.move(states)
+    def set_states_and_mode(self, states: Sequence[float]) -> None:
+        """Set theta [rad] and omega [rad/s], shape (2,), and carry out the mode changes due there."""
+        self.set_states(states)
         self.enter_event_mode()
 
     def enter_event_mode(self) -> None:
@@ -482,15 +375,16 @@ class ContinuousFmu(Handle):
         return self._indicators[:]
 
     def set_time(self, time: float) -> None:
-        """The time [s] of what is asked next."""
+        """Set the time [s] at which the next values are computed."""
         self._instance.call("fmi2SetTime", time)
         self.time = time
 
 
-# ---- what is wrong, in words ----
+# ---- error messages ----
 
 
 def _description(path: Path) -> ModelDescription:
+    """modelDescription.xml of an FMI 2.0 FMU. FmuError if there is none."""
     if not path.is_file():
         raise FmuError(f"there is no file {path}: give the path of an FMU, which ./build.sh makes in build/")
     try:
@@ -505,16 +399,18 @@ def _description(path: Path) -> ModelDescription:
 
 
 def _unknown(name: str, names: list[str], model: str) -> str:
+    """A message with names near the unknown one."""
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
     group = name.split(".")[0]
     listed = [other for other in names if other.split(".")[0] == group] if "." in name else []
     listed = listed or [other for other in names if "." not in other]
-    more = f" and {len(names) - LISTED} more" if len(listed) > LISTED else ""
+    more = f" and {len(names) - NAMES_LISTED} more" if len(listed) > NAMES_LISTED else ""
     guess = f"did you mean {', '.join(near)}? " if near else ""
-    return f"{model} has no variable {name!r}: {guess}it has {', '.join(listed[:LISTED])}{more}"
+    return f"{model} has no variable {name!r}: {guess}it has {', '.join(listed[:NAMES_LISTED])}{more}"
 
 
 def _number(variable: ScalarVariable, value: Any) -> float:  # noqa: ANN401
+    """`value` as a float. FmuError if it is no number."""
     try:
         if isinstance(value, str):
             raise TypeError

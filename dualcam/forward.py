@@ -1,5 +1,4 @@
-"""The forward FMU as a function of its state: which FMU, which signals, and the state put where it is
-wanted."""
+"""The forward FMU as a function of state and inputs, for linear models and plants of python-control."""
 
 from __future__ import annotations
 
@@ -17,14 +16,14 @@ STICK, LOADING, RELEASING, LOWER_STOP, UPPER_STOP, WEDGED = range(1, 7)  # the F
 
 Source = str | Path | Handle
 Names = str | Sequence[str] | None
-SomeHandle = TypeVar("SomeHandle", bound=Handle)
+HandleType = TypeVar("HandleType", bound=Handle)
 
 
 def open_forward(
-    kind: type[SomeHandle], source: Source, parameters: Mapping[str, Scalar] | None
-) -> tuple[SomeHandle, dict[str, Scalar]]:
-    """A new instance of the FMU at a path, or of the one behind a handle with the parameters that was started
-    with; `parameters` come on top. FmuError unless torque goes in and angle comes out."""
+    kind: type[HandleType], source: Source, parameters: Mapping[str, Scalar] | None
+) -> tuple[HandleType, dict[str, Scalar]]:
+    """A new instance of the FMU at a path or behind a handle, and its start values: those of the handle's
+    last start, overridden by `parameters`. FmuError unless torque is an input and angle an output."""
     inherited = source.parameters if isinstance(source, Handle) else {}
     fmu = kind(source.path if isinstance(source, Handle) else source)
     causality = {name: fmu.variable(name).causality for name in (*INPUTS, *OUTPUTS) if name in fmu.names}
@@ -38,8 +37,8 @@ def open_forward(
     return fmu, {**inherited, **(parameters or {})}
 
 
-def chosen(names: Names, allowed: Sequence[str], what: str) -> list[str]:
-    """Names of signals, all of `allowed` for None."""
+def selected_names(names: Names, allowed: Sequence[str], what: str) -> list[str]:
+    """Names of signals, all of `allowed` for None. FmuError for other names and for repeated ones."""
     found = list(allowed) if names is None else [names] if isinstance(names, str) else list(names)
     for name in found:
         if name not in allowed:
@@ -50,7 +49,7 @@ def chosen(names: Names, allowed: Sequence[str], what: str) -> list[str]:
 
 
 def checked_period(period: float) -> float:
-    """`period` [s] if it is one."""
+    """`period` [s]; FmuError if it is no finite number > 0."""
     if isinstance(period, bool) or not (math.isfinite(period) and period > 0.0):
         raise FmuError(
             f"period = {period!r}: allowed is a finite number > 0 in s, or None for continuous time"
@@ -58,12 +57,12 @@ def checked_period(period: float) -> float:
     return float(period)
 
 
-class PlacedCam:
+class CamAtState:
     """The forward FMU in model exchange, as a function of state and input alone.
 
-    What the FMU remembers besides theta and omega is its mode with the flanks on which the contacts bear. It
-    is forgotten before each placing: the FMU is set back to rest, and there it decides anew, slip by the sign
-    of omega, and at omega = 0 slip or stick by torque."""
+    Besides theta and omega the FMU's state has the mode, with the flanks on which the contacts bear. Before
+    each new state the FMU returns to rest. Then it decides the mode anew: slip by the sign of omega, and at
+    omega = 0 slip or stick by the torque."""
 
     def __init__(self, source: Source, parameters: Mapping[str, Scalar] | None) -> None:
         self.fmu, values = open_forward(ContinuousFmu, source, parameters)
@@ -72,35 +71,38 @@ class PlacedCam:
         self.fmu.start(start | {"initial.theta": self._stop("lower", start)})
         self.lower, self.upper = (self._stop(name, start) for name in ("lower", "upper"))
         self._inputs, self._edges = self.fmu.reals(*INPUTS), self.fmu.reals("torque_release", "torque_load")
-        # Pressed against a stop it is at rest whatever its friction is.
+        # Pressed against a stop the cam is at rest with any friction.
         self._inputs.values[:] = -1e12, 0.0
         self._inputs.write()
         self.fmu.enter_event_mode()
-        self._rest = self.fmu.take()
+        self._at_rest = self.fmu.save_state()
 
     def _stop(self, name: str, start: Mapping[str, Scalar]) -> float:
         variable = self.fmu.variable(f"stop.{name}")
         return float(start.get(variable.name, variable.start))
 
-    def place(self, theta: float, omega: float, tau: float, F_ext: float) -> None:
-        """Put it there [rad, rad/s, N.m, N]. FmuError if the FMU refuses a value."""
-        self.fmu.restore(self._rest)
-        self.fmu.move((theta, omega))
+    def set_state(self, theta: float, omega: float, tau: float, F_ext: float) -> None:
+        """Set state and inputs [rad, rad/s, N.m, N], and the mode that follows. FmuError if the FMU refuses a
+        value."""
+        self.fmu.restore_state(self._at_rest)
+        self.fmu.set_states((theta, omega))
         self.set_inputs(tau, F_ext)
         self.fmu.enter_event_mode()
 
     def set_inputs(self, tau: float, F_ext: float) -> None:
-        """Other inputs in the mode that it is in."""
+        """Set other inputs [N.m, N] in the present mode."""
         self._inputs.values[:] = tau, F_ext
         self._inputs.write()
 
     def band(self) -> tuple[float, float]:
-        """Edges of the stick band [N.m] at the present theta and F_ext; infinite where nothing moves it."""
+        """Edges of the stick band [N.m] at the present theta and F_ext; infinite where no torque moves the
+        cam."""
         release, load = self._edges.read()
         return release, load
 
     @property
     def mode(self) -> int:
+        """The FMU's `mode`."""
         return int(self.fmu.get("mode"))
 
     @property

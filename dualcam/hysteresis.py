@@ -14,30 +14,31 @@ from dualcam.fmu import Array, Fmu, Preparation, Scalar
 from dualcam.forward import Source, open_forward
 from dualcam.linear import OperatingPointError
 
-POINTS = 201  # angles at which the FMU is asked for its stick band; between them, cubic splines
-PHASES = 4096  # per cycle: kinks at turning points leave an error of the harmonic of 1/PHASES^2 or so
+POINTS = 201  # angles of the stick band from the FMU; cubic splines between them
+PHASES = 4096  # per cycle: kinks at turning points make an error of the harmonic near 1/PHASES^2
 
 
 class CamHysteresis(control.DescribingFunctionNonlinearity):
-    """From torque to angle, so slowly that inertia and damping do not matter, the cam is a play operator
+    """In slow motion, without effect of inertia and damping, the cam is a play operator from torque to angle,
 
         theta' > 0 only where tau = T_load(theta),    theta' < 0 only where tau = T_release(theta),
 
-    between its end stops, with edges that are not parallel (the band widens as the spring is compressed).
-    Both are read from the FMU. An instance gives the deviation of theta [rad] from `theta`, as a function of
-    the deviation of tau [N.m] from a bias, for control.describing_function_response(H, hysteresis, A), with H
+    between its end stops. Its edges are not parallel: the band widens as the spring is compressed. Both edges
+    are read from the FMU. An instance gives the deviation of theta [rad] from `theta`, as a function of the
+    deviation of tau [N.m] from a bias, for control.describing_function_response(H, hysteresis, A), with H
     from theta to -tau.
 
-    theta        mean angle about which it oscillates [rad]
-    tau          bias of the torque [N.m]: the mean angle then moves with the amplitude. None: for each
+    theta        mean angle of the oscillation [rad]
+    tau          bias of the torque [N.m]: the mean angle then depends on the amplitude. None: for each
                  amplitude the bias that keeps the mean angle at `theta`, as integral action in the loop does
-    parameters   start values of the FMU (spring, grooves, friction, stops, F_ext; inertia does nothing)
+    parameters   start values of the FMU (spring, grooves, friction, stops, F_ext; inertia has no effect)
 
-    Where it predicts: a loop that is a low-pass, so that the angle's third harmonic hardly comes back as
-    torque, and slow against sqrt(dT/dtheta/J), the cam's own frequency, which `natural_frequency` gives.
+    The prediction holds for a loop that is a low-pass, so that the angle's third harmonic hardly returns as
+    torque. The oscillation must be slow against sqrt(dT/dtheta/J), the cam's natural frequency
+    (`natural_frequency`).
 
     Raises OperatingPointError (a ValueError) where theta is no play of tau: `theta` not between the stops, a
-    contact that locks, a spring so soft that the cam snaps across."""
+    contact that locks, a spring so soft that the cam snaps through."""
 
     def __init__(
         self,
@@ -73,7 +74,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         self._ends = band[[0, -1]].T  # release and load at the lower and the upper stop
         self._falling, self._rising = (CubicSpline(band[:, i], angles) for i in range(2))
         self._middle = float(np.mean(self.band(theta))) if tau is None else tau
-        self._angle = theta  # where it rests now, for __call__
+        self._angle = theta  # rad, present angle, for __call__
 
     def band(self, theta: float) -> tuple[float, float]:
         """T_release and T_load [N.m] at theta [rad]."""
@@ -92,18 +93,19 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
     # ---- as a function of time ----
 
     def __call__(self, x: float) -> float:
-        """The angle [rad] after a torque [N.m], both as deviations, that of the torque from the bias (without
-        one: the middle of the band at `theta`). It remembers the angle: where it was left is where it rests.
-        """
+        """The angle [rad] after a torque [N.m], both as deviations, the torque's from the bias (without a
+        bias: from the middle of the band at `theta`). The instance remembers the angle between calls."""
         tau = self._middle + float(np.squeeze(x))
-        self._angle = float(np.clip(self._angle, self._follow(tau, True), self._follow(tau, False)))
+        self._angle = float(
+            np.clip(self._angle, self._angle_at_edge(tau, True), self._angle_at_edge(tau, False))
+        )
         return self._angle - self.theta
 
     def _isstatic(self) -> bool:
         return False
 
-    def _follow(self, tau: float | Array, rising: bool) -> Array:
-        """The angle at which that edge of the band is tau, and the stops beyond."""
+    def _angle_at_edge(self, tau: float | Array, rising: bool) -> Array:
+        """The angle [rad] at which that edge of the band is tau [N.m], limited by the stops."""
         edge = self._rising if rising else self._falling
         low, high = self._ends[1 if rising else 0]
         return np.clip(edge(np.clip(tau, low, high)), self.lower, self.upper)
@@ -112,17 +114,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
 
     def cycle(self, amplitude: float, bias: float) -> tuple[Array, Array]:
         """Torque [N.m] and angle [rad] over one steady cycle tau = bias + amplitude sin(phase), at PHASES
-        phases
-        from 0 on, shape (PHASES,) both."""
+        phases from 0 on, shape (PHASES,) each."""
         phase = 2.0 * np.pi / PHASES * np.arange(PHASES)
         tau = bias + amplitude * np.sin(phase)
-        top = self._follow(bias + amplitude, True)
-        bottom = self._follow(bias - amplitude, False)
-        if bottom >= top:  # somewhere there it rests
+        top = self._angle_at_edge(bias + amplitude, True)
+        bottom = self._angle_at_edge(bias - amplitude, False)
+        if bottom >= top:  # the cam rests
             return tau, np.full(PHASES, 0.5 * (top + bottom))
         falls = (phase >= 0.5 * np.pi) & (phase < 1.5 * np.pi)
         theta = np.where(
-            falls, np.minimum(top, self._follow(tau, False)), np.maximum(bottom, self._follow(tau, True))
+            falls,
+            np.minimum(top, self._angle_at_edge(tau, False)),
+            np.maximum(bottom, self._angle_at_edge(tau, True)),
         )
         return tau, theta
 
@@ -131,7 +134,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         if self.bias is not None:
             return self.bias
         release, load = self.band(self.theta)
-        # From these ends on the whole cycle is below or above theta.
+        # At these two biases the whole cycle is below or above theta.
         return float(
             brentq(
                 lambda bias: float(np.mean(self.cycle(amplitude, bias)[1])) - self.theta,
@@ -143,13 +146,11 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
 
     def describing_function(self, A: float) -> complex:
         """First harmonic of the angle over that of the torque at amplitude A [N.m] > 0, rad/N.m; 0 in the
-        dead
-        band."""
+        dead band."""
         if not A >= 0.0:
             raise ValueError(f"amplitude A = {A}: allowed is >= 0")
         if A == 0.0 or (self.bias is None and self.dead_band >= A):
             return 0j
         theta = self.cycle(A, self.bias_at(A))[1]
-        # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its discrete spectrum is Im N - i Re
-        # N
+        # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its spectrum is Im N - i Re N
         return complex(2j / (PHASES * A) * np.fft.rfft(theta)[1])

@@ -21,26 +21,26 @@ from dualcam.forward import (
     STICK,
     UPPER_STOP,
     WEDGED,
+    CamAtState,
     Names,
-    PlacedCam,
     Source,
     checked_period,
-    chosen,
+    selected_names,
 )
 
 AtRest = Literal["loading", "releasing", "frozen"]
 
-NUDGE = 1e-6  # of the band's edges: torque beyond one by this much begins slip, as 1e-13 of them would
-ITERATIONS = 20  # one for each pair of flanks and one more would do
+BEYOND_EDGE = 1e-6  # of the band's edge: torque this much beyond the edge begins slip, as 1e-13 would
+ITERATIONS = 20  # one for each pair of flanks and one more are enough
 
 
 class OperatingPointError(FmuError):
-    """There is no linear model there; the message says where there is one."""
+    """There is no linear model at this point; the message says where there is one."""
 
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """Where a linear model holds. Its states, inputs and outputs are deviations from here."""
+    """The point of a linear model. The model's states, inputs and outputs are deviations from this point."""
 
     theta: float  # rad
     omega: float  # rad/s
@@ -68,31 +68,31 @@ def linearize(
     With x = (theta, omega) [rad, rad/s], u out of (tau [N.m], F_ext [N]) and y out of theta, omega, z [m],
     v [m/s], all as deviations:  x' = A x + B u,  y = C x + D u.  A is (2, 2); D is zero.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters it was started with)
-    theta, omega where [rad, rad/s]; the sign of omega is the direction of slip
-    tau          torque there [N.m]; None: the one that keeps omega constant (alpha = 0)
-    F_ext        axial force there [N]; None: that of `parameters`, else 0
+    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
+    theta, omega the operating point [rad, rad/s]; the sign of omega is the direction of slip
+    tau          torque at the point [N.m]; None: the torque that keeps omega constant (alpha = 0)
+    F_ext        axial force at the point [N]; None: that of `parameters`, else 0
     at_rest      for omega = 0, where slip or stick depends on the torque:
-                 "loading", "releasing": slip that is just about to begin in that direction, at that edge of
-                 the stick band. This is the model to design a controller with for moves in that direction.
-                 "frozen": stick. Nothing moves, A = 0 and B = 0, as long as tau stays inside the band.
-                 None: what tau decides. If that is slip from rest, its model; if it is stick, an error.
+                 "loading", "releasing": slip at its beginning in that direction, at that edge of the stick
+                 band. Design controllers for moves in that direction with this model.
+                 "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the band.
+                 None: tau decides. For slip from rest the model of that slip; for stick an error.
     inputs, outputs   names, in order; None: all
     parameters   start values of the FMU
     period       None: continuous; else the model at multiples of `period` [s] under inputs held over each:
-                 control.sample_system of the continuous one. While the mode lasts that is exact where slip is
-                 linear (helices, linear spring and damper), and to first order in the period elsewhere.
+                 control.sample_system of the continuous one. While the mode lasts, the sampled model is exact
+                 for linear slip (helices, linear spring and damper), else right to first order in the period.
 
     Returns a control.StateSpace with named signals, and the OperatingPoint as its attribute
     `operating_point`. Raises OperatingPointError where no such model exists (at rest without `at_rest`, on a
-    stop, wedged, outside the stops), FmuError for what the FMU refuses (without inertia the speed is no
-    state) and unknown names. Both are ValueErrors."""
-    names_in, names_out = chosen(inputs, INPUTS, "input"), chosen(outputs, OUTPUTS, "output")
+    stop, wedged, outside the stops), FmuError for values that the FMU refuses (without inertia the speed is
+    no state) and unknown names. Both are ValueErrors."""
+    names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
     sampling = None if period is None else checked_period(period)
-    cam = PlacedCam(source, parameters)
+    cam = CamAtState(source, parameters)
     try:
         force = float(cam.fmu.parameters.get("F_ext", 0.0)) if F_ext is None else F_ext
-        point = _settle_at(cam, theta, omega, tau, force, at_rest)
+        point = _go_to_operating_point(cam, theta, omega, tau, force, at_rest)
         model = _model(cam, point, names_in, names_out)
     finally:
         cam.fmu.close()
@@ -103,25 +103,26 @@ def linearize(
 
 
 def _model(
-    cam: PlacedCam, point: OperatingPoint, inputs: list[str], outputs: list[str]
+    cam: CamAtState, point: OperatingPoint, inputs: list[str], outputs: list[str]
 ) -> control.StateSpace:
+    """The model from the partial derivatives at the FMU's present state."""
     rates = cam.fmu.jacobian(["omega", "alpha"], [*STATES, *inputs])
     if point.mode not in (LOADING, RELEASING):
-        rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction ends it at once
-    seen = cam.fmu.jacobian(outputs, [*STATES, *inputs])
+        rates[:] = 0.0  # at rest a deviation of the speed is no motion: friction stops it at once
+    output_jacobian = cam.fmu.jacobian(outputs, [*STATES, *inputs])
     return control.ss(
-        rates[:, :2], rates[:, 2:], seen[:, :2], seen[:, 2:], inputs=inputs, outputs=outputs,
-        states=list(STATES), name="cam",
+        rates[:, :2], rates[:, 2:], output_jacobian[:, :2], output_jacobian[:, 2:],
+        inputs=inputs, outputs=outputs, states=list(STATES), name="cam",
     )  # fmt: skip
 
 
 # ---- operating points ----
 
 
-def _settle_at(
-    cam: PlacedCam, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
+def _go_to_operating_point(
+    cam: CamAtState, theta: float, omega: float, tau: float | None, F_ext: float, at_rest: AtRest | None
 ) -> OperatingPoint:
-    """Leaves the FMU at the operating point, in its mode there."""
+    """The operating point, with the FMU at it and in its mode. OperatingPointError if there is none."""
     where = f"theta = {theta:g} rad, omega = {omega:g} rad/s"
     if not cam.lower <= theta <= cam.upper:
         raise OperatingPointError(
@@ -137,7 +138,7 @@ def _settle_at(
                 f"at_rest = {at_rest!r} with {where}: allowed is only one of them, omega has a direction"
             )
         torque = _steady_torque(cam, theta, omega, F_ext, where) if tau is None else tau
-        cam.place(theta, omega, torque, F_ext)
+        cam.set_state(theta, omega, torque, F_ext)
     elif at_rest in ("loading", "releasing"):
         if tau is not None:
             raise OperatingPointError(
@@ -147,7 +148,7 @@ def _settle_at(
     else:
         torque = _torque_at_rest(cam, theta, tau, F_ext, at_rest, where)
     mode = cam.mode
-    _insist_on_model(cam, mode, at_rest, f"{where}, tau = {torque:g} N.m")
+    _check_model_exists(cam, mode, at_rest, f"{where}, tau = {torque:g} N.m")
     return OperatingPoint(theta, omega, torque, F_ext, cam.alpha, mode)
 
 
@@ -160,7 +161,8 @@ ADVICE = {
 }
 
 
-def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: str) -> None:
+def _check_model_exists(cam: CamAtState, mode: int, at_rest: AtRest | None, where: str) -> None:
+    """OperatingPointError where the mode has no linear model of the kind asked for."""
     release, load = cam.band()
     band = f"the stick band, {release:g} to {load:g} N.m"
     slips = mode in (LOADING, RELEASING)
@@ -173,12 +175,12 @@ def _insist_on_model(cam: PlacedCam, mode: int, at_rest: AtRest | None, where: s
         )
 
 
-def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, where: str) -> float:
-    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay,
-    so a step that is small against tau (or 1e-6 N.m) is the last, and exact."""
+def _steady_torque(cam: CamAtState, theta: float, omega: float, F_ext: float, where: str) -> float:
+    """The torque at which alpha = 0. Newton's method: alpha is affine in tau while the flanks stay the same.
+    So a step that is small against tau (or 1e-6 N.m) is the last one, and exact."""
     tau = 0.0
     for _ in range(ITERATIONS):
-        cam.place(theta, omega, tau, F_ext)
+        cam.set_state(theta, omega, tau, F_ext)
         slope = float(cam.fmu.jacobian(["alpha"], ["tau"])[0, 0])
         if slope == 0.0 or not math.isfinite(slope):
             break
@@ -190,9 +192,9 @@ def _steady_torque(cam: PlacedCam, theta: float, omega: float, F_ext: float, whe
     )
 
 
-def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
-    """Into slip at omega = 0, and there to the edge of the band."""
-    cam.place(theta, 0.0, 0.0, F_ext)
+def _break_away(cam: CamAtState, theta: float, F_ext: float, at_rest: AtRest, where: str) -> float:
+    """Begins slip at omega = 0 and then sets tau to the edge of the band; returns that torque [N.m]."""
+    cam.set_state(theta, 0.0, 0.0, F_ext)
     release, load = cam.band()
     direction, edge = (1.0, load) if at_rest == "loading" else (-1.0, release)
     if not math.isfinite(edge):
@@ -201,23 +203,23 @@ def _break_away(cam: PlacedCam, theta: float, F_ext: float, at_rest: AtRest, whe
             " other lead angles"
         )
     size = max(abs(x) for x in (release, load, 1e-3) if math.isfinite(x))
-    cam.place(theta, 0.0, edge + direction * NUDGE * size, F_ext)
+    cam.set_state(theta, 0.0, edge + direction * BEYOND_EDGE * size, F_ext)
     cam.set_inputs(edge, F_ext)
     return edge
 
 
 def _torque_at_rest(
-    cam: PlacedCam, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
+    cam: CamAtState, theta: float, tau: float | None, F_ext: float, at_rest: AtRest | None, where: str
 ) -> float:
-    """The given torque, or one inside the band."""
+    """The given torque, or one inside the band [N.m]."""
     if tau is None:
         if at_rest is None:
             raise OperatingPointError(
                 f"{where}: at rest the model depends on the torque; give at_rest = 'loading' or 'releasing'"
                 " for slip about to begin, at_rest = 'frozen' for stick, or tau"
             )
-        cam.place(theta, 0.0, 0.0, F_ext)
+        cam.set_state(theta, 0.0, 0.0, F_ext)
         edges = [edge for edge in cam.band() if math.isfinite(edge)]
         tau = float(np.mean(edges)) if edges else 0.0
-    cam.place(theta, 0.0, tau, F_ext)
+    cam.set_state(theta, 0.0, tau, F_ext)
     return tau

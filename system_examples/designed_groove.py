@@ -1,23 +1,24 @@
-"""Grooves designed for a wanted torque, run in the FMU: an arm that its spring lifts, and a constant torque.
+"""Which groove makes a given spring give a wanted torque, and can that groove be made?
 
-The arm. 1.5 kg at 0.5 m lean 10 deg from upright and fall to the horizontal while cam 2 turns by 80 deg and
+The arm: 1.5 kg at 0.5 m lean 10 deg from upright and fall to the horizontal while cam 2 turns by 80 deg and
 loads a linear spring. On the way up the cam must give all of
 
     T_release(theta) = m g l sin(10 deg + theta),
 
-its friction included, so that the hand that lifts the arm needs no force at all; letting it down slowly needs
-T_load - T_release. Groove 2 is a helix at 45 deg, groove 1 is what is sought.
+its friction included. Then the hand that lifts the arm needs no force. To let the arm down slowly, the hand
+needs T_load - T_release. Groove 2 is a helix at 45 deg, groove 1 is sought.
 
-The constant torque. 4 N.m over 80 deg, loading, from a linear spring whose force grows threefold: with equal
-grooves, which must be steep while the spring is slack and flat when it is tight.
+The constant torque: 4 N.m over 80 deg while loading, from a linear spring whose force grows threefold, with
+equal grooves. They must be steep while the spring is slack and flat when the spring is tight.
 
-Each groove is written as a table, which DualCamInverse reads and turns through slowly. Wanted and obtained
-torque are compared at angles that are no samples of the table. Whether the groove can be made and carries its
-load (pin of 3 mm radius, flank 8 mm wide, steel) is read off curvature and pressure.
+Each groove becomes a table for DualCamInverse, which turns through it slowly. Wanted and obtained torque are
+compared at angles that are no samples of the table. The strength is read from curvature and pressure, for a
+steel pin of 3 mm radius and a flank 8 mm wide.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
 import tempfile
 from collections.abc import Callable, Sequence
@@ -27,25 +28,26 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from story import command_line
 
 from dualcam import Fmu
 from dualcam.design import Assessment, Design, Helix, Limits, Pin, Spring, assess, optimum, synthesize
 from dualcam.design.statics import Array
+from dualcam.systems.slow_motion import slow_torque
 
+BUILD = Path(__file__).resolve().parent.parent / "build"
 UPPER = math.radians(80.0)
 FRICTION = (0.14, 0.14)  # of the paper's first grease
 WEIGHT = 1.5 * 9.81 * 0.5  # N.m, of the arm when it is level
 LEAN = math.radians(10.0)
 PIN = Pin(radius=0.003, width=0.008)
 LIMITS = Limits()
-SPEED = 1e-3  # rad/s: nothing but spring and friction counts (inertia is 0 here)
+SPEED = 1e-3  # rad/s
 ANGLES = 997  # at which wanted and obtained torque are compared
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked for."""
+    """The wanted torque, and the given spring and groove 2."""
 
     name: str
     colour: str
@@ -57,18 +59,18 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What came of it."""
+    """The groove that was found, and its torque in the FMU."""
 
     task: Task
     design: Design
-    theta: Array  # rad
+    theta: Array  # rad, shape (ANGLES,)
     obtained: Array  # N.m, of the FMU in the wanted direction
     other: Array  # N.m, the other edge of the stick band
     assessment: Assessment
 
     @property
     def error(self) -> Array:
-        """Relative."""
+        """Obtained over wanted torque, less 1."""
         return self.obtained / self.task.torque(self.theta) - 1.0
 
 
@@ -79,7 +81,7 @@ TASKS = (
         "releasing",
         lambda theta: WEIGHT * np.sin(LEAN + theta),
         Spring(preload=170.0, stiffness=45e3),
-        Helix(0.02, math.radians(45.0)),
+        groove2=Helix(0.02, math.radians(45.0)),
     ),
     Task(
         "constant torque (loading), equal grooves",
@@ -87,34 +89,15 @@ TASKS = (
         "loading",
         lambda theta: np.full(np.shape(theta), 4.0),
         Spring(preload=200.0, stiffness=38e3),
-        None,
+        groove2=None,  # like groove 1
     ),
 )
-
-
-def slow_torque(fmu: Fmu, parameters: dict[str, float | int | str], theta: Array, speed: float) -> Array:
-    """tau [N.m] at theta [rad], in the order in which they are passed at that speed [rad/s]."""
-    fmu.start({**parameters, "inertia.shaft": 0.0, "theta": float(theta[0]), "omega": speed})
-    motion, torque, found = fmu.reals("theta", "omega"), fmu.reals("tau"), []
-    found.append(torque.read()[0])
-    for angle, step in zip(theta[1:], np.diff(theta) / speed, strict=True):
-        motion.values[:] = angle, speed
-        motion.write()
-        fmu.step(float(step))
-        found.append(torque.read()[0])
-    return np.array(found)
 
 
 def solve(task: Task, fmu: Fmu) -> Result:
     """Design the groove and turn the FMU through it, both ways."""
     design = synthesize(
-        task.torque,
-        UPPER,
-        task.spring,
-        direction=task.direction,
-        groove2=task.groove2,
-        friction=FRICTION,
-        radius=0.02,
+        task.torque, UPPER, task.spring, direction=task.direction, groove2=task.groove2, friction=FRICTION
     )
     theta = np.linspace(0.0, UPPER, ANGLES)
     with tempfile.TemporaryDirectory() as directory:
@@ -132,24 +115,24 @@ def run(fmu: str | Path) -> list[Result]:
 
 
 def report(results: Sequence[Result]) -> str:
-    """What came of it, in words."""
+    """The grooves, their error, efficiency and strength, in words."""
     lines = []
     for result in results:
-        seen, table = result.assessment, result.design.table
-        leads = np.degrees(seen.lead_angle)
+        checked, table = result.assessment, result.design.table
+        lead = np.degrees(checked.lead_angle[0])
         release, load = result.design.mechanism.band(result.theta)
-        sharpest = 1e3 / np.abs(seen.curvature).max()
+        sharpest = 1e3 / np.abs(checked.curvature).max()
         lines += [
-            f"{result.task.name}",
+            result.task.name,
             f"  groove 1: {len(table.psi)} samples, {math.degrees(table.psi[-1]):.1f} deg,"
-            f" {1e3 * table.z[-1]:.2f} mm, lead angles {leads[0].min():.1f} to {leads[0].max():.1f} deg",
+            f" {1e3 * table.z[-1]:.2f} mm, lead angles {lead.min():.1f} to {lead.max():.1f} deg",
             f"  largest error in the FMU {np.abs(result.error).max():.1e} of the torque, at {ANGLES} angles",
             f"  efficiency {np.min(release / load):.3f} to {np.max(release / load):.3f}, at best"
             f" {optimum(FRICTION).efficiency:.3f}",
             f"  sharpest bend {sharpest:.1f} mm (pin {1e3 * PIN.radius:.0f} mm), largest load"
-            f" {seen.load.max():.0f} N per contact, pressure {seen.pressure.max() / 1e6:.0f} MPa",
+            f" {checked.load.max():.0f} N per contact, pressure {checked.pressure.max() / 1e6:.0f} MPa",
         ]
-        lines += [f"  fails: {finding}" for finding in seen.findings] or ["  nothing fails"]
+        lines += [f"  fails: {finding}" for finding in checked.findings] or ["  nothing fails"]
     return "\n".join(lines)
 
 
@@ -158,22 +141,14 @@ def picture(results: Sequence[Result], output: Path) -> None:
     figure = Figure(figsize=(13.0, 12.0), layout="constrained")
     axes = figure.subplots(3, 2)
     worst = max(float(np.abs(result.error).max()) for result in results)
-    figure.suptitle(
-        "Grooves designed for a wanted torque, as tables in the FMU\n"
-        f"friction {FRICTION[0]} included, obtained within {worst:.0e} of what was wanted",
-        fontsize=14,
-    )
-    _draw_torque(axes[0, 0], results)
-    _draw_error(axes[0, 1], results)
-    _draw_grooves(axes[1, 0], results)
-    _draw_lead_angles(axes[1, 1], results)
-    _draw_bend(axes[2, 0], results)
-    _draw_pressure(axes[2, 1], results)
-    for one in axes.flat:
-        one.grid(color="0.9")
-    for one in (axes[0, 0], axes[0, 1], axes[1, 1], axes[2, 0], axes[2, 1]):
-        one.set_xlabel("theta [deg]")
-        one.set_xlim(0.0, 80.0)
+    obtained = f"friction {FRICTION[0]} included, obtained within {worst:.0e} of what was wanted"
+    figure.suptitle(f"Grooves designed for a wanted torque, as tables in the FMU\n{obtained}", fontsize=14)
+    panels = (_draw_torque, _draw_error, _draw_grooves, _draw_lead_angles, _draw_bend, _draw_pressure)
+    for panel, draw in zip(axes.flat, panels, strict=True):
+        draw(panel, results)
+        panel.grid(color="0.9")
+        if draw is not _draw_grooves:
+            panel.set(xlabel="theta [deg]", xlim=(0.0, 80.0))
     output.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(output, dpi=110)
 
@@ -186,9 +161,7 @@ def _draw_torque(axes: Axes, results: Sequence[Result]) -> None:
         axes.plot(degrees, result.other, color=colour, lw=1, ls=":")
     axes.plot([], [], "k--", lw=1.2, label="wanted")
     axes.plot([], [], "k:", lw=1, label="the way back")
-    axes.set_title("Torque of slow motion in DualCamInverse")
-    axes.set_ylabel("torque [N.m]")
-    axes.set_ylim(0.0, 17.0)
+    axes.set(title="Torque of slow motion in DualCamInverse", ylabel="torque [N.m]", ylim=(0.0, 17.0))
     axes.legend(loc="upper left")
 
 
@@ -198,29 +171,23 @@ def _draw_error(axes: Axes, results: Sequence[Result]) -> None:
         axes.semilogy(np.degrees(result.theta), error, color=result.task.colour, lw=0.8)
     axes.axhline(1e-6, color="tab:red", ls="--", lw=1)
     axes.text(79.0, 1.3e-6, "asked for", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Obtained against wanted torque")
-    axes.set_ylabel("relative error")
-    axes.set_ylim(1e-11, 1e-5)
+    axes.set(title="Obtained against wanted torque", ylabel="relative error", ylim=(1e-11, 1e-5))
 
 
 def _draw_grooves(axes: Axes, results: Sequence[Result]) -> None:
     theta = np.linspace(0.0, UPPER, 300)
     for result in results:
         mechanism, colour = result.design.mechanism, result.task.colour
-        course = mechanism.course(theta)
-        path = 1e3 * mechanism.radius[0] * course.psi[0]
-        axes.plot(path, 1e3 * course.z, color=colour, lw=2)
+        pin = mechanism.configuration(theta)
+        z, (first, second) = 1e3 * pin.z, 1e3 * np.array(mechanism.radius)[:, None] * pin.psi
+        axes.plot(first, z, color=colour, lw=2)
         if result.task.groove2 is not None:
-            axes.plot(1e3 * mechanism.radius[1] * course.psi[1], 1e3 * course.z, color=colour, lw=1, ls="--")
-        _draw_flanks(axes, path, 1e3 * course.z, colour)
+            axes.plot(second, z, color=colour, lw=1, ls="--")
+        _draw_flanks(axes, first, z, colour)
     axes.plot([], [], "k-", lw=2, label="groove 1 (or both): path of the pin and flanks")
     axes.plot([], [], "k--", lw=1, label="groove 2, given: a helix")
-    axes.set_xlim(-5.0, 42.0)
-    axes.set_ylim(-5.0, 21.0)
-    axes.set_aspect("equal")
-    axes.set_title("Unwrapped grooves")
-    axes.set_xlabel("along the circumference, r psi [mm]")
-    axes.set_ylabel("z [mm]")
+    axes.set(title="Unwrapped grooves", xlim=(-5.0, 42.0), ylim=(-5.0, 21.0), aspect="equal")
+    axes.set(xlabel="along the circumference, r psi [mm]", ylabel="z [mm]")
     axes.legend(loc="lower right", fontsize=9)
 
 
@@ -232,52 +199,51 @@ def _draw_flanks(axes: Axes, x: Array, z: Array, colour: str) -> None:
     axes.fill(*outline, color=colour, alpha=0.15, lw=0)
 
 
-def _draw_lead_angles(axes: Axes, results: Sequence[Result]) -> None:
+def _plot_both_grooves(axes: Axes, results: Sequence[Result], name: str, factor: float) -> None:
     for result in results:
-        seen, colour = result.assessment, result.task.colour
-        for lead, style in zip(np.degrees(seen.lead_angle), ("-", "--"), strict=True):
-            axes.plot(np.degrees(seen.theta), lead, color=colour, ls=style)
+        for value, style in zip(factor * getattr(result.assessment, name), ("-", "--"), strict=True):
+            axes.plot(np.degrees(result.assessment.theta), value, color=result.task.colour, ls=style)
+
+
+def _draw_lead_angles(axes: Axes, results: Sequence[Result]) -> None:
+    _plot_both_grooves(axes, results, "lead_angle", 180.0 / math.pi)
     axes.plot([], [], "k-", label="groove 1")
     axes.plot([], [], "k--", label="groove 2")
     axes.axhline(math.degrees(math.atan(FRICTION[0])), color="tab:red", ls=":")
     axes.text(79.0, 8.6, "below: locks itself", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Lead angles")
-    axes.set_ylabel("lead angle [deg]")
-    axes.set_ylim(0.0, 80.0)
+    axes.set(title="Lead angles", ylabel="lead angle [deg]", ylim=(0.0, 80.0))
     axes.legend(loc="upper right")
 
 
 def _draw_bend(axes: Axes, results: Sequence[Result]) -> None:
     for result in results:
-        seen, colour = result.assessment, result.task.colour
-        axes.plot(np.degrees(seen.theta), PIN.radius * seen.curvature[0], color=colour)
+        bend = PIN.radius * result.assessment.curvature[0]
+        axes.plot(np.degrees(result.assessment.theta), bend, color=result.task.colour)
     for side in (-1.0, 1.0):
         axes.axhline(side, color="tab:red", ls="--", lw=1)
     axes.text(79.0, -0.97, "beyond: the inner flank is undercut", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Bend of groove 1 (+ steepens)")
+    axes.set(title="Bend of groove 1 (+ steepens)", ylim=(-1.1, 1.1))
     axes.set_ylabel("pin radius / radius of curvature")
-    axes.set_ylim(-1.1, 1.1)
 
 
 def _draw_pressure(axes: Axes, results: Sequence[Result]) -> None:
-    for result in results:
-        seen, colour = result.assessment, result.task.colour
-        for pressure, style in zip(seen.pressure / 1e6, ("-", "--"), strict=True):
-            axes.plot(np.degrees(seen.theta), pressure, color=colour, ls=style)
+    _plot_both_grooves(axes, results, "pressure", 1e-6)
     axes.axhline(LIMITS.pressure / 1e6, color="tab:red", ls="--", lw=1)
     axes.text(79.0, LIMITS.pressure / 1e6 + 15.0, "allowed", color="tab:red", ha="right", va="bottom")
-    axes.set_title("Pressure between pin and flank (Hertz), the higher one of both ways")
-    axes.set_ylabel("largest pressure [MPa]")
-    axes.set_ylim(0.0, 1700.0)
+    axes.set(title="Pressure between pin and flank (Hertz), the higher one of both ways")
+    axes.set(ylabel="largest pressure [MPa]", ylim=(0.0, 1700.0))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Command line."""
-    fmu, output = command_line(__doc__, "designed_groove.png", arguments, model="DualCamInverse")
-    results = run(fmu)
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--fmu", type=Path, default=BUILD / "DualCamInverse.fmu")
+    parser.add_argument("--output", type=Path, default=BUILD / "designed_groove.png", help="picture to write")
+    options = parser.parse_args(arguments)
+    results = run(options.fmu)
     print(report(results))
-    picture(results, output)
-    print(f"Picture: {output}")
+    picture(results, options.output)
+    print(f"Picture: {options.output}")
 
 
 if __name__ == "__main__":

@@ -1,28 +1,27 @@
-"""Building blocks of the system examples against closed forms, finite differences, balances and the FMUs."""
+"""Blocks of dualcam.systems against closed forms, finite differences, balances and the FMUs."""
 
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from dualcam import Fmu
+from dualcam.systems.elliptical_cam import EllipticalCam
+from dualcam.systems.impedance import Impedance
+from dualcam.systems.motions import FourierSeries
+from dualcam.systems.pendulum import HingedPendulum, HingeMotion
+
 ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT / "system_examples"))
-
-from blocks import EllipseCam, HingedPendulum, HingeMotion, Impedance, Periodic  # noqa: E402
-
-from dualcam import Fmu  # noqa: E402
-
 STEP = 2e-3  # s, of the differences below
 STENCIL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])  # 8th order
 OFFSETS = np.arange(-4, 5)
 
-THIGH = Periodic((0.15, 0.3, -0.05, 0.08, 0.02), 1.1)
-KNEE = Periodic((0.5, -0.1, -0.3, 0.2, 0.1), 1.1)
-FORWARD = Periodic((0.0, 0.1, -0.02, 0.03, 0.01), 1.1)
-UPWARD = Periodic((0.4, 0.02, 0.01, -0.01, 0.008), 1.1)
+THIGH = FourierSeries((0.15, 0.3, -0.05, 0.08, 0.02), 1.1)
+KNEE = FourierSeries((0.5, -0.1, -0.3, 0.2, 0.1), 1.1)
+FORWARD = FourierSeries((0.0, 0.1, -0.02, 0.03, 0.01), 1.1)
+UPWARD = FourierSeries((0.4, 0.02, 0.01, -0.01, 0.008), 1.1)
 CURVES = (THIGH, KNEE, FORWARD, UPWARD)
 
 
@@ -46,7 +45,7 @@ def hinge(time):
 
 
 def test_periodic_curve_is_its_series():
-    curve = Periodic((1.0, 2.0, 3.0, 0.0, 4.0), 0.5)
+    curve = FourierSeries((1.0, 2.0, 3.0, 0.0, 4.0), 0.5)
     time = np.array([0.0, 0.125, 0.5])
     assert curve.sample(time) == pytest.approx([3.0, 4.0, 3.0], abs=1e-14)  # 1 + 2, 1 + 3 + 4 sin(pi), 1 + 2
 
@@ -122,12 +121,12 @@ def test_impedance_is_a_spring_and_a_damper():
 
 # ---- cam with elliptical grooves ----
 
-CAM = EllipseCam(0.02, 1.19, 0.0756, 0.0188, 0.14, 44.8e3, 20e3)
+CAM = EllipticalCam(0.02, 1.19, 0.0756, 0.0188, 0.14, 44.8e3, 20e3)
 
 
 @pytest.mark.parametrize("theta", [0.01, 0.4, 1.0, 1.2])
 @pytest.mark.parametrize("omega", [3.0, -0.02, -1.0, -6.0])
-def test_ellipse_cam_agrees_with_the_inverse_fmu(theta, omega):
+def test_elliptical_cam_agrees_with_the_inverse_fmu(theta, omega):
     """Loading, releasing, and releasing so fast that the damper pulls the pin to the other flank."""
     span, step = 1e-4, 1e-6
     with Fmu(ROOT / "build" / "DualCamInverse.fmu") as slave:
@@ -141,10 +140,10 @@ def test_ellipse_cam_agrees_with_the_inverse_fmu(theta, omega):
     assert float(CAM.torque(np.array([theta]), np.array([omega]))[0]) == pytest.approx(found, rel=1e-9)
 
 
-def test_ellipse_cam_lift_is_the_integral_of_its_slope():
+def test_height_of_the_elliptical_cam_is_the_integral_of_its_slope():
     def rate(theta):
-        return float(0.5 * CAM.radius * CAM.slope_and_lift(np.array([theta]))[0][0])
+        return float(0.5 * CAM.radius * CAM.slope_and_height(np.array([theta]))[0][0])
 
-    lift = float(CAM.slope_and_lift(np.array([1.2]))[1][0])
-    assert quad(rate, 0.0, 1.2, epsabs=1e-14)[0] == pytest.approx(lift, rel=1e-12)
+    height = float(CAM.slope_and_height(np.array([1.2]))[1][0])
+    assert quad(rate, 0.0, 1.2, epsabs=1e-14)[0] == pytest.approx(height, rel=1e-12)
     assert rate(0.0) == pytest.approx(0.01 * math.tan(CAM.lead_angle), rel=1e-12)

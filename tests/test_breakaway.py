@@ -39,7 +39,7 @@ class Run:
         self.inputs = fmu.reals(*INPUTS)
         self.step_derivatives = fmu.reals("step.dtheta_dtau", "step.domega_dtau")
         self.derivatives = np.array(derivatives)  # [order, input]
-        self.start = fmu.take()
+        self.start = fmu.save_state()
 
     def at(self, time):
         """Value and derivatives of the inputs at that time."""
@@ -58,7 +58,7 @@ class Run:
 
     def events_after(self, size):
         """Mode changes of one step from the start; it must not be refused."""
-        self.fmu.restore(self.start)
+        self.fmu.restore_state(self.start)
         self.step(size)
         return self.fmu.get("events")
 
@@ -107,7 +107,7 @@ def test_steps_may_end_within_rounding_of_a_mode_change(mechanism):
                     cut = time + distance
                     if not 0.0 < cut < size:
                         continue
-                    fmu.restore(run.start)
+                    fmu.restore_state(run.start)
                     run.step(cut)
                     assert all(map(math.isfinite, run.step_derivatives.read()))
                     run.step(size - cut)

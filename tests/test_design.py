@@ -75,7 +75,7 @@ def read_at(fmu, parameters, angles, *names):
     fmu.start(parameters)
     group, found = fmu.reals(*names), []
     for angle in angles:
-        fmu.place((angle, 0.0))
+        fmu.set_states_and_mode((angle, 0.0))
         found.append(group.read())
     return np.array(found).T
 
@@ -221,8 +221,8 @@ def test_table_is_the_fmus_curve(forward, tmp_path, kind):
         forward, mechanism.parameters(tmp_path), angles, "torque_release", "torque_load", "z", "gamma"
     )
     release, load = mechanism.band(angles)
-    course = mechanism.course(angles)
-    for ours, theirs in zip((release, load, course.z, course.psi[0]), found, strict=True):
+    configuration = mechanism.configuration(angles)
+    for ours, theirs in zip((release, load, configuration.z, configuration.psi[0]), found, strict=True):
         assert ours == pytest.approx(theirs, rel=1e-9, abs=1e-10)
     again = Table.read(tmp_path / "groove1.csv", 0.02)
     assert (again.psi == psi).all() and (again.z == z).all()
@@ -236,7 +236,7 @@ def test_pin_in_a_steep_groove(centre):
     steep = Table(0.03, psi, 0.002 * psi + 0.01 * (np.tanh((psi - centre) / 0.01) + 1.0))
     mechanism = Mechanism((steep, HELIX), (0.1, 0.1), LINEAR, 1.8)
     angles = np.linspace(0.0, 1.8, 301)
-    gamma = mechanism.course(angles).psi[0]
+    gamma = mechanism.configuration(angles).psi[0]
     for theta, ours in zip(angles, gamma, strict=True):
         root = brentq(lambda g, t=theta: float(steep.at(g).z - HELIX.at(t - g).z), -1.0, 1.0, xtol=1e-15)
         assert ours == pytest.approx(root, abs=1e-13)
@@ -415,7 +415,7 @@ def test_without_friction_by_energy(name):
     design = synthesize(torque, UPPER, spring, direction=direction, **options)
     for theta in (0.1, 0.5, 1.0, UPPER):
         work = quad(torque, 0.0, theta, epsabs=1e-14)[0]
-        assert spring.energy(design.mechanism.course(theta).z) == pytest.approx(work, rel=1e-8)
+        assert spring.energy(design.mechanism.configuration(theta).z) == pytest.approx(work, rel=1e-8)
 
 
 def test_helix_is_found_again():

@@ -139,10 +139,10 @@ def test_partial_derivatives(fmu):
 
 
 def test_a_restored_state_repeats_bit_for_bit(fmu):
-    state, instant = fmu.take(), fmu.time
+    state, instant = fmu.save_state(), fmu.time
     ends = []
     for _ in range(3):
-        fmu.restore(state)
+        fmu.restore_state(state)
         assert fmu.time == instant
         fmu.step(0.05)
         ends.append([fmu.get(name) for name in ("theta", "omega", "energy.residual", "events")])
@@ -170,12 +170,12 @@ def test_prepared_runs_are_those_of_start(shared):
 def test_model_exchange(continuous):
     """alpha of a helix in slip, rest inside the band, and the mode in between events."""
     continuous.start({"tau": 3.0})
-    continuous.place([0.5, 2.0])
+    continuous.set_states_and_mode([0.5, 2.0])
     rho = 0.01 * 1.14 / 0.86
     assert continuous.derivatives() == pytest.approx([2.0, (3.0 - rho * 300.0) / 0.002], rel=1e-12)
     assert continuous.get("mode") == 2
     assert min(continuous.indicators()) > 0.0
-    continuous.move([0.5, -1.0])
+    continuous.set_states([0.5, -1.0])
     assert continuous.get("mode") == 2  # until it is asked to decide
     assert min(continuous.indicators()) < 0.0
     continuous.enter_event_mode()
@@ -196,7 +196,7 @@ def test_model_exchange_needs_inertia(continuous):
 def test_kinds_are_not_mixed(continuous, fmu):
     continuous.start()
     with refused("another instance"):
-        continuous.restore(fmu.take())
+        continuous.restore_state(fmu.save_state())
 
 
 # ---- errors ----
@@ -316,14 +316,15 @@ def test_a_closed_fmu_refuses_every_call():
     with Fmu(FORWARD) as fmu:
         command = fmu.reals("tau")
         fmu.start()
-        state = fmu.take()
+        state = fmu.save_state()
         directory = Path(fmu._instance._directory)
         assert directory.exists()
     assert not directory.exists()
     fmu.close()
     for call in (
-        command.read, command.write, fmu.take, fmu.start, lambda: fmu.step(1e-3), lambda: fmu.get("theta"),
-        lambda: fmu.restore(state), lambda: command.write_derivatives(1, [0.0]),
+        command.read, command.write, fmu.save_state, fmu.start, lambda: fmu.step(1e-3),
+        lambda: fmu.get("theta"), lambda: fmu.restore_state(state),
+        lambda: command.write_derivatives(1, [0.0]),
     ):  # fmt: skip
         with refused("closed"):
             call()
@@ -333,7 +334,7 @@ def test_what_is_dropped_is_freed():
     fmu = Fmu(FORWARD)
     fmu.start()
     instance, directory = fmu._instance, Path(fmu._instance._directory)
-    states = [fmu.take() for _ in range(3)]
+    states = [fmu.save_state() for _ in range(3)]
     assert len(instance.states) == 3
     del states[:2]
     gc.collect()

@@ -2,7 +2,6 @@
 
 import math
 import re
-import sys
 
 import mpmath
 import numpy as np
@@ -11,25 +10,37 @@ from driver import ROOT
 from scipy.integrate import quad, simpson
 from scipy.optimize import fsolve
 
-sys.path.insert(0, str(ROOT / "system_examples"))
-import paper
-import paper_model as model
-from paper import PAIRS, WAYS
-from paper_model import GREASES, LOADING, PUBLISHED, RANGE, RELEASING, Case, Statics, rms
-
+from case_studies.paper import __main__ as paper
+from case_studies.paper import fmus, published, readings
+from case_studies.paper.cams import Pair, Statics, pair
+from case_studies.paper.efficiency import beyond_one, efficiency, searched_optimum
+from case_studies.paper.measurements import needed_friction
+from case_studies.paper.printed import Case
+from case_studies.paper.published import (
+    DIRECTIONS,
+    GREASES,
+    LOADING,
+    PAIRS,
+    PUBLISHED,
+    RADII,
+    RANGE,
+    RELEASING,
+)
+from case_studies.paper.readings import rms
 from dualcam import Fmu
+from dualcam.design import optimum
 
 PAGE = ROOT / "docs" / "paper.md"
 each_pair = pytest.mark.parametrize("name", PAIRS)
 each_grease = pytest.mark.parametrize("mu", GREASES)
-each_way = pytest.mark.parametrize("way", WAYS)
+each_way = pytest.mark.parametrize("way", DIRECTIONS)
 
 
 @pytest.fixture(scope="module")
 def work():
     build = ROOT / "build"
     with Fmu(build / "DualCamInverse.fmu") as inverse, Fmu(build / "DualCamForward.fmu") as forward:
-        yield paper.Work(inverse, forward)
+        yield fmus.FmuResults(inverse, forward)
 
 
 def balance(lead, radii, friction, way, force=1):
@@ -97,14 +108,15 @@ def test_efficiency_of_formula_and_fmu_is_that_of_the_balance(work):
         radii = tuple(map(float, random.uniform(0.01, 0.03, 2)))
         friction = tuple(map(float, random.uniform(0.05, 0.25, 2)))
         exact = float(eta(lead, radii, friction))
-        assert float(model.efficiency(lead, friction, radii)) == pytest.approx(exact, rel=1e-12)
-        assert model.efficiency_of_fmu(work.inverse, lead, friction, radii) == pytest.approx(exact, rel=1e-12)
+        assert float(efficiency(lead, friction, radii)) == pytest.approx(exact, rel=1e-12)
+        assert fmus.efficiency_of_fmu(work.inverse, lead, friction, radii) == pytest.approx(exact, rel=1e-12)
 
 
 @pytest.mark.parametrize(("friction", "radii"), [((0.14, 0.19), (0.02, 0.025)), ((0.25, 0.08), (0.03, 0.01))])
 def test_optimum_of_unequal_friction(work, friction, radii):
     """Gradient zero and Hessian negative, by differences of the balance; a search comes to the same."""
-    x, y, best = model.unequal_optimum(friction, radii)
+    found = optimum(friction, radii)
+    (x, y), best = found.lead_angle, found.efficiency
     with mpmath.workdps(40):
 
         def value(a, b):
@@ -115,8 +127,8 @@ def test_optimum_of_unequal_friction(work, friction, radii):
         assert max(map(abs, slopes)) < 1e-14
         assert xx < 0 < xx * yy - xy**2
         assert float(value(x, y)) == pytest.approx(best, abs=1e-14)
-    assert model.searched_optimum(friction, radii) == pytest.approx((x, y, best), abs=1e-6)
-    assert model.efficiency_of_fmu(work.inverse, (x, y), friction, radii) == pytest.approx(best, abs=1e-12)
+    assert searched_optimum(friction, radii) == pytest.approx((x, y, best), abs=1e-6)
+    assert fmus.efficiency_of_fmu(work.inverse, (x, y), friction, radii) == pytest.approx(best, abs=1e-12)
 
 
 def product_of_sines(x, y, phi):
@@ -129,11 +141,9 @@ def product_of_sines(x, y, phi):
 def test_pole_and_corner():
     mu, phi = GREASES[0], math.atan(GREASES[0])
     for x in (0.02, 0.1, 0.13):
-        near = [
-            abs(float(model.efficiency((x, 2 * phi - x + d), (mu, mu), (0.02, 0.02)))) for d in (-1e-9, 1e-9)
-        ]
+        near = [abs(float(efficiency((x, 2 * phi - x + d), (mu, mu), (0.02, 0.02)))) for d in (-1e-9, 1e-9)]
         assert min(near) > 1e5
-    share, smaller = paper.beyond_one(mu)
+    share, smaller = beyond_one(mu)
     assert smaller < phi
 
     axis = (np.arange(2500) + 0.5) / 2500 * 0.5 * math.pi
@@ -152,29 +162,29 @@ def place(cams, theta):
     m = mpmath
 
     def at(arc, tangent):
-        turn = arc.curvature * arc.size * (m.sin(tangent) - m.sin(arc.lead)) / arc.radius
-        return turn, arc.curvature * arc.size * (m.cos(arc.lead) - m.cos(tangent))
+        turn = arc.bending * arc.a * (m.sin(tangent) - m.sin(arc.lead_angle)) / arc.radius
+        return turn, arc.bending * arc.a * (m.cos(arc.lead_angle) - m.cos(tangent))
 
     def gap(first, second):
         (turn1, z1), (turn2, z2) = at(cams.inner, first), at(cams.outer, second)
         return [turn1 + turn2 - theta, z1 - z2]
 
-    found = m.findroot(gap, (cams.inner.lead, cams.outer.lead))
+    found = m.findroot(gap, (cams.inner.lead_angle, cams.outer.lead_angle))
     return (found[0], found[1]), at(cams.inner, found[0])[1]
 
 
 @each_pair
 def test_curves_are_those_of_the_balance(work, name):
-    cams = model.pair(name)
+    cams = pair(name)
     _, stroke = place(cams, RANGE)
     assert cams.stroke == pytest.approx(float(stroke), rel=1e-13)
     for index in (0, 20, 41, 56):
         lead, z = place(cams, work.angle[index])
         force = cams.force * (cams.preload + (1 - cams.preload) * z / stroke)
         for mu in GREASES:
-            for way in WAYS:
+            for way in DIRECTIONS:
                 drawn = work.curves[name, mu, way]
-                r1, r2, torque = balance(lead, paper.RADII, (mu, mu), way, force)
+                r1, r2, torque = balance(lead, RADII, (mu, mu), way, force)
                 assert drawn.torque[index] == pytest.approx(float(torque), rel=1e-10)
                 reactions = [reaction[index] for reaction in drawn.reactions]
                 assert reactions == pytest.approx([float(r1) / 2, float(r2) / 2], rel=1e-10)
@@ -183,22 +193,22 @@ def test_curves_are_those_of_the_balance(work, name):
 @each_pair
 @each_grease
 def test_formula_meets_the_fmu_everywhere(work, name, mu):
-    statics = Statics(model.pair(name), work.angle)
-    for way in WAYS:
+    statics = Statics(pair(name), work.angle)
+    for way in DIRECTIONS:
         drawn = work.curves[name, mu, way]
         assert np.max(np.abs(drawn.torque - statics.torque(way, mu))) < 1e-9
         for mine, theirs in zip(statics.reactions(way, mu), drawn.reactions, strict=True):
             assert np.max(np.abs(mine - theirs)) < 1e-9
-    assert statics.torque(LOADING).max() == pytest.approx(model.TORQUE, rel=1e-6)
+    assert statics.torque(LOADING).max() == pytest.approx(published.TORQUE, rel=1e-6)
 
 
 @each_pair
 @each_grease
 def test_heat_is_the_area_and_the_friction_power(work, name, mu):
-    up, down = (work.curves[name, mu, way] for way in WAYS)
+    up, down = (work.curves[name, mu, way] for way in DIRECTIONS)
     assert work.heat[name, mu] == pytest.approx(simpson(up.torque - down.torque, x=work.angle), rel=1e-6)
     power = sum(
-        mu * model.CONTACTS * reaction * sliding
+        mu * published.CONTACTS * reaction * sliding
         for drawn in (up, down)
         for reaction, sliding in zip(drawn.reactions, drawn.sliding, strict=True)
     )
@@ -207,19 +217,19 @@ def test_heat_is_the_area_and_the_friction_power(work, name, mu):
 
 @each_pair
 def test_which_cam_turns_does_not_matter(work, name):
-    cams = model.pair(name)
-    swapped = model.Pair(cams.outer, cams.inner, cams.preload, cams.force)
-    drawn = model.curve(work.inverse, swapped, GREASES[0], LOADING, work.angle)
+    cams = pair(name)
+    swapped = Pair(cams.outer, cams.inner, cams.preload, cams.force)
+    drawn = fmus.curve(work.inverse, swapped, GREASES[0], LOADING, work.angle)
     assert drawn.torque == pytest.approx(work.curves[name, GREASES[0], LOADING].torque, rel=1e-10)
 
 
 @each_pair
 def test_other_pairs_keep_to_the_published_facts(work, name):
-    assert len(work.others[name]) == paper.OTHERS
+    assert len(work.others[name]) == published.OTHERS
     for cams, up, down in work.others[name]:
-        assert cams.inner.lead == model.ARCS[name][0]
-        assert (cams.outer.size < cams.inner.size) == (name == "A")
-        assert up.max() == pytest.approx(model.TORQUE, rel=1e-3)
+        assert cams.inner.lead_angle == published.ARCS[name][0]
+        assert (cams.outer.a < cams.inner.a) == (name == "A")
+        assert up.max() == pytest.approx(published.TORQUE, rel=1e-3)
         assert np.all(down < up)
 
 
@@ -230,7 +240,7 @@ def test_other_pairs_keep_to_the_published_facts(work, name):
 def test_torque_of_two_helices(work, way):
     case = Case()
     exact = float(balance(case.lead, case.radii, (case.friction,) * 2, way, case.force)[2])
-    fmu = dict(zip(WAYS, paper.correct(work, case), strict=True))
+    fmu = dict(zip(DIRECTIONS, fmus.torques_of_fmu(work, case), strict=True))
     assert [case.correct(way), case.balance(way), fmu[way]] == pytest.approx([exact] * 3, rel=1e-12)
 
 
@@ -250,12 +260,12 @@ def test_printed_formulas_are_off_as_the_page_says():
 
 def test_sign_of_friction_and_of_the_damper(work):
     case = Case()
-    pulled, speed = paper.pull_of_fmu(work, case)
-    force = case.force + paper.PULL
+    pulled, speed = fmus.pull_of_fmu(work, case)
+    force = case.force + published.PULL
     assert pulled == pytest.approx(force * case.correct(RELEASING) / case.force, rel=1e-12)
     assert pulled - force * speed > 0 > force * case.correct(LOADING) / case.force - force * speed
-    damper, torque = paper.damper_of_fmu(work, case)
-    assert damper == pytest.approx(-paper.QUADRATIC * paper.SPEED**2, rel=1e-12)
+    damper, torque = fmus.damper_of_fmu(work, case)
+    assert damper == pytest.approx(-published.QUADRATIC * published.SPEED**2, rel=1e-12)
     assert torque == pytest.approx((case.force + damper) * case.correct(RELEASING) / case.force, rel=1e-12)
 
 
@@ -263,12 +273,12 @@ def test_sign_of_friction_and_of_the_damper(work):
 
 
 def test_budget():
-    budget = model.budget()
+    budget = readings.uncertainty_budget()
     assert budget.as_sine == pytest.approx(0.0524, abs=5e-5)
-    assert budget.as_cosine == pytest.approx(2 * math.sin(model.TILT / 2) ** 2, rel=1e-10)
-    assert math.hypot(budget.rest, budget.as_cosine) * model.TORQUE == pytest.approx(0.029, rel=1e-12)
-    mean = quad(lambda x: 1 - math.cos(x), 0, model.TILT)[0] / model.TILT
-    square = quad(lambda x: (1 - math.cos(x)) ** 2, 0, model.TILT)[0] / model.TILT
+    assert budget.as_cosine == pytest.approx(2 * math.sin(published.TILT / 2) ** 2, rel=1e-10)
+    assert math.hypot(budget.rest, budget.as_cosine) * published.TORQUE == pytest.approx(0.029, rel=1e-12)
+    mean = quad(lambda x: 1 - math.cos(x), 0, published.TILT)[0] / published.TILT
+    square = quad(lambda x: (1 - math.cos(x)) ** 2, 0, published.TILT)[0] / published.TILT
     assert budget.bias == pytest.approx(mean, rel=1e-9)
     assert budget.spread == pytest.approx(math.sqrt(square - mean**2), rel=1e-6)
 
@@ -281,13 +291,13 @@ DENSITIES = {  # of the distance from the line, and where it ends
 }
 
 
-@pytest.mark.parametrize("draw", model.DRAWS)
+@pytest.mark.parametrize("draw", readings.DRAWS)
 def test_readings_against_the_integral(draw):
     density, end = DENSITIES[draw]
     assert quad(density, 0, end)[0] == pytest.approx(1, rel=1e-12)
     share = math.sqrt(quad(lambda u: u**2 * density(u), 0, end)[0])
     many = np.linspace(1.0, 4.0, 400)
-    found, _ = model.readings(many, draw, series=500)
+    found, _ = readings.readings(many, draw, series=500)
     assert found.exact == pytest.approx(share * rms(many), rel=1e-12)
     assert found.mean == pytest.approx(found.exact, rel=2e-3)
     assert found.low < found.exact < found.high
@@ -296,9 +306,9 @@ def test_readings_against_the_integral(draw):
 @each_pair
 @each_grease
 def test_part_of_the_band_that_the_published_rmse_needs(name, mu):
-    band = paper.band_at_readings(name, mu)
+    band = readings.band_at_readings(name, mu)
     for error in PUBLISHED[name].values():
-        part = paper.share_needed(error, band)
+        part = readings.share_needed(error, band)
         assert 0 < part < 1
         assert math.sqrt(np.mean(quad(lambda u: u**2, 0, part)[0] / part * band**2)) == pytest.approx(error)
 
@@ -307,11 +317,11 @@ def test_part_of_the_band_that_the_published_rmse_needs(name, mu):
 @each_grease
 @each_way
 def test_the_fmu_with_the_friction_found_has_the_published_rmse(work, name, mu, way):
-    statics = Statics(model.pair(name), work.angle)
+    statics = Statics(pair(name), work.angle)
     for sign in (1, -1):
-        friction = model.friction_for(statics, mu, way, PUBLISHED[name][way], sign)
+        friction = readings.friction_for(statics, mu, way, PUBLISHED[name][way], sign)
         assert sign * (friction - mu) > 0
-        other = model.curve(work.inverse, model.pair(name), friction, way, work.angle)
+        other = fmus.curve(work.inverse, pair(name), friction, way, work.angle)
         assert rms(other.torque - work.curves[name, mu, way].torque) == pytest.approx(
             PUBLISHED[name][way], rel=1e-8
         )
@@ -323,9 +333,9 @@ def test_the_fmu_with_the_friction_found_has_the_published_rmse(work, name, mu, 
 def test_friction_that_falls_with_the_load(name, way, exponent):
     """The reactions solve force and moment balance with friction mu(R) R, by another solver."""
     angle = np.array([0.0, 0.7, RANGE])
-    cams = model.pair(name)
+    cams = pair(name)
     statics, mean = Statics(cams, angle), 200.0
-    torque = statics.torque_under(model.power_law(GREASES[0], mean, exponent), way)
+    torque = statics.torque_under(readings.power_law(GREASES[0], mean, exponent), way)
     for index in range(angle.size):
         l1, l2 = (math.atan(slope[index]) for slope in statics.slopes)
 
@@ -334,14 +344,14 @@ def test_friction_that_falls_with_the_load(name, way, exponent):
             a1, a2 = (way * GREASES[0] * mean**exponent * r ** (1 - exponent) for r in reactions)
             return [
                 r1 * math.cos(l1) - a1 * math.sin(l1) + r2 * math.cos(l2) - a2 * math.sin(l2) - force,
-                paper.RADII[0] * (r1 * math.sin(l1) + a1 * math.cos(l1))
-                - paper.RADII[1] * (r2 * math.sin(l2) + a2 * math.cos(l2)),
+                RADII[0] * (r1 * math.sin(l1) + a1 * math.cos(l1))
+                - RADII[1] * (r2 * math.sin(l2) + a2 * math.cos(l2)),
             ]
 
         _, r2 = fsolve(rows, [200.0, 200.0], xtol=1e-13)
         a2 = way * GREASES[0] * mean**exponent * r2 ** (1 - exponent)
         assert torque[index] == pytest.approx(
-            2 * paper.RADII[1] * (r2 * math.sin(l2) + a2 * math.cos(l2)), rel=1e-9
+            2 * RADII[1] * (r2 * math.sin(l2) + a2 * math.cos(l2)), rel=1e-9
         )
 
 
@@ -350,14 +360,14 @@ def test_friction_that_falls_with_the_load(name, way, exponent):
 def test_constant_friction_force(name, way):
     """n = 1: the balance is linear; where its torque is not above zero the page says that it locks."""
     angle = np.linspace(0.0, RANGE, 57)
-    statics = Statics(model.pair(name), angle)
+    statics = Statics(pair(name), angle)
     reactions = np.concatenate(statics.reactions(LOADING))
-    errors = model.law_error(statics, GREASES[0], 1.0, way)
+    errors = readings.law_error(statics, GREASES[0], 1.0, way)
     for of, error in zip((np.min, np.mean, np.max), errors, strict=True):
         drag = way * GREASES[0] * of(reactions)
         torque = []
         for slope1, slope2, spring in zip(*statics.slopes, statics.spring, strict=True):
-            l1, l2, (r1, r2) = math.atan(slope1), math.atan(slope2), paper.RADII
+            l1, l2, (r1, r2) = math.atan(slope1), math.atan(slope2), RADII
             rows = [[math.cos(l1), math.cos(l2)], [r1 * math.sin(l1), -r2 * math.sin(l2)]]
             right = [
                 spring / 2 + drag * (math.sin(l1) + math.sin(l2)),
@@ -371,18 +381,18 @@ def test_constant_friction_force(name, way):
 
 
 def test_what_the_words_on_friction_claim(work):
-    _, factors = paper.needed_friction(work)
+    _, factors = needed_friction(work)
     for mu in GREASES:
-        loading, releasing = (factors["B", mu, way] for way in WAYS)
+        loading, releasing = (factors["B", mu, way] for way in DIRECTIONS)
         assert loading == pytest.approx(releasing, rel=0.04)  # the two directions agree in pair B,
         assert min(loading, releasing) > GREASES[1] / GREASES[0]
         assert factors["A", mu, RELEASING] > 1.2 * factors["A", mu, LOADING]  # not in pair A,
-        statics = Statics(model.pair("B"), work.angle)  # and worse in pair B with less friction
-        less = [model.friction_for(statics, mu, way, PUBLISHED["B"][way], -1) for way in WAYS]
+        statics = Statics(pair("B"), work.angle)  # and worse in pair B with less friction
+        less = [readings.friction_for(statics, mu, way, PUBLISHED["B"][way], -1) for way in DIRECTIONS]
         assert less[1] > (2.0 if mu == GREASES[0] else 1.15) * less[0]
-    for way in WAYS:
-        assert max(model.law_error(statics, GREASES[0], 1 / 2, way)) < PUBLISHED["B"][way]
-    assert max(model.law_error(statics, GREASES[0], 1.0, LOADING)) < PUBLISHED["B"][LOADING]
+    for way in DIRECTIONS:
+        assert max(readings.law_error(statics, GREASES[0], 1 / 2, way)) < PUBLISHED["B"][way]
+    assert max(readings.law_error(statics, GREASES[0], 1.0, LOADING)) < PUBLISHED["B"][LOADING]
     grease = rms(statics.torque(LOADING, GREASES[1]) - statics.torque(LOADING, GREASES[0]))
     assert grease < PUBLISHED["B"][LOADING]
 
@@ -390,7 +400,7 @@ def test_what_the_words_on_friction_claim(work):
 def test_what_the_words_on_readings_claim():
     for name in PAIRS:
         for mu in GREASES:
-            found, ratio = model.readings(paper.band_at_readings(name, mu), "anywhere, all alike")
+            found, ratio = readings.readings(readings.band_at_readings(name, mu), "anywhere, all alike")
             assert max(PUBLISHED[name].values()) < found.exact
             assert max(PUBLISHED[name].values()) / min(PUBLISHED[name].values()) > ratio[1]
 
@@ -398,6 +408,6 @@ def test_what_the_words_on_readings_claim():
 @pytest.mark.parametrize("ratio", [1.05, 1.29, 3.0])
 def test_largest_change_of_a_stribeck_curve(ratio):
     speed = np.linspace(1e-3, 10, 200_001)
-    assert model.largest_change(ratio) == pytest.approx(
+    assert readings.largest_change(ratio) == pytest.approx(
         np.max(np.exp(-speed) - np.exp(-ratio * speed)), rel=1e-7
     )

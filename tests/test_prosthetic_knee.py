@@ -1,8 +1,7 @@
-"""The prosthetic knee example: data against published figures, physics against SciPy and balances."""
+"""The prosthetic knee: data against published figures, physics against SciPy and balances."""
 
 import math
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,18 +9,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from case_studies import prosthetic_knee as report
+from dualcam import Fmu
+from dualcam.systems import knee
+from dualcam.systems.elliptical_cam import NO_CAM, EllipticalCam
+from dualcam.systems.motions import FourierSeries
+from dualcam.systems.pendulum import HingeMotion
+from dualcam.systems.swing import SWING, measured_swing
+from system_examples import prosthetic_knee as example
+
 ROOT = Path(__file__).resolve().parent.parent
 FMU = ROOT / "build" / "DualCamForward.fmu"
-sys.path.insert(0, str(ROOT / "system_examples"))
-
-import prosthetic_knee as example  # noqa: E402
-from blocks import EllipseCam, HingeMotion, Periodic  # noqa: E402
-
-from dualcam import Fmu  # noqa: E402
-
-MOTOR = example.AK80_6_BELT
+MOTOR = knee.MOTOR
+PERIOD = 1e-3  # s, control period
 BARE, CAM, PASSIVE = example.JOINTS
-WALKERS = (example.DESIGN_WALKER, example.CHECK_WALKER)
+WALKERS = example.WALKERS
 FIRST, SECOND = (walker.name for walker in WALKERS)
 
 
@@ -32,7 +34,7 @@ def results():
 
 @pytest.fixture(scope="module")
 def cam():
-    return example.design_cam()
+    return knee.design_cam()
 
 
 # ---- data ----
@@ -42,7 +44,7 @@ def cam():
 def test_knee_angle_is_the_published_one(walker, rms):
     """To the scatter between strides for the first subject, whose published curve is smoother too."""
     percent, angle, _ = np.array(walker.published).T
-    curve = np.degrees(Periodic(walker.knee, 100.0).sample(percent))
+    curve = np.degrees(FourierSeries(walker.knee, 100.0).sample(percent))
     assert np.sqrt(np.mean((curve - angle) ** 2)) < rms
 
 
@@ -50,13 +52,13 @@ def test_thigh_inclination_is_the_published_hip_flexion():
     """Of the first subject, from 65 % in steps of 5; the published one is against the trunk, which leans by a
     few degrees."""
     hip = [6.4, 14.0, 19.2, 21.8, 22.3, 21.0, 20.0, 21.0]  # deg
-    thigh = np.degrees(Periodic(WALKERS[0].thigh, 100.0).sample(np.arange(65.0, 101.0, 5.0)))
+    thigh = np.degrees(FourierSeries(WALKERS[0].thigh, 100.0).sample(np.arange(65.0, 101.0, 5.0)))
     assert np.sqrt(np.mean((thigh - hip) ** 2)) < 1.5
 
 
 @pytest.mark.parametrize("walker", WALKERS)
 def test_equation_of_motion_gives_the_published_moment(walker):
-    _, given, own = example.moment_check(walker)
+    _, given, own = report.moment_check(walker)
     assert np.sqrt(np.mean((own - given) ** 2)) < 0.15 * np.ptp(own) + 2.0  # 2 N.m: the force plate's noise
     assert np.corrcoef(own, given)[0, 1] > 0.85
 
@@ -78,18 +80,17 @@ def test_belt_doubles_the_motors_torque_and_halves_its_speed():
 
 def test_full_extension_is_the_smallest_angle():
     for walker in WALKERS:
-        motion = example.swing(walker, 1.0)
+        motion = knee.swing(walker, 1.0)
         assert -1e-9 < motion.angle.min() < 1e-5
         assert abs(motion.speed[np.argmin(motion.angle)]) < 0.1
 
 
 def test_a_faster_walker_takes_the_same_steps():
-    own, fast = (example.swing(WALKERS[0], cadence) for cadence in (1.0, 1.2))
+    own, fast = (knee.swing(WALKERS[0], cadence) for cadence in (1.0, 1.2))
     phase = np.linspace(0.66, 0.99, 30)
     for name, power in (("angle", 0), ("speed", 1), ("acceleration", 2)):
         there, here = (
-            np.interp(100 * phase, example.percent_of_stride(motion), getattr(motion, name))
-            for motion in (fast, own)
+            np.interp(100 * phase, motion.percent_of_stride, getattr(motion, name)) for motion in (fast, own)
         )
         assert there == pytest.approx(1.2**power * here, abs=2e-3 * np.max(np.abs(here)))
 
@@ -98,8 +99,8 @@ def test_a_faster_walker_takes_the_same_steps():
 
 
 def test_design_is_a_minimum(cam):
-    motion = example.swing(WALKERS[0], 1.0)
-    best = example.share(cam, motion)
+    motion = knee.swing(WALKERS[0], 1.0)
+    best = knee.residual_share(cam, motion)
     assert best < 0.35
     for name in ("lead_angle", "ellipse_a", "stiffness", "release_damping"):
         for factor in (0.98, 1.02):
@@ -109,17 +110,17 @@ def test_design_is_a_minimum(cam):
                 other["ellipse_b"] = cam.ellipse_b * math.tan(changed) / math.tan(cam.lead_angle)
             if name == "ellipse_a":
                 other["ellipse_b"] = factor * cam.ellipse_b
-            assert example.share(replace(cam, **other), motion) > best
+            assert knee.residual_share(replace(cam, **other), motion) > best
 
 
 def test_valve_in_proportion_to_cadence_is_the_best_setting(cam):
     for cadence in example.CADENCES:
-        assert example.best_valve(cam, example.swing(WALKERS[0], cadence)) == pytest.approx(cadence, rel=0.02)
+        assert knee.best_valve(cam, knee.swing(WALKERS[0], cadence)) == pytest.approx(cadence, rel=0.02)
 
 
 def test_exact_following_takes_the_demand():
     """Inverse dynamics and the torque that the loop feeds to the FMU are one equation."""
-    motion = example.swing(WALKERS[0], 1.0)
+    motion = knee.swing(WALKERS[0], 1.0)
     inertia = motion.walker.pendulum.inertia
     assert motion.demand - motion.moment == pytest.approx(-MOTOR.inertia * motion.acceleration, abs=1e-12)
     k = 200
@@ -130,14 +131,14 @@ def test_exact_following_takes_the_demand():
 # ---- the loop ----
 
 
-def independent_swing(motion, cam: EllipseCam | None):
+def independent_swing(motion, cam: EllipticalCam | None):
     """The swing with the motor off, integrated by SciPy: angle from the stop and speed at each tick's end."""
     walker, period = motion.walker, motion.walker.stride / motion.cadence
-    curves = [Periodic(c, period) for c in (walker.thigh, walker.forward, walker.upward)]
+    curves = [FourierSeries(c, period) for c in (walker.thigh, walker.forward, walker.upward)]
     inertia = walker.pendulum.inertia + MOTOR.inertia
 
     def slope(time, state, direction):
-        now = np.array([example.SWING[0] * period + time])
+        now = np.array([SWING[0] * period + time])
         psi = [float(curves[0].sample(now, n)[0]) for n in (0, 1, 2)]
         forward, upward = (float(c.sample(now, 2)[0]) for c in curves[1:])
         hinge = HingeMotion((*psi, 0.0, 0.0), (forward, 0.0, 0.0), (upward, 0.0, 0.0))
@@ -151,9 +152,9 @@ def independent_swing(motion, cam: EllipseCam | None):
         return state[1]
 
     def flank(time, state, direction):  # the axial force changes sign
-        slopes, lift = cam.slope_and_lift(np.array([state[0]]))
+        slopes, height = cam.slope_and_height(np.array([state[0]]))
         damper = min(state[1], 0.0) * 0.5 * cam.radius * slopes[0] * cam.release_damping
-        return float(cam.stiffness * lift[0] + damper)
+        return float(cam.stiffness * height[0] + damper)
 
     turns.terminal = flank.terminal = True
     found = np.empty((len(motion.time) - 1, 2))
@@ -183,21 +184,18 @@ def independent_swing(motion, cam: EllipseCam | None):
 
 
 @pytest.mark.parametrize("joint", ["pendulum", "cam"])
-def test_loop_with_the_motor_off_follows_scipy(cam, joint, monkeypatch):
-    """The drive's polynomial leaves an error in the tick's third power: halving the tick leaves 1/8 of it,
-    and what extrapolation leaves is the fourth power and the FMU's tolerance."""
-    if joint == "pendulum":
-        monkeypatch.setattr(EllipseCam, "parameters", lambda self: example.NO_CAM)
+def test_loop_with_the_motor_off_follows_scipy(cam, joint):
+    """The drive's polynomial leaves an error in the control period's third power: half the period leaves 1/8
+    of the error. Extrapolation leaves the fourth power and the FMU's tolerance."""
+    parameters = NO_CAM if joint == "pendulum" else cam.parameters()
     runs = []
-    for tick in (1e-3, 5e-4, 2.5e-4):
-        monkeypatch.setattr(example, "TICK", tick)
-        motion = example.swing(WALKERS[0], 1.0)
+    for period in (1e-3, 5e-4, 2.5e-4):
+        motion = measured_swing(WALKERS[0], 1.0, MOTOR.inertia, period)
         with Fmu(FMU) as slave:
-            result = example.simulate(slave, motion, PASSIVE, cam)
-        every = round(1e-3 / tick)
-        runs.append(np.column_stack([result.theta, result.omega])[every - 1 :: every])
-    monkeypatch.setattr(example, "TICK", 1e-3)
-    motion = example.swing(WALKERS[0], 1.0)
+            record = knee.simulate(slave, motion, parameters, controller=None).record
+        every = round(1e-3 / period)
+        runs.append(np.column_stack([record.angle, record.speed])[every - 1 :: every])
+    motion = knee.swing(WALKERS[0], 1.0)
     exact = independent_swing(motion, cam if joint == "cam" else None)
     free = slice(0, 370)  # the pendulum meets the stop at the 378th
     coarse, middle, fine = (np.abs(run[free] - exact[free]).max(axis=0) for run in runs)
@@ -210,24 +208,25 @@ def test_loop_with_the_motor_off_follows_scipy(cam, joint, monkeypatch):
 
 def test_energy_closes(results):
     for result in results.values():
-        through = np.max(result.ledger["kinetic"]) + result.ledger["heat_damper"][-1]
-        assert np.max(np.abs(result.ledger["residual"])) < 1e-9 * through  # the FMU's tolerance
+        through = np.max(result.record.ledger["kinetic"]) + result.record.ledger["heat_damper"][-1]
+        assert np.max(np.abs(result.record.ledger["residual"])) < 1e-9 * through  # the FMU's tolerance
 
 
 def test_kinetic_and_spring_energy_are_those_of_the_state(results, cam):
-    for result in results.values():
-        assert result.ledger["kinetic"] == pytest.approx(0.5 * result.inertia * result.omega**2, abs=1e-12)
-        lift = cam.slope_and_lift(result.theta)[1]
-        stored = 0.0 if result.joint == BARE else 0.5 * cam.stiffness * lift**2
-        assert result.ledger["spring"] == pytest.approx(stored, abs=1e-12)
+    for (_, _, joint), result in results.items():
+        kinetic = 0.5 * result.inertia * result.record.speed**2
+        assert result.record.ledger["kinetic"] == pytest.approx(kinetic, abs=1e-12)
+        height = cam.slope_and_height(result.record.angle)[1]
+        stored = 0.0 if joint == BARE else 0.5 * cam.stiffness * height**2
+        assert result.record.ledger["spring"] == pytest.approx(stored, abs=1e-12)
 
 
 def test_damper_heat_is_force_times_way(results, cam):
     result = results[FIRST, 1.0, CAM]
-    slope, _ = cam.slope_and_lift(result.theta)
-    speed = np.minimum(0.5 * cam.radius * slope * result.omega, 0.0)
-    heat = cam.release_damping * np.sum(speed**2) * example.TICK
-    assert result.ledger["heat_damper"][-1] == pytest.approx(heat, rel=2e-3)
+    slope, _ = cam.slope_and_height(result.record.angle)
+    speed = np.minimum(0.5 * cam.radius * slope * result.record.speed, 0.0)
+    heat = cam.release_damping * np.sum(speed**2) * PERIOD
+    assert result.record.ledger["heat_damper"][-1] == pytest.approx(heat, rel=2e-3)
 
 
 def test_supply_pays_for_heat_and_work(results):
@@ -236,10 +235,10 @@ def test_supply_pays_for_heat_and_work(results):
         if joint == PASSIVE:
             assert result.drawn == result.returned == result.heat == 0.0
             continue
-        way = np.diff(result.theta, prepend=result.swing.angle[0])
-        change = np.diff(result.omega, prepend=result.swing.speed[0])
-        work = np.sum(result.motor_torque * way)
-        slack = example.TICK * np.sum(np.abs(result.motor_torque * change))
+        way = np.diff(result.record.angle, prepend=result.motion.angle[0])
+        change = np.diff(result.record.speed, prepend=result.motion.speed[0])
+        work = np.sum(result.record.motor_torque * way)
+        slack = PERIOD * np.sum(np.abs(result.record.motor_torque * change))
         slack += 0.5 * MOTOR.inductance * (MOTOR.peak_torque / MOTOR.output_constant) ** 2
         assert result.net == pytest.approx(result.heat + work, abs=slack)
         assert slack < 0.06 * (result.drawn + result.returned)
@@ -247,23 +246,23 @@ def test_supply_pays_for_heat_and_work(results):
 
 def test_impact_is_the_speed_just_before(results):
     for result in results.values():
-        k = result.swinging.stop
+        k = result.before_impact.stop
         if k is None:
             assert result.impact_speed == 0.0
             continue
-        first = math.degrees(math.sqrt(2.0 * result.ledger["heat_stop"][k] / result.inertia))
-        change = np.max(np.abs(np.diff(result.omega[k - 5 : k])))  # of speed within one tick
-        assert math.radians(first) == pytest.approx(-result.omega[k - 1], abs=2.0 * change)
+        first = math.degrees(math.sqrt(2.0 * result.record.ledger["heat_stop"][k] / result.inertia))
+        change = np.max(np.abs(np.diff(result.record.speed[k - 5 : k])))  # of speed within one tick
+        assert math.radians(first) == pytest.approx(-result.record.speed[k - 1], abs=2.0 * change)
         assert result.impact_speed >= first * (1.0 - 1e-12)
-        assert np.min(result.theta[:k]) > 0.0
+        assert np.min(result.record.angle[:k]) > 0.0
 
 
 def test_limits_are_kept(results):
     for result in results.values():
         assert result.largest_torque <= MOTOR.peak_torque * (1 + 1e-12)
-        assert np.max(np.abs(result.omega)) < MOTOR.peak_speed
-        assert np.min(result.theta) > -1e-12
-        assert np.max(result.theta) < example.RANGE
+        assert np.max(np.abs(result.record.speed)) < MOTOR.peak_speed
+        assert np.min(result.record.angle) > -1e-12
+        assert np.max(result.record.angle) < knee.RANGE
 
 
 # ---- results ----
@@ -297,15 +296,15 @@ def test_cam_cools_the_motor_and_softens_the_impact_everywhere(results):
 
 
 def test_softer_and_stiffer_impedances():
-    runs = example.run_stiffness(FMU)
+    runs = report.run_stiffness(FMU)
     saved = []
-    for frequency in example.OTHER_FREQUENCIES:
+    for frequency in report.FREQUENCIES:
         bare, cam = runs[frequency, BARE], runs[frequency, CAM]
         assert cam.heat < 0.4 * bare.heat
         assert cam.rms_error < bare.rms_error
         assert cam.impact_speed < 0.2 * bare.impact_speed
         saved.append(1.0 - cam.drawn / bare.drawn)
-    impacts = [runs[frequency, BARE].impact_speed for frequency in example.OTHER_FREQUENCIES]
+    impacts = [runs[frequency, BARE].impact_speed for frequency in report.FREQUENCIES]
     assert impacts == sorted(impacts, reverse=True)
     assert saved == sorted(saved, reverse=True)  # the stiffer, the less
 
@@ -316,7 +315,7 @@ def test_where_the_cam_does_not_help(results):
             assert results[walker, cadence, CAM].net > results[walker, cadence, BARE].net
         assert results[walker, 1.2, CAM].drawn > results[walker, 1.2, BARE].drawn
     bare = results[FIRST, 1.0, BARE]
-    assert np.max(bare.peak_torque[bare.swinging]) < 0.75 * bare.largest_torque
+    assert np.max(bare.record.peak_torque[bare.before_impact]) < 0.75 * bare.largest_torque
 
 
 def test_motor_off(results):
@@ -324,7 +323,7 @@ def test_motor_off(results):
     assert results[FIRST, 1.0, PASSIVE].rms_error < 3.0
     assert results[FIRST, 0.8, PASSIVE].impact_speed > results[FIRST, 0.8, BARE].impact_speed
     late = results[FIRST, 1.2, PASSIVE]
-    assert late.theta[-1] > late.swing.angle[-1] + math.radians(5.0)
+    assert late.record.angle[-1] > late.motion.angle[-1] + math.radians(5.0)
 
 
 def test_page_says_what_the_example_prints(results):
@@ -349,6 +348,15 @@ def test_page_says_what_the_example_prints(results):
 def test_command_line(tmp_path, capsys):
     output = tmp_path / "knee.png"
     example.main(["--fmu", str(FMU), "--output", str(output)])
+    printed = capsys.readouterr().out
+    assert max(map(len, printed.splitlines()[:-1])) <= 110
+    assert str(output) in printed
+    assert output.stat().st_size > 20_000
+
+
+def test_report(tmp_path, capsys):
+    output = tmp_path / "knee.png"
+    report.main(["--fmu", str(FMU), "--output", str(output)])
     printed = capsys.readouterr().out
     assert "Where it does not" in printed
     assert "times real time" in printed

@@ -1,23 +1,27 @@
-"""The robot joint example: data, building blocks and results against facts from outside it."""
+"""The robot joint: data, blocks of dualcam.systems and results against facts from outside."""
 
 import math
-import sys
+from dataclasses import replace
 from pathlib import Path
 
 import control
 import numpy as np
 import pytest
 
+from case_studies import robot_joint as report
+from dualcam import Fmu
+from dualcam.systems import elbow
+from dualcam.systems.current_loop import CurrentLoop
+from dualcam.systems.gravity import GravityLoad
+from dualcam.systems.helical_cam import HelicalCam, fit_spring
+from dualcam.systems.motions import PickAndPlace
+from dualcam.systems.motor import AK80_6 as MOTOR
+from dualcam.systems.position_controller import lqi_gains
+from dualcam.systems.robot_arm import ELBOW_SPEED_LIMIT, arm_inertia
+from system_examples import robot_joint as example
+
 ROOT = Path(__file__).resolve().parent.parent
 FMU = ROOT / "build" / "DualCamForward.fmu"
-sys.path.insert(0, str(ROOT / "system_examples"))
-
-import robot_joint as example  # noqa: E402
-from blocks import CurrentLoop, GravityLoad, HelixCam, PickAndPlace, lqi_gains, spring_for  # noqa: E402
-
-from dualcam import Fmu  # noqa: E402
-
-MOTOR = example.AK80_6
 BARE, CAM, NAIVE = example.BARE, example.CAM, example.NAIVE
 
 
@@ -31,16 +35,16 @@ def results():
 
 @pytest.mark.parametrize(("payload", "torque"), [(0.0, 6.35), (1.5, 9.5), (3.0, 12.6)])
 def test_gravity_with_the_arm_horizontal(payload, torque):
-    assert example.horizontal_torque(payload) == pytest.approx(torque, rel=0.005)
+    assert elbow.horizontal_torque(payload) == pytest.approx(torque, rel=0.005)
 
 
 def test_inertia_is_that_of_point_masses_plus_the_forearms_own():
     points = 1.437 * 0.1632**2 + (0.871 + 0.805 + 0.261 + 1.5) * 0.2132**2
-    assert example.arm_inertia(1.5) - points == pytest.approx(6.5446e-3, rel=1e-4)
+    assert arm_inertia(1.5) - points == pytest.approx(6.5446e-3, rel=1e-4)
 
 
 def test_motor_figures_agree_with_each_other():
-    assert pytest.approx(0.34e-3, rel=0.02) == MOTOR.electrical_time
+    assert pytest.approx(0.34e-3, rel=0.02) == MOTOR.electrical_time_constant
     assert pytest.approx(2.186e-3, rel=1e-3) == MOTOR.inertia
     assert MOTOR.output_constant * MOTOR.peak_speed < MOTOR.voltage  # the voltage reaches the rated top speed
 
@@ -49,13 +53,13 @@ def test_motor_figures_agree_with_each_other():
 
 
 def loop():
-    return CurrentLoop(MOTOR, bandwidth=1e3, rate=20e3, tick=1e-3)
+    return CurrentLoop(MOTOR, bandwidth=1e3, rate=20e3, control_period=1e-3)
 
 
 def test_current_loop_has_the_designed_pole_and_a_cancelled_winding():
     pi = loop()
-    winding = control.c2d(control.tf([1], [MOTOR.inductance, MOTOR.resistance]), pi.period)
-    z = control.tf([1, 0], [1], pi.period)
+    winding = control.c2d(control.tf([1], [MOTOR.inductance, MOTOR.resistance]), pi.sample_period)
+    z = control.tf([1, 0], [1], pi.sample_period)
     closed = control.feedback(winding * (pi.proportional + pi.integral / (z - 1)))
     poles = np.sort(control.poles(closed).real)
     assert poles == pytest.approx(sorted([math.exp(-2 * math.pi / 20), pi.pole]), rel=1e-9)
@@ -88,7 +92,7 @@ def test_motor_keeps_its_limits():
     for torque in (1e3, -1e3, 1e3):
         for _ in range(5):
             assert pi.run(torque, speed=0.0).peak_torque <= MOTOR.peak_torque * (1 + 1e-12)
-    weak = CurrentLoop(example.replace(MOTOR, voltage=1.0), bandwidth=1e3, rate=20e3, tick=1e-3)
+    weak = CurrentLoop(replace(MOTOR, voltage=1.0), bandwidth=1e3, rate=20e3, control_period=1e-3)
     for _ in range(100):
         last = weak.run(12.0, speed=0.0)
     all_the_voltage_gives = 1.0 / MOTOR.resistance * MOTOR.output_constant
@@ -134,20 +138,20 @@ def test_gravity_torque_is_minus_the_slope_of_its_energy():
 
 
 def test_helix_statics_at_the_optimum():
-    cam = HelixCam((0.02, 0.02), (math.pi / 4,) * 2, (0.14, 0.14), preload=100.0)
+    cam = HelicalCam((0.02, 0.02), (math.pi / 4,) * 2, (0.14, 0.14), preload=100.0)
     assert cam.band(0.3) == pytest.approx((0.75438596491228, 1.32558139534884), rel=1e-12)
     assert cam.efficiency == pytest.approx((0.86 / 1.14) ** 2, rel=1e-12)
 
 
 def test_spring_design_recovers_an_affine_load():
-    cam = spring_for(example.HELIX, lambda angle: 2.0 + 5.0 * angle, 0.0, 1.4)
+    cam = fit_spring(elbow.HELIX, lambda angle: 2.0 + 5.0 * angle, 0.0, 1.4)
     for angle in (0.0, 0.6, 1.4):
         assert 0.5 * sum(cam.band(angle)) == pytest.approx(2.0 + 5.0 * angle, rel=1e-9)
 
 
 def test_design_load_lies_inside_the_stick_band_everywhere():
-    cam, load = example.design_cam(), example.gravity(example.DESIGN_PAYLOAD)
-    for angle in np.linspace(0.0, example.RANGE, 50):
+    cam, load = elbow.design_cam(), elbow.weight(elbow.DESIGN_PAYLOAD)
+    for angle in np.linspace(0.0, elbow.RANGE, 50):
         release, edge = cam.band(angle)
         assert release < load.torque(angle) < edge
 
@@ -156,7 +160,7 @@ def test_design_load_lies_inside_the_stick_band_everywhere():
 
 
 def test_fmu_and_controller_agree_on_the_stick_band():
-    cam = example.design_cam()
+    cam = elbow.design_cam()
     with Fmu(FMU) as slave:
         for angle in (0.0, 0.7, 1.3):
             slave.start({**cam.parameters(), "initial.theta": angle})
@@ -165,22 +169,22 @@ def test_fmu_and_controller_agree_on_the_stick_band():
 
 def test_energy_closes(results):
     for result in results.values():
-        assert np.max(np.abs(result.ledger["residual"])) <= 1e-12 * result.turned_over
+        assert np.max(np.abs(result.whole.ledger["residual"])) <= 1e-12 * result.whole.transferred_energy
 
 
 def test_work_into_the_cam_is_the_motors_and_gravitys(results):
     for result in results.values():
-        done = np.sum(result.motor_work) + np.sum(result.gravity_work)
-        assert result.ledger["work_in"][-1] == pytest.approx(done, abs=1e-9)
+        done = np.sum(result.whole.motor_work) + np.sum(result.whole.load_work)
+        assert result.whole.ledger["work_in"][-1] == pytest.approx(done, abs=1e-9)
 
 
 def test_gravity_does_no_work_over_a_cycle_and_its_potential_in_between(results):
     for (payload, _), result in results.items():
         if not result.lifts:
             continue
-        work = np.cumsum(result.gravity_work)
-        load = example.gravity(payload)
-        potential = load.energy(example.MOTION.start) - np.array([load.energy(x) for x in result.theta])
+        work = np.cumsum(result.whole.load_work)
+        load = elbow.weight(payload)
+        potential = load.energy(elbow.MOTION.start) - np.array([load.energy(x) for x in result.whole.angle])
         assert work == pytest.approx(potential, abs=1e-5)
 
 
@@ -191,11 +195,11 @@ def test_supply_pays_for_motor_heat_and_friction_only(results):
 
 
 def test_friction_heat_is_the_area_of_the_band(results):
-    cam = example.design_cam()
-    first, last = cam.band(example.MOTION.start), cam.band(example.MOTION.end)
+    cam = elbow.design_cam()
+    first, last = cam.band(elbow.MOTION.start), cam.band(elbow.MOTION.end)
     width = 0.5 * (first[1] - first[0] + last[1] - last[0])
-    area = width * (example.MOTION.end - example.MOTION.start)
-    assert example.cycle_friction(cam) == pytest.approx(area, rel=1e-12)
+    area = width * (elbow.MOTION.end - elbow.MOTION.start)
+    assert elbow.cycle_friction(cam) == pytest.approx(area, rel=1e-12)
     for (_, joint), result in results.items():
         if joint == CAM:
             assert result.friction_heat == pytest.approx(area, rel=1e-3)
@@ -205,22 +209,22 @@ def test_friction_heat_is_the_area_of_the_band(results):
 
 def test_limits_are_kept(results):
     for result in results.values():
-        assert np.max(result.peak_torque) <= MOTOR.peak_torque * (1 + 1e-12)
-        assert np.max(np.abs(result.omega)) < example.ELBOW_SPEED_LIMIT < MOTOR.peak_speed
-        assert np.min(result.theta) >= 0.0
-        assert np.max(result.theta) <= example.RANGE
+        assert np.max(result.whole.peak_torque) <= MOTOR.peak_torque * (1 + 1e-12)
+        assert np.max(np.abs(result.whole.speed)) < ELBOW_SPEED_LIMIT < MOTOR.peak_speed
+        assert np.min(result.whole.angle) >= 0.0
+        assert np.max(result.whole.angle) <= elbow.RANGE
 
 
 def test_tracking(results):
     for (_, joint), result in results.items():
         if result.lifts and joint != NAIVE:
-            assert result.max_error < example.HOLD_TOLERANCE
+            assert result.max_error < elbow.REST.tolerance
     assert results[1.5, NAIVE].max_error > 10 * results[1.5, CAM].max_error
 
 
 def test_motor_alone_cannot_carry_3_kg(results):
     assert [key for key, result in results.items() if not result.lifts] == [(3.0, BARE)]
-    assert example.horizontal_torque(3.0) > MOTOR.peak_torque
+    assert elbow.horizontal_torque(3.0) > MOTOR.peak_torque
 
 
 def test_cam_saves_motor_heat(results):
@@ -238,7 +242,7 @@ def test_cam_costs_what_the_text_says(results):
 
 def test_holding_is_free_inside_the_band(results):
     assert results[1.5, CAM].hold_current < 1e-3
-    weight = example.horizontal_torque(1.5) * math.sin(math.radians(10) + example.MOTION.end)
+    weight = elbow.horizontal_torque(1.5) * math.sin(math.radians(10) + elbow.MOTION.end)
     assert results[1.5, BARE].hold_current == pytest.approx(weight / MOTOR.output_constant, rel=1e-3)
     assert results[0.0, CAM].hold_current > 1.0  # too light for this spring
 
@@ -250,4 +254,11 @@ def test_command_line(tmp_path, capsys):
     assert "does not lift" in printed
     assert max(map(len, printed.splitlines()[:-1])) <= 110
     assert str(output) in printed
+    assert output.stat().st_size > 20_000
+
+
+def test_report(tmp_path, capsys):
+    output = tmp_path / "joint.png"
+    report.main(["--fmu", str(FMU), "--output", str(output)])
+    assert str(output) in capsys.readouterr().out
     assert output.stat().st_size > 20_000

@@ -1,4 +1,4 @@
-"""The examples as SSP packages: their files, their parts, and what they do when coupled."""
+"""The examples as SSP packages: their files, their parts, and their behaviour when coupled."""
 
 import ctypes
 import math
@@ -19,25 +19,27 @@ from lxml import etree
 
 sys.path.insert(0, str(ROOT / "masters/hosts"))
 sys.path.insert(0, str(ROOT / "masters"))
-sys.path.insert(0, str(ROOT / "system_examples"))
 
-import blocks
-import car_door
 import package
 import players
-import prosthetic_knee
-import robot_joint
-import ssp_packages
-import ssp_parts
-import ssp_run
-import ssp_systems
 from install import Failed, Missing
-from ssp_packages import couple, split, tag
-from ssp_systems import PER_TICK, STEP, WATCHED
 
 from dualcam import Fmu, FmuError
+from dualcam.systems import car_door, elbow, knee
+from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
+from dualcam.systems.gait import DESIGN_WALKER
+from dualcam.systems.motions import FourierSeries
+from dualcam.systems.motor import AK80_6
+from dualcam.systems.pendulum import HingeMotion
+from dualcam.systems.swing import SWING, full_extension
+from system_examples.ssp import __main__ as ssp_run
+from system_examples.ssp import compilation, parts, systems, variables
+from system_examples.ssp import package as ssp_package
+from system_examples.ssp.coupling import couple
+from system_examples.ssp.package import split, tag
+from system_examples.ssp.systems import STEP, STEPS_PER_PERIOD, WATCHED
 
-NAMES = list(ssp_systems.EXAMPLES)
+NAMES = list(systems.EXAMPLES)
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
 TICK = 1e-3  # s
 CAM = ROOT / "build/DualCamForward.fmu"
@@ -45,8 +47,8 @@ CAM = ROOT / "build/DualCamForward.fmu"
 
 @pytest.fixture(scope="module")
 def examples():
-    ssp_parts.build()
-    found = {name: make() for name, make in ssp_systems.EXAMPLES.items()}
+    compilation.build()
+    found = {name: build() for name, build in systems.EXAMPLES.items()}
     for example in found.values():
         example.system.write()
     return found
@@ -78,7 +80,7 @@ def test_structure_and_parameters_are_valid(example):
             schemas[Path(name).suffix].assertValid(etree.fromstring(archive.read(name)))
 
 
-def variables(archive, source):
+def variables_of(archive, source):
     """Of an FMU in a package, by name."""
     with archive.open(source) as file, zipfile.ZipFile(file) as fmu:
         root = ElementTree.fromstring(fmu.read("modelDescription.xml"))
@@ -90,7 +92,7 @@ def test_connectors_are_variables_and_connections_join_equal_units(example, stru
     declared = {unit.attrib["name"] for unit in structure.iter(tag("ssc:Unit"))}
     with zipfile.ZipFile(example.system.path) as archive:
         for component in structure.iter(tag("ssd:Component")):
-            known = variables(archive, component.attrib["source"])
+            known = variables_of(archive, component.attrib["source"])
             for connector in component.iter(tag("ssd:Connector")):
                 variable = known[connector.attrib["name"]]
                 assert connector.attrib["kind"] == variable.attrib["causality"]
@@ -114,10 +116,10 @@ def test_connectors_are_variables_and_connections_join_equal_units(example, stru
 def test_parameter_sets_have_one_name_and_set_parameters_in_their_units(example, structure):
     with zipfile.ZipFile(example.system.path) as archive:
         for component in structure.iter(tag("ssd:Component")):
-            known = variables(archive, component.attrib["source"])
+            known = variables_of(archive, component.attrib["source"])
             (binding,) = component.iter(tag("ssd:ParameterBinding"))
             values = ElementTree.fromstring(archive.read(binding.attrib["source"]))
-            assert values.attrib["name"] == ssp_packages.START
+            assert values.attrib["name"] == ssp_package.START
             rows = list(values.iter(tag("ssv:Parameter")))
             assert rows
             for row in rows:
@@ -144,13 +146,13 @@ def test_only_parameters_can_be_start_values(examples):
     system = examples["robot_joint"].system
     wrong = replace(system.components[0], values={"theta": 1.0})
     with pytest.raises(ValueError, match=r"cam\.theta is no parameter"):
-        ssp_packages.parameters(wrong)
+        ssp_package.parameters(wrong)
 
 
 # ---- the parts ----
 
 
-@pytest.fixture(params=ssp_parts.PARTS, ids=lambda part: part.identifier)
+@pytest.fixture(params=parts.PARTS, ids=lambda part: part.identifier)
 def part(request, examples):
     return request.param
 
@@ -165,7 +167,7 @@ def test_parts_are_valid_and_export_all_functions(part, tmp_path):
     assert validate_fmu(str(part.path)) == []
     with zipfile.ZipFile(part.path) as archive:
         library = archive.extract(f"binaries/linux64/{part.identifier}.so", tmp_path)
-    header = (ssp_parts.build_fmu.fmi_headers() / "fmi2Functions.h").read_text()
+    header = (compilation.build_fmu.fmi_headers() / "fmi2Functions.h").read_text()
     *_, common, _, for_co_simulation = re.split("Functions for FMI2 for .*", header)  # _: model exchange
     wanted = re.findall(r"FMI2_Export \w+TYPE +(\w+);", common + for_co_simulation)
     assert len(wanted) > 30
@@ -175,7 +177,7 @@ def test_parts_are_valid_and_export_all_functions(part, tmp_path):
 
 
 def test_start_values_of_xml_and_binary_agree_and_reset_brings_them_back(part, slave):
-    rows = [v for v in part.variables if v.causality in (ssp_parts.PARAMETER, ssp_parts.INPUT)]
+    rows = [v for v in part.variables if v.causality in (variables.PARAMETER, variables.INPUT)]
     with zipfile.ZipFile(part.path) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     starts = {v.attrib["name"]: v[0].attrib.get("start") for v in root.iter("ScalarVariable")}
@@ -196,8 +198,8 @@ def test_what_cannot_be_is_refused(part, slave):
         with pytest.raises(FmuError):
             slave.set(name, value)
     slave.start({})
-    fixed = next(v for v in part.variables if v.causality == ssp_parts.PARAMETER)
-    output = next(v for v in part.variables if v.causality == ssp_parts.OUTPUT)
+    fixed = next(v for v in part.variables if v.causality == variables.PARAMETER)
+    output = next(v for v in part.variables if v.causality == variables.OUTPUT)
     before = [slave.get(v.name) for v in part.variables]
     unknown, room = (ctypes.c_uint * 1)(len(part.variables)), (ctypes.c_double * 1)(1.0)
     for refused in (
@@ -218,7 +220,7 @@ def test_what_cannot_be_is_refused(part, slave):
 
 @pytest.mark.parametrize(
     ("part", "name"),
-    [(ssp_parts.MOTOR, "ratio"), (ssp_parts.PENDULUM_LOAD, "ratio"), (ssp_parts.SHANK_LOAD, "stride")],
+    [(parts.MOTOR, "ratio"), (parts.PENDULUM_LOAD, "ratio"), (parts.SHANK_LOAD, "stride")],
 )
 def test_parameters_without_meaning_are_noticed(examples, part, name, capsys):
     with Fmu(part.path) as slave, pytest.raises(FmuError):
@@ -237,7 +239,7 @@ def test_a_controller_refuses_steps_beyond_its_tick(part, slave):
 
 @pytest.mark.parametrize("step", [1e-3, 2.5e-4, 3e-4, 5e-5, 7e-5])
 def test_a_command_is_computed_two_steps_before_its_tick(examples, step):
-    with Fmu(ssp_parts.KNEE_CONTROLLER.path) as slave:
+    with Fmu(parts.KNEE_CONTROLLER.path) as slave:
         slave.start({})
         for k in range(round(0.2 / step)):
             newest = slave.get("newest")
@@ -255,7 +257,7 @@ def side_by_side(start, plan, controller, motor, load, ratio=1.0, offset=0.0):
     of the step. A command is computed two steps before its tick, for the state that is expected then.
 
     `plan`: angle and speed of the output by tick; `controller(tick, angle, speed)`, `load(time, angle)`."""
-    loop = blocks.CurrentLoop(motor, robot_joint.CURRENT_BANDWIDTH, robot_joint.CURRENT_RATE, STEP)
+    loop = CurrentLoop(motor, CURRENT_BANDWIDTH, CURRENT_RATE, STEP)
     ticks = len(plan) - 2
     rows = np.empty((ticks, 4))
     with Fmu(CAM) as slave:
@@ -269,12 +271,12 @@ def side_by_side(start, plan, controller, motor, load, ratio=1.0, offset=0.0):
         angle, speed = output()
         command, pull = controller(0, angle, speed), load(0.0, angle)
         tau, heat, energy = pull / ratio, 0.0, 0.0
-        for k in range(ticks * PER_TICK):
+        for k in range(ticks * STEPS_PER_PERIOD):
             done = loop.run(command, speed)
             acting, tau = tau, (done.torque + pull) / ratio
             pull = load((k + 2.5) * STEP, angle + 2.5 * STEP * speed)
-            if (k + 2) % PER_TICK == 0:
-                tick, lead = (k + 2) // PER_TICK, 2.0 * STEP
+            if (k + 2) % STEPS_PER_PERIOD == 0:
+                tick, lead = (k + 2) // STEPS_PER_PERIOD, 2.0 * STEP
                 acceleration = (plan[tick + 1][1] - plan[tick][1]) / TICK
                 then = angle + lead * speed + 0.5 * lead**2 * acceleration
                 command = controller(tick, then, speed + lead * acceleration)
@@ -284,8 +286,8 @@ def side_by_side(start, plan, controller, motor, load, ratio=1.0, offset=0.0):
             angle, speed = output()
             heat += done.heat
             energy += done.energy
-            if (k + 1) % PER_TICK == 0:
-                rows[k // PER_TICK] = (angle - offset) * ratio, tau, heat, energy
+            if (k + 1) % STEPS_PER_PERIOD == 0:
+                rows[k // STEPS_PER_PERIOD] = (angle - offset) * ratio, tau, heat, energy
     return dict(zip(("cam.theta", "motor.tau", "motor.heat", "motor.energy"), rows.T, strict=True))
 
 
@@ -293,73 +295,65 @@ def listed(angle, speed):
     return list(zip(angle.tolist(), speed.tolist(), strict=True))
 
 
-def elbow(ticks):
-    e = robot_joint
-    cam, load = e.design_cam(), e.gravity(1.5)
-    believed = e.JointController(
-        inertia=e.AK80_6.inertia + e.arm_inertia(1.5 + e.PAYLOAD_ERROR),
-        load=e.gravity(1.5 + e.PAYLOAD_ERROR),
-        cam=e.with_friction(cam, e.FRICTION_BELIEVED),
-        limit=e.AK80_6.peak_torque,
-    )
-    plan = listed(*e.MOTION.sample(TICK * np.arange(ticks + 2)))
+def elbow_run(ticks):
+    cam, load = elbow.design_cam(), elbow.weight(1.5)
+    believed = elbow.controller(cam, 1.5)
+    plan = listed(*elbow.MOTION.sample(TICK * np.arange(ticks + 2)))
     start = {
         **cam.parameters(),
-        "inertia.shaft": e.AK80_6.inertia + e.arm_inertia(1.5),
-        "stop.upper": e.RANGE,
-        "initial.theta": e.MOTION.start,
+        "inertia.shaft": elbow.inertia(1.5),
+        "stop.upper": elbow.RANGE,
+        "initial.theta": elbow.MOTION.start,
     }
 
     def controller(tick, angle, speed):
         return believed.torque(angle, speed, plan[tick], plan[tick + 1])
 
-    return side_by_side(start, plan, controller, e.AK80_6, lambda time, angle: load.torque(angle))
+    return side_by_side(start, plan, controller, AK80_6, lambda time, angle: load.torque(angle))
 
 
-def door(ticks):
-    e = car_door
-    hold, load = e.design(), e.weight(e.NOSE_UP)
-    believed = e.SpeedController(
-        e.weight(e.NOSE_UP, e.MASS_BELIEVED * e.MASS),
-        replace(hold, cam=e.with_friction(hold.cam, e.FRICTION_BELIEVED)),
-    )
-    plan = listed(*e.MOTION.sample(e.MOTION.dwell + TICK * np.arange(ticks + 2)))
+def door_run(ticks):
+    cam, load = car_door.design(), car_door.weight(car_door.NOSE_UP)
+    believed = car_door.controller(cam, car_door.NOSE_UP)
+    motion, ratio, opened = car_door.MOTION, car_door.RATIO, car_door.OPEN
+    plan = listed(*motion.sample(motion.dwell + TICK * np.arange(ticks + 2)))
     start = {
-        **hold.parameters(),
-        "inertia.shaft": e.INERTIA / e.RATIO**2,
-        "stop.upper": e.RATIO * e.OPEN,
-        "initial.theta": e.RATIO * (e.OPEN - e.MOTION.start),
+        **cam.parameters(),
+        "inertia.shaft": car_door.INERTIA / ratio**2,
+        "stop.upper": ratio * opened,
+        "initial.theta": ratio * (opened - motion.start),
     }
 
     def controller(tick, angle, speed):
-        return believed.torque(angle, speed, plan[tick][1], plan[tick + 1][1])
+        return believed.torque(angle, speed, plan[tick], plan[tick + 1])
 
     return side_by_side(
-        start, plan, controller, e.MOTOR, lambda time, angle: load.torque(angle), -e.RATIO, e.OPEN
+        start, plan, controller, car_door.MOTOR, lambda time, angle: load.torque(angle), -ratio, opened
     )
 
 
-def knee(ticks):
-    e = prosthetic_knee
-    walker, cam = e.DESIGN_WALKER, e.design_cam()
-    pendulum, extension = walker.pendulum, e.full_extension(walker)
-    inertia = pendulum.inertia + e.AK80_6_BELT.inertia
-    impedance = e.impedance(inertia)
+def knee_run(ticks):
+    walker, cam = DESIGN_WALKER, knee.design_cam()
+    pendulum, extension = walker.pendulum, full_extension(walker)
+    inertia = knee.inertia(walker)
+    impedance = knee.impedance(inertia)
     flexion, thigh, forward, upward = (
-        blocks.Periodic(curve, walker.stride)
+        FourierSeries(curve, walker.stride)
         for curve in (walker.knee, walker.thigh, walker.forward, walker.upward)
     )
-    toe_off = e.SWING[0] * walker.stride
+    toe_off = SWING[0] * walker.stride
     times = toe_off + TICK * np.arange(ticks + 2)
     plan = listed(flexion.sample(times) - extension, flexion.sample(times, 1))
     start = {
         **cam.parameters(),
         "inertia.shaft": inertia,
-        "stop.upper": e.RANGE,
+        "stop.upper": knee.RANGE,
         "initial.theta": plan[0][0],
         "initial.omega": plan[0][1],
     }
-    halves = toe_off + 0.5 * STEP * np.arange(2 * PER_TICK * ticks + 5)  # loads are asked for at half steps
+    halves = toe_off + 0.5 * STEP * np.arange(
+        2 * STEPS_PER_PERIOD * ticks + 5
+    )  # loads are asked for at half steps
     tilt = np.column_stack([thigh.sample(halves, order) for order in range(5)]).tolist()
     ahead, above = (
         np.column_stack([path.sample(halves, order) for order in (2, 3, 4)]).tolist()
@@ -368,17 +362,17 @@ def knee(ticks):
 
     def load(time, angle):
         k = round(2.0 * time / STEP)
-        return pendulum.drive(blocks.HingeMotion(tilt[k], ahead[k], above[k]), angle + extension)[0]
+        return pendulum.drive(HingeMotion(tilt[k], ahead[k], above[k]), angle + extension)[0]
 
     def controller(tick, angle, speed):
         wanted = impedance.torque(angle - plan[tick][0], speed - plan[tick][1])
         return max(wanted, 0.0) if angle <= 0.0 else wanted
 
-    return side_by_side(start, plan, controller, e.AK80_6_BELT, load)
+    return side_by_side(start, plan, controller, knee.MOTOR, load)
 
 
 # The elbow lowers and holds the arm, the door opens and is held: the controllers move and rest in this time.
-PYTHON = {"robot_joint": (elbow, 3000), "prosthetic_knee": (knee, 418), "car_door": (door, 3500)}
+PYTHON = {"robot_joint": (elbow_run, 3000), "prosthetic_knee": (knee_run, 418), "car_door": (door_run, 3500)}
 
 
 def package_run(example, step):
@@ -396,7 +390,7 @@ def runs(examples):
 def test_parts_in_c_do_what_the_python_classes_do(runs, name):
     """Sums are taken in other orders; the knee's cam is integrated to 1e-9, which amplifies rounding."""
     make, ticks = PYTHON[name]
-    assert ticks <= round(ssp_systems.EXAMPLES[name]().system.duration / TICK)
+    assert ticks <= round(systems.EXAMPLES[name]().system.duration / TICK)
     found, python = runs[name], make(ticks)
     for column, allowed in (
         ("cam.theta", 1e-12),
@@ -415,8 +409,8 @@ def test_beside_the_python_version(examples, runs, name, apart):
     before, by the planned acceleration, from which the knee's differs most: its motor follows softly. So the
     distance shrinks with the step, down to what averaging the motor's torque over a tick makes in Python."""
     example = examples[name]
-    fine, coarse = (example.course(run) for run in (runs[name], package_run(example, 2.0 * STEP)))
-    original = example.original()
+    fine, coarse = (example.package_run(run) for run in (runs[name], package_run(example, 2.0 * STEP)))
+    original = example.python_run()
     ticks = len(fine.angle)
     assert np.max(np.abs(fine.reference - original.reference[:ticks])) < 1e-10
     distances = [np.max(np.abs(run.angle - original.angle[:ticks])) for run in (fine, coarse)]
@@ -425,7 +419,7 @@ def test_beside_the_python_version(examples, runs, name, apart):
     assert np.max(np.abs(2.0 * fine.angle - coarse.angle - original.angle[:ticks])) < 0.5 * distances[0]
     for account in ("motor_heat", "supply", "cam_heat"):
         found, told = (getattr(run, account)[ticks - 1] for run in (fine, original))
-        assert found == pytest.approx(told, rel=ssp_run.NUMBERS_APART)
+        assert found == pytest.approx(told, rel=ssp_run.FIGURE_TOLERANCE)
 
 
 @pytest.mark.parametrize(
@@ -434,7 +428,7 @@ def test_beside_the_python_version(examples, runs, name, apart):
 def test_steps_as_long_as_a_tick(examples, name, apart):
     """Then a command is on its way for two ticks."""
     example = examples[name]
-    found, told = example.course(package_run(example, TICK)), example.original()
+    found, told = example.package_run(package_run(example, TICK)), example.python_run()
     assert np.max(np.abs(found.angle - told.angle[: len(found.angle)])) < apart
 
 
@@ -457,8 +451,8 @@ def test_a_program_in_a_master_is_told_what_to_run(examples, tmp_path, monkeypat
     words = ssp_run.arguments(system, 7, file)
     monkeypatch.setattr(sys, "argv", ["host", *(str(word) for word in words)])
     work = package.from_arguments()
-    assert (work.package, work.start, work.step) == (str(system.path), ssp_packages.START, system.step)
-    assert (work.rows, work.every, work.watched) == (7, PER_TICK, list(WATCHED))
+    assert (work.package, work.start, work.step) == (str(system.path), ssp_package.START, system.step)
+    assert (work.rows, work.every, work.watched) == (7, STEPS_PER_PERIOD, list(WATCHED))
     known = {c.name: c.variables for c in system.components}
     assert all(split(name)[1] in known[split(name)[0]] for name in work.watched)
     work.save([[0.1 * k] * len(WATCHED) for k in range(7)])
@@ -499,7 +493,7 @@ def failing(error):
 def test_verdicts(examples, run, wrong, verdict):
     master = ssp_run.Master("ecos", "ecospy", run)
     expected = {name: np.zeros(5) for name in WATCHED}
-    outcome = ssp_run.play(master, examples["robot_joint"].system, expected)
+    outcome = ssp_run.run_in(master, examples["robot_joint"].system, expected)
     assert (outcome.wrong, outcome.cells[-1]) == (wrong, verdict)
     assert len(outcome.cells) == len(ssp_run.MASTER_HEAD)
 
@@ -507,7 +501,7 @@ def test_verdicts(examples, run, wrong, verdict):
 def test_verdicts_of_checkers(examples):
     seen = []
     assert not ssp_run.check("a checker", seen.append).wrong
-    assert seen == [part.path for part in ssp_parts.PARTS]
+    assert seen == [part.path for part in parts.PARTS]
     assert not ssp_run.check("a checker", failing(Missing("no java"))).wrong
     found = ssp_run.check("a checker", failing(Failed("no units")))
     assert found.wrong
@@ -516,8 +510,8 @@ def test_verdicts_of_checkers(examples):
 
 def test_the_story_is_compared():
     time = np.linspace(0.0, 1.0, 11)
-    told = ssp_systems.Course(time, time + 1e-3, time, time, time, begin=5)
-    assert told.numbers() == pytest.approx(
+    told = systems.Run(time, time + 1e-3, time, time, time, begin=5)
+    assert told.figures() == pytest.approx(
         {
             "largest error [mrad]": 1.0,
             "motor heat [J]": 0.6,
@@ -542,14 +536,14 @@ def test_the_page_lists_every_run():
 
 
 def test_times_of_harmonics_and_variables_agree_with_the_c_code():
-    text = (ssp_parts.SOURCES / "reference.h").read_text()
-    assert f"HARMONICS = {ssp_parts.HARMONICS}," in text
-    for part in ssp_parts.PARTS:  # coefficients stand in a row: the C code takes them as an array
+    text = (compilation.SOURCES / "reference.h").read_text()
+    assert f"HARMONICS = {variables.HARMONICS}," in text
+    for part in parts.PARTS:  # coefficients stand in a row: the C code takes them as an array
         names = [v.name for v in part.variables]
         for first in (n for n in names if n.endswith(".mean")):
-            series = names[names.index(first) :][: 1 + 2 * ssp_parts.HARMONICS]
+            series = names[names.index(first) :][: 1 + 2 * variables.HARMONICS]
             assert {n.partition(".")[0] for n in series} == {first.partition(".")[0]}
             pairs = [n.partition(".")[2] for n in series[1:]]
             assert [(c, s) for c, s in pairwise(pairs)][::2] == [
-                (f"cos{n}", f"sin{n}") for n in range(1, ssp_parts.HARMONICS + 1)
+                (f"cos{n}", f"sin{n}") for n in range(1, variables.HARMONICS + 1)
             ]

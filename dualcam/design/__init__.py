@@ -6,8 +6,8 @@
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
 
-Everything here is slow motion without damper, external force and inertia, in SI units. What cannot be is a
-DesignError (a ValueError) that names the place, the value and what is allowed.
+Everything here is slow motion without damper, external force and inertia, in SI units. An
+impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
 """
 
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature

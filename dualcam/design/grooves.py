@@ -1,7 +1,7 @@
-"""Groove laws z = g(psi) as the FMU has them (fmu_src/groove.h), for whole arrays at once, with the curvature
+"""Groove laws z = g(psi) as the FMU has them (fmu_src/geometry/groove.h), for whole arrays at once, with the curvature
 of the unwrapped groove (x = r psi, z).
 
-A `Table` lays the very curve through its samples that the FMU lays (fmu_src/groove_table.h)."""
+A `Table` lays the very curve through its samples that the FMU lays (fmu_src/geometry/groove_table.h)."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ STENCIL = 5  # samples that a table's slope at a sample comes from
 
 
 class Point(NamedTuple):
-    """A groove law at one angle, or at many."""
+    """A groove law at one angle or at many, arrays of the shape of psi."""
 
     z: Array  # m
-    slope: Array  # m/rad
-    bend: Array  # m/rad^2
+    slope: Array  # dz/dpsi, m/rad
+    d2z_dpsi2: Array  # m/rad^2
 
 
 class Groove(Protocol):
-    """What the design needs of a groove law: its cam's radius [m], where it holds [rad], its values."""
+    """A groove law: its cam's radius [m], the range of angles where the law holds [rad], its values."""
 
     @property
     def radius(self) -> float: ...
@@ -49,7 +49,7 @@ def curvature(groove: Groove, psi: ArrayLike) -> Array:
     """Of the unwrapped path of the pin's centre [1/m], + where the groove steepens:
     (g''/r^2)/(1 + (g'/r)^2)^(3/2)."""
     point, r = groove.at(psi), groove.radius
-    return point.bend / r**2 / (1.0 + (point.slope / r) ** 2) ** 1.5
+    return point.d2z_dpsi2 / r**2 / (1.0 + (point.slope / r) ** 2) ** 1.5
 
 
 def _check(what: str, value: float, good: bool, allowed: str) -> None:
@@ -175,60 +175,60 @@ class Table:
         return float(self.psi[0]), float(self.psi[-1])
 
     @cached_property
-    def _pieces(self) -> Array:
-        """Bernstein coefficients of the slope on each piece [m/rad], shape (5, n - 1)."""
+    def _slope_coefficients(self) -> Array:
+        """Bernstein coefficients of the slope between samples [m/rad], shape (5, n - 1)."""
         width, chord = np.diff(self.psi), np.diff(self.z) / np.diff(self.psi)
-        slope, bend = _knots(self.psi, self.z)
+        slope, second = _sample_derivatives(self.psi, self.z)
         flat = np.concatenate([[False], chord == 0.0]) | np.concatenate([chord == 0.0, [False]])
         slope = np.where(flat, 0.0, np.maximum(slope, 0.0))
-        bend = np.where(flat, 0.0, bend)
-        bend[:-1] = np.maximum(bend[:-1], -4.0 * slope[:-1] / width)
-        bend[1:] = np.minimum(bend[1:], 4.0 * slope[1:] / width)
-        ends = _end_sum(width, slope, bend)
+        second = np.where(flat, 0.0, second)
+        second[:-1] = np.maximum(second[:-1], -4.0 * slope[:-1] / width)
+        second[1:] = np.minimum(second[1:], 4.0 * slope[1:] / width)
+        ends = _end_sum(width, slope, second)
         shrink = np.where(ends > 0.0, np.minimum(1.0, 5.0 * chord / np.where(ends > 0.0, ends, 1.0)), 1.0)
         least = np.minimum(np.append(1.0, shrink), np.append(shrink, 1.0))
-        slope, bend = slope * least, bend * least
+        slope, second = slope * least, second * least
         return np.stack(
             [
                 slope[:-1],
-                np.maximum(slope[:-1] + bend[:-1] * width / 4.0, 0.0),
-                np.maximum(5.0 * chord - _end_sum(width, slope, bend), 0.0),
-                np.maximum(slope[1:] - bend[1:] * width / 4.0, 0.0),
+                np.maximum(slope[:-1] + second[:-1] * width / 4.0, 0.0),
+                np.maximum(5.0 * chord - _end_sum(width, slope, second), 0.0),
+                np.maximum(slope[1:] - second[1:] * width / 4.0, 0.0),
                 slope[1:],
             ]
         )
 
     @cached_property
     def _origin(self) -> float:
-        return float(self._raw(np.zeros(())).z)
+        return float(self._curve(np.zeros(())).z)
 
-    def _raw(self, psi: Array) -> Point:
+    def _curve(self, psi: Array) -> Point:
         j = np.clip(np.searchsorted(self.psi, psi, side="right") - 1, 0, len(self.psi) - 2)
         width = self.psi[j + 1] - self.psi[j]
         t = (psi - self.psi[j]) / width
-        u, b = 1.0 - t, self._pieces[:, j]
+        u, b = 1.0 - t, self._slope_coefficients[:, j]
         slope = sum(w * b[k] * t**k * u ** (4 - k) for k, w in enumerate((1, 4, 6, 4, 1)))
-        bend = (
+        second = (
             4.0 / width * sum(w * (b[k + 1] - b[k]) * t**k * u ** (3 - k) for k, w in enumerate((1, 3, 3, 1)))
         )
         total = np.cumsum(b, axis=0)
         rise = sum(w * total[k] * t ** (k + 1) * u ** (4 - k) for k, w in enumerate((5, 10, 10, 5, 1))) / 5.0
-        return Point(self.z[j] + width * rise, np.asarray(slope), np.asarray(bend))
+        return Point(self.z[j] + width * rise, np.asarray(slope), np.asarray(second))
 
     def at(self, psi: ArrayLike) -> Point:
-        point = self._raw(np.clip(np.asarray(psi, dtype=float), *self.range))
+        point = self._curve(np.clip(np.asarray(psi, dtype=float), *self.range))
         return point._replace(z=point.z - self._origin)
 
     def parameters(self) -> dict[str, float | int]:
         return {"profile": 3, "radius": self.radius}
 
 
-def _end_sum(width: Array, slope: Array, bend: Array) -> Array:
+def _end_sum(width: Array, slope: Array, second: Array) -> Array:
     """s in step (3) of the rule in groove_table.h."""
-    return 2.0 * (slope[:-1] + slope[1:]) + (bend[:-1] - bend[1:]) * width / 4.0
+    return 2.0 * (slope[:-1] + slope[1:]) + (second[:-1] - second[1:]) * width / 4.0
 
 
-def _knots(psi: Array, z: Array) -> tuple[Array, Array]:
+def _sample_derivatives(psi: Array, z: Array) -> tuple[Array, Array]:
     """First and second derivative at each sample of the polynomial through the nearest five (or all four), by
     divided differences that begin at the sample."""
     count, n = len(psi), min(len(psi), STENCIL)
@@ -240,13 +240,13 @@ def _knots(psi: Array, z: Array) -> tuple[Array, Array]:
     for k in range(1, n):
         difference[k:] = (difference[k:] - difference[k - 1 : -1]) / (x[k:] - x[:-k])
     first, half_second = np.ones(count), np.zeros(count)
-    slope, bend = difference[1].copy(), np.zeros(count)
+    slope, second = difference[1].copy(), np.zeros(count)
     for k in range(2, n):
         half_second = half_second * (x[0] - x[k - 1]) + first
         first = first * (x[0] - x[k - 1])
         slope += difference[k] * first
-        bend += 2.0 * difference[k] * half_second
-    return slope, bend
+        second += 2.0 * difference[k] * half_second
+    return slope, second
 
 
 def both_parameters(grooves: Sequence[Groove]) -> dict[str, float | int]:

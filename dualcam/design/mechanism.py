@@ -43,13 +43,13 @@ class Spring:
         return {f"spring.{name}": getattr(self, name) for name in names}
 
 
-class Course(NamedTuple):
-    """Where the pin is at given theta; pairs have shape (2, ...)."""
+class Configuration(NamedTuple):
+    """Position of the pin at given theta; pairs have shape (2, ...)."""
 
     psi: Array  # rad: gamma and phi = theta - gamma
     z: Array  # m
     slope: Array  # m/rad: a_i at psi_i
-    bend: Array  # m/rad^2: g_i'' at psi_i
+    d2z_dpsi2: Array  # m/rad^2: g_i'' at psi_i
 
 
 @dataclass(frozen=True)
@@ -68,19 +68,20 @@ class Mechanism:
 
     @property
     def radius(self) -> tuple[float, float]:
+        """Radii of both cams [m]."""
         return self.grooves[0].radius, self.grooves[1].radius
 
     def angles(self, points: int = POINTS) -> Array:
         """Angles evenly over the range [rad]."""
         return np.linspace(0.0, self.upper, points)
 
-    def course(self, theta: ArrayLike) -> Course:
+    def configuration(self, theta: ArrayLike) -> Configuration:
         """Geometry at theta [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
         theta = np.asarray(theta, dtype=float)
         first, second = self.grooves
         gamma = 0.5 * theta if first is second else _meeting(first, second, theta)
         one, two = first.at(gamma), second.at(theta - gamma)
-        return Course(
+        return Configuration(
             np.stack([gamma, theta - gamma]),
             one.z,
             *(np.stack(pair) for pair in zip(one[1:], two[1:], strict=True)),
@@ -89,20 +90,20 @@ class Mechanism:
     def torque(self, theta: ArrayLike, direction: str) -> Array:
         """The torque of slow motion [N.m], "loading", "releasing" or "frictionless": rho_sigma F_s, both
         contacts on the flanks that support the spring."""
-        course = self.course(theta)
-        rho = transfer(course.slope, self.friction, self.radius, sign_of(direction)).rho
-        return np.asarray(rho * self.spring.force(course.z))
+        configuration = self.configuration(theta)
+        rho = transfer(configuration.slope, self.friction, self.radius, sign_of(direction)).rho
+        return np.asarray(rho * self.spring.force(configuration.z))
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
         """The FMU's `torque_release` and `torque_load` [N.m]; F_s must be > 0."""
-        course = self.course(theta)
-        (release, load), _ = band(course.slope, self.friction, self.radius)
-        force = self.spring.force(course.z)
+        configuration = self.configuration(theta)
+        (release, load), _ = band(configuration.slope, self.friction, self.radius)
+        force = self.spring.force(configuration.z)
         return release * force, load * force
 
     def curvature(self, theta: ArrayLike) -> Array:
         """Of both unwrapped grooves where the pin is [1/m], shape (2, ...)."""
-        psi = self.course(theta).psi
+        psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:

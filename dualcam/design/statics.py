@@ -1,4 +1,4 @@
-"""How friction shares force and torque (docs/mechanism.md, sections 3 and 8), for whole arrays at once.
+"""Torque and reactions with friction (docs/mechanism.md, sections 3 and 8), for whole arrays at once.
 
 With the slope a_i = dz/dpsi = r_i tan(lambda_i) of groove i, moving in direction sigma against F > 0,
 
@@ -29,7 +29,7 @@ DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
 
 
 class DesignError(ValueError):
-    """What is asked cannot be; the message names place and value and says what is allowed."""
+    """A design that is impossible; the message names angle and value, and says what is allowed."""
 
 
 def sign_of(direction: str) -> int:
@@ -41,7 +41,7 @@ def sign_of(direction: str) -> int:
 
 @dataclass(frozen=True)
 class Transfer:
-    """From axial force to the rest, for one choice of flanks: per newton of F."""
+    """Torque and reactions per newton of the axial force F, for one choice of flanks."""
 
     rho: Array  # m: torque
     reaction: Array  # 1, shape (2, ...): normal force of all contacts in each groove
@@ -51,7 +51,12 @@ class Transfer:
 def transfer(
     slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
 ) -> Transfer:
-    """Where flank i is +1 the pin bears on the flank that supports F, where it is -1 on the other one."""
+    """Torque and reactions per newton of F by the formulas at the head of this file, also where they have no
+    meaning (see Transfer.regular).
+
+    sign    +1 loading, -1 releasing, 0 without friction
+    flank   by groove: +1 the pin bears on the flank that supports F, -1 on the other flank
+    """
     parts = np.broadcast_arrays(
         *(np.asarray(one, float) for pair in (slope, friction, radius) for one in pair)
     )
@@ -74,16 +79,17 @@ def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Arra
 
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """The same, and the reactions per newton of F that belong to them, shape (2, ...) each."""
+    """The factors of band_factors, and the reactions per newton of F that belong to them, shape (2, ...)
+    each."""
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)
     # Where one contact locks and the other does not, the unlocked one bears on its other flank.
     release, pull = np.full(load.shape, -np.inf), np.full(push.shape, np.inf)
     for flank in ((-1, 1), (1, -1), (1, 1)):  # the last one that agrees with its reactions counts
-        way = transfer(slope, friction, radius, -1, flank)
-        release = np.where(way.regular, way.rho, release)
-        pull = np.where(way.regular, way.reaction, pull)
+        found = transfer(slope, friction, radius, -1, flank)
+        release = np.where(found.regular, found.rho, release)
+        pull = np.where(found.regular, found.reaction, pull)
     return (release, load), (pull, push)
 
 
@@ -170,10 +176,10 @@ class EfficiencyMap:
         filled = axes.contourf(degrees, degrees, driven, levels=levels, cmap="viridis", extend="max")
         axes.contour(degrees, degrees, driven, levels=levels, colors="w", linewidths=0.4)
         if best:
-            place = np.degrees(best.lead_angle)
-            axes.plot(*place, "r+", ms=12, mew=2)
-            text = f"{best.efficiency:.4f} at\n{place[0]:.1f}, {place[1]:.1f} deg"
-            axes.annotate(text, (place[0], place[1]), (7, 7), textcoords="offset points", color="w")
+            first, second = np.degrees(best.lead_angle)
+            axes.plot(first, second, "r+", ms=12, mew=2)
+            text = f"{best.efficiency:.4f} at\n{first:.1f}, {second:.1f} deg"
+            axes.annotate(text, (first, second), (7, 7), textcoords="offset points", color="w")
         axes.set_xlabel("lead angle of groove 1 [deg]")
         axes.set_ylabel("lead angle of groove 2 [deg]")
         return filled

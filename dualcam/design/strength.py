@@ -1,4 +1,4 @@
-"""Can the grooves be made, and do they carry their load.
+"""Can the grooves be made, and do they carry their load?
 
 The pin of radius p runs in a groove that a cutter of its radius made: the flanks are the curves parallel
 to the path of the pin's centre at distance p on either side. With the signed curvature k of the unwrapped
@@ -63,7 +63,7 @@ def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Arr
 
 @dataclass(frozen=True)
 class Limits:
-    """What is allowed."""
+    """Allowed values."""
 
     lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))  # rad
     pressure: float = 1.5e9  # Pa
@@ -79,12 +79,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Finding:
-    """The first place where something is not as allowed."""
+    """The first angle where a property is outside its limits."""
 
     what: str
     theta: float  # rad
     value: float
-    text: str  # a sentence with place, value and what is allowed
+    text: str  # a sentence with angle, value and allowed values
 
     def __str__(self) -> str:
         return self.text
@@ -105,24 +105,25 @@ class Strength:
 
 @dataclass(frozen=True, eq=False)
 class Assessment(Strength):
-    """Properties over the range and what is wrong with them."""
+    """Properties over the range, and all findings."""
 
     findings: tuple[Finding, ...]
 
     @property
     def good(self) -> bool:
+        """Whether there are no findings."""
         return not self.findings
 
     def require(self) -> Assessment:
-        """Itself, or DesignError with all that is wrong."""
+        """This assessment; DesignError with all findings if there are any."""
         if self.findings:
             raise DesignError("; ".join(map(str, self.findings)))
         return self
 
 
 def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points: int = POINTS) -> Assessment:
-    """Looks at `points` angles evenly over the range. Each kind of failure is reported once for each groove,
-    at the first angle where it occurs."""
+    """Strength and limits at `points` angles evenly over the range. Each kind of failure is reported once for
+    each groove, at the first angle where it occurs."""
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
     found = strength(mechanism, pin, mechanism.angles(points))
@@ -133,23 +134,23 @@ def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points:
 
 def strength(mechanism: Mechanism, pin: Pin, theta: Array) -> Strength:
     """Properties at angles theta [rad], shape (n,)."""
-    course = mechanism.course(theta)
+    configuration = mechanism.configuration(theta)
     bends = mechanism.curvature(theta)
-    (_, rho), reaction = band(course.slope, mechanism.friction, mechanism.radius)
-    force = mechanism.spring.force(course.z)
-    # [releasing or loading, groove, theta]; where it does not move that way there is no load of motion
+    (_, rho), reaction = band(configuration.slope, mechanism.friction, mechanism.radius)
+    force = mechanism.spring.force(configuration.z)
+    # [releasing or loading, groove, theta]; no load of motion where no torque moves the cam in that direction
     reactions = np.where(np.isfinite(reaction), reaction, 0.0) * force / mechanism.contacts
     loads = np.abs(reactions)
     # a pin that bears on the other flank has a negative reaction
     flank = np.where(reactions < 0.0, -1.0, 1.0)
     pressures = hertz_pressure(loads, pin, flank * bends)
-    lead = np.arctan(course.slope / np.array(mechanism.radius)[:, None])
+    lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
     return Strength(theta, force, rho, lead, bends, loads.max(axis=0), pressures.max(axis=0))
 
 
 @dataclass(frozen=True)
 class _Check:
-    """One thing that may fail."""
+    """One property and its limits."""
 
     what: str
     value: Callable[[Strength], Array]  # in the unit of `allowed`
@@ -157,7 +158,7 @@ class _Check:
     allowed: str
 
     def first(self, mechanism: Mechanism, pin: Pin, found: Strength) -> Finding | None:
-        """The first angle where it fails, sought between the angles that were looked at."""
+        """The first angle where the property is outside its limits, refined between the checked angles."""
         good = self.good(found)
         while not good.all():
             k = int(np.argmin(good))

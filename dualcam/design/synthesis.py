@@ -1,8 +1,7 @@
 """The inverse problem: the groove that makes a given spring give a wanted torque over the angle.
 
-While cam 2 turns slowly in direction sigma, T = rho_sigma(a_1, a_2) F_s(z). At each theta what groove 2
-gives, z = g_2(phi) and a_2 = g_2'(phi), is known once phi is. So is the rho = T/F_s that groove 1 must
-provide:
+While cam 2 turns slowly in direction sigma, T = rho_sigma(a_1, a_2) F_s(z). At each theta the angle phi gives
+z = g_2(phi) and a_2 = g_2'(phi) of groove 2, and with z the rho = T/F_s that groove 1 must provide:
 
     kappa_1 = 1/rho - kappa_2     tan lambda_1 = (1 - sigma mu_1 r_1 kappa_1)/(r_1 kappa_1 + sigma mu_1)
 
@@ -21,27 +20,25 @@ groove itself decides: with z = c theta, c = a_1 a_2/(a_1 + a_2), T'(0) = rho(a_
 a_1(0). The solution is followed from a very small angle on; an error there dies out, since too much z makes
 T/F_s, hence the slope, too small.
 
-The table. Its points are found by halving: wherever the curve that the FMU lays through the samples misses
-the wanted torque by more than the tolerance, the samples are set twice as close.
+The table. Its samples are found by halving: where the FMU's curve through the samples misses the wanted
+torque by more than the tolerance, the samples are set twice as close.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import OdeSolution, solve_ivp
-from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table
 from dualcam.design.mechanism import Mechanism, Spring, check_pair
 from dualcam.design.statics import Array, DesignError, sign_of, transfer
-
-Torque = Callable[[Array], Array]
+from dualcam.design.torque import Torque, wanted_torque
 
 TOLERANCE = 1e-7  # of the torque of the finished table
 SMALL = 1e-3  # share of the largest torque below which errors are relative to that share of it
@@ -55,7 +52,7 @@ MOST_SAMPLES = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A groove that was found."""
+    """A groove for the wanted torque."""
 
     mechanism: Mechanism  # with the table as groove 1, or as both
     direction: str
@@ -65,12 +62,13 @@ class Design:
 
     @property
     def table(self) -> Table:
+        """The sampled groove."""
         groove = self.mechanism.grooves[0]
         assert isinstance(groove, Table)
         return groove
 
     def torque(self, theta: ArrayLike) -> Array:
-        """What the table gives [N.m] in the wanted direction, as the FMU does."""
+        """Torque of the table [N.m] at theta [rad] in the wanted direction, as in the FMU."""
         return self.mechanism.torque(theta, self.direction)
 
     def error(self, theta: ArrayLike) -> Array:
@@ -101,18 +99,19 @@ def synthesize(
     The torque is that of spring and friction: no F_ext, damper, mass or shaft damping. Whether the mechanism
     can also move the other way is for `assess` to say; the FMU refuses one that jams when loading.
 
-    DesignError, with place, value and what is allowed, where no groove gives that torque."""
+    DesignError, with angle, value and what is allowed, where no groove gives that torque."""
     if not 0.0 < tolerance < 1.0:
         raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
     problem = _problem(
         torque, upper, spring, direction, groove2, check_pair("friction", friction, 0.0), radius, breaks
     )
-    way = problem.solve()
-    return _tabulate(problem, way, contacts, tolerance)
+    return _tabulate(problem, problem.solve(), contacts, tolerance)
 
 
 @dataclass(frozen=True)
 class _Problem:
+    """The wanted torque and everything given, with the differential equation of the state."""
+
     wanted: Torque
     upper: float
     spring: Spring
@@ -131,19 +130,20 @@ class _Problem:
     # ---- the state is phi, or z where both grooves are equal ----
 
     def height(self, state: Array) -> Array:
+        """z [m] at this state."""
         return state if self.groove2 is None else self.groove2.at(state).z
 
     def rate(self, theta: ArrayLike, state: ArrayLike) -> Array:
-        """Of the state by theta. Where no groove gives the torque: that of the nearest one, level or upright,
-        so that a trial step beyond the end of what can be does no harm."""
-        top, bottom, a2 = self.parts(np.asarray(theta), np.asarray(state))
+        """Derivative of the state by theta. Where no groove gives the torque, the derivative is that of the
+        nearest groove, level or upright, so that a trial step of the solver beyond the end does no harm."""
+        top, bottom, a2 = self.slope_fraction(np.asarray(theta), np.asarray(state))
         top, bottom = np.maximum(top, 0.0), np.maximum(bottom, 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             if self.groove2 is None:
                 return np.minimum(0.5 * top / bottom, 1e3 * max(self.radius))
             return np.where(top + a2 * bottom > 0.0, top / (top + a2 * bottom), 1.0)
 
-    def parts(self, theta: Array, state: Array) -> tuple[Array, Array, Array]:
+    def slope_fraction(self, theta: Array, state: Array) -> tuple[Array, Array, Array]:
         """a_1 as top/bottom [m/rad], both >= 0 where a groove gives the torque, and a_2."""
         force = np.maximum(self.spring.force(self.height(state)), 1e-300)
         rho = self.wanted(theta) / force
@@ -159,8 +159,9 @@ class _Problem:
 
     # ---- its solution ----
 
-    def solve(self) -> _Way:
-        """The state over theta, followed to rounding and then looked at everywhere."""
+    def solve(self) -> _Solution:
+        """The state over theta, integrated to rounding and then checked. DesignError where no groove gives
+        the torque."""
         theta, state = self.start()
         spans = []
         for end in (*(b for b in self.breaks if b > theta), self.upper):
@@ -177,12 +178,12 @@ class _Problem:
                 raise DesignError(f"{self.where(solution.t[-1])}: {solution.message}")
             spans.append((theta, solution.sol))
             theta, state = end, float(solution.y[0, -1])
-        way = _Way(spans)
-        self.look(way)
-        return way
+        found = _Solution(spans)
+        self.check(found)
+        return found
 
     def start(self) -> tuple[float, float]:
-        """theta and state to begin with."""
+        """theta [rad] and state at the beginning. DesignError for a preload that does not suit the torque."""
         wanted, force = float(self.wanted(np.zeros(()))), self.spring.preload
         if force < 0.0 or not math.isfinite(force):
             raise DesignError(f"spring.preload = {force:g} N: allowed is >= 0, the spring must push at z = 0")
@@ -207,9 +208,9 @@ class _Problem:
 
         def excess(log: float) -> float:
             a = (math.exp(log), math.exp(log) if a2 is None else a2)
-            way = transfer(a, self.acting, self.radius, 1)
+            found = transfer(a, self.acting, self.radius, 1)
             c = a[0] * a[1] / (a[0] + a[1])
-            return float(way.rho) * self.spring.stiffness * c - rise if way.regular else math.inf
+            return float(found.rho) * self.spring.stiffness * c - rise if found.regular else math.inf
 
         # from the level, or from the friction angle of releasing, to 89.99 deg or to where it jams
         level = max(0.0, -self.acting[0] if a2 is not None else -min(self.acting)) * self.radius[0]
@@ -227,53 +228,55 @@ class _Problem:
         return math.exp(brentq(excess, low, ends[last], xtol=1e-15))
 
     def largest(self) -> float:
+        """Largest magnitude of the wanted torque [N.m]."""
         return float(np.max(np.abs(self.wanted(np.linspace(0.0, self.upper, 400)))))
 
-    # ---- whether it is one ----
+    # ---- check of the solution ----
 
-    def look(self, way: _Way) -> None:
+    def check(self, solution: _Solution) -> None:
         """DesignError at the first angle where no groove gives the torque."""
-        theta = way.places()
-        bad = np.array([self.lacks(t, way) is not None for t in theta])
+        theta = solution.sample_angles()
+        bad = np.array([self.obstacle(t, solution) is not None for t in theta])
         if not bad.any():
             return
         first = int(np.argmax(bad))
         low, high = float(theta[max(first - 1, 0)]), float(theta[first])
         while high - low > 1e-9 * self.upper:
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.lacks(middle, way) else (middle, high)
-        raise DesignError(self.lacks(high, way) or self.lacks(float(theta[first]), way))
+            low, high = (low, middle) if self.obstacle(middle, solution) else (middle, high)
+        raise DesignError(self.obstacle(high, solution) or self.obstacle(float(theta[first]), solution))
 
-    def lacks(self, theta: float, way: _Way) -> str | None:
-        """What makes the torque impossible at theta, in words."""
-        state = way(np.asarray(theta))
+    def obstacle(self, theta: float, solution: _Solution) -> str | None:
+        """The reason why no groove gives the torque at theta [rad], or None."""
+        state = solution(np.asarray(theta))
         z = float(self.height(state))
         force, wanted = float(self.spring.force(z)), float(self.wanted(np.asarray(theta)))
-        place = self.where(theta)
+        location = self.where(theta)
         if not force > 0.0:
             return (
-                f"{place}: spring force {force:.6g} N at z = {z:.6g} m: it must be > 0 to give"
+                f"{location}: spring force {force:.6g} N at z = {z:.6g} m: it must be > 0 to give"
                 f" {wanted:.6g} N.m"
             )
         if self.groove2 is not None:
             low, high = self.groove2.range
             if not low <= float(state) <= high:
                 return (
-                    f"{place}: groove 2 ends: it is needed at phi = {float(state):.6g} rad, allowed is"
+                    f"{location}: groove 2 ends: it is needed at phi = {float(state):.6g} rad, allowed is"
                     f" {low:.6g} to {high:.6g}"
                 )
-        top, bottom, _ = self.parts(np.asarray(theta), state)
+        top, bottom, _ = self.slope_fraction(np.asarray(theta), state)
         slack = 1e-13 * max(self.radius)
         if self.groove2 is None and wanted == 0.0 and float(top) <= slack * float(bottom):
             return (
-                f"{place}: torque 0: two equal grooves would be level there and leave the pin loose; it must"
-                " be > 0"
+                f"{location}: torque 0: two equal grooves would be level there and leave the pin loose; it"
+                " must be > 0"
             )
         if wanted >= 0.0 and float(top) >= -slack * abs(float(bottom)) and float(bottom) > 0.0:
             return None
-        return f"{place}: {self.limits(state, force, wanted)}"
+        return f"{location}: {self.limits(state, force, wanted)}"
 
     def limits(self, state: Array, force: float, wanted: float) -> str:
+        """A message with the torques that a groove can give at this state and spring force [N]."""
         (m1, m2), (r1, r2) = self.acting, self.radius
         verb = {1: "while loading", -1: "while releasing", 0: "without friction"}[sign_of(self.direction)]
         equal = self.groove2 is None
@@ -315,11 +318,12 @@ class _Problem:
         )
 
     def where(self, theta: float) -> str:
+        """The angle in messages."""
         return f"theta = {float(theta):.9g} rad"
 
 
 @dataclass(frozen=True)
-class _Way:
+class _Solution:
     """The state over theta."""
 
     spans: list[tuple[float, OdeSolution]]  # from theta [rad] on
@@ -338,8 +342,8 @@ class _Way:
                 )
         return found
 
-    def places(self) -> Array:
-        """Angles dense enough to see whatever happens."""
+    def sample_angles(self) -> Array:
+        """Angles [rad], eight in each step of the solver, at which the solution is checked."""
         steps = np.concatenate([solution.ts for _, solution in self.spans])
         steps = np.unique(steps)
         share = np.linspace(0.0, 1.0, 8, endpoint=False)
@@ -375,12 +379,12 @@ def _problem(
         if not 0.0 < value < math.inf:
             raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
     _check_spring(spring)
-    places = np.linspace(0.0, upper, 400)
-    wanted = _function(torque, places) if callable(torque) else _samples(torque, upper)
-    if not (finite := np.isfinite(wanted(places))).all():
-        place = places[int(np.argmin(finite))]
-        raise DesignError(f"theta = {place:.6g} rad: torque {wanted(place)}: allowed are finite numbers")
-    if not wanted(places).any():
+    angles = np.linspace(0.0, upper, 400)
+    wanted = wanted_torque(torque, angles)
+    if not (finite := np.isfinite(wanted(angles))).all():
+        angle = angles[int(np.argmin(finite))]
+        raise DesignError(f"theta = {angle:.6g} rad: torque {wanted(angle)}: allowed are finite numbers")
+    if not wanted(angles).any():
         raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: it must be > 0 somewhere")
     if groove2 is not None and not isinstance(groove2, Helix | Ellipse | Table):
         raise DesignError(f"groove2 = {groove2!r}: allowed are a Helix, an Ellipse, a Table or None")
@@ -390,7 +394,7 @@ def _problem(
 
 
 def _check_spring(spring: Spring) -> None:
-    """What the FMU takes; the preload is looked at where the design starts."""
+    """DesignError for values that the FMU refuses; the preload is checked where the design starts."""
     for name, value in spring.parameters().items():
         least = 0.0 if name == "spring.stiffness" else -math.inf
         if not (math.isfinite(value) and value >= least):
@@ -398,67 +402,21 @@ def _check_spring(spring: Spring) -> None:
             raise DesignError(f"{name} = {value}: allowed is a finite {what}")
 
 
-def _function(torque: Torque, places: Array) -> Torque:
-    """The same for functions that know one angle at a time, or give one number for many."""
-
-    def at_once(theta: Array) -> Array:
-        found = np.asarray(torque(theta)).astype(float, casting="same_kind")  # no complex numbers
-        return np.broadcast_to(found, np.shape(theta))
-
-    def one_by_one(theta: Array) -> Array:
-        angles = np.ravel(theta).tolist()
-        return np.reshape([float(torque(angle)) for angle in angles], np.shape(theta))  # type: ignore[arg-type]
-
-    try:
-        at_once(places)
-    except Exception:  # whatever it does with arrays, math.sin's TypeError for one
-        try:
-            one_by_one(places)
-        except Exception as error:
-            raise DesignError(
-                f"torque: the function fails ({type(error).__name__}: {error}): allowed is one that gives a"
-                " torque for an angle, or an array for an array"
-            ) from error
-        return one_by_one
-    return at_once
-
-
-def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
-    try:
-        theta, value = (np.asarray(each, dtype=float) for each in torque)
-    except (TypeError, ValueError):
-        raise DesignError(
-            "torque: allowed is a function of theta [rad], or samples: (theta, torque), two arrays of numbers"
-        ) from None
-    return _spline(theta, value, upper)
-
-
-def _spline(angle: Array, value: Array, upper: float) -> Torque:
-    if angle.ndim != 1 or angle.shape != value.shape or len(angle) < 4 or not (np.diff(angle) > 0.0).all():
-        raise DesignError("torque: samples must be two arrays of shape (n,), n >= 4, of increasing theta")
-    if not (np.isfinite(angle).all() and np.isfinite(value).all()):
-        raise DesignError("torque: samples must be finite numbers")
-    if angle[0] > 0.0 or angle[-1] < upper:
-        raise DesignError(
-            f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad: they must cover 0 to upper ="
-            f" {upper:g} rad"
-        )
-    return CubicSpline(angle, value)
-
-
 # ---- the table ----
 
 
 def _scale(wanted: Torque, theta: Array, upper: float) -> Array:
+    """Torque [N.m] to which errors are relative."""
     largest = np.max(np.abs(wanted(np.linspace(0.0, upper, 400))))
     return np.maximum(np.abs(wanted(theta)), SMALL * largest)
 
 
-def _tabulate(problem: _Problem, way: _Way, contacts: int, tolerance: float) -> Design:
-    """Samples set closer until the curve through them gives the torque."""
+def _tabulate(problem: _Problem, solution: _Solution, contacts: int, tolerance: float) -> Design:
+    """The design whose table has samples close enough that its curve gives the torque to the tolerance.
+    DesignError if no table does."""
     theta = np.unique([*np.linspace(0.0, problem.upper, FIRST_INTERVALS + 1), *problem.breaks])
     while True:
-        design, error = _attempt(problem, way, theta, contacts)
+        design, error = _attempt(problem, solution, theta, contacts)
         if design.worst <= tolerance:
             return design
         close = np.diff(design.table.psi) < CLOSEST
@@ -475,22 +433,22 @@ def _tabulate(problem: _Problem, way: _Way, contacts: int, tolerance: float) -> 
         theta = np.sort(np.append(theta, 0.5 * (theta[:-1] + theta[1:])[coarse]))
 
 
-def _attempt(problem: _Problem, way: _Way, theta: Array, contacts: int) -> tuple[Design, Array]:
+def _attempt(problem: _Problem, solution: _Solution, theta: Array, contacts: int) -> tuple[Design, Array]:
     """The design with samples at theta, and the largest error in each interval between them."""
-    state = way(theta)
+    state = solution(theta)
     psi, z = (0.5 * theta, state) if problem.groove2 is None else (theta - state, problem.height(state))
-    # a hair beyond the upper stop, which rounding must not place behind the groove's end
+    # slightly beyond the upper stop, so that rounding does not put the stop behind the groove's end
     psi, z = np.append(psi[:-1], psi[-1] * (1.0 + 1e-13)), np.maximum.accumulate(z)
     table = Table(problem.radius[0], psi, z)
     second: Groove = table if problem.groove2 is None else problem.groove2
     mechanism = Mechanism((table, second), problem.friction, problem.spring, problem.upper, contacts)
     share = np.array([0.0, 0.12, 0.31, 0.5, 0.69, 0.88])
-    places = theta[:-1, None] + share * np.diff(theta)[:, None]
-    places = np.append(places.ravel(), theta[-1])
+    angles = theta[:-1, None] + share * np.diff(theta)[:, None]
+    angles = np.append(angles.ravel(), theta[-1])
     design = Design(mechanism, problem.direction, problem.wanted, 0.0, 0.0)
-    error = np.abs(design.error(places))
+    error = np.abs(design.error(angles))
     worst = int(np.argmax(error))
-    found = Design(mechanism, problem.direction, problem.wanted, float(error[worst]), float(places[worst]))
+    found = Design(mechanism, problem.direction, problem.wanted, float(error[worst]), float(angles[worst]))
     each = np.maximum(error[:-1].reshape(-1, len(share)).max(axis=1), 0.0)
     each[-1] = max(each[-1], error[-1])
     return found, each

@@ -170,7 +170,7 @@ class Runner:
         enter, leave = self._call("fmi2EnterInitializationMode"), self._call("fmi2ExitInitializationMode")
         if self._saves_state and setup() <= OK_OR_WARNING and enter() <= OK_OR_WARNING:
             with suppress(FmuError):  # it says that it can, but cannot now: then without
-                self._state = fmu.take()
+                self._state = fmu.save_state()
                 return [
                     self._call("fmi2SetFMUstate", c_void_p(self._state._address)),
                     *varied,

@@ -1,7 +1,8 @@
-/* The motor's controller of car_door.py: PI on speed with feed-forward, off where the cam holds.
+/* The controller of the car door's motor: PI on speed with feed-forward, off where the cam holds the door.
  *
- * As SpeedController there, which explains it. The door's angle is offset + theta/ratio, and what the cam does about
- * the hinge is ratio times its torque (ratio < 0: closing loads it). The band's edges are straight lines over theta.
+ * The law is that of SpeedController in dualcam/systems/speed_controller.py. The door's angle is
+ * offset + theta/ratio. The cam's torque about the hinge is ratio times its own (ratio < 0: closing loads the cam).
+ * The edges of the stick band are straight lines over theta.
  */
 #include <math.h>
 #include <stddef.h>

@@ -1,7 +1,8 @@
-/* The position controller of robot_joint.py's elbow: LQI with feed-forward, and rest inside the stick band.
+/* The position controller of the robot's elbow: LQI with feed-forward, and rest inside the stick band.
  *
- * As JointController there, which explains it: for each tick it looks at the joint and at the planned motion (angle,
- * speed) at the tick's beginning and end. The stick band's edges are straight lines over theta.
+ * The law is that of PositionController in dualcam/systems/position_controller.py. For each tick it takes the state
+ * of the joint, and the planned angle and speed at the beginning and at the end of the tick. The edges of the stick
+ * band are straight lines over theta.
  */
 #include <math.h>
 #include <stddef.h>

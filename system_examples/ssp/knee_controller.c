@@ -1,4 +1,7 @@
-/* The knee's controller of prosthetic_knee.py: a spring and a damper between the joint and the measured motion. */
+/* The knee's controller: a spring and a damper between the joint and the measured motion.
+ *
+ * The law is that of Impedance in dualcam/systems/impedance.py.
+ */
 #include <math.h>
 #include <stddef.h>
 

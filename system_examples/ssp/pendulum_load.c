@@ -1,7 +1,7 @@
-/* The weight of a body that turns about an axis: GravityLoad of blocks.py.
+/* The weight of a body that turns about an axis: GravityLoad of dualcam/systems/gravity.py.
  *
- * Its torque passes through the motor's part on its way to the cam, so it acts there two steps after theta and omega
- * were read, and is then held for a step: it is computed for the middle of that one, 2.5 steps on.
+ * The torque passes through the motor's part to the cam. It acts on the cam two steps after theta and omega were
+ * read, and is held for one step. So the torque is computed for the middle of that step, 2.5 steps later.
  */
 #include <math.h>
 #include <stddef.h>

@@ -13,7 +13,7 @@ typedef struct {
     double move, dwell; /* s, duration of one move and of one rest */
 } PickAndPlace;
 
-/* The cycle of PickAndPlace in blocks.py: rest at `start`, go to `end` with minimum jerk, rest there, go back. */
+/* PickAndPlace of dualcam/systems/motions.py: rest at `start`, move to `end` with minimum jerk, rest, move back. */
 Point pick_and_place(PickAndPlace cycle, double time);
 
 enum { HARMONICS = 7, COEFFICIENTS = 1 + 2 * HARMONICS };

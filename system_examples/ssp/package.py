@@ -1,31 +1,22 @@
-"""Systems of FMUs as SSP packages (SSP 1.0), and the same systems coupled by FMPy.
+"""Systems of FMUs as SSP packages (SSP 1.0).
 
 A package holds SystemStructure.ssd (components, connectors with units, connections), and under resources
 the FMUs and, for each component, its start values (.ssv). All parameter sets have one name, START: ecos
 applies the sets of a name, libcosim the first of each component.
-
-Masters couple such a system explicitly, all components side by side (Jacobi): the outputs at t are the
-inputs over [t, t + step]. couple() does exactly that, with nothing but the package.
 """
 
 from __future__ import annotations
 
 import io
 import os
-import shutil
-import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-from ssp_parts import build_fmu
-
-from dualcam import Fmu, Reals
+import build_fmu  # the folder fmu_src/tools is on PYTHONPATH, see build.sh
 
 FOLDER = build_fmu.BUILD / "ssp"
 START = "start"
@@ -38,7 +29,6 @@ for prefix, address in NAMES.items():
     ET.register_namespace(prefix, address)
 
 Value = float | int
-Columns = Mapping[str, np.ndarray]
 
 
 def tag(name: str) -> str:
@@ -48,10 +38,12 @@ def tag(name: str) -> str:
 
 
 def add(parent: ET.Element, name: str, /, **attributes: str) -> ET.Element:
+    """A new element below `parent`."""
     return ET.SubElement(parent, tag(name), attributes)
 
 
 def document(root: ET.Element) -> bytes:
+    """The XML file."""
     ET.indent(root)
     file = io.BytesIO()
     ET.ElementTree(root).write(file, encoding="UTF-8", xml_declaration=True)
@@ -66,12 +58,15 @@ def split(end: str) -> tuple[str, str]:
 
 @dataclass(frozen=True)
 class Component:
+    """An FMU with start values."""
+
     name: str
     fmu: Path
     values: Mapping[str, Value]  # start values of parameters
 
     @cached_property
     def description(self) -> ET.Element:
+        """The FMU's modelDescription.xml."""
         with zipfile.ZipFile(self.fmu) as archive:
             return ET.fromstring(archive.read("modelDescription.xml"))
 
@@ -89,6 +84,8 @@ class Component:
 
 @dataclass(frozen=True)
 class System:
+    """Components and their connections."""
+
     name: str
     text: str
     components: tuple[Component, ...]
@@ -114,6 +111,7 @@ class System:
 
 
 def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]) -> None:
+    """The units by their exponents of base units."""
     element = add(root, f"{prefix}:Units")
     for name, base in sorted(units.items()):
         add(add(element, "ssc:Unit", name=name), "ssc:BaseUnit", **base)
@@ -171,89 +169,3 @@ def parameters(component: Component) -> ET.Element:
         add(add(values, "ssv:Parameter", name=name), f"ssv:{data.tag}", **number)
     add_units(root, "ssv", units)
     return root
-
-
-# ---- the same by FMPy ----
-
-
-@dataclass(frozen=True)
-class Wire:
-    """From one group of values to another."""
-
-    source: np.ndarray
-    place: int
-    target: np.ndarray
-    target_place: int
-
-
-def read_values(package: Path, source: str) -> dict[str, Value]:
-    """An .ssv file."""
-    values: dict[str, Value] = {}
-    for row in ET.parse(package / source).iter(tag("ssv:Parameter")):
-        number = row[0].attrib["value"]
-        values[row.attrib["name"]] = float(number) if row[0].tag == tag("ssv:Real") else int(number)
-    return values
-
-
-def couple(
-    package: Path, step: float, count: int, watched: Sequence[str], every: int = 1
-) -> dict[str, np.ndarray]:
-    """`count` steps of the package's FMUs, side by side; the watched variables after each `every` steps."""
-    with ExitStack() as stack:
-        folder = Path(tempfile.mkdtemp(prefix="ssp-"))
-        stack.callback(shutil.rmtree, folder, ignore_errors=True)
-        with zipfile.ZipFile(package) as archive:
-            archive.extractall(folder)
-        root = ET.parse(folder / "SystemStructure.ssd").getroot()
-        slaves: dict[str, Fmu] = {}
-        for element in root.iter(tag("ssd:Component")):
-            slave = stack.enter_context(Fmu(folder / element.attrib["source"]))
-            binding = element.find(f".//{tag('ssd:ParameterBinding')}")
-            slave.start({} if binding is None else read_values(folder, binding.attrib["source"]))
-            slaves[element.attrib["name"]] = slave
-        ends = [
-            tuple((c.attrib[f"{side}Element"], c.attrib[f"{side}Connector"]) for side in ("start", "end"))
-            for c in root.iter(tag("ssd:Connection"))
-        ]
-        outputs, inputs = (groups(slaves, [pair[side] for pair in ends]) for side in (0, 1))
-        wires = [Wire(*outputs[1][start], *inputs[1][end]) for start, end in ends]
-        seen, places = groups(slaves, [split(name) for name in watched])
-        shown = [places[split(name)] for name in watched]
-        rows = np.empty((count // every, len(watched)))
-        exchange(outputs[0], wires, inputs[0])
-        for k in range(1, count + 1):
-            for slave in slaves.values():
-                slave.step(step)
-            exchange(outputs[0], wires, inputs[0])
-            if k % every == 0:
-                for group in seen:
-                    group.read()
-                rows[k // every - 1] = [values[place] for values, place in shown]
-    return {name: rows[:, i] for i, name in enumerate(watched)}
-
-
-End = tuple[str, str]
-
-
-def groups(
-    slaves: Mapping[str, Fmu], ends: Sequence[End]
-) -> tuple[list[Reals], dict[End, tuple[np.ndarray, int]]]:
-    """One group of variables per slave, and where in its values each is."""
-    made: list[Reals] = []
-    places: dict[End, tuple[np.ndarray, int]] = {}
-    for name, slave in slaves.items():
-        variables = list(dict.fromkeys(variable for component, variable in ends if component == name))
-        if variables:
-            group = slave.reals(*variables)
-            made.append(group)
-            places |= {(name, variable): (group.values, i) for i, variable in enumerate(variables)}
-    return made, places
-
-
-def exchange(outputs: Sequence[Reals], wires: Sequence[Wire], inputs: Sequence[Reals]) -> None:
-    for group in outputs:
-        group.read()
-    for wire in wires:
-        wire.target[wire.target_place] = wire.source[wire.place]
-    for group in inputs:
-        group.write()

@@ -1,0 +1,18 @@
+"""Blocks of systems with the dual cam: motor, loads, reference motions, controllers, and their closed loop.
+
+    motor, current_loop                       a geared brushless motor under a PI current loop
+    gravity, pendulum                         loads: a mass on an arm, a body on a hinge, a hanging segment
+    motions                                   reference motions: pick and place, Fourier series
+    helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design
+    position_controller, speed_controller, impedance    controllers
+    slow_motion                               the torque of slow motion from the inverse FMU
+    axis                                      the forward FMU in a closed loop of all of these, and its record
+
+Complete systems of these blocks, which system_examples/ run:
+
+    robot_arm, elbow                          a robot's elbow
+    gait, swing, knee                         a prosthetic knee
+    car_door                                  a car's side door
+
+SI units throughout. Figures of real machines stand with their source and licence in the module that has them.
+"""

@@ -1,0 +1,112 @@
+"""The dual cam with two helical grooves and a linear spring, as a designer and a controller use it: the stick
+band in closed form, and the spring for a given load. The statics are those of dualcam.design.statics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from dualcam.design.statics import band_factors
+
+
+@dataclass(frozen=True)
+class HelicalCam:
+    """Two helical grooves under a linear spring, with Coulomb friction at both contacts.
+
+    The velocity ratio and the torque per axial force do not depend on theta. So the stick band is affine in
+    theta, and one evaluation costs a few multiplications.
+    """
+
+    radius: tuple[float, float]  # m, cams 1 and 2
+    lead_angle: tuple[float, float]  # rad
+    friction: tuple[float, float]  # Coulomb coefficients
+    preload: float = 0.0  # N
+    stiffness: float = 0.0  # N/m
+
+    @cached_property
+    def _slopes(self) -> tuple[float, float]:
+        """a_i = r_i tan(lambda_i) [m/rad]."""
+        (r1, r2), (lead1, lead2) = self.radius, self.lead_angle
+        return r1 * math.tan(lead1), r2 * math.tan(lead2)
+
+    @cached_property
+    def dz_dtheta(self) -> float:
+        """Velocity ratio a1 a2/(a1 + a2) [m/rad]."""
+        a1, a2 = self._slopes
+        return a1 * a2 / (a1 + a2)
+
+    @cached_property
+    def _torque_per_force(self) -> tuple[float, float]:
+        """While releasing and while loading [m]."""
+        release, load = band_factors(self._slopes, self.friction, self.radius)
+        return float(release), float(load)
+
+    @property
+    def release_arm(self) -> float:
+        """Torque per axial force while releasing [m]."""
+        return self._torque_per_force[0]
+
+    @property
+    def load_arm(self) -> float:
+        """Torque per axial force while loading [m]."""
+        return self._torque_per_force[1]
+
+    @property
+    def efficiency(self) -> float:
+        """Releasing torque over loading torque at the same angle."""
+        return self.release_arm / self.load_arm
+
+    @property
+    def half_band(self) -> float:
+        """Half width of the stick band over its middle."""
+        return (1.0 - self.efficiency) / (1.0 + self.efficiency)
+
+    def band(self, theta: float) -> tuple[float, float]:
+        """The torques [N.m] that just release and just load at theta [rad]; between them the cam rests."""
+        force = self.preload + self.stiffness * self.dz_dtheta * theta
+        return self.release_arm * force, self.load_arm * force
+
+    def torque(self, theta: float, direction: float) -> float:
+        """Torque [N.m] of slow motion through theta [rad] in `direction` (> 0 loads, else releases)."""
+        release, load = self.band(theta)
+        return load if direction > 0.0 else release
+
+    def with_friction(self, share: float) -> HelicalCam:
+        """The same cam with `share` of the friction, as a controller with that error believes it."""
+        return replace(self, friction=(share * self.friction[0], share * self.friction[1]))
+
+    def parameters(self) -> dict[str, float]:
+        """The same mechanism as start values of the FMU."""
+        values = {"spring.preload": self.preload, "spring.stiffness": self.stiffness}
+        for i in (0, 1):
+            values[f"cam{i + 1}.radius"] = self.radius[i]
+            values[f"cam{i + 1}.lead_angle"] = self.lead_angle[i]
+            values[f"cam{i + 1}.friction"] = self.friction[i]
+        return values
+
+
+def fit_spring(
+    cam: HelicalCam, load: Callable[[float], float], lower: float, upper: float, points: int = 400
+) -> HelicalCam:
+    """`cam` with the spring that puts the middle of the stick band on `load(theta)` [N.m]: least squares at
+    `points` angles of the range lower..upper [rad].
+
+    The middle is affine in theta, so both unknowns enter linearly. The deviation is weighted by 1/load: the
+    width of the band grows with the torque that it carries, and only inside the band a load is held for free.
+    """
+    theta = np.linspace(lower, upper, points)
+    wanted = np.array([load(angle) for angle in theta])
+    middle_arm = 0.5 * (cam.load_arm + cam.release_arm)
+    columns = np.column_stack([np.ones(points), theta]) / wanted[:, None]
+    (constant, slope), *_ = np.linalg.lstsq(columns, np.ones(points), rcond=None)
+    preload, rise = float(constant) / middle_arm, float(slope) / middle_arm  # N, N/rad
+    return replace(cam, preload=preload, stiffness=rise / cam.dz_dtheta)
+
+
+def holding_torque(band: tuple[float, float], weight: float, margin: float) -> float:
+    """The smallest torque [N.m] that keeps `weight` inside the stick band, `margin` [N.m] from its edges."""
+    return min(max(weight, band[0] + margin), band[1] - margin) - weight

@@ -1,0 +1,1 @@
+"""One question each, to be read from top to bottom and copied for an own system."""

@@ -1,0 +1,230 @@
+"""Runs the examples as SSP packages in ecos and libcosim, and compares with the Python versions.
+
+    ./build.sh ssp                all, written to docs/ssp.md
+    ./build.sh ssp --only ecos    one master; nothing is written
+
+The packages go to build/ssp. Each master must agree to rounding with the same FMUs coupled by FMPy in the
+same order. These must agree with the Python versions as closely as computing ahead makes up for the two steps
+that a command takes. A master that cannot be installed is skipped, with the reason. The exit code is 1 if a
+master that ran does not agree.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import install  # the folder masters is on PYTHONPATH, see build.sh
+import numpy as np
+import players
+from install import Failed, Missing, say
+
+from system_examples.ssp import compilation, parts
+from system_examples.ssp.coupling import Columns, couple
+from system_examples.ssp.package import START, System
+from system_examples.ssp.systems import EXAMPLES, STEPS_PER_PERIOD, WATCHED, Example, Run
+
+# libcosim counts whole nanoseconds, FMPy and ecos add steps: their times differ by 1e-12 s in the end. The
+# knee's cam is integrated to 1e-9. In rad, rad/s, N.m and J.
+ROUNDING = 1e-9
+ANGLE_TOLERANCE = 1e-4  # rad, to the Python version: less than a count of the motor's encoder
+FIGURE_TOLERANCE = 0.02  # relative
+
+Runner = Callable[[System, int, Path], Columns]
+
+
+def arguments(system: System, periods: int, file: Path) -> list[str | Path]:
+    """The arguments of a program that runs the package in a master (masters/hosts/package.py)."""
+    return [system.path, START, repr(system.step), str(periods), str(STEPS_PER_PERIOD), file, *WATCHED]
+
+
+def ecos(system: System, periods: int, file: Path) -> Columns:
+    """The run by ecos; Missing or Failed if there is none."""
+    venv = install.package("ecospy", "tbb")  # ecospy lacks the library tbb
+    words = [venv / "bin/python", players.HOSTS / "ecos_ssp.py", *arguments(system, periods, file)]
+    players.insist(words, file.parent, LD_LIBRARY_PATH=str(venv / "lib"))
+    return players.read(file)
+
+
+def libcosim(system: System, periods: int, file: Path) -> Columns:
+    """The run by libcosim; Missing or Failed if there is none."""
+    venv = install.package("libcosimpy")
+    words = [venv / "bin/python", players.HOSTS / "libcosim_ssp.py", *arguments(system, periods, file)]
+    players.insist(words, file.parent)
+    return players.read(file)
+
+
+@dataclass(frozen=True)
+class Master:
+    """A master that runs packages."""
+
+    name: str
+    package: str
+    runner: Runner
+
+    @property
+    def version(self) -> str:
+        """Its pinned version."""
+        return install.pins()[self.package]
+
+
+MASTERS = (Master("ecos", "ecospy", ecos), Master("libcosim", "libcosimpy", libcosim))
+KINDS = {  # columns of the table
+    "angle [rad]": ("cam.theta", "controller.reference"),
+    "speed [rad/s]": ("cam.omega",),
+    "torque [N.m]": ("motor.tau",),
+    "accounts [J]": tuple(n for n in WATCHED if n.startswith(("motor.heat", "motor.energy", "cam.energy"))),
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A row of a table of the page."""
+
+    cells: tuple[str, ...]
+    wrong: bool = False
+
+
+def largest_difference(found: Columns, expected: Columns, names: Sequence[str]) -> float:
+    """The largest difference over all control periods; infinite where a number is missing."""
+    if any(name not in found or len(found[name]) != len(expected[name]) for name in names):
+        return float("inf")
+    differences = [np.abs(found[name] - expected[name]) for name in names]
+    return float(np.max(np.where(np.isnan(differences), np.inf, differences)))
+
+
+def run_in(master: Master, system: System, expected: Columns) -> Outcome:
+    """One package in one master, against `expected`."""
+    head, blank = (system.name, master.name, master.version), ("",) * len(KINDS)
+    allowed = f"{ROUNDING:.0e}"
+    periods = len(expected["cam.theta"])
+    say(f"{master.name} {master.version}: {system.name}")
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            found = master.runner(system, periods, Path(folder) / "rows.csv")
+    except Missing as reason:
+        return Outcome((*head, *blank, allowed, f"skipped: {reason}"))
+    except Failed as reason:
+        return Outcome((*head, *blank, allowed, f"**fails**: {reason}"), wrong=True)
+    largest = [largest_difference(found, expected, names) for names in KINDS.values()]
+    agrees = max(largest) <= ROUNDING
+    cells = (*head, *(f"{value:.1e}" for value in largest), allowed)
+    return Outcome((*cells, "agrees" if agrees else "**differs**"), wrong=not agrees)
+
+
+def coupled(example: Example) -> Columns:
+    """The run by FMPy, with a row for each control period."""
+    system = example.system
+    return couple(system.path, system.step, round(system.duration / system.step), WATCHED, STEPS_PER_PERIOD)
+
+
+def compare(name: str, package: Run, python: Run) -> list[Outcome]:
+    """The package's run against that of the Python version."""
+    distance = float(np.max(np.abs(package.angle - python.angle)))
+    agrees = distance <= ANGLE_TOLERANCE
+    verdict = ("**differs**", "agrees")
+    rows = [
+        Outcome(
+            (
+                name,
+                "angle at every tick [mrad]",
+                "",
+                "",
+                f"{1e3 * distance:.4f}",
+                f"{1e3 * ANGLE_TOLERANCE:g}",
+                verdict[agrees],
+            ),
+            not agrees,
+        )
+    ]
+    expected = python.figures()
+    for what, figure in package.figures().items():
+        share = abs(figure - expected[what]) / abs(expected[what])
+        agrees = share <= FIGURE_TOLERANCE
+        figures = (f"{expected[what]:.4f}", f"{figure:.4f}", f"{100 * share:.3f} %")
+        cells = (name, what, *figures, f"{100 * FIGURE_TOLERANCE:g} %", verdict[agrees])
+        rows.append(Outcome(cells, not agrees))
+    return rows
+
+
+CHECKERS = (
+    (f"VDMCheck2 {install.version_of(install.VDMCHECK)}", players.vdmcheck),
+    (f"fmutool {install.pins()['fmu-manipulation-toolbox']}", players.fmutool),
+)
+
+
+def check(name: str, checker: Callable[[Path], None]) -> Outcome:
+    """What a checker finds in the parts; FMPy's has seen them when they were built."""
+    say(f"{name}: {len(parts.PARTS)} parts")
+    try:
+        for part in parts.PARTS:
+            checker(part.path)
+    except Missing as reason:
+        return Outcome((name, f"skipped: {reason}"))
+    except Failed as reason:
+        return Outcome((name, f"**{part.identifier}**: {reason}"), wrong=True)
+    return Outcome((name, "finds nothing"))
+
+
+CHECK_HEAD = ("checker of the parts", "verdict")
+MASTER_HEAD = ("system", "master", "version", *KINDS, "allowed", "verdict")
+PYTHON_HEAD = ("system", "what", "Python", "package", "apart", "allowed", "verdict")
+
+
+def table(head: Sequence[str], outcomes: Sequence[Outcome]) -> list[str]:
+    """A table in Markdown, with columns of even width."""
+    rows = [head, *(o.cells for o in outcomes)]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
+    lines = [" | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
+    lines.insert(1, " | ".join("-" * width for width in widths))
+    return [f"| {line} |" for line in lines]
+
+
+def markdown(checks: Sequence[Outcome], masters: Sequence[Outcome], pythons: Sequence[Outcome]) -> str:
+    """The page docs/ssp.md."""
+    page = (compilation.SOURCES / "page.md").read_text()
+    facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
+    page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
+    page = page.replace("<!-- masters -->", "\n".join(table(MASTER_HEAD, masters)))
+    return page.replace("<!-- python -->", "\n".join([*table(PYTHON_HEAD, pythons), "", facts]))
+
+
+def main() -> int:
+    """Command line; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="ssp", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--only", help="names of masters, with commas; nothing is written then")
+    only = parser.parse_args().only
+    chosen = [master for master in MASTERS if only is None or master.name in only.split(",")]
+    compilation.build()
+    checks = [check(*row) for row in CHECKERS] if only is None else []
+    masters: list[Outcome] = []
+    pythons: list[Outcome] = []
+    for build_example in EXAMPLES.values():
+        example = build_example()
+        package = example.system.write()
+        say(f"FMPy: {package.relative_to(compilation.ROOT)}")
+        columns = coupled(example)
+        masters += [run_in(master, example.system, columns) for master in chosen]
+        pythons += compare(example.system.name, example.package_run(columns), example.python_run())
+    print(
+        *table(CHECK_HEAD, checks),
+        "",
+        *table(MASTER_HEAD, masters),
+        "",
+        *table(PYTHON_HEAD, pythons),
+        sep="\n",
+    )
+    if only is None:
+        (compilation.ROOT / "docs/ssp.md").write_text(markdown(checks, masters, pythons))
+        say("written to docs/ssp.md")
+    return int(any(o.wrong for o in (*checks, *masters, *pythons)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
