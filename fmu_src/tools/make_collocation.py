@@ -1,6 +1,6 @@
 """Writes radau_table.h and lobatto_table.h: the coefficients of collocation, computed at 60 digits.
 
-    python fmu_src/make_collocation.py [--check]
+    python fmu_src/tools/make_collocation.py [--check]
 
 Radau IIA: nodes c_1 < ... < c_s = 1 are the zeros of the polynomial of degree s that is orthogonal to all of
 degree s - 2 on [0, 1] with weight 1 and vanishes at 1: P_s(2c - 1) - P_{s-1}(2c - 1), P Legendre polynomials
@@ -19,7 +19,8 @@ from typing import Any
 
 import mpmath
 
-RADAU, LOBATTO = (Path(__file__).parent.parent / "numerics" / f"{name}_table.h" for name in ("radau", "lobatto"))
+NUMERICS = Path(__file__).resolve().parent.parent / "numerics"
+RADAU, LOBATTO = NUMERICS / "radau_table.h", NUMERICS / "lobatto_table.h"
 STAGES = (3, 5, 7)
 MP = mpmath.MPContext()
 MP.dps = 60
@@ -164,12 +165,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes the tables of coefficients")
     parser.add_argument("--check", action="store_true", help="only compare with the committed files")
     check = parser.parse_args().check
-    stale = {path: text for path, text in texts().items() if not path.exists() or path.read_text() != text}
+    stale = {
+        path: text
+        for path, text in texts().items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
+    }
     for path, text in stale.items():
         if check:
             print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
         else:
-            path.write_text(text)
+            path.write_text(text, encoding="utf-8", newline="\n")
     return 1 if check and stale else 0
 
 
