@@ -37,8 +37,8 @@ ONLY_IN = {2: {"fmi2.c"}, 3: {"fmi3.c", "dependencies.c", "dependencies.h"}}  # 
 class Fmu:
     """One FMU before it is built.
 
-    `sources` are its C files, `defines` the compiler options that select the model. `extra` (files) and `texts`
-    (content made by the build) are its members besides description and binaries, by name in the archive.
+    `sources` are its C files, `defines` the compiler options that select the model. `extra` (files) and
+    `texts` (made by the build) are its members besides description and binaries, by name in the archive.
     """
 
     identifier: str
