@@ -1,17 +1,12 @@
 /* How functions are compiled where that is not left to the compiler.
  *
- * COLD   runs when somebody asks, but never in a step: its code is to be small rather than fast. What starts a run is
- *        not rare: a study starts 200,000 a second
- * NOINLINE  large, and called from several places: not to be drawn into each */
+ * COLD      a function that no step calls: its code stands apart from the code of a step. A function that starts a run
+ *           is not cold: a study starts 200,000 runs a second
+ * NOINLINE  a large function with several callers, which is not to be copied into each of them */
 #ifndef DUALCAM_ATTRIBUTES_H
 #define DUALCAM_ATTRIBUTES_H
 
-#define NOINLINE __attribute__((noinline))
-
-#ifdef __clang__
-#define COLD __attribute__((cold, minsize))
-#else
 #define COLD __attribute__((cold))
-#endif
+#define NOINLINE __attribute__((noinline))
 
 #endif
