@@ -62,10 +62,15 @@ def test_building_again_writes_the_same_bytes(model, tmp_path):
 # ---- sources ----
 
 
+def c_files(folder):
+    """The names of the C files in a folder of sources: room/file."""
+    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.c"))
+
+
 def test_source_files_are_all_c_files_of_the_folder(model, unzipped):
     (co_simulation,) = model.document.findall("CoSimulation")
     listed = [file.attrib["name"] for file in co_simulation.find("SourceFiles")]
-    assert listed == sorted(path.name for path in (unzipped / "sources").glob("*.c"))
+    assert listed == c_files(unzipped / "sources")
 
 
 def fmi_headers(directory):
@@ -81,19 +86,21 @@ def compiled(model, unzipped, tmp_path_factory):
     """The sources as they are in the FMU, with the command that they and the documentation name."""
     directory = tmp_path_factory.mktemp(f"compiled-{model}")
     library = directory / f"{model}.so"
-    sources = sorted(path.name for path in (unzipped / "sources").glob("*.c"))
+    sources = c_files(unzipped / "sources")
+    assert all(name.count("/") == 1 for name in sources)  # the command names */*.c
     options = ["-std=c17", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]
     headers = fmi_headers(directory / "headers")
-    command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]
+    command = [*build_fmu.ZIG, *options, "-isystem", headers, "-I.", *sources, "-lm", "-o", library]
     subprocess.run(command, cwd=unzipped / "sources", check=True, capture_output=True, text=True)
     return library
 
 
 def test_the_command_is_the_one_that_is_documented(model, unzipped):
-    command = "cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> {}*.c -lm -o " + f"{model}.so"
-    assert command.format("") in (unzipped / "sources/identity.h").read_text()
+    options = "-std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers>"
+    command = f"cc {options} -I{{}} {{}}*/*.c -lm -o {model}.so"
+    assert command.format(".", "") in (unzipped / "sources/identity.h").read_text()
     page = (unzipped / "documentation/index.html").read_text().replace("&lt;", "<").replace("&gt;", ">")
-    assert command.format("sources/") in page
+    assert command.format("sources", "sources/") in page
 
 
 def test_the_sources_compile_from_there_alone_and_run_alike(model, compiled, libraries):
@@ -123,8 +130,8 @@ def test_the_functions_can_have_the_prefix_that_static_linking_needs(model, unzi
     assert text.count(plain) == 1
     header.write_text(text.replace(plain, paste))
     product = tmp_path / "fmi2.o"
-    options = ["-std=c17", f"-DFMI2_FUNCTION_PREFIX={model}_", "-isystem", headers]
-    command = [*build_fmu.ZIG, *options, "-c", "fmi2.c", "-o", product]
+    options = ["-std=c17", f"-DFMI2_FUNCTION_PREFIX={model}_", "-isystem", headers, "-I."]
+    command = [*build_fmu.ZIG, *options, "-c", "fmi/fmi2.c", "-o", product]
     subprocess.run(command, cwd=unzipped / "sources", check=True)
     assert f"\0{model}_fmi2DoStep\0".encode() in product.read_bytes()
 

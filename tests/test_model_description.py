@@ -123,7 +123,7 @@ def interface(model):
 
 def test_the_committed_file_is_what_the_emitter_prints(model):
     build_fmu.emit_description(model.identifier, 2, check=True)
-    names = [source.name for source in build_fmu.core_sources(model.identifier)]
+    names = build_fmu.names_of(build_fmu.core_sources(model.identifier))
     emitter = ROOT / f"build/host/emit_{model.identifier}_2"
     printed = subprocess.run([emitter, *names], capture_output=True, check=True)
     assert printed.stdout == model.xml.read_bytes()

@@ -20,7 +20,7 @@ def model(request):
 
 @pytest.fixture(scope="module")
 def built() -> None:
-    build = [sys.executable, ROOT / "fmu_src/build_fmu.py", "--sanitize"]
+    build = [sys.executable, ROOT / "fmu_src/tools/build_fmu.py", "--sanitize"]
     made = subprocess.run(build, capture_output=True, text=True)
     assert made.returncode == 0, made.stdout + made.stderr
 

@@ -34,6 +34,7 @@ from fmus import (
     emit_description,
     hand_written_fmu,
     identity,
+    names_of,
     null_fmu,
 )
 from platforms import ALL, PLATFORMS, SHARED, TARGET, host_platform, host_target
@@ -82,6 +83,7 @@ __all__ = [
     "identity",
     "is_fresh",
     "locked",
+    "names_of",
     "null_fmu",
     "place",
     "relative",

@@ -45,8 +45,9 @@ def headers() -> list[Path]:
 
 
 def build_program() -> list[Path]:
-    """The Python files of the build: a change of a compiler option makes the products stale."""
-    return list(TOOLS.glob("*.py"))
+    """The modules of the build on which the bytes of the products depend, for example by a compiler option.
+    The other modules make members and texts, which are inputs themselves."""
+    return [TOOLS / f"{name}.py" for name in ("archive", "compiler", "platforms", "products")]
 
 
 def fingerprint(files: Iterable[Path], *words: str) -> str:
