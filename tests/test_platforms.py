@@ -203,7 +203,7 @@ def test_a_plain_build_leaves_one_for_all_alone(version):
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory):
     """Runs Python code after `import build_fmu` in a copy of the sources, in a directory whose name has
-    spaces; returns that directory. The two places share nothing but the compiler's cache of its own C library."""
+    spaces; returns that directory. The two places share only the compiler's cache of its own C library."""
     root = tmp_path_factory.mktemp("another") / "place of longer name"
     for folder in ("fmu_src", "modelDescription", "benchmarks/null_fmu"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))

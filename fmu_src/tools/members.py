@@ -1,5 +1,5 @@
-"""What an FMU holds besides its binaries, its description and its documentation: its own source code,
-which compiles from there alone, and a reference result."""
+"""The members of an FMU besides binaries, description and documentation: its source code, which compiles
+without the repository, its terminals, and a reference result."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from pathlib import Path
 
 
 def sources(core: Path, files: Iterable[Path]) -> dict[str, Path]:
-    """Name in the archive -> file."""
+    """Name in the archive -> file, of the C files `files` below the folder `core`."""
     return {f"sources/{path.relative_to(core).as_posix()}": path for path in files}
 
 
 def identity_header(identifier: str, model: str, guid: str, version: int) -> str:
-    """What the project's own build says by -D options. model.h includes it where nobody does."""
+    """The header identity.h: the macros that the build of this repository defines by options. model.h
+    includes the header where the options are missing."""
     return f"""\
-/* Which FMU the files in this directory are. They need a C17 compiler and the headers of FMI {version}.0:
+/* The FMU of the files in this directory. They need a C17 compiler and the headers of FMI {version}.0:
  *
  *     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> -I. */*.c -lm -o {identifier}.so
  *
- * -ffp-contract=off keeps the last digits those of the binaries in this FMU. The functions have no prefix; to
- * link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_ */
+ * With -ffp-contract=off the last digits are the same as those of the binaries in this FMU. The functions
+ * have no prefix. To link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_ */
 #ifndef DUALCAM_IDENTITY_H
 #define DUALCAM_IDENTITY_H
 
@@ -34,7 +35,7 @@ def identity_header(identifier: str, model: str, guid: str, version: int) -> str
 
 
 def build_description(identifier: str, names: Iterable[str]) -> str:
-    """FMI 3.0's sources/buildDescription.xml."""
+    """The file sources/buildDescription.xml of FMI 3.0; `names` are the C files, relative to `sources`."""
     files = "\n".join(f'      <SourceFile name="{name}"/>' for name in names)
     return f"""\
 <?xml version="1.0" encoding="UTF-8"?>
@@ -50,8 +51,8 @@ def build_description(identifier: str, names: Iterable[str]) -> str:
 """
 
 
-# Member of the Modelica flange -> variable, and how it is connected. A torque on cam 2 flows into the
-# mechanism; F_ext is positive against z, and so flows out of it.
+# Member of the Modelica flange -> variable and its kind. A torque on cam 2 flows into the mechanism. F_ext is
+# positive against z: it flows out of the mechanism.
 SHAFT = {
     "forward": {"phi": ("theta", "signal"), "w": ("omega", "signal"), "tau": ("tau", "inflow")},
     "inverse": {
@@ -65,6 +66,7 @@ FOLLOWER = {"s": ("z", "signal"), "v": ("v", "signal"), "f": ("F_ext", "outflow"
 
 
 def terminal(title: str, kind: str, members: dict[str, tuple[str, str]], text: str) -> str:
+    """One element of terminalsAndIcons.xml; `members` are name -> variable and its kind."""
     lines = [
         f'      <TerminalMemberVariable variableName="{name}" memberName="{member}" variableKind="{how}"/>'
         for member, (name, how) in members.items()
@@ -74,9 +76,9 @@ def terminal(title: str, kind: str, members: dict[str, tuple[str, str]], text: s
 
 
 def terminals(model: str) -> str:
-    """terminalsAndIcons.xml: the flanges of shaft and follower. It is FMI 3.0's, and in the same place of an
-    FMU of FMI 2.0, which has none, for tools that look there. Speeds and acceleration go beyond what the
-    Modelica flanges have: by the rule `bus` a counterpart need not have them."""
+    """The file terminalsAndIcons.xml: the flanges of shaft and follower. FMI 3.0 defines the file. FMI 2.0
+    does not; its FMUs hold the file in the same place, for tools that look for it. The Modelica flanges have no
+    speeds and no acceleration: by the rule `bus` a counterpart need not have them."""
     flange = "Modelica.Mechanics.{}.Interfaces.Flange_{}".format
     shaft = terminal("shaft", flange("Rotational", "a"), SHAFT[model], "Cam 2: angle and torque")
     follower = terminal("follower", flange("Translational", "b"), FOLLOWER, "Position and external force")
@@ -96,6 +98,6 @@ def terminals(model: str) -> str:
 
 
 def reference(descriptions: Path, identifier: str) -> dict[str, Path]:
-    """Name in the archive -> file, of the reference result and its input."""
+    """Name in the archive -> file, of the reference result and its inputs."""
     names = ("README.txt", f"{identifier}_in.csv", f"{identifier}_ref.csv")
     return {f"extra/reference/{name}": descriptions / "reference" / name for name in names}
