@@ -77,8 +77,8 @@ def terminal(title: str, kind: str, members: dict[str, tuple[str, str]], text: s
 
 def terminals(model: str) -> str:
     """The file terminalsAndIcons.xml: the flanges of shaft and follower. FMI 3.0 defines the file. FMI 2.0
-    does not; its FMUs hold the file in the same place, for tools that look for it. The Modelica flanges have no
-    speeds and no acceleration: by the rule `bus` a counterpart need not have them."""
+    does not; its FMUs hold the file in the same place, for tools that look for it. The Modelica flanges have
+    no speeds and no acceleration: by the rule `bus` a counterpart need not have them."""
     flange = "Modelica.Mechanics.{}.Interfaces.Flange_{}".format
     shaft = terminal("shaft", flange("Rotational", "a"), SHAFT[model], "Cam 2: angle and torque")
     follower = terminal("follower", flange("Translational", "b"), FOLLOWER, "Position and external force")
