@@ -18,6 +18,7 @@ from workspace import (
     CORE,
     DESCRIPTIONS,
     ROOT,
+    TOOLS,
     BuildError,
     fingerprint,
     headers,
@@ -30,7 +31,8 @@ from workspace import (
 
 # Both FMUs are compiled from the same files, except fmi/model_<name>.c, which passes the FMI calls on.
 MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
-ONLY_IN = {2: {"fmi2.c"}, 3: {"fmi3.c", "dependencies.c", "dependencies.h"}}  # by version of FMI
+# Files of one version of FMI alone, by the beginning of their names. FMI 3.0 asks an FMU for its dependencies.
+ONLY_IN = {2: ("fmi2",), 3: ("fmi3", "version3", "dependencies")}
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,10 @@ def identity(fmu: Fmu) -> list[str]:
 
 def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
     """The files of one FMU in the rooms of fmu_src."""
-    others = {f"model_{model}.c" for name, model in MODELS.items() if name != identifier}
-    others |= set().union(*(names for v, names in ONLY_IN.items() if v != version))
-    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and p.parent.name != "tools"]
-    return sorted(p for p in files if p.name not in others)
+    others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
+    others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
+    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and TOOLS not in p.parents]
+    return sorted(p for p in files if not p.name.startswith(tuple(others)))
 
 
 def core_sources(identifier: str, version: int = 2) -> list[Path]:
