@@ -31,7 +31,7 @@ from workspace import (
 
 # Both FMUs are compiled from the same files, except fmi/model_<name>.c, which passes the FMI calls on.
 MODELS = {"DualCamForward": "forward", "DualCamInverse": "inverse"}
-# Files of one version of FMI alone, by the beginning of their names. FMI 3.0 asks an FMU for its dependencies.
+# Files of one version of FMI alone, by the beginning of their names. FMI 3.0 asks FMUs for dependencies.
 ONLY_IN = {2: ("fmi2",), 3: ("fmi3", "version3", "dependencies")}
 
 
