@@ -55,7 +55,7 @@ def library(core):
 
 
 def test_table_is_what_its_script_computes():
-    command = [sys.executable, str(ROOT / "fmu_src" / "make_collocation.py"), "--check"]
+    command = [sys.executable, str(ROOT / "fmu_src/tools/make_collocation.py"), "--check"]
     assert subprocess.run(command, capture_output=True, text=True).returncode == 0
 
 
@@ -81,7 +81,7 @@ def test_order_conditions(library, stages):
 
 def lobatto() -> dict[str, np.ndarray]:
     """The numbers of lobatto_table.h; of a matrix those that belong to one node are a row."""
-    text = (ROOT / "fmu_src" / "lobatto_table.h").read_text()
+    text = (ROOT / "fmu_src/numerics/lobatto_table.h").read_text()
     found = re.findall(r"\.(\w+) = ([{}\d.,e\s-]+),\n", text)
     lists = {name: json.loads(value.translate(str.maketrans("{}", "[]"))) for name, value in found}
     return {name: np.squeeze(np.array(numbers)) for name, numbers in lists.items()}

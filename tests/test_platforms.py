@@ -165,7 +165,7 @@ def test_depends_on_the_c_library_alone(model, platform):
         assert binary.exports == functions
     elif platform.suffix == ".dll":
         binary = read_pe(content)
-        assert binary.machine == ("x86" if platform.folder == "win32" else machine)
+        assert binary.machine == ("x86" if platform.folder in ("win32", "x86-windows") else machine)
         assert all(n == "KERNEL32.dll" or n.startswith("api-ms-win-crt-") for n in binary.needs), binary.needs
         assert binary.exports == functions
         assert binary.name == f"{model.identifier}.dll"

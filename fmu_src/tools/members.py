@@ -16,12 +16,12 @@ def identity_header(identifier: str, model: str, guid: str, version: int) -> str
     """The header identity.h: the macros that the build of this repository defines by options. model.h
     includes the header where the options are missing."""
     return f"""\
-/* The FMU of the files in this directory. They need a C17 compiler and the headers of FMI {version}.0:
- *
- *     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> -I. */*.c -lm -o {identifier}.so
- *
- * With -ffp-contract=off the last digits are the same as those of the binaries in this FMU. The functions
- * have no prefix. To link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_ */
+// The FMU of the files in this directory. They need a C17 compiler and the headers of FMI {version}.0:
+//
+//     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> -I. */*.c -lm -o {identifier}.so
+//
+// With -ffp-contract=off the last digits are the same as those of the binaries in this FMU. The functions
+// have no prefix. To link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_
 #ifndef DUALCAM_IDENTITY_H
 #define DUALCAM_IDENTITY_H
 
