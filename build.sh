@@ -37,12 +37,18 @@ usage: ./build.sh [command] [arguments]
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
-  check    lint, type check, and the C code under sanitizers and valgrind
+  check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code, then the C code under
+           sanitizers and valgrind
   help     this text
 
-Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. gcc and valgrind are used by
-the tests when present, Java and Rust by `masters`. Nothing outside this directory is written, apart from the
-caches of pip and cargo.
+"build" makes the FMUs for this machine, unless they are up to date. On a machine without bash:
+python -m pip install -e . and python fmu_src/tools/build_fmu.py.
+
+Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. The first command makes the virtual
+environment .venv and installs there the packages that pyproject.toml names, the C compiler among them (about 1 GB);
+commands that need more packages add them there. `masters` installs other masters and their packages into
+build/masters. The tests use gcc and valgrind when present, `masters` uses Java and Rust.
+Nothing outside this directory is written, apart from the caches of pip and cargo.
 TEXT
 }
 
@@ -152,10 +158,13 @@ case $command in
     masters) run_program . masters/run.py "$@" ;;
     all)
         install_dependencies .
-        build --all
+        build all
         ;;
     check)
         install_dependencies '.[test]'
+        say "clang-format"
+        find fmu_src -name '*.[ch]' ! -path '*/numerics/*_table.h' -print0 | # those tables are written by a program
+            xargs -0 .venv/bin/clang-format --dry-run -Werror
         say "ruff"
         .venv/bin/python -m ruff check .
         say "mypy"

@@ -1,18 +1,12 @@
-/* Compiler attributes of functions.
+/* How functions are compiled where that is not left to the compiler.
  *
- * COLD      never called in a step, only on request: compiled for small code. Functions that start a run are not cold:
- * a
- *           study starts 200,000 runs per second.
- * NOINLINE  large and called from several places: not to be copied into each caller. */
+ * COLD      a function that no step calls: its code stands apart from the code of a step. A function that starts a run
+ *           is not cold: a study starts 200,000 runs a second
+ * NOINLINE  a large function with several callers, which is not to be copied into each of them */
 #ifndef DUALCAM_ATTRIBUTES_H
 #define DUALCAM_ATTRIBUTES_H
 
-#define NOINLINE __attribute__((noinline))
-
-#ifdef __clang__
-#define COLD __attribute__((cold, minsize))
-#else
 #define COLD __attribute__((cold))
-#endif
+#define NOINLINE __attribute__((noinline))
 
 #endif

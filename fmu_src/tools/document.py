@@ -1,7 +1,7 @@
-"""documentation/index.html of an FMU: a template, two figures and the table of variables.
+"""The page documentation/index.html of an FMU: a template, two figures and the table of variables.
 
-The figures are drawn from the start values in modelDescription.xml and from the reference result, as SVG made
-of rounded numbers, so that every machine writes the same bytes.
+The figures are SVG, drawn from the start values in modelDescription.xml and from the reference result. Their
+numbers are rounded, so that every machine writes the same bytes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ TEMPLATE = Path(__file__).resolve().parent / "document.html"
 BLUE, ORANGE, GREY, INK = "#0969da", "#bc4c00", "#8c959f", "#1b1f24"
 Points = Sequence[tuple[float, float]]
 
-# What differs from one FMU to the other.
+# Texts that differ between the two FMUs.
 LOOP_CAPTION = {
     "DualCamForward": """\
 The reference result: torque goes in, angle comes out. Between the dashed edges of the stick band (here
@@ -145,7 +145,7 @@ class Chart:
         (x0, y0), (x1, y1) = self.place(*tail), self.place(*tip)
         length = math.hypot(x1 - x0, y1 - y0)
         ux, uy = (x1 - x0) / length, (y1 - y0) / length
-        sides = [(x1 - 9 * ux + way * 4 * uy, y1 - 9 * uy - way * 4 * ux) for way in (1, -1)]
+        sides = [(x1 - 9 * ux + side * 4 * uy, y1 - 9 * uy - side * 4 * ux) for side in (1, -1)]
         head = " ".join(f"{x:.1f},{y:.1f}" for x, y in [(x1, y1), *sides])
         stop = f"{x1 - 7 * ux:.1f} {y1 - 7 * uy:.1f}"
         self.parts.append(f'<path d="M{x0} {y0}L{stop}" stroke="{colour}" stroke-width="2"/>')
@@ -163,7 +163,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Row:
-    """A variable of modelDescription.xml, of either version of FMI."""
+    """A variable of modelDescription.xml, in FMI 2.0 and 3.0 alike."""
 
     type: str
     attributes: dict[str, str]
@@ -177,7 +177,7 @@ def variables(root: ET.Element) -> list[Row]:
 
 
 def start_values(root: ET.Element) -> dict[str, float]:
-    """Of the parameters that are numbers."""
+    """Name -> start value, of the parameters that are numbers."""
     return {
         v.attributes["name"]: float(v.attributes["start"])
         for v in variables(root)
@@ -186,13 +186,13 @@ def start_values(root: ET.Element) -> dict[str, float]:
 
 
 def slopes(p: dict[str, float]) -> tuple[float, float]:
-    """a1, a2 of two helices, which the start values are."""
+    """The slopes a1, a2 in m/rad of two helices: the start values describe helices."""
     first, second = (p[f"cam{i}.radius"] * math.tan(p[f"cam{i}.lead_angle"]) for i in (1, 2))
     return first, second
 
 
 def edge_of_stick_band(p: dict[str, float], theta: float, sigma: int) -> float:
-    """T_load (sigma = 1) or T_release (-1) of two helices without F_ext."""
+    """T_load (sigma = 1) or T_release (sigma = -1) in N.m, of two helices without F_ext."""
     kappa = 0.0
     for i, a in enumerate(slopes(p), start=1):
         r, friction = p[f"cam{i}.radius"], sigma * p[f"cam{i}.friction"]
@@ -203,7 +203,7 @@ def edge_of_stick_band(p: dict[str, float], theta: float, sigma: int) -> float:
 
 
 def sketch(p: dict[str, float]) -> str:
-    """Both grooves over the angle about the axis, at two angles of cam 2."""
+    """SVG of both grooves over the angle about the axis, at two angles of cam 2."""
     a1, a2 = slopes(p)
     before, after = 0.7, p["stop.upper"]
     end, top = 1.12 * after, a1 * after
@@ -245,14 +245,14 @@ def read(path: Path) -> list[dict[str, float]]:
 
 
 def between(rows: list[dict[str, float]], time: float, name: str) -> float:
-    """On the straight line between two rows."""
+    """The column `name` at `time`, on the straight line between two rows."""
     k = min(max(bisect_right([row["time"] for row in rows], time), 1), len(rows) - 1)
     a, b = rows[k - 1], rows[k]
     return a[name] + (b[name] - a[name]) * (time - a["time"]) / (b["time"] - a["time"])
 
 
 def loop(p: dict[str, float], given: list[dict[str, float]], result: list[dict[str, float]]) -> str:
-    """Torque over angle, of the reference result."""
+    """SVG of torque over angle, from the reference result."""
     path = []
     for row in result:
         both = {n: row[n] if n in row else between(given, row["time"], n) for n in ("theta", "tau")}
@@ -274,7 +274,7 @@ def loop(p: dict[str, float], given: list[dict[str, float]], result: list[dict[s
 
 
 def value_and_display(text: str, unit: ET.Element | None) -> str:
-    """A start value, with what a tool shows if that is another unit."""
+    """A start value; in brackets the value in the display unit, which a tool shows."""
     shown = None if unit is None else unit.find("DisplayUnit")
     number = f"{float(text):.6g}"
     if shown is None or float(text) == 0:
@@ -313,7 +313,8 @@ def table(root: ET.Element) -> str:
 
 
 def page(description: str, reference: Path) -> str:
-    """The page of the FMU with that modelDescription.xml; its reference result is in that folder."""
+    """The page of the FMU with the modelDescription.xml `description`; the folder `reference` holds its
+    reference result."""
     root = ET.fromstring(description)
     name, fmi = root.attrib["modelName"], int(root.attrib["fmiVersion"][0])
     p = start_values(root)

@@ -1,6 +1,6 @@
 """Draws modelDescription/model.png, the icon of both FMUs:
 
-    python fmu_src/draw_icon.py
+    python fmu_src/tools/draw_icon.py
 
 Not part of the build: what matplotlib draws depends on its version, so the file is committed.
 """

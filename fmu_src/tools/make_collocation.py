@@ -19,7 +19,8 @@ from typing import Any
 
 import mpmath
 
-RADAU, LOBATTO = (Path(__file__).parent.parent / "numerics" / f"{name}_table.h" for name in ("radau", "lobatto"))
+NUMERICS = Path(__file__).resolve().parent.parent / "numerics"
+RADAU, LOBATTO = NUMERICS / "radau_table.h", NUMERICS / "lobatto_table.h"
 STAGES = (3, 5, 7)
 MP = mpmath.MPContext()
 MP.dps = 60
@@ -166,12 +167,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Writes the tables of coefficients")
     parser.add_argument("--check", action="store_true", help="only compare with the committed files")
     check = parser.parse_args().check
-    stale = {path: text for path, text in texts().items() if not path.exists() or path.read_text() != text}
+    stale = {
+        path: text
+        for path, text in texts().items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
+    }
     for path, text in stale.items():
         if check:
             print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
         else:
-            path.write_text(text)
+            path.write_text(text, encoding="utf-8", newline="\n")
     return 1 if check and stale else 0
 
 

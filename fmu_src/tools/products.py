@@ -1,0 +1,96 @@
+"""Makes the products, each only when an input has changed: libraries, FMUs, programs of the tests."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from archive import validate, write_archive
+from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
+from fmus import Fmu, identity
+from platforms import ALL, TARGET, Platform, executable, host_platform
+from workspace import (
+    BUILD,
+    ROOT,
+    build_program,
+    fingerprint,
+    headers,
+    is_fresh,
+    relative,
+    say,
+    set_stamp,
+)
+
+LIFECYCLE = ROOT / "tests/native/lifecycle.c"
+
+
+def build_library(fmu: Fmu, platform: Platform) -> Path:
+    """The library of `fmu` for `platform`."""
+    library = platform.library(fmu.identifier)
+    defines = [*fmu.defines, *identity(fmu)]
+    inputs = [*fmu.sources, *headers(), *build_program()]
+    stamp = fingerprint(inputs, platform.folder, *platform.targets, *defines)
+    if is_fresh(library, stamp):
+        return library
+    say(f"compile {relative(library)} ({len(fmu.sources)} files)")
+    slices = []
+    for target in platform.targets:
+        part = BUILD / "parts" / f"fmi{fmu.version}" / target / library.name
+        compile_library(platform, target, defines, fmu.sources, part)
+        slices.append(part.read_bytes())
+    library.parent.mkdir(parents=True, exist_ok=True)
+    library.write_bytes(slices[0] if len(slices) == 1 else universal(slices))
+    set_stamp(library, stamp)
+    return library
+
+
+def build(fmu: Fmu, for_all: bool = False) -> None:
+    """Makes the FMU for this machine or, with `for_all`, for all platforms. An up-to-date FMU for all
+    platforms stays where only this machine is asked for."""
+    every = ALL[fmu.version]
+    platforms = every if for_all else (host_platform(fmu.version),)
+    inputs = [*fmu.sources, *fmu.extra.values(), *headers(), *build_program()]
+
+    def stamp(held: Sequence[Platform]) -> str:
+        folders = [platform.folder for platform in held]
+        texts = [*fmu.texts, *fmu.texts.values()]
+        return fingerprint(inputs, fmu.description, *fmu.defines, *fmu.extra, *texts, *folders)
+
+    if any(is_fresh(fmu.path, stamp(held)) for held in (platforms, every)):
+        return
+    members = {name: path.read_bytes() for name, path in fmu.extra.items()}
+    members |= {name: text.encode() for name, text in fmu.texts.items()}
+    members["modelDescription.xml"] = fmu.description.encode()
+    for platform in platforms:
+        library = build_library(fmu, platform)
+        members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
+    unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
+    try:
+        write_archive(unfinished, members)
+        validate(unfinished)
+        unfinished.replace(fmu.path)
+    finally:
+        unfinished.unlink(missing_ok=True)
+    set_stamp(fmu.path, stamp(platforms))
+    say(f"{relative(fmu.path)} ({fmu.path.stat().st_size // 1024} kB, valid)")
+
+
+def build_native_drivers(fmu: Fmu) -> None:
+    """Two programs of tests/native/lifecycle.c and the FMU's sources: `<identifier>-sanitized`, and
+    `<identifier>` for valgrind. Their compiler may be the system's, whose warnings differ by version: they
+    are switched off here, and on for the pinned compiler of the FMUs."""
+    folder = BUILD / "native"
+    compiler, sanitizers, name = sanitizing_compiler(folder)
+    plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
+    for stem, command, flags in (
+        (f"{fmu.identifier}-sanitized", compiler, sanitizers),
+        (fmu.identifier, plain, []),
+    ):
+        program = executable(folder / stem)
+        flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
+        stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), *build_program()], *command, *flags)
+        if not is_fresh(program, stamp):
+            say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
+            compile_c(command, flags, [*fmu.sources, LIFECYCLE], program)
+            set_stamp(program, stamp)
