@@ -114,16 +114,15 @@ command=${1-example}
 cd "$(repository)"
 export ZIG_GLOBAL_CACHE_DIR="${ZIG_GLOBAL_CACHE_DIR:-$PWD/build/zig-cache}"
 export ZIG_LOCAL_CACHE_DIR="${ZIG_LOCAL_CACHE_DIR:-$PWD/build/zig-cache}"
+# Modules that are no part of the package: how FMUs are built, other masters, the tests' reference solutions.
+export PYTHONPATH="$PWD/fmu_src/tools:$PWD/masters:$PWD/tests:$PWD/tests/support"
 
 case $command in
     example) run_program . system_examples/robot_joint.py "$@" ;;
     knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
     door) run_program . system_examples/car_door.py "$@" ;;
     design) run_program . system_examples/designed_groove.py "$@" ;;
-    ssp)
-        export PYTHONPATH=fmu_src/tools:masters  # how FMUs are built, and how other masters are installed
-        run_program . -m system_examples.ssp "$@"
-        ;;
+    ssp) run_program . -m system_examples.ssp "$@" ;;
     report)
         case ${1-} in
             robot_joint | prosthetic_knee | car_door) ;;

@@ -84,8 +84,8 @@ def fmu(make):
 
 @pytest.fixture(scope="session")
 def core(tmp_path_factory):
-    """Compiles a room of the C core and the rooms below, whose functions are then called one by one. `headers`: names
-    like "contact/contact"; the last one names the highest room."""
+    """Compiles a room of the C core and the rooms below, whose functions are then called one by one.
+    `headers`: names like "contact/contact"; the last one names the highest room."""
 
     rooms_in_order = list(house.MAY_INCLUDE)
 

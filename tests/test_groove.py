@@ -1,4 +1,4 @@
-"""Groove laws (fmu_src/geometry/groove*.c) and the transmission along theta (fmu_src/geometry/transmission.c)."""
+"""Groove laws (fmu_src/geometry/groove*.c) and the transmission along theta (transmission*.c beside them)."""
 
 import locale
 import math
@@ -106,7 +106,7 @@ class Transmission(Structure):
     ]
 
 
-FILES = ["geometry/groove_csv", "geometry/transmission"]
+FILES = ["geometry/groove_csv", "geometry/transmission_build"]
 STRUCTURES = [
     CamParams,
     StopParams,
@@ -353,7 +353,9 @@ def test_table_stays_monotone_and_smooth(library, scratch, data):
         steep = max(max(groove.table.piece[i].slope) for i in (j - 1, j)) + 1e-300
         assert left.z == pytest.approx(right.z, abs=8 * EPS * (scale + steep * psi[-1]))
         assert left.slope == pytest.approx(right.slope, abs=1e-12 * steep * psi[-1] / min(widths))
-        assert left.dslope_dpsi == pytest.approx(right.dslope_dpsi, abs=1e-12 * steep * psi[-1] / min(widths) ** 2)
+        assert left.dslope_dpsi == pytest.approx(
+            right.dslope_dpsi, abs=1e-12 * steep * psi[-1] / min(widths) ** 2
+        )
     library.groove_free(byref(groove))
 
 
@@ -540,7 +542,9 @@ def test_course_derivatives(library, courses, laws, first, second, lower):
                 size = sum(abs(p.coef)) * (1 + piece.scale) ** 2 * DEGREE**2
                 assert point.slope[i] == pytest.approx(p(x), abs=1e-15 * size)
                 assert point.dslope_dtheta[i] == pytest.approx(p.deriv()(x) * piece.scale, abs=1e-15 * size)
-                assert point.d2slope_dtheta2[i] == pytest.approx(p.deriv(2)(x) * piece.scale**2, abs=1e-15 * size)
+                assert point.d2slope_dtheta2[i] == pytest.approx(
+                    p.deriv(2)(x) * piece.scale**2, abs=1e-15 * size
+                )
             lift = point.slope[0] * point.slope[1] / (point.slope[0] + point.slope[1])
             z = np.polynomial.Polynomial(list(piece.z))
             assert point.z == pytest.approx(z(x), abs=1e-16)
@@ -555,7 +559,9 @@ def test_course_of_ellipses_to_50_digits(library, courses, laws):
             gap = lambda g, t=theta: exact_ellipse(first, g)[0] - exact_ellipse(second, mpmath.mpf(t) - g)[0]  # noqa: E731
             gamma = mpmath.findroot(gap, (theta / 3, theta / 2 + 0.01), solver="anderson", tol=1e-60)
             one, two = exact_ellipse(first, gamma), exact_ellipse(second, mpmath.mpf(theta) - gamma)
-        assert library.transmission_gamma(byref(transmission), theta) == pytest.approx(float(gamma), abs=4e-16)
+        assert library.transmission_gamma(byref(transmission), theta) == pytest.approx(
+            float(gamma), abs=4e-16
+        )
         assert library.transmission_z(byref(transmission), theta) == pytest.approx(float(one[0]), abs=1e-17)
         point = library.point(library.transmission_piece(byref(transmission), theta, 0), theta)
         assert list(point.slope) == pytest.approx([float(one[1]), float(two[1])], rel=1e-13)

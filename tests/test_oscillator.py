@@ -21,7 +21,7 @@ class Kernel(ctypes.Structure):
         *((n, ctypes.c_double) for n in ("t", "s", "ds", "p1", "p2", "p3")),
         ("lead", ctypes.c_double),
         ("square", ctypes.c_double * 6),
-        ("squared", ctypes.c_bool),
+        ("has_square", ctypes.c_bool),
     ]
 
 

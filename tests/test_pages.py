@@ -92,8 +92,7 @@ def test_design_block(run_block, capsys):
 @pytest.fixture(scope="module")
 def robot_joint():
     """Results of system_examples/robot_joint.py by payload in kg and name of the joint."""
-    sys.path.insert(0, str(ROOT / "system_examples"))
-    import robot_joint
+    from system_examples import robot_joint
 
     names = {
         "no cam": robot_joint.BARE,

@@ -12,17 +12,13 @@ from xml.etree import ElementTree
 
 import fmpy
 import numpy as np
+import package
+import players
 import pytest
 from driver import ROOT
 from fmpy.validation import validate_fmu
-from lxml import etree
-
-sys.path.insert(0, str(ROOT / "masters/hosts"))
-sys.path.insert(0, str(ROOT / "masters"))
-
-import package
-import players
 from install import Failed, Missing
+from lxml import etree
 
 from dualcam import Fmu, FmuError
 from dualcam.systems import car_door, elbow, knee

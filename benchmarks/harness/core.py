@@ -6,15 +6,14 @@ from __future__ import annotations
 import ctypes
 import functools
 import re
-import sys
 from collections.abc import Sequence
 from pathlib import Path
+
+import build_fmu  # fmu_src/tools is on PYTHONPATH, see build.sh
 
 from benchmarks.harness.repository import BENCHMARKS, ROOT
 
 FMU_SRC = ROOT / "fmu_src"
-sys.path.insert(0, str(FMU_SRC / "tools"))  # the build program and its modules are no package
-import build_fmu  # noqa: E402
 
 BUILD = build_fmu.BUILD
 FORWARD = "DualCamForward"
@@ -37,7 +36,7 @@ LOOP_LIMITS = {
     "collocation iterations": ("tolerances", "RADAU_NEWTON_ITERATIONS"),
     "quasi-static iterations": ("tolerances", "EDGE_ITERATIONS"),
     "collocation nodes": ("radau", "RADAU_MAX"),
-    "bisections": ("bernstein", "MAX_DEPTH"),
+    "bisections": ("tolerances", "BERNSTEIN_MAX_DEPTH"),
     "closed-form root iterations": ("tolerances", "LINEAR_ROOT_ITERATIONS"),
     "closed-form arcs": ("linear_search", "INTERVALS"),
 }

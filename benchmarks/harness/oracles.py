@@ -3,11 +3,7 @@ functions."""
 
 from __future__ import annotations
 
-import sys
-
-from benchmarks.harness.repository import ROOT
-
-sys.path.insert(0, str(ROOT / "tests"))  # whose modules import one another without a package
+# tests and tests/support are on PYTHONPATH, see build.sh
 import driver  # type: ignore[import-not-found]
 import general_scenes  # type: ignore[import-not-found]
 import reference  # type: ignore[import-not-found]

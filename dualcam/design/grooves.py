@@ -1,4 +1,4 @@
-"""Groove laws z = g(psi) as the FMU has them (fmu_src/geometry/groove.h), for whole arrays at once, with the curvature
+"""Groove laws z = g(psi) as the FMU has them (fmu_src/geometry/groove.h), for arrays, with the curvature
 of the unwrapped groove (x = r psi, z).
 
 A `Table` lays the very curve through its samples that the FMU lays (fmu_src/geometry/groove_table.h)."""

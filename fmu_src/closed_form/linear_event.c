@@ -5,16 +5,16 @@
 #include "closed_form/linear_search.h"
 
 /* Without a drive omega itself is homogeneous. */
-Event event_last(const LinearSegment *s, double horizon) {
+LinearEvent linear_event_horizon(const LinearSegment *s, double horizon) {
     const SlipStart *l = &s->start;
     const double rest = l->drive == 0.0 ? oscillator_zero(&s->linear->oscillator, l->omega, l->alpha) : INFINITY;
-    return rest <= horizon ? (Event){EVENT_REST, rest} : (Event){EVENT_NONE, horizon};
+    return rest <= horizon ? (LinearEvent){EVENT_REST, rest} : (LinearEvent){EVENT_NONE, horizon};
 }
 
 /* The earliest event found so far, and what describes the segment up to it. */
 typedef struct {
     const LinearSegment *segment;
-    Event event;
+    LinearEvent event;
     Kernel *kernel;
     SegmentEnds *ends;
     Kernel latest; /* of the latest sample of an indicator */
@@ -23,10 +23,10 @@ typedef struct {
 /* Ends the segment at t, unless t is infinite: there is no such event. */
 static void end_segment_at(EventSearch *search, EventKind kind, double t) {
     if (!(t < INFINITY)) return;
-    search->event = (Event){.kind = kind, .t = t};
+    search->event = (LinearEvent){.kind = kind, .t = t};
     if (search->latest.t == t) *search->kernel = search->latest;
     else oscillator_kernel(&search->segment->linear->oscillator, t, search->kernel);
-    event_ends(search->segment, search->kernel, search->ends);
+    linear_segment_ends(search->segment, search->kernel, search->ends);
 }
 
 static void search_crossing(EventSearch *search, EventKind kind, LinearQuantity quantity, double sign) {
@@ -44,7 +44,7 @@ static double time_to_stop(EventSearch *search) {
     return linear_search_zero(&room, search->event.t);
 }
 
-Event event_first(const LinearSegment *s, Event last, Kernel *kernel, SegmentEnds *ends) {
+LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel *kernel, SegmentEnds *ends) {
     EventSearch search = {.segment = s, .kernel = kernel, .ends = ends, .event = last};
     search.latest.t = NAN;
     const double direction = s->linear->direction;

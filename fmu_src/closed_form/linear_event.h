@@ -11,18 +11,18 @@
 #include "closed_form/linear_peaks.h"
 #include "closed_form/linear_segment.h"
 #include "model/event_kind.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 typedef struct {
     EventKind kind;
     double t; /* s since the start of the segment */
-} Event;
+} LinearEvent;
 
 /* The latest end of the segment: velocity zero, if its time follows without a search, else EVENT_NONE at `horizon`. */
-Event event_last(const LinearSegment *segment, double horizon);
+LinearEvent linear_event_horizon(const LinearSegment *segment, double horizon);
 
 /* The first event up to `last`, or `last` itself. On entry `kernel` and `ends` describe the segment up to last.t; on
  * return they describe the segment up to the event that is returned. */
-Event event_first(const LinearSegment *segment, Event last, Kernel *kernel, SegmentEnds *ends);
+LinearEvent linear_event_first(const LinearSegment *segment, LinearEvent last, Kernel *kernel, SegmentEnds *ends);
 
 #endif

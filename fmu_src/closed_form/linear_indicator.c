@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 static IndicatorSample sample_speed(const LinearIndicator *indicator, const LinearMotion *motion) {
     const Oscillator *osc = &indicator->segment->linear->oscillator;
@@ -22,7 +22,7 @@ static double contact_rounding(const LinearSegment *s, const LinearMotion *motio
     const double spring = fabs(s->params->spring.stiffness * s->geometry->dz_dtheta);
     const double force = fabs(s->params->spring.preload) + spring * (fabs(l->theta) + fabs(motion->dtheta)) +
                          fabs(l->F_ext) + fabs(l->F_ext_rate) * motion->t;
-    return NO_REACTION *
+    return REACTION_ZERO_SHARE *
            (fabs(s->linear->transfer.axial[i]) * force +
             fabs(s->linear->speed[i]) * (fabs(motion->omega) + LINEAR_START_SHARE * fabs(l->omega)) +
             fabs(s->linear->acceleration[i]) * (fabs(motion->alpha) + LINEAR_START_SHARE * fabs(l->alpha)));
@@ -39,7 +39,7 @@ static IndicatorSample sample_contact(const LinearIndicator *indicator, const Li
         .t = motion->t,
         .value = indicator->sign * c.value,
         .rate = indicator->sign * c.rate,
-        .second = indicator->sign * c.curvature,
+        .second = indicator->sign * c.second,
         .third = indicator->sign *
                  (spring * motion->jerk + s->linear->speed[i] * snap + s->linear->acceleration[i] * crackle),
         .rounding = contact_rounding(s, motion, i),

@@ -29,7 +29,7 @@ static inline void raise_reaction_at_ends(const LinearSegment *s, const SegmentE
 }
 
 /* The two contacts are written out: compilers do not unroll a loop over them here. */
-void event_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
+void linear_segment_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
     peak_raise(&peak->omega, s->start.omega);
     peak_raise(&peak->omega, ends->motion.omega);
     raise_reaction_at_ends(s, ends, 0, peak);

@@ -5,6 +5,6 @@
 #include "closed_form/linear_segment.h"
 
 /* Raises the peaks of |omega| and |R_i| to the largest values on [0, ends->motion.t]. */
-void event_peaks(const LinearSegment *segment, const SegmentEnds *ends, Peaks *peak);
+void linear_segment_peaks(const LinearSegment *segment, const SegmentEnds *ends, Peaks *peak);
 
 #endif

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* Under constant inputs the indicator is a constant plus a decaying oscillation. Its first minimum is the lowest, its
  * first maximum the highest; both are among the first two extrema. */

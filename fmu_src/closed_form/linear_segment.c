@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* A quantity has at most one zero in the segment. True if the quantity has none after the start. A quantity that
  * starts at zero has had its zero. Where the quantity has all but died away, its sign at the end is rounding. */
@@ -16,7 +16,7 @@ static bool is_short(const LinearSegment *s, const SegmentEnds *ends) {
 }
 
 static double contact_curvature(const LinearSegment *s, const LinearMotion *motion, int i) {
-    return linear_slip_contact(s->linear, s->params, s->geometry, &s->start, motion, i).curvature;
+    return linear_slip_contact(s->linear, s->params, s->geometry, &s->start, motion, i).second;
 }
 
 /* True if dx_i/dt has at most one zero in a short segment: dx_i/dt is homogeneous (constant inputs) or monotone (its
@@ -43,7 +43,7 @@ bool linear_segment_contact_is_monotone(const LinearSegment *s, const SegmentEnd
     return is_short(s, ends) && contact_rate_keeps_sign(ends, i) && contact_rate_has_one_zero(s, ends, i);
 }
 
-void event_ends(const LinearSegment *s, const Kernel *kernel, SegmentEnds *ends) {
+void linear_segment_ends(const LinearSegment *s, const Kernel *kernel, SegmentEnds *ends) {
     const SlipStart *l = &s->start;
     const LinearMotion start = linear_slip_motion_at_start(s->linear, l), *motion = &ends->motion;
     linear_slip_motion(s->linear, l, kernel, &ends->motion);
@@ -91,7 +91,7 @@ bool linear_segment_has_band_edge(const LinearSegment *s) {
     return s->linear->regime == REGIME_VISCOUS && s->edge != s->linear->transfer.rho;
 }
 
-bool event_quiet(const LinearSegment *s, const SegmentEnds *ends) {
+bool linear_segment_is_quiet(const LinearSegment *s, const SegmentEnds *ends) {
     const LinearMotion *motion = &ends->motion;
     const double sign = s->linear->direction;
     if (!(sign * motion->dtheta < s->room && sign * motion->omega > 0.0)) return false;

@@ -33,10 +33,10 @@ typedef struct {
 } SegmentEnds;
 
 /* Fills `ends` for the segment of the length of `kernel`. */
-void event_ends(const LinearSegment *segment, const Kernel *kernel, SegmentEnds *ends);
+void linear_segment_ends(const LinearSegment *segment, const Kernel *kernel, SegmentEnds *ends);
 
 /* True if no event lies in (0, ends->motion.t]. False decides nothing. */
-bool event_quiet(const LinearSegment *segment, const SegmentEnds *ends);
+bool linear_segment_is_quiet(const LinearSegment *segment, const SegmentEnds *ends);
 
 /* The parts of the quiet test: true if omega has no zero in the segment; true if x_i keeps its sign. */
 bool linear_segment_keeps_speed(const LinearSegment *segment, const SegmentEnds *ends);

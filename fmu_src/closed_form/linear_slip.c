@@ -60,7 +60,7 @@ static void start_inertial(const LinearSlipMode *linear, SlipStart *l) {
     l->alpha = (linear_slip_net_torque(linear, l) - linear->damping * l->omega) / linear->mass;
     if (l->omega == 0.0 && linear->direction * l->alpha < 0.0) l->alpha = 0.0;
     if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) l->drive = load_rate(linear, l) / linear->mass;
-    l->curvature = l->drive - linear->oscillator.stiffness * l->omega;
+    l->alpha_drive = l->drive - linear->oscillator.stiffness * l->omega;
 }
 
 static void start_viscous(const LinearSlipMode *linear, SlipStart *l) {
@@ -112,21 +112,21 @@ static double base_speed(const LinearSlipMode *linear, const SlipStart *l, const
 
 LinearMotion linear_slip_motion_at_start(const LinearSlipMode *linear, const SlipStart *l) {
     return (LinearMotion){
-        .omega = l->omega, .alpha = l->alpha, .jerk = l->curvature - linear->oscillator.decay2 * l->alpha};
+        .omega = l->omega, .alpha = l->alpha, .jerk = l->alpha_drive - linear->oscillator.decay2 * l->alpha};
 }
 
 void linear_slip_motion(const LinearSlipMode *linear, const SlipStart *l, const Kernel *k, LinearMotion *motion) {
     const double decay2 = linear->oscillator.decay2, w2 = linear->oscillator.stiffness;
     const double b = base_speed(linear, l, k);
     const bool settles = k->lead != 0.0;
-    const double alpha = l->alpha * k->ds + l->curvature * k->s;
+    const double alpha = l->alpha * k->ds + l->alpha_drive * k->s;
     const double omega = settles ? b * (1.0 - w2 * k->p1) - k->lead * k->ds * l->alpha + l->drive * k->p1
-                                 : l->omega + (l->alpha * k->s + l->curvature * k->p1);
+                                 : l->omega + (l->alpha * k->s + l->alpha_drive * k->p1);
     *motion = (LinearMotion){
         .t = k->t,
         .dtheta =
             b * (k->s + decay2 * k->p1) + l->alpha * (settles ? -k->lead * k->s : k->p1) + l->drive * k->p2 + l->offset,
-        .domega = settles ? omega - l->omega : l->alpha * k->s + l->curvature * k->p1,
+        .domega = settles ? omega - l->omega : l->alpha * k->s + l->alpha_drive * k->p1,
         .omega = omega,
         .alpha = alpha,
         .jerk = l->drive - decay2 * alpha - w2 * omega,
@@ -148,7 +148,7 @@ ContactLoad linear_slip_contact(const LinearSlipMode *linear, const Params *p, c
     return (ContactLoad){
         .value = contact(linear, i, force, motion->omega, motion->alpha),
         .rate = contact(linear, i, spring * motion->omega + l->F_ext_rate, motion->alpha, motion->jerk),
-        .curvature = contact(linear, i, spring * motion->alpha, motion->jerk, snap),
+        .second = contact(linear, i, spring * motion->alpha, motion->jerk, snap),
     };
 }
 
@@ -174,13 +174,13 @@ ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params 
     return (ContactLoad){
         .value = axial * force + speed * omega + acceleration * alpha,
         .rate = axial * (spring * omega + fabs(l->F_ext_rate)) + speed * alpha + acceleration * jerk,
-        .curvature = axial * spring * alpha + speed * jerk + acceleration * (decay2 * jerk + w2 * alpha),
+        .second = axial * spring * alpha + speed * jerk + acceleration * (decay2 * jerk + w2 * alpha),
     };
 }
 
 /* integral of omega^2 over the segment, J per N.m.s/rad */
 static double integral_of_square(const LinearSlipMode *linear, const SlipStart *l, Kernel *k) {
-    if (!k->squared) oscillator_square(&linear->oscillator, k);
+    if (!k->has_square) oscillator_square(&linear->oscillator, k);
     const double *q = k->square, b = base_speed(linear, l, k);
     const double free = q[0] * b * b + q[3] * l->alpha * l->alpha + 2.0 * q[1] * b * l->alpha;
     if (l->drive == 0.0) return free;

@@ -8,7 +8,10 @@
  *     M = J + rho m z' + rho kappa_1 I gamma'    B = b + rho c z'    dN/dtheta = -K = -rho k z'
  * The regime follows from the coefficients that are zero. M > 0: inertial. M = 0 and B not 0: viscous, omega = N/B.
  * Both zero: rate-independent, N = 0, theta follows the edge of the stick band. oscillator.h gives the motion at
- * any time. */
+ * any time.
+ *
+ * The room closed_form/ holds slip of two helices under linear forces, where the motion is known exactly at any time, and
+ * the events that end such a motion. May include: numerics, model, contact. */
 #ifndef DUALCAM_LINEAR_SLIP_H
 #define DUALCAM_LINEAR_SLIP_H
 
@@ -16,7 +19,6 @@
 
 #include "closed_form/oscillator.h"
 #include "contact/contact.h"
-#include "geometry/cam.h"
 #include "model/elements.h"
 #include "model/ledger.h"
 #include "model/params.h"
@@ -41,7 +43,7 @@ typedef struct {
 /* The start of a segment of slip. The rates of the inputs hold over the whole segment. */
 typedef struct {
     double theta, omega, alpha; /* rad, rad/s, rad/s^2 */
-    double curvature;           /* rad/s^3, d alpha/dt + 2a alpha = U - w2 omega */
+    double alpha_drive;         /* rad/s^3, d alpha/dt + 2a alpha = U - w2 omega */
     double drive;               /* rad/s^3, U: rate of tau - rho F_ext over M; 0 without inertia */
     double tau, tau_rate;       /* N.m, N.m/s */
     double F_ext, F_ext_rate;   /* N, N/s */

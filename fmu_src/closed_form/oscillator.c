@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 static const double PI = 3.14159265358979323846;
 
@@ -177,7 +177,7 @@ static bool is_settled(const Oscillator *osc, double t) {
 void oscillator_kernel(const Oscillator *osc, double t, Kernel *kernel) {
     kernel->t = t;
     kernel->lead = is_settled(osc, t) ? 1.0 / osc->decay2 : 0.0;
-    kernel->squared = false;
+    kernel->has_square = false;
     if (osc->rate * t <= OSCILLATOR_SERIES_LIMIT) {
         fill_by_series(osc, t, kernel);
     } else if (osc->separation < 0.0) {
@@ -300,7 +300,7 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
         oscillator_kernel(osc, t, &k);
         double_square(osc, lead, &k, kernel->square);
     }
-    kernel->squared = true;
+    kernel->has_square = true;
 }
 
 static double underdamped_zero(const Oscillator *osc, double y0, double dy0) {

@@ -38,7 +38,7 @@ typedef struct {
         lead; /* s, 1/(2a) if damping settles the motion, |2a| t > 1 and (2a)^2 >= w2: the second form above; else 0 */
     /* integral of omega^2 as a quadratic form in (b0, alpha0, U), see oscillator_square() */
     double square[6];
-    bool squared;
+    bool has_square;
 } Kernel;
 
 /* decay2: 2a, 1/s; stiffness: w2, 1/s^2. */

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 double ballistic_time(double speed, double alpha, double distance) {
     const double root = speed * speed + 2.0 * alpha * distance;

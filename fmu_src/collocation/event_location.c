@@ -6,7 +6,7 @@
 #include "collocation/breakpoint.h"
 #include "collocation/step_control.h"
 #include "collocation/step_indicator.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- a step that ends on a crossing ---- */
 
@@ -131,7 +131,7 @@ static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator)
  * another one, so the indicators of the shortened step are searched again. False if what happens in the step shows in
  * a shorter step only. *solved: the length up to which the step has a solution, s. */
 static bool end_on_first_event(const SegmentLimits *limits, EventLocation *location, double *solved) {
-    RadauStep *step = &location->radau;
+    RadauStep *step = &location->step;
     unsigned ignored = 0;
     for (int n = 0; n < 2 * STEP_INDICATORS; n++) {
         StepIndicator first = STEP_SPEED;
@@ -157,10 +157,10 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
 
 /* A step to a breakpoint says little about the length of the next step: the earlier proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
-    const RadauStep *step = &location->radau;
+    const RadauStep *step = &location->step;
     location->next = step_control_next(step);
-    location->for_breakpoint = step->h == to_breakpoint;
-    if (location->for_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
+    location->aimed_at_breakpoint = step->h == to_breakpoint;
+    if (location->aimed_at_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
 }
 
 bool event_location_find(const SlipMode *slip, const Balance *start, double room, double left,
@@ -171,7 +171,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double room
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
     do {
         const double longest = fmin(fmin(left, length), to_breakpoint);
-        if (!step_control_solve(slip, start, longest, first, &location->radau)) return false;
+        if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
@@ -179,12 +179,4 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double room
         length = LOCATION_SHORTENING * solved;
     } while (length > shortest);
     return false;
-}
-
-void event_location_peaks(const SlipMode *slip, EventLocation *location, double known_omega,
-                          const double known_reaction[2]) {
-    const RadauPeaks known = {known_omega, {known_reaction[0], known_reaction[1]}};
-    const RadauPeaks peaks = radau_step_peaks(slip, &location->radau, &known);
-    location->omega = peaks.omega;
-    for (int i = 0; i < 2; i++) location->reaction[i] = peaks.reaction[i];
 }

@@ -7,32 +7,28 @@
  *
  * The length h of the shortened step is sought by Newton's method inside a bracket. Bracket invariant: the indicator f
  * is not negative at the end of a step of length `left`; f is negative at the end of a step of length `right`, once
- * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection. */
+ * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection.
+ *
+ * The room collocation/ holds slip in grooves of any shape and under any forces, by integration: the Radau step, its step
+ * control and event location; the Lobatto step for quiet motion.
+ * May include: platform, numerics, model, geometry, contact. */
 #ifndef DUALCAM_EVENT_LOCATION_H
 #define DUALCAM_EVENT_LOCATION_H
 
-#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
-#include "collocation/radau_variation.h"
 #include "model/event_kind.h"
 
 typedef struct {
-    RadauStep radau;
-    EventKind kind;      /* what ended the segment */
-    bool at_breakpoint;  /* the segment ended at a breakpoint of the transmission */
-    bool for_breakpoint; /* the length of the step was the time to the breakpoint */
-    StepProposal next;   /* for the next segment */
-    double reaction[2];  /* N, largest |R_i| in the segment, total: see event_location_peaks() */
-    double omega;        /* rad/s, largest |omega| in the segment */
+    RadauStep step;
+    EventKind kind;           /* what ended the segment */
+    bool at_breakpoint;       /* the segment ended at a breakpoint of the transmission */
+    bool aimed_at_breakpoint; /* the length of the step was the time to the breakpoint */
+    StepProposal next;        /* for the next segment */
 } EventLocation;
 
 /* The longest segment of at most `left` seconds from `start`. `room`: angle to the end stop ahead, rad. `first`: the
  * proposal of the segment before. False where no step is accepted: the contacts jam the motion on the spot. */
 bool event_location_find(const SlipMode *slip, const Balance *start, double room, double left,
                          const StepProposal *first, EventLocation *location);
-
-/* Fills in the largest speed and reactions. Values below the known ones are not searched for. */
-void event_location_peaks(const SlipMode *slip, EventLocation *location, double known_omega,
-                          const double known_reaction[2]);
 
 #endif

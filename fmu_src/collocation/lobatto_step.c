@@ -6,7 +6,7 @@
 #include "collocation/breakpoint.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- error ---- */
 
@@ -55,7 +55,7 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
     const Vector2 dtheta = s->h * LOBATTO.weight.half[k] * omega;
     const Vector2 dz = s->h * LOBATTO.weight.half[k] * v;
     Vector2 axial = n->force + n->damper, moment = {0.0, 0.0};
-    if (slip->heavy) {
+    if (slip->follower_has_inertia) {
         const Vector2 alpha = s->y.half[k], omega2 = omega * omega;
         axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
         moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
@@ -168,7 +168,7 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
         f.delta * slip->inputs->tau[0] - f.p * (spring_force(&p->spring, from->z) + slip->inputs->F_ext[0]);
     if (slip->regime != REGIME_INERTIAL) return net / damping;
     double mass = f.delta * p->inertia.shaft;
-    if (slip->heavy) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
+    if (slip->follower_has_inertia) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
     return (net - damping * from->omega) / mass;
 }
 

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 /* ---- grooves at two nodes ---- */
@@ -37,7 +37,7 @@ static inline PointPair points_at(const SlipMode *slip, Vector2 theta) {
         const Vector2 none = {0.0, 0.0};
         points = (PointPair){.slope = {none + piece->slope[0][0], none + piece->slope[0][1]}};
         points.z = piece->z[0] + theta * piece->z[1];
-    } else if (slip->heavy) {
+    } else if (slip->follower_has_inertia) {
         find_slopes_and_derivatives(piece, theta, &points);
     } else {
         find_slopes(piece, theta, &points);
@@ -59,7 +59,7 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
     n->dpsi_dtheta[0] = n->slope[1] * inverse;
     n->dpsi_dtheta[1] = n->slope[0] * inverse;
     n->dz_dtheta = n->slope[0] * n->dpsi_dtheta[0];
-    if (!slip->heavy) return;
+    if (!slip->follower_has_inertia) return;
     n->d2gamma_dtheta2 =
         (points.dslope_dtheta[1] * n->dpsi_dtheta[1] - points.dslope_dtheta[0] * n->dpsi_dtheta[0]) * inverse;
     n->d2z_dtheta2 = points.dslope_dtheta[0] * n->dpsi_dtheta[0] * n->dpsi_dtheta[0] +
@@ -86,7 +86,7 @@ static inline bool has_damper(const SlipMode *slip) {
 
 /* True if alpha depends on the speed. */
 static inline bool is_resisted(const SlipMode *slip) {
-    return slip->heavy || has_damper(slip) || slip->params->shaft.damping > 0.0;
+    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0;
 }
 
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
@@ -104,7 +104,7 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
     n->damper = damper_at(slip, n->dz_dtheta, omega);
     Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * f->delta;
-    if (slip->heavy) {
+    if (slip->follower_has_inertia) {
         const Vector2 m = f->p * in->follower_mass, I = f->q * in->follower;
         n->mass += m * n->dz_dtheta + I * n->dpsi_dtheta[0];
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
@@ -213,7 +213,7 @@ static inline void find_inputs(LobattoSystem *s) {
     const Inputs *in = s->slip->inputs;
     s->tau = lobatto_constant(in->tau[0]);
     s->F_ext = lobatto_constant(in->F_ext[0]);
-    for (int k = 1; k < LOBATTO_NODES && !s->slip->steady; k++) {
+    for (int k = 1; k < LOBATTO_NODES && !s->slip->inputs_are_constant; k++) {
         const double t = s->h * LOBATTO.node.at[k];
         s->tau.at[k] = input_value(in->tau, t);
         s->F_ext.at[k] = input_value(in->F_ext, t);
@@ -244,7 +244,7 @@ bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
-        if (n == 0 || (end->given && !slip->steady)) find_inputs(s);
+        if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
         const LobattoValues change = sweep(s);
         const double size = lobatto_largest(lobatto_range(&change));
         const LobattoValues next = predict_change(s, &change);

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* Bracket invariant: the edge is below the torque at `from`, and not below the torque at `to`, which may be infinite.
  * `from` is the start of the search until the edge has been found below the torque. */

@@ -6,7 +6,7 @@
 #include "collocation/radau_edge.h"
 #include "collocation/radau_system.h"
 #include "collocation/step_energy.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- error ---- */
 
@@ -98,7 +98,7 @@ static double energy_error_of(const SlipMode *slip, const RadauStep *step) {
         .kinetic = {kinetic_energy(slip, start), kinetic_energy(slip, end)},
         .spring_force = start->force - start->F_ext,
         .tau = end->tau,
-        .angle_noise = step->noise,
+        .angle_noise = step->angle_noise,
     };
     return step_energy_error(slip, &step->booking, &ends);
 }
@@ -116,15 +116,15 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     step->dtheta = step->node_dtheta[r->stages - 1];
     step->domega = 0.0;
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
-    step->noise = radau_edge_noise(s, step->node);
-    const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->noise;
+    step->angle_noise = radau_edge_noise(s, step->node);
+    const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
     step->error = fmax(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
 }
 
 static bool integrate(RadauSystem *s, RadauStep *step) {
     const Radau *r = s->method;
-    step->noise = 0.0;
+    step->angle_noise = 0.0;
     if (!radau_system_solve(s, step->node)) return false;
     radau_system_place_nodes(s);
     for (int i = 0; i < r->stages; i++) step->node_dtheta[i] = s->dtheta[i];

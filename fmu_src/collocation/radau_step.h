@@ -28,7 +28,7 @@ typedef struct {
     Booking booking;               /* J, work and heat over the step */
     double error;                  /* estimate over the error that the tolerance allows: the step is good up to 1 */
     double energy_error;           /* residual of the energy balance, likewise: see step_energy.h */
-    double noise;                  /* rad, rate-independent only: how far the rounding of the torques moves theta */
+    double angle_noise;            /* rad, rate-independent only: how far the rounding of the torques moves theta */
 } RadauStep;
 
 /* What the next step tries first: a length, s, which may be infinite, and the least number of stages. */

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
 #include "numerics/lu.h"
+#include "numerics/tolerances.h"
 
 _Static_assert((int)RADAU_MAX == (int)LU_MAX, "a row of the Newton matrix is a row of Lu");
 

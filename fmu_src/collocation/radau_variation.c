@@ -3,8 +3,8 @@
 #include <math.h>
 
 #include "collocation/radau_system.h"
-#include "model/tolerances.h"
 #include "numerics/lu.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,

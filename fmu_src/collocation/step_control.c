@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* Few stages while the motion is slow against the step. Along the edge of the stick band, which is solved for node by
  * node, stages cost little against short steps. */

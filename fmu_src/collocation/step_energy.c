@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 double step_energy_error(const SlipMode *slip, const Booking *b, const EnergyEnds *e) {
     const Params *p = slip->params;

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "contact/contact.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- what may end the segment ---- */
 
@@ -84,7 +84,7 @@ static double rounding_of(const SegmentLimits *limits, StepIndicator indicator, 
     if (!step_indicator_is_flank(indicator)) return 0.0;
     BalanceRates rates;
     balance_rates(limits->slip, start, 0.0, &rates);
-    return NO_REACTION * rates.size[indicator == STEP_FLANK_1 ? 0 : 1];
+    return REACTION_ZERO_SHARE * rates.size[indicator == STEP_FLANK_1 ? 0 : 1];
 }
 
 static inline RadauValues values_of(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {

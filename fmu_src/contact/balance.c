@@ -30,7 +30,7 @@ static inline NetTorque net_torque(const SlipMode *slip, const SlipCoefficients 
         .size = fabs(f->delta.value) * (fabs(in->tau) + fabs(shaft_torque)) +
                 fabs(f->p.value) * (fabs(spring) + fabs(F_ext) + fabs(damper)),
     };
-    if (slip->heavy) {
+    if (slip->follower_has_inertia) {
         const Dual by_speed = slip_inertia_by_speed(slip, k);
         net.value.value -= by_speed.value * omega * omega;
         net.value.slope -= by_speed.slope * omega * omega;
@@ -151,7 +151,7 @@ typedef struct {
 
 static inline Loads loads_of(const SlipMode *slip, const SlipCoefficients *k, double force, double omega,
                              double alpha) {
-    if (!slip->heavy) return (Loads){force, 0.0};
+    if (!slip->follower_has_inertia) return (Loads){force, 0.0};
     const InertiaParams *i = &slip->params->inertia;
     return (Loads){
         force + i->follower_mass * (k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega),

@@ -13,7 +13,7 @@
 #include "model/elements.h"
 #include "model/known.h"
 #include "model/ledger.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* The right-hand side: alpha, or without inertia omega, as a function of theta, omega and time. */
 typedef struct {

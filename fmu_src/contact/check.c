@@ -4,7 +4,8 @@
 #include <stdio.h>
 
 #include "contact/contact_factors.h"
-#include "model/tolerances.h"
+#include "geometry/transmission_build.h"
+#include "numerics/tolerances.h"
 
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;

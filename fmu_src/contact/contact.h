@@ -39,7 +39,7 @@ typedef struct {
 
 /* x_i of a contact and its first and second time derivatives, or their sizes. */
 typedef struct {
-    double value, rate, curvature;
+    double value, rate, second;
 } ContactLoad;
 
 /* x_i and its first time derivative, of both contacts. */

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "contact/contact_factors.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
@@ -27,7 +27,7 @@ static void apply_load(const Load *load, ContactForces *forces) {
     for (int i = 0; i < 2; i++) forces->x[i] = t->axial[i] * load->axial + t->moment[i] * load->moment;
 }
 
-bool contact_statics_is_idle(const ContactForces *forces, const Load *load, int i) {
+bool contact_statics_carries_nothing(const ContactForces *forces, const Load *load, int i) {
     const Transfer *t = &forces->transfer;
     const double size = fabs(t->axial[i]) * load->axial_size + fabs(t->moment[i]) * load->moment_size;
     return fabs(forces->x[i]) <= REACTION_ROUNDING * size;
@@ -37,7 +37,7 @@ bool contact_statics_is_idle(const ContactForces *forces, const Load *load, int 
 static bool agrees(const Load *load, const ContactForces *forces) {
     if (!forces->transfer.regular || !isfinite(forces->torque)) return false;
     for (int i = 0; i < 2; i++)
-        if (forces->flank[i] * forces->x[i] < 0.0 && !contact_statics_is_idle(forces, load, i)) return false;
+        if (forces->flank[i] * forces->x[i] < 0.0 && !contact_statics_carries_nothing(forces, load, i)) return false;
     return true;
 }
 

@@ -42,7 +42,7 @@ bool contact_statics_forces(const ContactStatics *statics, int direction, const 
 bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces);
 
 /* Is the reaction of contact i zero, to rounding? Then either flank agrees. */
-bool contact_statics_is_idle(const ContactForces *forces, const Load *load, int i);
+bool contact_statics_carries_nothing(const ContactForces *forces, const Load *load, int i);
 
 /* m/rad: d rho/dtheta on the flanks of `forces`. */
 double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces);

@@ -25,7 +25,7 @@ static inline void set_kinematics(SlipCoefficients *k, const TransmissionPoint *
 static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, SlipCoefficients *k) {
     for (int i = 0; i < 2; i++)
         s.slope[i] = fmax(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
-    set_kinematics(k, &s, slip->heavy);
+    set_kinematics(k, &s, slip->follower_has_inertia);
     for (int i = 0; i < 2; i++) {
         k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
         dual_contact_factors_set(&k->factors, i, slip->params->cam[i].radius, slip->mu[i], k->slope[i]);
@@ -34,8 +34,9 @@ static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, S
 }
 
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out) {
-    const TransmissionPoint point = slip->heavy ? piece_point(slip->piece, theta, TRANSMISSION_SECOND_DERIVATIVES)
-                                                : piece_point(slip->piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
+    const TransmissionPoint point = slip->follower_has_inertia
+                                        ? piece_point(slip->piece, theta, TRANSMISSION_SECOND_DERIVATIVES)
+                                        : piece_point(slip->piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
     set_coefficients(slip, point, out);
     return point.z;
 }
@@ -64,8 +65,8 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
     }
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;
-    slip.heavy = p->inertia.follower_mass + p->inertia.follower > 0.0;
-    slip.steady = inputs_constant(inputs);
+    slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;
+    slip.inputs_are_constant = inputs_constant(inputs);
     slip.to_rounding = false;
     slip.regime = regime_of(&slip);
     if (transmission->straight) set_coefficients(&slip, straight_point(slip.piece), &slip.coefficients);

@@ -35,8 +35,8 @@ typedef struct {
     int flank[2];                  /* e_i */
     double mu[2];                  /* sigma e_i mu_i */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
-    bool heavy;                    /* the follower has mass or inertia */
-    bool steady;                   /* the inputs are constant */
+    bool follower_has_inertia;     /* the follower has mass or inertia */
+    bool inputs_are_constant;      /* the inputs are constant */
     SlipCoefficients coefficients; /* set where both grooves are straight: the same at every theta */
     bool to_rounding; /* collocation steps are solved to rounding, not to a share of the tolerance: the last step
                          before an event */
@@ -67,7 +67,7 @@ typedef struct {
 
 static inline InputValues slip_inputs_at(const SlipMode *slip, double t) {
     const Inputs *in = slip->inputs;
-    if (slip->steady) return (InputValues){.tau = in->tau[0], .F_ext = in->F_ext[0]};
+    if (slip->inputs_are_constant) return (InputValues){.tau = in->tau[0], .F_ext = in->F_ext[0]};
     return (InputValues){input_value(in->tau, t), input_value(in->F_ext, t), input_rate(in->tau, t),
                          input_rate(in->F_ext, t)};
 }
@@ -87,7 +87,7 @@ static inline Dual slip_inertia(const SlipMode *slip, const SlipCoefficients *k)
     const InertiaParams *i = &slip->params->inertia;
     const DualContactFactors *f = &k->factors;
     const Dual shaft = dual_scale(i->shaft, f->delta);
-    if (!slip->heavy) return shaft;
+    if (!slip->follower_has_inertia) return shaft;
     return dual_add(shaft, dual_add(dual_multiply(dual_scale(i->follower_mass, f->p), k->dz_dtheta),
                                     dual_multiply(dual_scale(i->follower, f->q), k->dpsi_dtheta[0])));
 }

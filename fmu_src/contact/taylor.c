@@ -14,7 +14,7 @@ static void expand(const double p[TRANSMISSION_DEGREE + 1], const Jet *x, double
     for (int k = 0; k < JET_TERMS; k++) out[k] = value.c[k].value;
 }
 
-void taylor_place(const SlipMode *slip, Taylor *t) {
+void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
     const Jet x = {.c = {constant((t->theta.c[0].value - piece->middle) * piece->scale), constant(piece->scale)}};
     for (int i = 0; i < 2; i++) {
@@ -130,7 +130,7 @@ void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylo
     if (regime != REGIME_RATE_INDEPENDENT) t->omega.c[0].value = balance->omega;
     if (regime == REGIME_INERTIAL) t->omega.c[1].value = balance->alpha;
     for (int k = 0; k < 2; k++) t->theta.c[k + 1] = dual_scale(1.0 / (k + 1), t->omega.c[k]);
-    taylor_place(slip, t);
+    taylor_expand_grooves(slip, t);
     const double first = residual_by_speed(regime, &by, 0, t->stiffness);
     const bool follows = regime != REGIME_RATE_INDEPENDENT || first * by.by[KNOWN_TAU] < 0.0;
     int k = regime == REGIME_INERTIAL ? 2 : 0;

@@ -21,7 +21,7 @@ typedef struct {
     double stiffness; /* N.m/rad, K: if > 0, tau = K (far - theta) */
     Jet far;          /* rad, the port's angle */
     Known known;      /* the duals' slopes are derivatives by this known; KNOWN_COUNT: by nothing */
-    /* Set by taylor_place(): a_i and z as polynomials in theta - theta(0). */
+    /* Set by taylor_expand_grooves(): a_i and z as polynomials in theta - theta(0). */
     double slope[2][JET_TERMS], height[JET_TERMS];
     /* Set by taylor_balance(): */
     Jet z, v;                  /* m, m/s */
@@ -31,7 +31,7 @@ typedef struct {
 } Taylor;
 
 /* Expands the grooves around theta(0), in the transmission's segment of the slip mode. */
-void taylor_place(const SlipMode *slip, Taylor *t);
+void taylor_expand_grooves(const SlipMode *slip, Taylor *t);
 
 /* Computes all that theta, omega, tau and F_ext imply. In the regime REGIME_RATE_INDEPENDENT no force depends on speed,
  * whatever the parameters are. R, A and W are one order shorter if there are masses. */

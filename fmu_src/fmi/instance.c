@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "fmi/resources.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 #ifndef MODEL_GUID
 #error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"

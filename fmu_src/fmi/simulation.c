@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "fmi/access.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- co-simulation ---- */
 

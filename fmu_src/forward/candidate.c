@@ -90,19 +90,19 @@ static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candi
     Balance later;
     balance_at(slip, theta, omega, dt, &later);
     for (int i = 0; i < 2; i++) {
-        candidate->contact[i].curvature = later.x[i];
-        candidate->size[i].curvature = candidate->size[i].value;
+        candidate->contact[i].second = later.x[i];
+        candidate->size[i].second = candidate->size[i].value;
     }
 }
 
 static bool is_undecided(const Candidate *candidate, int i) {
-    return fabs(candidate->contact[i].value) <= NO_REACTION * candidate->size[i].value &&
-           fabs(candidate->contact[i].rate) <= NO_REACTION * candidate->size[i].rate;
+    return fabs(candidate->contact[i].value) <= REACTION_ZERO_SHARE * candidate->size[i].value &&
+           fabs(candidate->contact[i].rate) <= REACTION_ZERO_SHARE * candidate->size[i].rate;
 }
 
 /* However small a load is, theta is known to its rounding only. This is the effect of that on x_i, as a size. */
 static double noise_of_angle(const Mechanism *m, double by_angle) {
-    static const double ROUNDING = 4.0 * DBL_EPSILON / NO_REACTION;
+    static const double ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
     return ROUNDING * largest_angle(&m->params) * fabs(by_angle);
 }
 

@@ -26,7 +26,7 @@ LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode 
 }
 
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
-    event_peaks(s, ends, peak);
+    linear_segment_peaks(s, ends, peak);
     peak_raise(&peak->torque, s->start.tau);
     peak_raise(&peak->torque, s->start.tau + s->start.tau_rate * ends->motion.t);
 }
@@ -66,21 +66,21 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     Kernel *kernel = &m->cache.kernel[index];
     if (kernel->t != h) oscillator_kernel(&linear->oscillator, h, kernel);
     SegmentEnds ends;
-    event_ends(&s, kernel, &ends);
-    return event_quiet(&s, &ends) && propose(m, &s, &ends, kernel, segment);
+    linear_segment_ends(&s, kernel, &ends);
+    return linear_segment_is_quiet(&s, &ends) && propose(m, &s, &ends, kernel, segment);
 }
 
 bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     const LinearSegment s = linear_segment_from_here(m, linear);
-    const Event last = event_last(&s, fmin(left, linear->oscillator.horizon));
+    const LinearEvent last = linear_event_horizon(&s, fmin(left, linear->oscillator.horizon));
     Kernel kernel = m->cache.kernel[index];
     if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);
     SegmentEnds ends;
-    event_ends(&s, &kernel, &ends);
-    const bool quiet = last.kind == EVENT_NONE && event_quiet(&s, &ends);
-    const EventKind end = quiet ? EVENT_NONE : event_first(&s, last, &kernel, &ends).kind;
+    linear_segment_ends(&s, &kernel, &ends);
+    const bool quiet = last.kind == EVENT_NONE && linear_segment_is_quiet(&s, &ends);
+    const EventKind end = quiet ? EVENT_NONE : linear_event_first(&s, last, &kernel, &ends).kind;
     if (!propose(m, &s, &ends, &kernel, segment)) return false;
     segment->end = end;
     segment->duration = kernel.t;

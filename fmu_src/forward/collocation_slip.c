@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "collocation/lobatto_step.h"
+#include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
 #include "forward/candidate.h"
 #include "forward/impact.h"
@@ -18,16 +19,16 @@ static bool slips_on(const Mechanism *m) {
 
 /* ---- Radau steps ---- */
 
-static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
+static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const RadauStep *step, Segment *segment) {
     Peaks *peak = &segment->peak;
-    const RadauStep *radau = &location->radau;
-    const double known[2] = {peak->reaction[0] * m->params.contacts, peak->reaction[1] * m->params.contacts};
-    event_location_peaks(slip, location, peak->omega, known);
-    peak_raise(&peak->omega, location->omega);
-    peak_raise(&peak->torque, radau->start.tau);
-    peak_raise(&peak->torque, radau->node[radau->method->stages - 1].tau);
-    segment_raise_input_peaks(m, radau->h, segment);
-    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], location->reaction[i] / m->params.contacts);
+    const int contacts = m->params.contacts; /* the step's reactions are totals */
+    const RadauPeaks known = {peak->omega, {peak->reaction[0] * contacts, peak->reaction[1] * contacts}};
+    const RadauPeaks peaks = radau_step_peaks(slip, step, &known);
+    peak_raise(&peak->omega, peaks.omega);
+    peak_raise(&peak->torque, step->start.tau);
+    peak_raise(&peak->torque, radau_step_end(step)->tau);
+    segment_raise_input_peaks(m, step->h, segment);
+    for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], peaks.reaction[i] / contacts);
 }
 
 /* Without inertia: the speed that the law gives at the end's own angle, not at the last iterate or beyond a breakpoint. */
@@ -39,25 +40,25 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
 
 /* The segment along a Radau step to its end. False if a value is not finite. */
 static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
-    const RadauStep *radau = &location->radau;
-    const Balance *end = &radau->node[radau->method->stages - 1];
-    const Booking *b = &radau->booking;
-    if (!isfinite(radau->dtheta + end->omega + b->work_in + b->heat_cam[0] + b->heat_cam[1] + b->heat_damper))
+    const RadauStep *step = &location->step;
+    const Balance *end = radau_step_end(step);
+    const Booking *b = &step->booking;
+    if (!isfinite(step->dtheta + end->omega + b->work_in + b->heat_cam[0] + b->heat_cam[1] + b->heat_damper))
         return false;
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
     segment->booking = *b;
-    if (m->params.ledger) raise_radau_peaks(m, slip, location, segment);
+    if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
-    segment->duration = radau->h;
-    segment->theta = theta_after(m, radau->dtheta);
+    segment->duration = step->h;
+    segment->theta = theta_after(m, step->dtheta);
     segment->moves = segment->varies = true;
     if (slip->regime == REGIME_INERTIAL) {
-        sum_add(&segment->omega, radau->domega);
+        sum_add(&segment->omega, step->domega);
     } else {
-        segment->omega = sum_of(speed_at_end(m, slip, segment->theta.hi, radau->h));
+        segment->omega = sum_of(speed_at_end(m, slip, segment->theta.hi, step->h));
     }
-    segment->ends_at_breakpoint = location->for_breakpoint;
+    segment->ends_at_breakpoint = location->aimed_at_breakpoint;
     segment->location = location;
     m->cache.proposal = location->next;
     return true;
@@ -140,8 +141,8 @@ static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double l
 /* The largest values inside a Lobatto step, by way of a Radau step over the same time. */
 static void raise_peaks_inside(const Mechanism *m, const SlipMode *slip, double h, Segment *segment) {
     const Balance start = balance_from_here(m, slip);
-    EventLocation location;
-    if (radau_step_solve(slip, &start, h, RADAU_MAX, &location.radau)) raise_radau_peaks(m, slip, &location, segment);
+    RadauStep step;
+    if (radau_step_solve(slip, &start, h, RADAU_MAX, &step)) raise_radau_peaks(m, slip, &step, segment);
 }
 
 static void raise_lobatto_peaks(const Mechanism *m, const SlipMode *slip, const LobattoStep *lobatto,
@@ -163,7 +164,7 @@ static void lobatto_segment(const Mechanism *m, const SlipMode *slip, const Loba
     segment->duration = lobatto->h;
     segment->theta = theta_after(m, lobatto->dtheta);
     segment->moves = true;
-    segment->varies = !slip->steady;
+    segment->varies = !slip->inputs_are_constant;
     if (slip->regime == REGIME_INERTIAL) {
         sum_add(&segment->omega, lobatto->domega);
     } else {

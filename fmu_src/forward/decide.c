@@ -21,11 +21,11 @@ bool begins_with_jump(const Candidate *candidate, int direction) {
  * rate of the rate. A contact that stays without load suits either flank. */
 static bool flank_agrees(const Candidate *candidate, int direction, int flank, int i) {
     const ContactLoad *c = &candidate->contact[i], *size = &candidate->size[i];
-    if (fabs(c->value) > NO_REACTION * size->value) return flank * c->value > 0.0;
+    if (fabs(c->value) > REACTION_ZERO_SHARE * size->value) return flank * c->value > 0.0;
     if (begins_with_jump(candidate, direction)) /* only the spring's force changes, by direction times its stiffness */
         return flank * direction * candidate->axial[i] >= 0.0;
-    if (fabs(c->rate) > NO_REACTION * size->rate) return flank * c->rate > 0.0;
-    return fabs(c->curvature) <= NO_REACTION * size->curvature || flank * c->curvature > 0.0;
+    if (fabs(c->rate) > REACTION_ZERO_SHARE * size->rate) return flank * c->rate > 0.0;
+    return fabs(c->second) <= REACTION_ZERO_SHARE * size->second || flank * c->second > 0.0;
 }
 
 /* Rate-independent slip that does not begin with a jump follows the moving edge of the band, in its own direction. */
@@ -84,6 +84,7 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
     const int index = find_slip_mode(m, direction, true, built);
+    /* No slip mode agrees on the very edge: whether the torque is inside or beyond is rounding there. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }

@@ -3,7 +3,7 @@
 #include <float.h>
 
 #include "forward/decide.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);

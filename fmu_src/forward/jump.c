@@ -80,11 +80,11 @@ bool jump_propose(Mechanism *m, double left, Segment *segment) {
 /* ---- folds ---- */
 
 bool jump_is_at_fold(const SlipMode *slip, const EventLocation *location, double left) {
-    const RadauStep *radau = &location->radau;
-    if (location->kind != EVENT_NONE || location->at_breakpoint || radau->h >= left) return false;
-    const bool slower = fabs(radau->node[radau->method->stages - 1].omega) < fabs(radau->start.omega);
-    const bool noisy = radau->noise > slip->params->tolerance * fabs(radau->dtheta);
-    const bool near = fabs(radau->dtheta) <= FOLD_SHARE * (slip->piece->upper - slip->piece->lower);
+    const RadauStep *step = &location->step;
+    if (location->kind != EVENT_NONE || location->at_breakpoint || step->h >= left) return false;
+    const bool slower = fabs(radau_step_end(step)->omega) < fabs(step->start.omega);
+    const bool noisy = step->angle_noise > slip->params->tolerance * fabs(step->dtheta);
+    const bool near = fabs(step->dtheta) <= FOLD_SHARE * (slip->piece->upper - slip->piece->lower);
     return !slower && ((noisy && inputs_load_constant(slip->inputs)) || near);
 }
 

@@ -7,7 +7,7 @@
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 bool ode_is_possible(const Mechanism *m, Fault *fault) {
     if (has_inertia(&m->params)) return true;

@@ -11,7 +11,7 @@
 #include "forward/lifecycle.h"
 #include "forward/rest.h"
 #include "forward/stick.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 typedef enum {

@@ -78,8 +78,6 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
     const EdgeFactors f = stick_edges(m, side_of(m, F_0));
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
-    const double tau = m->inputs.tau[1], load = stick_edge(factor, m->inputs.F_ext[1]);
-    if (fabs(tau - load) > STICK_EDGE_MOVES_ALONG * (fabs(tau) + fabs(load))) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 

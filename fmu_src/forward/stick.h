@@ -6,7 +6,7 @@
 #define DUALCAM_STICK_H
 
 #include "forward/state.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* A difference of torques or loads below this share of their size is zero. */
 static inline double stick_tie(const Mechanism *m) {
@@ -34,7 +34,7 @@ double stick_edge(double factor, double F_0); /* N.m */
  * On an edge, to rounding, the first time derivative that is not zero decides. */
 int stick_pressed(const Mechanism *m);
 
-/* Is the torque on the band's edge of that direction, to rounding, and does the torque move along with the edge? */
+/* Is the torque on the band's edge of that direction, to rounding? */
 bool stick_is_on_edge(const Mechanism *m, int direction);
 
 /* MODE_STICK, or MODE_WEDGED: at rest inside the band, where an edge is infinite, torque beyond the frictionless

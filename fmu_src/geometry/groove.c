@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 static bool build_helix(Groove *groove, const CamParams *cam) {
     groove->gain = cam->radius * tan(cam->lead_angle);

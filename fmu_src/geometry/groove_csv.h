@@ -6,7 +6,7 @@
 #include <stddef.h>
 
 #include "model/fault.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 enum { QUOTED_PATH = 120 }; /* bytes of a path in a message */
 

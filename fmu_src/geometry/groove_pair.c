@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "geometry/pin_position.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
 typedef struct {

@@ -4,7 +4,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 enum { STENCIL = 5 }; /* samples in the difference formula */
 

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 GammaRange pin_gamma_range(const Groove groove[2], double theta) {
     return (GammaRange){

@@ -4,7 +4,11 @@
  *     a_1(theta) = g1'(gamma(theta))    a_2(theta) = g2'(theta - gamma(theta))    z(theta) = g1(gamma)
  * and derivatives of a_i by theta. The transmission holds them as piecewise polynomials. The pieces end at the knots of
  * tables, where third derivatives jump, and wherever TRANSMISSION_DEGREE does not suffice for 13 digits. A value then
- * costs a few multiplications, and no root is sought while the mechanism moves. */
+ * costs a few multiplications, and no root is sought while the mechanism moves.
+ *
+ * The room geometry/ holds the shape of the mechanism: the groove laws g_i(psi) and tables of samples (groove.h), the pin
+ * in both grooves (pin_position.h), the transmission, and the kinematics at one theta (cam.h).
+ * May include: platform, numerics, model. */
 #ifndef DUALCAM_TRANSMISSION_H
 #define DUALCAM_TRANSMISSION_H
 
@@ -52,10 +56,6 @@ typedef struct {
     double slope_size;        /* m/rad, largest |a_i|: the polynomials round by some eps of this value; 0 if straight */
     double z_size;            /* m, largest |z|, likewise */
 } Transmission;
-
-/* Precomputes the transmission between the stops. A table's relative path starts from the directory `resources`. On
- * failure returns false with the reason in `fault`; `transmission` then owns nothing. */
-bool transmission_build(Transmission *transmission, const Params *params, const char *resources, Fault *fault);
 
 /* Was the transmission built for these grooves and stops? Friction does not matter. False for a zeroed Transmission. */
 bool transmission_is_of(const Transmission *transmission, const Params *params);

@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 typedef TransmissionBreakpoint Breakpoint;
 

@@ -8,8 +8,8 @@
 #include "geometry/groove_pair.h"
 #include "geometry/pin_position.h"
 #include "geometry/transmission_breakpoint.h"
-#include "model/tolerances.h"
 #include "numerics/chebyshev.h"
+#include "numerics/tolerances.h"
 
 typedef TransmissionBreakpoint Breakpoint;
 

@@ -3,10 +3,10 @@
 #include <math.h>
 
 #include "model/elements.h"
-#include "model/tolerances.h"
 #include "numerics/golden_section.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
+#include "numerics/tolerances.h"
 
 enum { NO_FLANKS_BEAR = 4 }; /* flank_branch() is 0 to 3 */
 

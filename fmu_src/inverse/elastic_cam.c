@@ -3,9 +3,9 @@
 #include <math.h>
 
 #include "inverse/band_edge.h"
-#include "model/tolerances.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
+#include "numerics/tolerances.h"
 
 /* ---- booking the path of cam 2 ---- */
 

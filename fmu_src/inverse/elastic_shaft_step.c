@@ -5,8 +5,8 @@
 
 #include "inverse/elastic_shaft.h"
 #include "inverse/step_booking.h"
-#include "model/tolerances.h"
 #include "numerics/sign.h"
+#include "numerics/tolerances.h"
 
 typedef struct {
     ElasticCam cam;

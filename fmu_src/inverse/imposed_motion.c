@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 enum { DEGREE = INPUT_ORDER + 2 }; /* of theta, where all derivatives of alpha are given */
 _Static_assert((int)DEGREE <= (int)BERNSTEIN_MAX, "room for the motion");

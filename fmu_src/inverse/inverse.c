@@ -9,7 +9,7 @@
 #include "inverse/rigid_shaft.h"
 #include "inverse/rigid_shaft_step.h"
 #include "model/elements.h"
-#include "model/tolerances.h"
+#include "numerics/tolerances.h"
 
 /* ---- start and tuning ---- */
 

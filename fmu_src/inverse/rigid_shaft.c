@@ -4,8 +4,8 @@
 #include <stdio.h>
 
 #include "model/elements.h"
-#include "model/tolerances.h"
 #include "numerics/sign.h"
+#include "numerics/tolerances.h"
 
 double rigid_shaft_stop_margin(const StopParams *stop) {
     return IMPOSED_STOP_ROUNDING * (stop->upper - stop->lower);

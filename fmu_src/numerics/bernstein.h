@@ -8,7 +8,7 @@
 
 #include <stdbool.h>
 
-#include "numerics/numerics.h"
+#include "numerics/tolerances.h"
 
 enum { BERNSTEIN_MAX = 8 }; /* highest degree */
 

@@ -5,7 +5,7 @@
 #ifndef DUALCAM_GOLDEN_SECTION_H
 #define DUALCAM_GOLDEN_SECTION_H
 
-#include "numerics/numerics.h"
+#include "numerics/root.h"
 
 typedef struct {
     double x;     /* where the larger of the last two values is */

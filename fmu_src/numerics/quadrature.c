@@ -4,7 +4,7 @@
 #include <stddef.h>
 
 #include "numerics/golden_section.h"
-#include "numerics/numerics.h"
+#include "numerics/tolerances.h"
 
 enum { KNOTS = 15, POINTS = KNOTS + 2 };
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "numerics/numerics.h"
+#include "numerics/tolerances.h"
 
 static bool same_sign(double a, double b) {
     return (a > 0.0) == (b > 0.0);

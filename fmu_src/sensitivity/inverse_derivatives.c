@@ -61,7 +61,7 @@ static bool agrees_ahead(const Taylor *t, int i, int flank) {
 
 static void balance_on_flanks(const Inverse *m, const OperatingPoint *at, const int flank[2], Taylor *t) {
     const SlipMode slip = slip_mode_at(m, at->theta, at->direction, flank);
-    taylor_place(&slip, t);
+    taylor_expand_grooves(&slip, t);
     taylor_balance(&slip, t);
 }
 
@@ -69,8 +69,8 @@ static void balance_on_flanks(const Inverse *m, const OperatingPoint *at, const 
  * with a little later. */
 static void balance_ahead(const Inverse *m, const OperatingPoint *at, const RequiredTorque *required, Taylor *t) {
     const int *present = required->forces.flank;
-    const bool idle[2] = {contact_statics_is_idle(&required->forces, &required->load, 0),
-                          contact_statics_is_idle(&required->forces, &required->load, 1)};
+    const bool idle[2] = {contact_statics_carries_nothing(&required->forces, &required->load, 0),
+                          contact_statics_carries_nothing(&required->forces, &required->load, 1)};
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         const bool changes[2] = {(k & 2) != 0, (k & 1) != 0};
         const int flank[2] = {changes[0] ? -present[0] : present[0], changes[1] ? -present[1] : present[1]};

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "collocation/radau_variation.h"
 #include "forward/decide.h"
 #include "forward/lifecycle.h"
 #include "forward/step.h"
@@ -125,10 +126,10 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
         carry_in_closed_form(linear_slip_of(m, index, &room), segment->duration, &v->x);
         return true;
     }
-    const RadauStep *radau = &segment->location->radau;
+    const RadauStep *step = &segment->location->step;
     const SlipMode at_start =
-        slip_mode_of(&m->params, &m->model.transmission, inputs, radau->start.theta, slip.direction, slip.flank);
-    return radau_step_vary(&at_start, radau, 1.0, &v->x);
+        slip_mode_of(&m->params, &m->model.transmission, inputs, step->start.theta, slip.direction, slip.flank);
+    return radau_step_vary(&at_start, step, 1.0, &v->x);
 }
 
 /* Carries the variation through a segment in `mode` that has been applied; `inputs`: at its start. False where the

@@ -5,7 +5,8 @@
 Radau IIA: nodes c_1 < ... < c_s = 1 are the zeros of the polynomial of degree s that is orthogonal to all of
 degree s - 2 on [0, 1] with weight 1 and vanishes at 1: P_s(2c - 1) - P_{s-1}(2c - 1), P Legendre polynomials
 (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5). Lobatto IIIA with four stages: nodes
-0, (5 - sqrt 5)/10, (5 + sqrt 5)/10, 1 (the same section). All other numbers follow from interpolation in the nodes.
+0, (5 - sqrt 5)/10, (5 + sqrt 5)/10, 1 (the same section). All other numbers follow from interpolation in
+the nodes.
 """
 
 from __future__ import annotations

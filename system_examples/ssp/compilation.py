@@ -1,4 +1,4 @@
-"""Compiles the parts into build/ssp/parts, by the functions of fmu_src/tools/build_fmu.py, as the cam's FMUs."""
+"""Compiles the parts into build/ssp/parts, by the functions of fmu_src/tools/build_fmu.py."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "geometry": ("platform", "numerics", "model"),
     "contact": ("platform", "numerics", "model", "geometry"),
     "closed_form": ("numerics", "model", "contact"),
-    "collocation": ("platform", "numerics", "model", "geometry", "contact", "closed_form"),
+    "collocation": ("platform", "numerics", "model", "geometry", "contact"),
     "forward": ("platform", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
     "inverse": ("platform", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
     "sensitivity": (
@@ -34,10 +34,17 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "tools": ("fmi",),
 }
 # The file of each room whose first comment says what the room is for, and from which rooms it may include.
-MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tools"}
+MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tools"} | {
+    "numerics": "numerics/root.h",
+    "model": "model/params.h",
+    "geometry": "geometry/transmission.h",
+    "closed_form": "closed_form/linear_slip.h",
+    "collocation": "collocation/event_location.h",
+    "forward": "forward/state.h",
+}
 # Files that an #include names without a room: the list of variables, the standards' headers, and the header
 # that the archive of an FMU adds to its sources.
-WITHOUT_ROOM = ("variables.def", "fmi2Functions.h", "fmi3Functions.h", "identity.h")
+WITHOUT_ROOM = ("variables.def", "dependencies.def", "fmi2Functions.h", "fmi3Functions.h", "identity.h")
 MOST_PAIRS = 16  # of one room; a pair is the .c and .h of one stem
 MOST_LINES = {"tests": 800, "system_examples": 800, "case_studies": 800}
 MOST_LINES_ELSEWHERE = 500
@@ -50,7 +57,15 @@ WITHOUT_SYS_PATH = ("dualcam", "system_examples", "case_studies", "benchmarks", 
 PYTHON = (*WITHOUT_SYS_PATH, "masters", "fmu_src")
 TESTS_OF_BENCHMARKS = tuple(
     f"test_{name}.py"
-    for name in ("benchmark_layout", "benchmarks", "compare_builds", "coupling", "performance", "stress")
+    for name in (
+        "benchmark_harness",
+        "benchmark_layout",
+        "benchmarks",
+        "compare_builds",
+        "coupling",
+        "performance",
+        "stress",
+    )
 )
 EXAMPLES = "system_examples"
 

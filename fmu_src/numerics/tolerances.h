@@ -1,5 +1,5 @@
-/* Every tolerance and every limit of the core, each with its reason, by the room that uses it. Those of the numerical
- * methods stand in numerics/numerics.h, which numerics may include.
+/* Every tolerance and every limit of the core, each with its reason, by the room that uses it. The file stands in the
+ * lowest room that needs it, so that all rooms may include it.
  *
  * A tolerance is a share of the size named beside it. Where a test fails once the tolerance is ten times larger, the
  * test is named. Limits bound the work of one call. */
@@ -8,7 +8,54 @@
 
 #include <float.h>
 
-/* ---- numerics: numerics/numerics.h ---- */
+/* ---- numerics ---- */
+
+/* bernstein */
+
+/* Halvings of [0, 1] at most: 2^-48 is 16 roundings of 1, and narrower intervals hold nothing. */
+enum { BERNSTEIN_MAX_DEPTH = 48 };
+
+/* Width, as a share of [0, 1], to which a zero of a polynomial is found: some roundings. */
+static const double BERNSTEIN_ZERO_WIDTH = 1e-15;
+
+/* Width, as a share of [0, 1], to which a maximum is found: the value there errs by the square of this share. */
+static const double BERNSTEIN_PEAK_WIDTH = 1e-10;
+
+/* Steps of bisection and regula falsi at most; bisection alone needs 50. */
+enum { BERNSTEIN_MAX_ITERATIONS = 100 };
+
+/* A polynomial through its values at the start and at the nodes of a collocation method exceeds the range of these
+ * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. */
+static const double BEYOND_NODES = 0.6;
+
+/* root */
+
+/* Iterations at most; the method takes at most three times those of bisection, which are 64 for all doubles. */
+enum { ROOT_MAX_ITERATIONS = 200 };
+
+/* Share of |x| at which a bracket holds no double between its ends. */
+static const double ROOT_WIDTH = 2.0 * DBL_EPSILON;
+
+/* quadrature */
+
+/* Halvings of a panel, and panels in all, at most: they bound the work whatever the integrand is. */
+enum { QUADRATURE_MAX_DEPTH = 40, QUADRATURE_MAX_PANELS = 20000 };
+
+/* Golden sections in the search for a peak: 0.618^40 = 4e-9 of the interval, and the value errs by the square. */
+enum { QUADRATURE_PEAK_STEPS = 40 };
+
+/* Panels below this share of the interval are not divided where formulas change: where two formulas nearly agree,
+ * rounding may change them often. */
+static const double QUADRATURE_NARROW = 1e-6;
+
+/* A panel is integrated to the tolerance times this share of the whole sum of magnitudes at least. */
+static const double QUADRATURE_NEGLIGIBLE = 1e-3;
+
+/* Share of a panel's sum of magnitudes that rounding may take. */
+static const double QUADRATURE_ROUNDING = 16.0 * DBL_EPSILON;
+
+/* A sample exceeds its neighbours, and is searched for a peak, by more than this share of its value: rounding. */
+static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- geometry ---- */
 
@@ -81,7 +128,7 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 
 /* Share of the sum of |terms| of x_i, or of dx_i/dt, below which the sum is zero: a few roundings. The flank of a zero
  * reaction follows from the first derivative that is not zero. */
-#define NO_REACTION 1e-13
+#define REACTION_ZERO_SHARE 1e-13
 
 /* |2a| t and sqrt|w2| t up to which the oscillator's kernel is summed as a Taylor series. Below the limit the terms
  * shrink at least like 3.3^n/(n+3)!. Above the limit the closed forms lose at most two digits in p3, one in p2,
@@ -105,7 +152,7 @@ static const double LINEAR_DECAYED_RATE = 1e-13;
 /* Share of the torques whose sum is M alpha below which M alpha is rounding: 45 times the unit roundoff. */
 static const double LINEAR_TORQUE_ROUNDING = 1e-14;
 
-/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times NO_REACTION: a few unit
+/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times REACTION_ZERO_SHARE: a few unit
  * roundoffs of the start. */
 static const double LINEAR_START_SHARE = 0.01;
 
@@ -311,9 +358,6 @@ static const double STICK_SLOPE_SHARE = 0.01;
 /* What is left of a rate of torque and the rate of the band's edge that cancel: below this share of both it is zero.
  * Helices with linear forces know both rates exactly. */
 static const double STICK_RATE_CANCELLED = 1e-12;
-
-/* Torque and edge move together, where their rates differ by less than this share. */
-static const double STICK_EDGE_MOVES_ALONG = 1e-9;
 
 /* The modes other than stick end this many ties short of the band's edge: a tie at the edge is stick. */
 static const double STICK_MARGIN_TIES = 4.0;
