@@ -161,8 +161,8 @@ def draw_spring(axes: Axes, low: float, high: float) -> None:
 
 def draw_side(axes: Axes) -> None:
     """The view from the side and a little from above."""
-    course = mechanism_drawn().course(THETA)
-    gamma, z = float(course.psi[0]), float(course.z)
+    configuration = mechanism_drawn().configuration(THETA)
+    gamma, z = float(configuration.psi[0]), float(configuration.z)
     up = math.cos(TILT)
     # base, cams, grooves
     axes.add_patch(Rectangle((-40, -36), 80, 7, fc=METAL, ec=INK, hatch="///", lw=1.0, zorder=1))
@@ -216,7 +216,7 @@ def draw_side(axes: Axes) -> None:
 
 def draw_top(axes: Axes) -> None:
     """The view along the axis from above: marks of both cams and the pin, which coincide at theta = 0."""
-    gamma = float(mechanism_drawn().course(THETA).psi[0])
+    gamma = float(mechanism_drawn().configuration(THETA).psi[0])
     first = -math.pi / 2 - FRONT  # of cam 1's mark in the picture: the reader of the side view is below
     for radius, color in zip(RADIUS, (CAM1, CAM2), strict=True):
         axes.add_patch(Circle((0, 0), radius, fc="none", ec=color, lw=2.2, zorder=3))

@@ -22,7 +22,7 @@ from workspace import (
     set_stamp,
 )
 
-LIFECYCLE = ROOT / "tests/native/lifecycle.c"
+LIFECYCLE = ROOT / "tests/native/lifecycle"  # the sources of a test driver
 
 
 def build_library(fmu: Fmu, platform: Platform) -> Path:
@@ -77,10 +77,11 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
 
 
 def build_native_drivers(fmu: Fmu) -> None:
-    """Two programs of tests/native/lifecycle.c and the FMU's sources: `<identifier>-sanitized`, and
+    """Two programs of tests/native/lifecycle/*.c and the FMU's sources: `<identifier>-sanitized`, and
     `<identifier>` for valgrind. Their compiler may be the system's, whose warnings differ by version: they
     are switched off here, and on for the pinned compiler of the FMUs."""
-    folder = BUILD / "native"
+    folder, sources = BUILD / "native", [*fmu.sources, *sorted(LIFECYCLE.glob("*.c"))]
+    used = [*sources, *sorted(LIFECYCLE.glob("*.h")), *headers(), *build_program()]
     compiler, sanitizers, name = sanitizing_compiler(folder)
     plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
     for stem, command, flags in (
@@ -89,8 +90,8 @@ def build_native_drivers(fmu: Fmu) -> None:
     ):
         program = executable(folder / stem)
         flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
-        stamp = fingerprint([*fmu.sources, LIFECYCLE, *headers(), *build_program()], *command, *flags)
+        stamp = fingerprint(used, *command, *flags)
         if not is_fresh(program, stamp):
             say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
-            compile_c(command, flags, [*fmu.sources, LIFECYCLE], program)
+            compile_c(command, flags, sources, program)
             set_stamp(program, stamp)

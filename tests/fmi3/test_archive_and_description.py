@@ -47,7 +47,8 @@ def test_nothing_is_in_it_that_should_not(unzipped3, model):
         e.attrib["name"]
         for e in ET.parse(place / "sources/buildDescription.xml").getroot().iter("SourceFile")
     ]
-    assert listed == sorted(path.name for path in (place / "sources").glob("*.c"))
+    sources = place / "sources"
+    assert listed == sorted(path.relative_to(sources).as_posix() for path in sources.rglob("*.c"))
 
 
 @each_model
@@ -134,7 +135,7 @@ def test_the_sources_compile_from_there_alone_and_run_alike(unzipped3, libraries
         (headers / name).write_bytes((build_fmu.fmi_headers() / name).read_bytes())
     options = ["-std=c17", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]
     library = tmp_path / f"{model.identifier}.so"
-    sources = sorted(path.name for path in folder.glob("*.c"))
+    sources = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.c"))
     command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]
     subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True)
     values = []
