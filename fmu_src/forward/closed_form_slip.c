@@ -46,13 +46,9 @@ static inline bool propose(const Mechanism *m, const LinearSegment *s, const Seg
     if (!(fabs(all) <= DBL_MAX)) return false;
     if (m->params.ledger) raise_peaks(s, ends, &segment->peak);
     segment->duration = motion->t;
-    segment->theta = theta_after(m, motion->dtheta);
-    segment->moves = true;
-    if (s->linear->regime == REGIME_INERTIAL && !motion->settled) {
-        sum_add(&segment->omega, motion->domega);
-    } else {
-        segment->omega = sum_of(motion->omega);
-    }
+    segment->dtheta = motion->dtheta;
+    segment->omega_is_increment = s->linear->regime == REGIME_INERTIAL && !motion->settled;
+    segment->omega = segment->omega_is_increment ? motion->domega : motion->omega;
     segment->varies = s->start.tau_rate != 0.0 || s->start.F_ext_rate != 0.0;
     return true;
 }

@@ -51,13 +51,11 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
     segment->duration = step->h;
-    segment->theta = theta_after(m, step->dtheta);
-    segment->moves = segment->varies = true;
-    if (slip->regime == REGIME_INERTIAL) {
-        sum_add(&segment->omega, step->domega);
-    } else {
-        segment->omega = sum_of(speed_at_end(m, slip, segment->theta.hi, step->h));
-    }
+    segment->dtheta = step->dtheta;
+    segment->varies = true;
+    segment->omega_is_increment = slip->regime == REGIME_INERTIAL;
+    segment->omega =
+        segment->omega_is_increment ? step->domega : speed_at_end(m, slip, theta_after(m, step->dtheta).hi, step->h);
     segment->ends_at_breakpoint = location->aimed_at_breakpoint;
     segment->location = location;
     m->cache.proposal = location->next;
@@ -93,6 +91,7 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
     const double room = room_ahead(m, slip->direction);
     if (room <= 0.0) {
         segment_begin(m, SEGMENT_AT_STOP, segment);
+        segment->omega_is_increment = true; /* the stop needs the speed */
         segment->end = EVENT_STOP;
         return true;
     }
@@ -162,14 +161,10 @@ static void lobatto_segment(const Mechanism *m, const SlipMode *slip, const Loba
     segment->booking = lobatto->booking;
     if (m->params.ledger) raise_lobatto_peaks(m, slip, lobatto, segment);
     segment->duration = lobatto->h;
-    segment->theta = theta_after(m, lobatto->dtheta);
-    segment->moves = true;
+    segment->dtheta = lobatto->dtheta;
     segment->varies = !slip->inputs_are_constant;
-    if (slip->regime == REGIME_INERTIAL) {
-        sum_add(&segment->omega, lobatto->domega);
-    } else {
-        segment->omega = sum_of(lobatto->omega);
-    }
+    segment->omega_is_increment = slip->regime == REGIME_INERTIAL;
+    segment->omega = segment->omega_is_increment ? lobatto->domega : lobatto->omega;
 }
 
 static bool lobatto_propose(const Mechanism *m, const SlipMode *slip, double left, LobattoHint *hint,

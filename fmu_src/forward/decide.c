@@ -122,10 +122,9 @@ static void keep_linear_slip(Mechanism *m, const LinearSlipMode *built) {
     m->model.linear_slips |= 1u << index;
 }
 
-const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
+void build_linear_slip(Mechanism *m, int index) {
     LinearSlipMode built;
-    if ((m->model.linear_slips >> index & 1u) == 0) keep_linear_slip(m, linear_slip_of(m, index, &built));
-    return &m->model.linear_slip[index];
+    keep_linear_slip(m, linear_slip_of(m, index, &built));
 }
 
 int slip_mode_of_moving(Mechanism *m, int direction) {

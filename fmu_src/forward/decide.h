@@ -27,7 +27,13 @@ int slip_mode_of_moving(Mechanism *m, int direction);
 /* Does rate-independent slip begin with a jump? It does unless the torque is on the edge of the stick band already. */
 bool begins_with_jump(const Candidate *candidate, int direction);
 
-/* The coefficients of the closed form of one slip mode, built and kept in the model at its first use. */
-const LinearSlipMode *kept_linear_slip(Mechanism *m, int index);
+/* Builds the coefficients of the closed form of one slip mode and keeps them in the model. */
+void build_linear_slip(Mechanism *m, int index);
+
+/* The coefficients of the closed form of one slip mode, built at their first use. */
+static inline const LinearSlipMode *kept_linear_slip(Mechanism *m, int index) {
+    if ((m->model.linear_slips >> index & 1u) == 0) build_linear_slip(m, index);
+    return &m->model.linear_slip[index];
+}
 
 #endif

@@ -49,7 +49,6 @@ void jam_propose(const Mechanism *m, Segment *segment) {
     for (int i = 0; i < 2; i++) share[i] = cam_heat(g, i) * g->dpsi_dtheta[i] / g->radius[i];
     const double sum = share[0] + share[1]; /* 0 where only a contact without friction slides */
     segment_begin(m, SEGMENT_JAM, segment);
-    segment->omega = sum_of(0.0);
     segment->books = energy != 0.0;
     segment->booking = (Booking){.work_in = 0.0};
     for (int i = 0; i < 2; i++) segment->booking.heat_cam[i] = energy * (sum > 0.0 ? share[i] / sum : 0.5);

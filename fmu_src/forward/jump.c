@@ -37,9 +37,7 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     const double distance = fmin(to_edge, fmin(to_mirror, s.room));
     segment_begin(m, SEGMENT_JUMP, segment);
     if (m->params.ledger) book_helices(&s, sign * distance, segment);
-    segment->theta = theta_after(m, sign * distance);
-    segment->omega = sum_of(0.0);
-    segment->moves = true;
+    segment->dtheta = sign * distance;
     if (distance == s.room) segment->end = EVENT_STOP;
     return JUMP_PROPOSED;
 }
@@ -62,9 +60,7 @@ static JumpProposal propose(const Mechanism *m, const Jump *jump, Segment *segme
     segment->booking = *b;
     peak_raise(&segment->peak.torque, m->inputs.tau[0]);
     for (int i = 0; i < 2; i++) peak_raise(&segment->peak.reaction[i], jump->reaction[i] / m->params.contacts);
-    segment->theta = theta_after(m, jump->dtheta);
-    segment->omega = sum_of(0.0);
-    segment->moves = true;
+    segment->dtheta = jump->dtheta;
     if (jump->stopped) segment->end = EVENT_STOP;
     return JUMP_PROPOSED;
 }

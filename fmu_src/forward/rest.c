@@ -23,7 +23,6 @@ static void raise_peaks(const Mechanism *m, double t, Segment *segment) {
 
 void rest_propose_for(const Mechanism *m, double t, Segment *segment) {
     segment_begin(m, SEGMENT_REST, segment);
-    segment->omega = sum_of(0.0);
     segment->duration = t;
     segment->varies = !inputs_constant(&m->inputs);
     if (!m->params.ledger) return;

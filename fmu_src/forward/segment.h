@@ -21,8 +21,9 @@ typedef struct {
     SegmentKind kind;
     EventKind end;           /* the event that ends the segment */
     double duration;         /* s */
-    Sum theta, omega;        /* rad, rad/s: at the end, before its event is handled */
-    bool moves;              /* theta differs from that of the start */
+    double dtheta;           /* rad, increment */
+    double omega;            /* rad/s, at the end, before its event is handled; or the increment */
+    bool omega_is_increment; /* inertial slip, whose speed is a sum of increments */
     bool books;              /* booking is set */
     bool varies;             /* the inputs vary and time passes */
     bool finds_speed;        /* the speed follows from the mode that is decided at the end, see jump.c */
@@ -32,28 +33,32 @@ typedef struct {
     const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
 } Segment;
 
-/* Sets all members to those of a segment that changes nothing, except booking. */
+/* Sets all members to those of a segment that ends at rest where it began, except booking. */
 static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *segment) {
     segment->kind = kind;
     segment->end = EVENT_NONE;
-    segment->duration = 0.0;
-    segment->theta = m->state.theta;
-    segment->omega = m->state.omega;
-    segment->moves = segment->books = segment->varies = segment->finds_speed = segment->ends_at_breakpoint = false;
+    segment->duration = segment->dtheta = segment->omega = 0.0;
+    segment->omega_is_increment = segment->books = segment->varies = false;
+    segment->finds_speed = segment->ends_at_breakpoint = false;
     segment->peak = m->state.ledger.peak;
     segment->location = NULL;
 }
 
-/* Carries the segment out: the only place where a step changes angle, speed, accounts and inputs. */
+/* Carries the segment out: the only place where a step changes angle, speed, accounts and inputs. Member by member: a
+ * copy of values that have just been written waits for them. */
 static inline void segment_apply(Mechanism *m, const Segment *segment) {
     State *state = &m->state;
     if (m->params.ledger) {
+        Peaks *peak = &state->ledger.peak;
         if (segment->books) ledger_book(&state->ledger, &segment->booking);
-        state->ledger.peak = segment->peak;
+        peak_raise(&peak->torque, segment->peak.torque);
+        peak_raise(&peak->omega, segment->peak.omega);
+        for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], segment->peak.reaction[i]);
     }
-    state->omega = segment->omega;
-    if (segment->moves) {
-        state->theta = segment->theta;
+    if (segment->omega_is_increment) sum_add(&state->omega, segment->omega);
+    else state->omega = sum_of(segment->omega);
+    if (segment->dtheta != 0.0) {
+        state->theta = theta_after(m, segment->dtheta);
         update_configuration(m);
     }
     if (segment->varies) inputs_advance(&m->inputs, segment->duration);

@@ -96,11 +96,12 @@ static bool propose(Mechanism *m, double left, EventLocation *location, Segment 
 /* Applies the segment, handles its event and does the book-keeping of the run. Returns false if the visitor stops. */
 static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
-    const Mode mode = m->state.mode;
-    Inputs inputs;
-    if (visitor != NULL) inputs = m->inputs;
+    SegmentPast past;
+    past.mode = m->state.mode;
+    if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
-    handle_event(m, direction_of(mode), segment->end);
+    past.omega = m->state.omega.hi;
+    handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
     run->left = fmax(run->left - segment->duration, 0.0); /* an event may be located past the end by a rounding */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
@@ -109,7 +110,7 @@ static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
     const bool counts = segment->kind != SEGMENT_LOBATTO && !segment->ends_at_breakpoint;
     run->segments += counts;
     run->jams += segment->kind == SEGMENT_JAM;
-    return visitor == NULL || visitor->after_segment(visitor, m, segment, &inputs, mode);
+    return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
 }
 
 /* ---- the step ---- */
@@ -197,10 +198,9 @@ static double tell_of_decision(StepVisitor *visitor, const Mechanism *m, double 
     return on;
 }
 
-static bool tell_of_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
-                            Mode mode) {
-    (void)m, (void)inputs;
-    if (segment->duration > 0.0) ((WatchingVisitor *)visitor)->watcher->mode = (int)mode;
+static bool tell_of_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past) {
+    (void)m;
+    if (segment->duration > 0.0) ((WatchingVisitor *)visitor)->watcher->mode = (int)past->mode;
     return true;
 }
 
@@ -230,18 +230,27 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     return false;
 }
 
-/* A step that is one segment in the mode of the last one costs no decision: that is the common case. */
+/* All h seconds in closed form, if nothing happens in them. */
+static inline bool slips_in_closed_form(Mechanism *m, double h) {
+    Segment segment;
+    if (!closed_form_slip_quiet(m, h, &segment)) return false;
+    remember_step(m, h);
+    segment_apply(m, &segment);
+    return true;
+}
+
+/* A step that is one segment in the mode of the last step costs no decision: that is the common case. */
 bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
     if (constant && rest_goes_on(m)) {
         remember_step(m, h);
         return true;
     }
+    const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
+    if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;
     LobattoHint hint = {.refused = true};
-    const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
-    const bool quiet =
-        closed_form ? closed_form_slip_quiet(m, h, &segment) : collocation_slip_quiet(m, h, &hint, &segment);
+    const bool quiet = !closed_form && collocation_slip_quiet(m, h, &hint, &segment);
     if (quiet && segment.duration == h) {
         remember_step(m, h);
         segment_apply(m, &segment);

@@ -21,15 +21,21 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
  * mechanism as before, if the mode changes do not end. */
 bool mechanism_settle(Mechanism *m, Fault *fault);
 
+/* What a segment that has been carried out does not tell any more. */
+typedef struct {
+    Inputs inputs; /* at its start */
+    Mode mode;     /* in which it was made */
+    double omega;  /* rad/s, at its end, before its event was handled */
+} SegmentPast;
+
 /* Somebody who goes through a step segment by segment. */
 typedef struct StepVisitor StepVisitor;
 struct StepVisitor {
     void (*before_decision)(StepVisitor *visitor, const Mechanism *m); /* or NULL */
     /* The mode has been decided and `left` >= 0 seconds are left. Returns for how long the step is to go on. */
     double (*after_decision)(StepVisitor *visitor, const Mechanism *m, double left);
-    /* The segment, which began with `inputs` in `mode`, has been applied and its event handled. Returns false to stop. */
-    bool (*after_segment)(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
-                          Mode mode);
+    /* The segment has been applied and its event handled. Returns false to stop. */
+    bool (*after_segment)(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past);
     bool every_decision; /* each segment begins with a decision, also where the mode is known to go on */
 };
 

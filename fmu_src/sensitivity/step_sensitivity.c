@@ -159,44 +159,46 @@ static double delay_at_flank(const SlipMode *slip, const Balance *b, const Varia
 
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
  * moment, so that alpha does not jump unless the other one changes as well. */
-static void pass_inertial(const Mechanism *m, const Segment *segment, Carried *v) {
+static void pass_inertial(const Mechanism *m, EventKind event, double omega, Carried *v) {
     const SlipMode slip = present_slip(m);
     Balance before;
-    balance_at(&slip, m->state.theta.hi, segment->omega.hi, 0.0, &before);
-    if (segment->end == EVENT_FLANK) {
+    balance_at(&slip, m->state.theta.hi, omega, 0.0, &before);
+    if (event == EVENT_FLANK) {
         v->delay = delay_at_flank(&slip, &before, &v->x);
         v->x.theta += before.omega * v->delay;
         v->x.omega += before.alpha * v->delay;
         return;
     }
-    if (segment->end == EVENT_REST) {
+    if (event == EVENT_REST) {
         v->delay = finite_or_zero(-v->x.omega / before.alpha);
         v->x.omega = 0.0;
         return;
     }
-    v->delay = finite_or_zero(-v->x.theta / segment->omega.hi);
-    v->x.omega = finite_or_zero(m->state.omega.hi / segment->omega.hi) * (v->x.omega + before.alpha * v->delay);
+    v->delay = finite_or_zero(-v->x.theta / omega);
+    v->x.omega = finite_or_zero(m->state.omega.hi / omega) * (v->x.omega + before.alpha * v->delay);
     v->x.theta = 0.0;
 }
 
 /* It stops where its speed has vanished, or with a jump of its speed: where the torque is back in the band while the
  * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
-static void pass_without_inertia(const Mechanism *m, const Segment *segment, Carried *v) {
+static void pass_without_inertia(const Mechanism *m, EventKind event, double omega, Carried *v) {
     const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
     v->delay = 0.0;
-    if (segment->end == EVENT_STOP) {
+    if (event == EVENT_STOP) {
         v->x.theta = 0.0;
-    } else if (segment->end == EVENT_FLANK && !is_viscous(m)) {
-        v->delay = finite_or_zero(-slope * v->x.theta / (slope * segment->omega.hi + m->inputs.F_ext[1]));
-    } else if (segment->end == EVENT_REST && is_viscous(m)) {
-        v->delay = delay_at_edge(m, direction_of(m->state.mode), v->x.theta, segment->omega.hi);
+    } else if (event == EVENT_FLANK && !is_viscous(m)) {
+        v->delay = finite_or_zero(-slope * v->x.theta / (slope * omega + m->inputs.F_ext[1]));
+    } else if (event == EVENT_REST && is_viscous(m)) {
+        v->delay = delay_at_edge(m, direction_of(m->state.mode), v->x.theta, omega);
     }
-    v->x.theta += segment->omega.hi * v->delay;
+    v->x.theta += omega * v->delay;
 }
 
-static void pass_event(const Mechanism *m, const Segment *segment, Carried *v) {
-    if (segment->end != EVENT_NONE && has_inertia(&m->params)) pass_inertial(m, segment, v);
-    if (segment->end != EVENT_NONE && !has_inertia(&m->params)) pass_without_inertia(m, segment, v);
+/* `omega`: the speed at the event, before the event changed it. */
+static void pass_event(const Mechanism *m, EventKind event, double omega, Carried *v) {
+    if (event == EVENT_NONE) return;
+    if (has_inertia(&m->params)) pass_inertial(m, event, omega, v);
+    else pass_without_inertia(m, event, omega, v);
 }
 
 /* At the edge of the band speed and acceleration begin at 0, but for rounding: up to this share of what adds up to them.
@@ -250,11 +252,10 @@ static double after_decision(StepVisitor *visitor, const Mechanism *m, double le
     return left;
 }
 
-static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const Inputs *inputs,
-                          Mode mode) {
+static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past) {
     Carrier *c = (Carrier *)visitor;
-    if (!carry(m, segment, inputs, mode, &c->carried)) return false;
-    pass_event(m, segment, &c->carried);
+    if (!carry(m, segment, &past->inputs, past->mode, &c->carried)) return false;
+    pass_event(m, segment->end, past->omega, &c->carried);
     c->left -= segment->duration;
     c->carried.slipped = segment->kind == SEGMENT_CLOSED_FORM || segment->kind == SEGMENT_RADAU;
     c->carried.rested = segment->kind == SEGMENT_REST && c->left > 0.0;
