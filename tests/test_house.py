@@ -270,7 +270,8 @@ def test_a_missing_main_header_is_found(tree):
 
 def test_comments_and_texts_are_no_code(tree):
     """An include in a comment is none, and neither comments nor texts hold identifiers."""
-    text = f"/* a leap\n{include(MAIN_HEADER['forward'])} */\n// twist\n" + 'const char *TEXT = "walk \\" course";\n'
+    commented = f"/* a leap\n{include(MAIN_HEADER['forward'])} */\n// twist\n"
+    text = commented + 'const char *TEXT = "walk \\" course";\n'
     write(tree, {"fmu_src/model/more.c": text, "tests/test_more.py": 'SCRIPT = "sys.path.insert(0)"\n'})
     assert found_in(tree) == {}
 
