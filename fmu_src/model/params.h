@@ -1,8 +1,8 @@
 /* The user's choice (Params).
  *
- * The room model/ describes the mechanism for all other rooms: parameters, inputs, the laws of spring and damper, modes,
- * regimes, events, the energy ledger, faults, knowns of differentiation and every tolerance. All values are in SI units.
- * May include: platform, numerics. */
+ * The room model/ describes the mechanism for all other rooms: parameters, inputs, the laws of spring and damper,
+ * modes, regimes, events, the energy ledger, faults and knowns of differentiation. All values are in SI units. May
+ * include: platform, numerics. */
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 
