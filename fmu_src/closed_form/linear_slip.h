@@ -35,7 +35,7 @@ typedef struct {
     Oscillator oscillator;
     /* x_i = transfer.axial (F_s + F_ext) + speed omega + acceleration alpha, see contact.h */
     double speed[2], acceleration[2];
-    double reaction[2]; /* N per unit of x_i: reaction of one contact */
+    double reaction[2]; /* N per unit of x_i: reaction at one pin end */
     double heat[2];     /* m^2: the heat flow at contact i is heat x_i omega, >= 0 */
     double damper;      /* N.s/m, c in this direction */
 } LinearSlipMode;

@@ -70,7 +70,7 @@ typedef struct {
     StopParams stop;
     InitialParams initial;
     double tolerance;               /* relative, of collocation; no variable of the FMU */
-    int contacts;                   /* follower ends that share the load, 1 or 2 */
+    int contacts;                   /* pin ends that share the load, 1 or 2 */
     bool ledger;                    /* keep the energy accounts and the peaks */
     char table[2][TABLE_PATH_SIZE]; /* path of the file with the sampled groove of each cam */
 } Params;

@@ -407,8 +407,8 @@ static const double SOLVER_OVERSHOOT = 0.05;
 static const double PLAY_FIRST_SAMPLE = 1e-6;
 enum { PLAY_SAMPLES = 32 };
 
-/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. The rounding is
- * that of the energies, as a share of their sum. */
+/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. The rounding
+ * is that of the energies, as a share of their sum. */
 static const double PLAY_SHARE_OF_TOLERANCE = 0.1, PLAY_ROUNDING = 64.0 * DBL_EPSILON;
 
 /* Play operator: a sampled reaction below this share of the largest reaction so far is not searched for a peak. */
