@@ -134,7 +134,7 @@ def test_a_step_that_was_once_refused():
 def test_sensitivities_of_curved_steps_come_to_an_end():
     """Random cubic torques, each step cut at its last mode change, after which the sensitivities are read.
 
-    The 134 seeds are those of a search that once found ten steps whose sensitivities never came to an end.
+    134 torques, as many as in the search that once found ten whose sensitivities never came to an end.
     """
     with Fmu(FORWARD) as fmu:
         for seed in range(134):
