@@ -66,7 +66,7 @@ REASONS = {
     "jam when loading": '"the contacts jam when loading at theta = ..."',
     "nothing resists": '"nothing resists the motion on a dwell"',
     "jam and let go": '"the contacts jam and let go without end"',
-    "too often": '"the mode changes too often"',
+    "too many segments": '"the step needs too many segments"',
     "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
     "describing the grooves": '"describing the grooves in between takes more than ... polynomials"',

@@ -39,9 +39,9 @@ static void search_crossing(EventSearch *search, EventKind kind, LinearQuantity 
  * passed. */
 static double time_to_stop(EventSearch *search) {
     const LinearSegment *s = search->segment;
-    if (s->room <= 0.0) return 0.0;
-    const LinearIndicator room = {s, QUANTITY_ROOM, s->linear->direction, &search->latest};
-    return linear_search_zero(&room, search->event.t);
+    if (s->to_stop <= 0.0) return 0.0;
+    const LinearIndicator to_stop = {s, QUANTITY_TO_STOP, s->linear->direction, &search->latest};
+    return linear_search_zero(&to_stop, search->event.t);
 }
 
 LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel *kernel, SegmentEnds *ends) {
@@ -51,7 +51,7 @@ LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel 
     if (s->start.drive != 0.0 && !linear_segment_keeps_speed(s, ends))
         search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
     /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
-    if (direction * ends->motion.dtheta >= s->room) end_segment_at(&search, EVENT_STOP, time_to_stop(&search));
+    if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, EVENT_STOP, time_to_stop(&search));
     if (linear_segment_has_band_edge(s)) search_crossing(&search, EVENT_REST, QUANTITY_BAND_EDGE, direction);
     for (int i = 0; s->flanks && i < 2; i++)
         if (!linear_segment_keeps_flank(s, ends, i))

@@ -1,8 +1,5 @@
 /* Event location in closed form: the first velocity zero, end stop or flank change in a segment of slip.
  *
- * Room closed_form: motion in one slip mode where it is known exactly, and the events that end the mode. Grooves are
- * helices, spring and damper linear, inputs linear in time. May include numerics, model, geometry, contact.
- *
  * Every event is the downward crossing of zero of an indicator (linear_indicator.h). linear_search.h finds the first
  * crossing to rounding; none is stepped over. */
 #ifndef DUALCAM_LINEAR_EVENT_H

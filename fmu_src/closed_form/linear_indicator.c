@@ -60,10 +60,10 @@ static IndicatorSample sample_band_edge(const LinearIndicator *indicator, const 
     };
 }
 
-static IndicatorSample sample_room(const LinearIndicator *indicator, const LinearMotion *motion) {
+static IndicatorSample sample_to_stop(const LinearIndicator *indicator, const LinearMotion *motion) {
     return (IndicatorSample){
         .t = motion->t,
-        .value = indicator->segment->room - indicator->sign * motion->dtheta,
+        .value = indicator->segment->to_stop - indicator->sign * motion->dtheta,
         .rate = -indicator->sign * motion->omega,
         .second = -indicator->sign * motion->alpha,
         .third = -indicator->sign * motion->jerk,
@@ -74,7 +74,7 @@ static IndicatorSample sample(const LinearIndicator *indicator, const LinearMoti
     switch (indicator->quantity) {
         case QUANTITY_SPEED: return sample_speed(indicator, motion);
         case QUANTITY_BAND_EDGE: return sample_band_edge(indicator, motion);
-        case QUANTITY_ROOM: return sample_room(indicator, motion);
+        case QUANTITY_TO_STOP: return sample_to_stop(indicator, motion);
         case QUANTITY_CONTACT_1: return sample_contact(indicator, motion, 0);
         default: return sample_contact(indicator, motion, 1);
     }

@@ -13,7 +13,7 @@ typedef enum {
     QUANTITY_CONTACT_2, /* N/m, x_2 */
     QUANTITY_SPEED,     /* rad/s, omega */
     QUANTITY_BAND_EDGE, /* N.m, torque beyond the edge of the stick band: tau - edge F_0 */
-    QUANTITY_ROOM       /* rad, angle left to the end stop; the sign applies to dtheta */
+    QUANTITY_TO_STOP    /* rad, angle left to the end stop; the sign applies to dtheta */
 } LinearQuantity;
 
 static inline LinearQuantity linear_quantity_of_contact(int i) {

@@ -94,7 +94,7 @@ bool linear_segment_has_band_edge(const LinearSegment *s) {
 bool linear_segment_is_quiet(const LinearSegment *s, const SegmentEnds *ends) {
     const LinearMotion *motion = &ends->motion;
     const double sign = s->linear->direction;
-    if (!(sign * motion->dtheta < s->room && sign * motion->omega > 0.0)) return false;
+    if (!(sign * motion->dtheta < s->to_stop && sign * motion->omega > 0.0)) return false;
     if (!(motion->t <= s->linear->oscillator.horizon) || linear_segment_has_band_edge(s)) return false;
     if (s->flanks && !(ends_on_flank(s, ends, 0) && ends_on_flank(s, ends, 1))) return false;
     if (ends->monotone) return true;

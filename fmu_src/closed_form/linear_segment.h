@@ -18,8 +18,8 @@ typedef struct {
     const Params *params;
     const Geometry *geometry;
     SlipStart start;
-    double room; /* rad, >= 0: angle to the end stop ahead */
-    bool flanks; /* friction acts, so the sign of the reactions matters */
+    double to_stop; /* rad, >= 0: angle to the end stop ahead */
+    bool flanks;    /* friction acts, so the sign of the reactions matters */
     /* m, edge of the stick band per F_0. Without inertia the pin rests as soon as the torque is back inside the band.
      * The speed is zero there too, except where the damper has put the pin on other flanks than the spring. */
     double edge;

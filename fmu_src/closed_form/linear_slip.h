@@ -1,5 +1,8 @@
 /* The motion in one slip mode in closed form: helical grooves, linear spring, linear damper, inputs linear in time.
  *
+ * The room closed_form/ holds slip of two helices under linear forces, where the motion is known exactly at any time,
+ * and the events that end such a motion. May include: numerics, model, contact (which brings geometry).
+ *
  * With both grooves helical, z' and gamma' are constant, and so is every coefficient below. With A the axial load
  * and T the torque that cam 2 passes to the follower (docs/mechanism.md, sections 3 and 6),
  *     A = F_s(z) + F_ext + c v + m dv/dt           T = tau - b omega - J alpha = rho A + rho kappa_1 I d2gamma/dt2
@@ -8,10 +11,7 @@
  *     M = J + rho m z' + rho kappa_1 I gamma'    B = b + rho c z'    dN/dtheta = -K = -rho k z'
  * The regime follows from the coefficients that are zero. M > 0: inertial. M = 0 and B not 0: viscous, omega = N/B.
  * Both zero: rate-independent, N = 0, theta follows the edge of the stick band. oscillator.h gives the motion at
- * any time.
- *
- * The room closed_form/ holds slip of two helices under linear forces, where the motion is known exactly at any time, and
- * the events that end such a motion. May include: numerics, model, contact. */
+ * any time. */
 #ifndef DUALCAM_LINEAR_SLIP_H
 #define DUALCAM_LINEAR_SLIP_H
 
@@ -35,7 +35,7 @@ typedef struct {
     Oscillator oscillator;
     /* x_i = transfer.axial (F_s + F_ext) + speed omega + acceleration alpha, see contact.h */
     double speed[2], acceleration[2];
-    double reaction[2]; /* N per unit of x_i: reaction of one contact */
+    double reaction[2]; /* N per unit of x_i: reaction at one pin end */
     double heat[2];     /* m^2: the heat flow at contact i is heat x_i omega, >= 0 */
     double damper;      /* N.s/m, c in this direction */
 } LinearSlipMode;

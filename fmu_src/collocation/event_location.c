@@ -40,9 +40,9 @@ static bool is_found(const Bracket *bracket, double t, double next) {
 /* The length at which the crossing is sought first. Close to the start the step's polynomial says less than constant
  * acceleration does. */
 static double first_length(const SegmentLimits *limits, StepIndicator indicator, double x, const RadauStep *whole) {
-    if (!(x < LOCATION_BALLISTIC && indicator == STEP_ROOM)) return x * whole->h;
+    if (!(x < LOCATION_BALLISTIC && indicator == STEP_TO_STOP)) return x * whole->h;
     const int sign = limits->slip->direction;
-    return fmin(ballistic_time(sign * whole->start.omega, sign * whole->start.alpha, limits->room), whole->h);
+    return fmin(ballistic_time(sign * whole->start.omega, sign * whole->start.alpha, limits->to_stop), whole->h);
 }
 
 /* A step to a breakpoint may end within half the overshoot of the limit, on either side. */
@@ -144,7 +144,7 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        if (result == CROSSING_REACHED && !(first == STEP_ROOM && turns_at_stop(limits, step))) {
+        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits, step))) {
             location->kind = step_indicator_event(first);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
@@ -163,9 +163,9 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
     if (location->aimed_at_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
 }
 
-bool event_location_find(const SlipMode *slip, const Balance *start, double room, double left,
+bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
                          const StepProposal *first, EventLocation *location) {
-    const SegmentLimits limits = segment_limits_of(slip, start, room);
+    const SegmentLimits limits = segment_limits_of(slip, start, to_stop);
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
     const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;

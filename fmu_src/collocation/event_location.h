@@ -1,5 +1,9 @@
 /* Event location: a segment of slip through grooves of any shape, up to its first event.
  *
+ * The room collocation/ holds slip in grooves of any shape and under any forces, by integration: the Radau step, its
+ * step control and event location; the Lobatto step for quiet motion. May include: platform, numerics, model,
+ * geometry, contact.
+ *
  * One Radau step is taken, as long as the step control accepts. If an indicator crosses zero on the step's polynomial,
  * the step is solved again with a shorter length, until it ends on the crossing to rounding: so the event does not
  * carry the error of the polynomial. (L. F. Shampine, S. Thompson, Event location for ordinary differential equations,
@@ -7,11 +11,7 @@
  *
  * The length h of the shortened step is sought by Newton's method inside a bracket. Bracket invariant: the indicator f
  * is not negative at the end of a step of length `left`; f is negative at the end of a step of length `right`, once
- * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection.
- *
- * The room collocation/ holds slip in grooves of any shape and under any forces, by integration: the Radau step, its step
- * control and event location; the Lobatto step for quiet motion.
- * May include: platform, numerics, model, geometry, contact. */
+ * the bracket is closed. A Newton step that leaves the bracket is replaced by a bisection. */
 #ifndef DUALCAM_EVENT_LOCATION_H
 #define DUALCAM_EVENT_LOCATION_H
 
@@ -26,9 +26,9 @@ typedef struct {
     StepProposal next;        /* for the next segment */
 } EventLocation;
 
-/* The longest segment of at most `left` seconds from `start`. `room`: angle to the end stop ahead, rad. `first`: the
+/* The longest segment of at most `left` seconds from `start`. `to_stop`: angle to the end stop ahead, rad. `first`: the
  * proposal of the segment before. False where no step is accepted: the contacts jam the motion on the spot. */
-bool event_location_find(const SlipMode *slip, const Balance *start, double room, double left,
+bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
                          const StepProposal *first, EventLocation *location);
 
 #endif

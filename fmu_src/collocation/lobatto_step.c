@@ -44,10 +44,11 @@ typedef struct {
     LobattoValues x[2];        /* N/m, R_i/hypot(r_i, a_i) */
     LobattoValues reaction[2]; /* N, R_i, total */
     Booking booking;
-} Loads;
+} NodeLoads;
 
-/* Adds two nodes. Integrals of theta and z over a node: the node's weight times h omega and h v. */
-static void add_loads(const LobattoSystem *s, int k, Loads *out) {
+/* Adds the work, the heat and the contact loads of node pair k. A node's share of the integrals over theta and z is the
+ * node's weight times h omega and h v. */
+static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const NodePair *n = &s->pair[k];
@@ -72,7 +73,7 @@ static void add_loads(const LobattoSystem *s, int k, Loads *out) {
         const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        b->heat_cam[i] += slip->mu[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
+        b->heat_cam[i] += slip->signed_friction[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
     }
 }
 
@@ -95,7 +96,7 @@ static bool keeps_energy(const LobattoSystem *s, const Booking *b) {
 }
 
 /* True if each contact bears on its flank by more than rounding at the start, and stays on it throughout. */
-static bool stays_on_flanks(const LobattoSystem *s, const Loads *loads) {
+static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
     const SlipMode *slip = s->slip;
     const NodePair *n = &s->pair[0];
     const double load = balance_load_size(slip->params, n->force[0], n->damper[0], n->dz_dtheta[0] * s->y.at[0]);
@@ -122,7 +123,7 @@ static inline double larger_end(const LobattoValues *v) {
     return fmax(fabs(v->at[0]), fabs(v->at[LOBATTO_END]));
 }
 
-static void find_peaks(const LobattoSystem *s, const Loads *loads, const Peaks *known, LobattoStep *out) {
+static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Peaks *known, LobattoStep *out) {
     const double contacts = s->slip->params->contacts;
     const bool monotone = lobatto_system_is_inertial(s) && lobatto_keeps_sign(&s->y, s->y.at[0] > 0.0 ? 1 : -1);
     out->peaks_inside = !monotone && !peaks_at_end(&s->speed, known->omega);
@@ -141,12 +142,12 @@ static void find_peaks(const LobattoSystem *s, const Loads *loads, const Peaks *
 static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, LobattoStep *out) {
     const SlipMode *slip = s->slip;
     const bool moves =
-        lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->room;
+        lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
     out->accurate = is_accurate(s);
     if (!moves || !out->accurate) return false;
-    Loads loads;
+    NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
-    for (int k = 0; k < LOBATTO_HALVES; k++) add_loads(s, k, &loads);
+    for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
     if (has_friction(slip->params) && !stays_on_flanks(s, &loads)) return false;
     if (!keeps_energy(s, &loads.booking)) return false;
     out->booking = loads.booking;
@@ -160,7 +161,7 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], slip->mu[i], g->slope[i]);
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], slip->signed_friction[i], g->slope[i]);
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
     if (slip->c + slip->q > 0.0) damping += f.p * g->dz_dtheta * (slip->c + slip->q * fabs(g->dz_dtheta * from->omega));

@@ -15,8 +15,8 @@
 typedef struct {
     double theta, omega, z;   /* rad, rad/s, m */
     const Geometry *geometry; /* at theta */
-    double room;              /* rad, angle to the end stop ahead */
-    const Peaks *known;       /* the largest values so far; reactions per contact */
+    double to_stop;           /* rad, angle to the end stop ahead */
+    const Peaks *known;       /* the largest values so far; reactions per pin end */
 } LobattoStart;
 
 typedef struct {
@@ -26,7 +26,7 @@ typedef struct {
     bool accurate; /* four nodes suffice. Set for a rejected step too, if the step got as far as the error estimate */
     Booking booking;
     /* Only if a ledger is kept: */
-    double peak_omega, peak_reaction[2]; /* rad/s, N per contact: the larger value of both ends */
+    double peak_omega, peak_reaction[2]; /* rad/s, N per pin end: the larger value of both ends */
     bool peaks_inside;                   /* a larger value inside the step, above the known one, is possible */
 } LobattoStep;
 

@@ -73,7 +73,7 @@ static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_e
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
     for (int i = 0; i < 2; i++) {
-        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->mu[i], n->slope[i]);
+        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
     const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);

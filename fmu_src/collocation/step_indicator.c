@@ -32,10 +32,10 @@ static bool differs_from_edge(const SlipMode *slip, const Balance *start) {
     return !(fabs(difference) <= BAND_EDGE_SAME * rates.net_size);
 }
 
-SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double room) {
+SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop) {
     SegmentLimits limits = {
         .slip = slip,
-        .room = room,
+        .to_stop = to_stop,
         .breakpoint = breakpoint_ahead(slip, start->theta),
         .has_friction = has_friction(slip->params),
     };
@@ -53,7 +53,7 @@ static inline double value_at(const SegmentLimits *limits, StepIndicator indicat
     const double advance = node < 0 ? 0.0 : slip->direction * step->node_dtheta[node];
     switch (indicator) {
         case STEP_SPEED: return slip->direction * b->omega;
-        case STEP_ROOM: return limits->room - advance;
+        case STEP_TO_STOP: return limits->to_stop - advance;
         case STEP_BREAKPOINT: return breakpoint_limit(&limits->breakpoint) - advance;
         case STEP_BAND_EDGE: return torque_beyond_edge(slip, b);
         case STEP_FLANK_1: return slip->flank[0] * b->x[0];
@@ -68,7 +68,7 @@ double step_indicator_at_end(const SegmentLimits *limits, StepIndicator indicato
 IndicatorRate step_indicator_rate(const SegmentLimits *limits, StepIndicator indicator, const Balance *b, double t) {
     const SlipMode *slip = limits->slip;
     const int sign = slip->direction;
-    if (indicator == STEP_ROOM || indicator == STEP_BREAKPOINT) return (IndicatorRate){-sign * b->omega, 0.0};
+    if (indicator == STEP_TO_STOP || indicator == STEP_BREAKPOINT) return (IndicatorRate){-sign * b->omega, 0.0};
     if (indicator == STEP_SPEED && slip->regime == REGIME_INERTIAL) return (IndicatorRate){sign * b->alpha, 0.0};
     BalanceRates rates;
     balance_rates(slip, b, t, &rates);
@@ -111,7 +111,7 @@ static Bernstein polynomial_of(const SegmentLimits *limits, StepIndicator indica
 
 /* True if the mode decision has found this indicator to rise from zero: a crossing at once is then rounding. */
 static bool starts_rising(StepIndicator indicator, double start) {
-    return start == 0.0 && indicator != STEP_ROOM && indicator != STEP_BREAKPOINT;
+    return start == 0.0 && indicator != STEP_TO_STOP && indicator != STEP_BREAKPOINT;
 }
 
 /* Share of the step at which the indicator crosses zero, CROSSING_UNRESOLVED, or infinity. */
@@ -152,7 +152,7 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
     const double rest = crossing_of(limits, STEP_SPEED, step);
     Crossing first = {INFINITY, *which};
     if (counts(STEP_SPEED, ignored)) keep_earlier(rest, STEP_SPEED, &first);
-    for (StepIndicator k = STEP_ROOM; k <= STEP_BREAKPOINT; k++) {
+    for (StepIndicator k = STEP_TO_STOP; k <= STEP_BREAKPOINT; k++) {
         if (!counts(k, ignored) || (rest == INFINITY && step_indicator_at_end(limits, k, step) > 0.0)) continue;
         keep_earlier(crossing_of(limits, k, step), k, &first);
     }

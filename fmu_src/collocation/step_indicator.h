@@ -11,7 +11,7 @@
 
 typedef enum {
     STEP_SPEED,      /* rad/s, speed in the direction of the slip */
-    STEP_ROOM,       /* rad, angle left to the end stop */
+    STEP_TO_STOP,    /* rad, angle left to the end stop */
     STEP_BREAKPOINT, /* rad, angle left to the limit of the breakpoint */
     STEP_BAND_EDGE,  /* N.m, viscous only: torque beyond the edge of the stick band */
     STEP_FLANK_1,    /* N/m, x_1 on the flank on which contact 1 bears */
@@ -22,13 +22,13 @@ typedef enum {
 /* What may end the segment. */
 typedef struct {
     const SlipMode *slip;
-    double room;           /* rad, to the end stop */
+    double to_stop;        /* rad, to the end stop */
     Breakpoint breakpoint; /* ahead */
     bool has_band_edge;    /* viscous, with the damper's load on other flanks than the spring's */
     bool has_friction;     /* else it does not matter on which flank a contact bears */
 } SegmentLimits;
 
-SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double room);
+SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop);
 
 /* The indicator at the end of the step. */
 double step_indicator_at_end(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step);
@@ -54,7 +54,7 @@ static inline EventKind step_indicator_event(StepIndicator indicator) {
     switch (indicator) {
         case STEP_SPEED:
         case STEP_BAND_EDGE: return EVENT_REST;
-        case STEP_ROOM: return EVENT_STOP;
+        case STEP_TO_STOP: return EVENT_STOP;
         case STEP_BREAKPOINT: return EVENT_NONE;
         default: return EVENT_FLANK;
     }

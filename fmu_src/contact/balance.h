@@ -73,7 +73,7 @@ double balance_mobility(const SlipMode *slip, const Balance *balance);
 double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, double dtheta, double domega,
                               double dalpha);
 
-/* W: the rates of the accounts. */
+/* The rates of the accounts, watt. */
 Booking balance_power(const SlipMode *slip, const Balance *balance);
 
 /* N: the sum of the magnitudes of the terms of the axial load A; `follower_acceleration` z' alpha, m/s^2. */

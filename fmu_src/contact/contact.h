@@ -31,8 +31,8 @@ typedef struct {
     double moment[2];  /* 1/m^2, x_i per W */
 } Transfer;
 
-/* Edges of the stick band per axial load F_0 > 0: T_load = load F_0, T_release = release F_0. load = +inf: jammed;
- * release = -inf: wedged. For F_0 < 0 the same products are the edges of the other direction. */
+/* Edges of an interval of torque at rest, per axial load F_0: the upper edge is load F_0, the lower edge release F_0.
+ * load = +inf: jammed; release = -inf: wedged. */
 typedef struct {
     double load, release; /* m */
 } BandFactors;
@@ -66,6 +66,7 @@ static inline int slip_index(int direction, const int flank[2]) {
 /* direction: +1 loading, -1 releasing; flank[i] = e_i: +1 or -1. */
 Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]);
 
+/* The stick band for F_0 > 0. For F_0 < 0 the same two products are the edges of the other direction. */
 BandFactors contact_band(const Geometry *g);
 
 /* The pair of flanks and the transfer with which motion in `direction` along the band's edge carries F_0 > 0; false

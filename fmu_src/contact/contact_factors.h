@@ -1,15 +1,15 @@
 /* The factors of the contact equations: the one place that holds the formulas of n_i, d_i and Delta.
  *
- * docs/mechanism.md, section 3, with the flank signs e_i and mu_i short for sigma e_i mu_i: per unit of x_i, the total
- * normal reaction R_i over hypot(r_i, a_i), contact i passes on
- *     the torque r_i n_i with n_i = a_i + mu_i r_i    and the axial force d_i = r_i - mu_i a_i
+ * docs/mechanism.md, section 3, with the signed friction coefficients f_i = sigma e_i mu_i (e_i: flank sign). Per unit
+ * of x_i = R_i/hypot(r_i, a_i), R_i the total normal reaction, contact i passes on
+ *     the torque r_i n_i with n_i = a_i + f_i r_i    and the axial force d_i = r_i - f_i a_i
  * The axial balance d_1 x_1 + d_2 x_2 = A and the moment balance r_2 n_2 x_2 - r_1 n_1 x_1 = W have the determinant
  *     Delta = Q + r_1 n_1 d_2    Q = d_1 r_2 n_2    and with P = r_1 n_1 r_2 n_2 the solution
  *     x_1 = (r_2 n_2 A - d_2 W)/Delta    x_2 = (r_1 n_1 A + d_1 W)/Delta    T = r_2 n_2 x_2 = (P A + Q W)/Delta
  * so that rho = P/Delta and rho kappa_1 = Q/Delta.
  *
  * The same two functions stand here for each arithmetic: `set` writes r_i n_i and d_i of one contact, then `multiply`
- * writes Q, Delta and P. Numbers and vectors compute r (a + mu r); arithmetic with derivatives computes r a + mu r^2,
+ * writes Q, Delta and P. Numbers and vectors compute r (a + f r); arithmetic with derivatives computes r a + f r^2,
  * in which a derivative of a needs no further operation. */
 #ifndef DUALCAM_CONTACT_FACTORS_H
 #define DUALCAM_CONTACT_FACTORS_H
@@ -26,9 +26,9 @@ typedef struct {
     double delta, p, q; /* m^3, m^4, m^3: Delta, P, Q */
 } ContactFactors;
 
-static inline void contact_factors_set(ContactFactors *f, int i, double r, double mu, double a) {
-    f->rn[i] = r * (a + mu * r);
-    f->d[i] = r - mu * a;
+static inline void contact_factors_set(ContactFactors *f, int i, double r, double signed_friction, double a) {
+    f->rn[i] = r * (a + signed_friction * r);
+    f->d[i] = r - signed_friction * a;
 }
 
 static inline void contact_factors_multiply(ContactFactors *f) {
@@ -43,9 +43,10 @@ typedef struct {
     Vector2 rn[2], d[2], delta, p, q;
 } VectorContactFactors;
 
-static inline void vector_contact_factors_set(VectorContactFactors *f, int i, double r, double mu, Vector2 a) {
-    f->rn[i] = r * (a + mu * r);
-    f->d[i] = r - mu * a;
+static inline void vector_contact_factors_set(VectorContactFactors *f, int i, double r, double signed_friction,
+                                              Vector2 a) {
+    f->rn[i] = r * (a + signed_friction * r);
+    f->d[i] = r - signed_friction * a;
 }
 
 static inline void vector_contact_factors_multiply(VectorContactFactors *f) {
@@ -60,9 +61,9 @@ typedef struct {
     Dual rn[2], d[2], delta, p, q;
 } DualContactFactors;
 
-static inline void dual_contact_factors_set(DualContactFactors *f, int i, double r, double mu, Dual a) {
-    f->rn[i] = dual_line(r * (mu * r), r, a);
-    f->d[i] = dual_line(r, -mu, a);
+static inline void dual_contact_factors_set(DualContactFactors *f, int i, double r, double signed_friction, Dual a) {
+    f->rn[i] = dual_line(r * (signed_friction * r), r, a);
+    f->d[i] = dual_line(r, -signed_friction, a);
 }
 
 static inline void dual_contact_factors_multiply(DualContactFactors *f) {
@@ -97,9 +98,9 @@ typedef struct {
     Jet rn[2], d[2], delta, p, q;
 } JetContactFactors;
 
-static inline void jet_contact_factors_set(JetContactFactors *f, int i, double r, Dual mu, const Jet *a) {
-    f->rn[i] = jet_line(dual_scale(r * r, mu), (Dual){r, 0.0}, a);
-    f->d[i] = jet_line((Dual){r, 0.0}, dual_scale(-1.0, mu), a);
+static inline void jet_contact_factors_set(JetContactFactors *f, int i, double r, Dual signed_friction, const Jet *a) {
+    f->rn[i] = jet_line(dual_scale(r * r, signed_friction), (Dual){r, 0.0}, a);
+    f->d[i] = jet_line((Dual){r, 0.0}, dual_scale(-1.0, signed_friction), a);
 }
 
 static inline void jet_contact_factors_multiply(JetContactFactors *f) {

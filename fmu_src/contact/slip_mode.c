@@ -28,7 +28,7 @@ static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, S
     set_kinematics(k, &s, slip->follower_has_inertia);
     for (int i = 0; i < 2; i++) {
         k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
-        dual_contact_factors_set(&k->factors, i, slip->params->cam[i].radius, slip->mu[i], k->slope[i]);
+        dual_contact_factors_set(&k->factors, i, slip->params->cam[i].radius, slip->signed_friction[i], k->slope[i]);
     }
     dual_contact_factors_multiply(&k->factors);
 }
@@ -61,7 +61,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
     slip.direction = direction;
     for (int i = 0; i < 2; i++) {
         slip.flank[i] = flank[i];
-        slip.mu[i] = direction * flank[i] * p->cam[i].friction;
+        slip.signed_friction[i] = direction * flank[i] * p->cam[i].friction;
     }
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;

@@ -33,7 +33,7 @@ typedef struct {
     Regime regime;
     int direction;                 /* sigma */
     int flank[2];                  /* e_i */
-    double mu[2];                  /* sigma e_i mu_i */
+    double signed_friction[2];     /* f_i = sigma e_i mu_i */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
     bool inputs_are_constant;      /* the inputs are constant */

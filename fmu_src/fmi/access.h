@@ -19,7 +19,7 @@ bool access_get_booleans(Instance *instance, const char *function, const ValueRe
 bool access_get_texts(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const char *value[]);
 
-/* A call that sets inputs alone is on the way of every step: values are checked, then stored. Any other call is carried
+/* A call that sets inputs alone belongs to every step: values are checked, then stored. Any other call is carried
  * out on a draft, which replaces the values only if all of the call is allowed. */
 bool access_set_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                       const double value[]);

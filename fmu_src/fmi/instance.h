@@ -65,7 +65,7 @@ typedef struct {
     const char *function; /* the FMI function that the master calls */
     const char *name;
     const char *guid, *guid_name; /* and the name of this argument in the version of FMI */
-    const char *location;         /* URI of the FMU's resources, or NULL: then */
+    const char *location;         /* URI of the FMU's resources, or NULL: use `path` */
     const char *path;             /* path of the FMU's resources */
     InterfaceType interface_type;
     IntermediateAccess intermediate;

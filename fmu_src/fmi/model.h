@@ -1,7 +1,7 @@
 /* The model that the FMI functions drive: one of two structs behind the same functions, chosen when an FMU is compiled.
  *
- *   MODEL_FORWARD  Mechanism (mechanism.h): torque in, motion out; functions in model_forward.c
- *   MODEL_INVERSE  Inverse (inverse.h): motion in, torque out; functions in model_inverse.c
+ *   MODEL_FORWARD  Mechanism (forward/state.h): torque in, motion out; functions in model_forward.c
+ *   MODEL_INVERSE  Inverse (inverse/inverse.h): motion in, torque out; functions in model_inverse.c
  *
  * Both structs begin with `params` and `inputs`, in this order, and have a `state`; these three are all that a restored
  * FMU state needs. Neither FMI nor physics stands here: the functions only call forward or inverse dynamics. */

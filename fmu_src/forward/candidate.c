@@ -1,6 +1,5 @@
 #include "forward/candidate.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "collocation/radau_step.h"
@@ -17,12 +16,12 @@ SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear) {
                              &m->inputs);
 }
 
-const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *room) {
+const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *storage) {
     if (m->model.linear_slips >> index & 1u) return &m->model.linear_slip[index];
     int flank[2];
     slip_flanks(index, flank);
-    linear_slip_build(room, &m->params, &m->configuration.geometry, slip_direction(index), flank);
-    return room;
+    linear_slip_build(storage, &m->params, &m->configuration.geometry, slip_direction(index), flank);
+    return storage;
 }
 
 SlipMode slip_mode_from_here(const Mechanism *m, int index) {
@@ -43,7 +42,7 @@ Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
 
 /* ---- in closed form ---- */
 
-/* Without inertia a locked contact can reverse the damper's resistance: then less torque means more speed. */
+/* Without inertia a locked contact can reverse the damper's resistance, B < 0: then less torque means more speed. */
 static bool is_backward(const LinearSlipMode *linear) {
     return linear->regime == REGIME_VISCOUS && linear->damping < 0.0;
 }
@@ -80,8 +79,8 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
 
 /* ---- in grooves of any shape ---- */
 
-/* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the x_i of a little later does.
- * That value takes the place of the second derivative. */
+/* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the value of x_i a little
+ * later decides; this value takes the place of the second derivative. */
 static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
     const double dt = CANDIDATE_LOOK_AHEAD * fmin(1.0, radau_step_time_scale(slip, now));
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
@@ -100,10 +99,9 @@ static bool is_undecided(const Candidate *candidate, int i) {
            fabs(candidate->contact[i].rate) <= REACTION_ZERO_SHARE * candidate->size[i].rate;
 }
 
-/* However small a load is, theta is known to its rounding only. This is the effect of that on x_i, as a size. */
+/* The rounding of theta changes x_i however small the load is. The change, as a size of x_i. by_angle: dx_i/dtheta. */
 static double noise_of_angle(const Mechanism *m, double by_angle) {
-    static const double ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
-    return ROUNDING * largest_angle(&m->params) * fabs(by_angle);
+    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(by_angle);
 }
 
 static Candidate general_candidate(const Mechanism *m, int index) {
@@ -143,6 +141,6 @@ Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *buil
 }
 
 Candidate candidate_of(const Mechanism *m, int index) {
-    LinearSlipMode room;
-    return candidate_building(m, index, &room);
+    LinearSlipMode storage;
+    return candidate_building(m, index, &storage);
 }

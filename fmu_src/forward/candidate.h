@@ -1,4 +1,4 @@
-/* What each slip mode would do from the present state on: the candidates among which decide.c chooses. */
+/* Candidates: what each slip mode would do from the present state on. decide.c chooses one of them. */
 #ifndef DUALCAM_CANDIDATE_H
 #define DUALCAM_CANDIDATE_H
 
@@ -8,7 +8,7 @@
 
 typedef struct {
     bool possible;
-    bool stable; /* more torque means more speed; an unstable candidate is taken only if no other one agrees */
+    bool stable; /* more torque means more speed; an unstable candidate is taken only if no stable one agrees */
     Regime regime;
     double net, net_size;   /* N.m: torque beyond the torque that holds the load, and the size of its terms */
     double tie;             /* share of net_size below which net counts as zero */
@@ -23,14 +23,15 @@ typedef struct {
 /* The candidate of one slip mode; index: see slip_index(). */
 Candidate candidate_of(const Mechanism *m, int index);
 
-/* The same; where coefficients of the closed form had to be built, they are in *built, else *built stays as it is. */
+/* The candidate of one slip mode. If the model lacks the coefficients of the closed form, *built receives them; else
+ * *built stays unchanged. */
 Candidate candidate_building(const Mechanism *m, int index, LinearSlipMode *built);
 
 /* Is the motion known in closed form under the present inputs? */
 bool is_closed_form(const Mechanism *m);
 
-/* The coefficients of the closed form of one slip mode: the model's, or, if the model has none, built in *room. */
-const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *room);
+/* The coefficients of the closed form of one slip mode: the model's, or, if the model has none, built in *storage. */
+const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMode *storage);
 
 /* The start of closed-form slip from the present state. */
 SlipStart slip_start_of(const Mechanism *m, const LinearSlipMode *linear);

@@ -6,9 +6,9 @@
 #include "forward/decide.h"
 #include "forward/stick.h"
 
-/* T per F_0 at the edge of the stick band that the torque has passed. */
+/* Torque per F_0, m, at the edge of the stick band that motion in `direction` has passed. */
 static double band_edge(const Mechanism *m, int direction) {
-    const EdgeFactors edges = stick_edges(m, stick_axial_load(m));
+    const BandFactors edges = stick_edges(m, stick_axial_load(m));
     return direction > 0 ? edges.load : edges.release;
 }
 
@@ -19,7 +19,7 @@ LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode 
         .params = &m->params,
         .geometry = &m->configuration.geometry,
         .start = slip_start_of(m, linear),
-        .room = room_ahead(m, linear->direction),
+        .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
         .edge = viscous ? band_edge(m, linear->direction) : linear->transfer.rho,
     };

@@ -5,11 +5,11 @@
 #include "closed_form/linear_event.h"
 #include "forward/segment.h"
 
-/* The fast exit of a slipping step: proposes all h seconds of inertial slip if nothing happens in them, else returns
- * false. The kernel of the step is kept, so that a step of the same length needs no new transcendental function. */
+/* The fast exit of a slipping step: proposes h seconds of inertial slip if they have no event, else returns false.
+ * The kernel of the step is kept, so that a step of the same length evaluates no transcendental function. */
 bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment);
 
-/* The motion from the present state on, in that slip mode. */
+/* The motion from the present state on, in the slip mode `linear`. */
 LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear);
 
 /* Proposes slip for up to `left` seconds, to the first event. False if a value is not finite. */

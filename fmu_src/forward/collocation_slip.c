@@ -21,7 +21,7 @@ static bool slips_on(const Mechanism *m) {
 
 static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const RadauStep *step, Segment *segment) {
     Peaks *peak = &segment->peak;
-    const int contacts = m->params.contacts; /* the step's reactions are totals */
+    const int contacts = m->params.contacts; /* the step's reactions are totals of all pin ends */
     const RadauPeaks known = {peak->omega, {peak->reaction[0] * contacts, peak->reaction[1] * contacts}};
     const RadauPeaks peaks = radau_step_peaks(slip, step, &known);
     peak_raise(&peak->omega, peaks.omega);
@@ -31,7 +31,8 @@ static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const Ra
     for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], peaks.reaction[i] / contacts);
 }
 
-/* Without inertia: the speed that the law gives at the end's own angle, not at the last iterate or beyond a breakpoint. */
+/* Without inertia: the speed by the equation of motion at the angle `theta` after t seconds. The last iterate of the
+ * step has another angle, and its piece of the transmission may end before `theta`. */
 static double speed_at_end(const Mechanism *m, const SlipMode *slip, double theta, double t) {
     const SlipMode here =
         slip_mode_of(&m->params, &m->model.transmission, &m->inputs, theta, slip->direction, slip->flank);
@@ -64,8 +65,8 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
 
 /* At breakaway under inputs that are polynomials the torque is on the edge of the band, and its excess grows from zero
  * like its first time derivative that is not zero. Until the excess exceeds the rounding of the torques, the motion is
- * rest to all digits, and no step can show the motion. Returns how long that lasts, s; 0 where the excess is not zero or
- * the mechanism moves. */
+ * rest to all digits, and no step can resolve the motion. Returns the duration of this rest, s; 0 where the excess is
+ * not zero or the mechanism moves. */
 static double unseen_time(const SlipMode *slip, const Balance *start) {
     const bool inertial = slip->regime == REGIME_INERTIAL;
     const double noise = BREAKAWAY_ROUNDING * start->rhs.size; /* of alpha; without inertia of omega */
@@ -88,14 +89,14 @@ static double unseen_time(const SlipMode *slip, const Balance *start) {
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
 static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
                           EventLocation *location, Segment *segment) {
-    const double room = room_ahead(m, slip->direction);
-    if (room <= 0.0) {
+    const double to_stop = angle_to_stop(m, slip->direction);
+    if (to_stop <= 0.0) {
         segment_begin(m, SEGMENT_AT_STOP, segment);
-        segment->omega_is_increment = true; /* the stop needs the speed */
+        segment->omega_is_increment = true; /* the impact needs the speed */
         segment->end = EVENT_STOP;
         return true;
     }
-    const bool found = event_location_find(slip, start, room, left, &m->cache.proposal, location);
+    const bool found = event_location_find(slip, start, to_stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
         const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
         if (jump != JUMP_NONE) return jump == JUMP_PROPOSED;
@@ -119,12 +120,12 @@ bool collocation_slip_propose(Mechanism *m, double left, EventLocation *location
 
 /* ---- Lobatto steps ---- */
 
-/* Without inertia slip starts from rest at any time: is the mechanism still driven, and on the spring's flanks, which
- * are then the damper's too? */
+/* Without inertia: is the torque still beyond the band, and do the contacts bear on the flanks of the spring's load?
+ * The damper's load is then on the same flanks. */
 static bool is_driven(const Mechanism *m, const SlipMode *slip) {
     const double load = stick_axial_load(m);
     const bool on_spring_flanks = slip->flank[0] * load > 0.0 && slip->flank[1] * load > 0.0;
-    return (on_spring_flanks || !has_friction(&m->params)) && stick_pressed(m) == slip->direction;
+    return (on_spring_flanks || !has_friction(&m->params)) && stick_direction_beyond_band(m) == slip->direction;
 }
 
 static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double left, LobattoStep *lobatto) {
@@ -132,12 +133,12 @@ static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double l
     if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_VISCOUS && !is_driven(m, slip)))
         return false;
     const LobattoStart from = {
-        s->theta.hi,    s->omega.hi, m->configuration.z, &m->configuration.geometry, room_ahead(m, slip->direction),
+        s->theta.hi,    s->omega.hi, m->configuration.z, &m->configuration.geometry, angle_to_stop(m, slip->direction),
         &s->ledger.peak};
     return lobatto_step_along(slip, &from, left, lobatto);
 }
 
-/* The largest values inside a Lobatto step, by way of a Radau step over the same time. */
+/* Raises the peaks to the largest values inside a Lobatto step, by a Radau step over the same time. */
 static void raise_peaks_inside(const Mechanism *m, const SlipMode *slip, double h, Segment *segment) {
     const Balance start = balance_from_here(m, slip);
     RadauStep step;
@@ -184,15 +185,15 @@ bool collocation_slip_quiet(const Mechanism *m, double h, LobattoHint *hint, Seg
     return lobatto_propose(m, &slip, h, hint, segment);
 }
 
-/* ---- going on ---- */
+/* ---- the next segment in the same mode ---- */
 
-/* Is each contact on its flank by more than rounding? Else the rate of its reaction tells, which needs a decision. */
+/* Is each contact on its flank by more than rounding? Else the rate of its reaction decides, which needs a decision. */
 static bool is_firm(const Mechanism *m, const SlipMode *slip, const Balance *b) {
     const double load = balance_load_size(&m->params, b->force, b->damper, b->dz_dtheta * b->alpha);
     return balance_is_firm(slip, 0, b->x[0], b->axial[0], load) && balance_is_firm(slip, 1, b->x[1], b->axial[1], load);
 }
 
-/* Would a decision find this slip mode again? A short test for the common case. */
+/* Would a decision find this slip mode again? The test is sufficient, not necessary. */
 static bool goes_on(const Mechanism *m, const SlipMode *slip, const Balance *start) {
     if (!start->rhs.possible || !(slip->direction * start->omega > 0.0)) return false;
     if (has_friction(&m->params) && !is_firm(m, slip, start)) return false;
@@ -206,7 +207,7 @@ SlipProposal collocation_slip_continue(Mechanism *m, double left, const LobattoH
     const SlipMode slip = slip_mode_from_here(m, present_slip_index(m));
     StepProposal *proposal = &m->cache.proposal;
     LobattoHint latest = *hint;
-    const bool suits = !hint->refused && left <= proposal->h; /* else the step needs more stages than Lobatto's four */
+    const bool suits = !hint->refused && left <= proposal->h; /* a longer step needs more than the four Lobatto nodes */
     if (suits && lobatto_propose(m, &slip, left, &latest, segment)) return SLIP_PROPOSED;
     const Balance start = balance_from_here(m, &slip);
     if (!goes_on(m, &slip, &start)) return SLIP_UNDECIDED;

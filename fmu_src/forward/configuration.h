@@ -1,4 +1,4 @@
-/* What theta implies, and the energies and distances that follow from the state alone. */
+/* The configuration, which theta implies, and the energies and angles that follow from state and parameters alone. */
 #ifndef DUALCAM_CONFIGURATION_H
 #define DUALCAM_CONFIGURATION_H
 
@@ -18,7 +18,7 @@ static inline void update_configuration(Mechanism *m) {
     c->z = point.z;
 }
 
-/* theta + dtheta, rad. theta is known to rounding, which must not carry theta past a stop. */
+/* theta + dtheta, rad, kept between the stops: rounding must not carry theta past a stop. */
 static inline Sum theta_after(const Mechanism *m, double dtheta) {
     Sum theta = m->state.theta;
     sum_add(&theta, dtheta);
@@ -27,8 +27,8 @@ static inline Sum theta_after(const Mechanism *m, double dtheta) {
     return theta;
 }
 
-/* The angle left to the end stop ahead, rad, >= 0. */
-static inline double room_ahead(const Mechanism *m, int direction) {
+/* The angle from theta to the end stop ahead in `direction`, rad, >= 0. */
+static inline double angle_to_stop(const Mechanism *m, int direction) {
     return distance_to_stop(&m->params.stop, direction, m->state.theta);
 }
 

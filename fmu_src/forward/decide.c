@@ -7,7 +7,7 @@
 
 /* ---- does a slip mode agree with itself? ---- */
 
-/* From rest the net torque must point in the direction of the slip, or vanish (its rate then decides). */
+/* From rest the net torque must point in the direction of the slip, or be zero; a rate has decided then. */
 static bool starts(const Candidate *candidate, int direction) {
     return direction * candidate->net >= -candidate->tie * candidate->net_size;
 }
@@ -17,12 +17,12 @@ bool begins_with_jump(const Candidate *candidate, int direction) {
            direction * candidate->net > candidate->tie * candidate->net_size;
 }
 
-/* Is x_i on the flank that the slip mode assumes, or about to be there? Where x_i is zero, its rate tells, and then the
- * rate of the rate. A contact that stays without load suits either flank. */
+/* Is x_i on the flank that the slip mode assumes, or about to be there? Where x_i is zero, its first time derivative
+ * decides; where this is zero, the second. A contact that stays without load suits either flank. */
 static bool flank_agrees(const Candidate *candidate, int direction, int flank, int i) {
     const ContactLoad *c = &candidate->contact[i], *size = &candidate->size[i];
     if (fabs(c->value) > REACTION_ZERO_SHARE * size->value) return flank * c->value > 0.0;
-    if (begins_with_jump(candidate, direction)) /* only the spring's force changes, by direction times its stiffness */
+    if (begins_with_jump(candidate, direction)) /* in a jump only the spring's force changes, in proportion to theta */
         return flank * direction * candidate->axial[i] >= 0.0;
     if (fabs(c->rate) > REACTION_ZERO_SHARE * size->rate) return flank * c->rate > 0.0;
     return fabs(c->second) <= REACTION_ZERO_SHARE * size->second || flank * c->second > 0.0;
@@ -45,7 +45,7 @@ static bool agrees(const Mechanism *m, int index, const Candidate *candidate, bo
     return flank_agrees(candidate, direction, flank[0], 0) && flank_agrees(candidate, direction, flank[1], 1);
 }
 
-/* Sign of the axial load when motion in `direction` begins or goes on. */
+/* Sign of the axial load when motion in `direction` begins or continues. */
 static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
@@ -54,7 +54,8 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
 }
 
-/* Of the coefficients that the model lacks, those built last are in *built: mostly those of the mode that is found. */
+/* The index of the slip mode whose flanks agree, or -1. *built receives the coefficients of the last candidate that had
+ * none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int unstable = -1;
@@ -77,19 +78,19 @@ static Mode slip_mode(int direction) {
 }
 
 static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
-    const int direction = stick_pressed(m);
+    const int direction = stick_direction_beyond_band(m);
     if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
     if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
         return (Decision){.mode = MODE_UPPER_STOP, .slip_index = -1};
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
     const int index = find_slip_mode(m, direction, true, built);
-    /* No slip mode agrees on the very edge: whether the torque is inside or beyond is rounding there. */
+    /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
-/* While the mechanism slips the flanks stay as they are as long as they agree. */
+/* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. */
 static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
@@ -106,15 +107,15 @@ static Decision decide(const Mechanism *m, LinearSlipMode *built) {
 }
 
 Decision decision_of(const Mechanism *m) {
-    LinearSlipMode room;
-    if (!m->continuous) return decide(m, &room);
+    LinearSlipMode storage;
+    if (!m->continuous) return decide(m, &storage);
     const Mode mode = m->state.mode;
     return (Decision){.mode = mode, .slip_index = is_slip(mode) ? present_slip_index(m) : -1};
 }
 
 /* ---- entering a mode ---- */
 
-/* Coefficients of the closed form; none if their direction is 0. */
+/* Keeps coefficients of the closed form in the model; direction 0: there are none. */
 static void keep_linear_slip(Mechanism *m, const LinearSlipMode *built) {
     if (built->direction == 0) return;
     const int index = slip_index(built->direction, built->flank);

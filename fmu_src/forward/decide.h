@@ -1,5 +1,5 @@
-/* Which mode comes next: the friction inclusion of docs/mechanism.md, section 3, decided from torque and never from a
- * small velocity. */
+/* The decision of the mode: the friction inclusion of docs/mechanism.md, section 3, decided by the torque and
+ * never by a small velocity. */
 #ifndef DUALCAM_DECIDE_H
 #define DUALCAM_DECIDE_H
 
@@ -11,20 +11,20 @@ typedef struct {
     int slip_index; /* see slip_index(); -1 in the modes of rest */
 } Decision;
 
-/* The mode that counts at this instant: the decision for state and present inputs; in model exchange, where modes
- * change at events only, the present mode. */
+/* The mode at this instant: the decision for state and present inputs. In model exchange modes change at events only,
+ * and the mode is the present one. */
 Decision decision_of(const Mechanism *m);
 
 /* Decides the mode and enters it: a mode that differs from the present one counts as an event. Coefficients of the
  * closed form that the decision had to build are kept in the model. */
 void enter_decided_mode(Mechanism *m);
 
-/* The slip mode in `direction` (+1, -1) whose flanks agree with their own reactions: its index, or -1 if there is none.
- * Several can agree where a contact locks; then both supporting flanks come first, as in docs/mechanism.md, section 3.
- * The mechanism moves in that direction, or is about to. */
+/* The slip mode in `direction` (+1, -1) whose flanks agree with their own reactions: its index, or -1 if there is
+ * none. Several slip modes can agree where a contact locks; then the pair of supporting flanks comes first
+ * (docs/mechanism.md, section 3). The mechanism moves in that direction, or is about to. */
 int slip_mode_of_moving(Mechanism *m, int direction);
 
-/* Does rate-independent slip begin with a jump? It does unless the torque is on the edge of the stick band already. */
+/* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */
 bool begins_with_jump(const Candidate *candidate, int direction);
 
 /* Builds the coefficients of the closed form of one slip mode and keeps them in the model. */

@@ -12,7 +12,7 @@ static void stand_still(Mechanism *m) {
 /* ---- end stops ---- */
 
 /* Is the bounce off the stop in `direction` too low to be seen in theta? The excursion at a speed omega against a
- * deceleration alpha is omega^2/(2 alpha). A shrinking sequence of bounces so ends after finitely many. */
+ * deceleration alpha is omega^2/(2 alpha). So a sequence of shrinking bounces ends after a finite number. */
 static bool is_bounce_invisible(Mechanism *m, int direction) {
     const double omega = m->state.omega.hi;
     const int slip = slip_mode_of_moving(m, -direction);
@@ -25,6 +25,7 @@ void hit_stop(Mechanism *m, int direction) {
     const double before = kinetic_energy(m);
     state->theta = sum_of(stop_ahead(&m->params.stop, direction));
     update_configuration(m);
+    /* 0.0 - e omega, not -e omega: without restitution (e = 0) the speed at rest is then 0, not the negative zero. */
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0 && is_bounce_invisible(m, direction)) stand_still(m);

@@ -27,18 +27,18 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     const LinearSegment s = linear_segment_from_here(m, linear);
     const double sign = linear->direction, force = s.start.force;
     const double net = sign * linear_slip_net_torque(linear, &s.start);
-    const bool stable = linear->stiffness > 0.0; /* else the motion asks for less and less torque */
+    const bool stable = linear->stiffness > 0.0; /* else the holding torque falls along the motion */
     const Candidate candidate = candidate_of(m, present_slip_index(m));
     if (stable && !begins_with_jump(&candidate, linear->direction)) return JUMP_NONE;
     const double spring = sign * m->params.spring.stiffness * m->configuration.geometry.dz_dtheta;
     const bool mirrors = force * spring < 0.0 && fabs(force) > stick_tie(m) * stick_axial_size(m);
     const double to_edge = stable ? net / linear->stiffness : INFINITY;
     const double to_mirror = mirrors ? -force / spring : INFINITY;
-    const double distance = fmin(to_edge, fmin(to_mirror, s.room));
+    const double distance = fmin(to_edge, fmin(to_mirror, s.to_stop));
     segment_begin(m, SEGMENT_JUMP, segment);
     if (m->params.ledger) book_helices(&s, sign * distance, segment);
     segment->dtheta = sign * distance;
-    if (distance == s.room) segment->end = EVENT_STOP;
+    if (distance == s.to_stop) segment->end = EVENT_STOP;
     return JUMP_PROPOSED;
 }
 
@@ -51,8 +51,8 @@ bool jump_is_due(const Mechanism *m) {
     return !(candidate.stiffness > 0.0) || begins_with_jump(&candidate, direction_of(m->state.mode));
 }
 
-/* The segment of a jump. */
-static JumpProposal propose(const Mechanism *m, const Jump *jump, Segment *segment) {
+/* Proposes the segment of a jump. */
+static JumpProposal propose_jump(const Mechanism *m, const Jump *jump, Segment *segment) {
     const Booking *b = &jump->booking;
     if (!isfinite(jump->dtheta + b->work_in + b->work_ext + b->heat_cam[0] + b->heat_cam[1])) return JUMP_NOT_FINITE;
     segment_begin(m, SEGMENT_JUMP, segment);
@@ -68,7 +68,7 @@ static JumpProposal propose(const Mechanism *m, const Jump *jump, Segment *segme
 bool jump_propose(Mechanism *m, double left, Segment *segment) {
     Jump jump;
     play_jump(m, direction_of(m->state.mode), m->inputs.tau[0], 0.0, &jump);
-    if (jump.stopped || jump.dtheta != 0.0) return propose(m, &jump, segment) == JUMP_PROPOSED;
+    if (jump.stopped || jump.dtheta != 0.0) return propose_jump(m, &jump, segment) == JUMP_PROPOSED;
     rest_propose(m, left, segment);
     return true;
 }
@@ -84,12 +84,12 @@ bool jump_is_at_fold(const SlipMode *slip, const EventLocation *location, double
     return !slower && ((noisy && inputs_load_constant(slip->inputs)) || near);
 }
 
-/* How much higher than here the edge is at the fold, at most, N.m. */
+/* Upper bound of the edge's rise from here to the fold, N.m. */
 static double fold_height(const SlipMode *slip, const Balance *start) {
     return FOLD_SHARE * (slip->piece->upper - slip->piece->lower) * fabs(start->rhs.by_theta);
 }
 
-/* For how long, up to `left` seconds, the torque grows in `direction` while F_ext stays; 0 if F_ext does not stay. */
+/* The time, s, at most `left`, for which the torque grows in `direction`; 0 if F_ext is not constant. */
 static double growing_time(const Inputs *in, int direction, double left) {
     if (!inputs_load_constant(in)) return 0.0;
     const double rate[INPUT_ORDER + 1] = {direction * in->tau[1], direction * in->tau[2], direction * in->tau[3]};
@@ -97,14 +97,14 @@ static double growing_time(const Inputs *in, int direction, double left) {
     return left * fmin(bernstein_descent(&p), 1.0);
 }
 
-/* Where the edge of the band is level, theta does not tell the time, but the torque tells theta: as long as the torque
- * grows, theta goes where a jump of the torque would take theta. */
+/* Where the edge of the band is level, time does not follow from theta, but theta follows from the torque. As long as
+ * the torque grows, theta ends where a jump of the torque would end. */
 static JumpProposal follow_torque(const Mechanism *m, int direction, double t, Segment *segment) {
     Inputs after = m->inputs;
     inputs_advance(&after, t);
     Jump jump;
     play_jump(m, direction, after.tau[0], 0.0, &jump);
-    if (propose(m, &jump, segment) != JUMP_PROPOSED) return JUMP_NOT_FINITE;
+    if (propose_jump(m, &jump, segment) != JUMP_PROPOSED) return JUMP_NOT_FINITE;
     peak_raise(&segment->peak.torque, after.tau[0]);
     segment->duration = t;
     segment->varies = segment->finds_speed = true;
@@ -117,7 +117,7 @@ JumpProposal jump_past_fold(const Mechanism *m, const SlipMode *slip, const Bala
     if (grows > 0.0) return follow_torque(m, slip->direction, grows, segment);
     Jump jump;
     play_jump(m, slip->direction, m->inputs.tau[0], fold_height(slip, start), &jump);
-    return jump.stopped || jump.dtheta != 0.0 ? propose(m, &jump, segment) : JUMP_NONE;
+    return jump.stopped || jump.dtheta != 0.0 ? propose_jump(m, &jump, segment) : JUMP_NONE;
 }
 
 void jump_find_speed(Mechanism *m) {

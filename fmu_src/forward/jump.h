@@ -14,16 +14,16 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
 /* Grooves of any shape: does the slip mode that has been decided begin with a jump? */
 bool jump_is_due(const Mechanism *m);
 
-/* Grooves of any shape: proposes the jump to where the torque is held, or the end stop. A jump that leads nowhere, on
- * an edge that holds the torque to rounding, becomes rest for up to `left` seconds. False if a value is not finite. */
+/* Grooves of any shape: proposes the jump to where the torque is held, or the end stop. If the edge holds the torque
+ * to rounding, so that the jump is zero, proposes rest for up to `left` seconds. False if a value is not finite. */
 bool jump_propose(Mechanism *m, double left, Segment *segment);
 
-/* Has the step along the edge come so near to a fold that only rounding moves the angle? */
+/* Has the step along the edge come so close to a fold that only rounding moves the angle? */
 bool jump_is_at_fold(const SlipMode *slip, const EventLocation *location, double left);
 
-/* Proposes to pass a fold or a level part of the edge: while the torque grows and F_ext stays, the angle goes for up to
- * `left` seconds where a jump of the torque would take the angle (the segment's speed then follows from the mode that
- * is decided at its end); else a jump. JUMP_NONE if there is nothing to pass. */
+/* Proposes the motion past a fold or a level part of the edge. While the torque grows and F_ext is constant, the
+ * segment takes up to `left` seconds and ends at the angle to which a jump of the torque would lead; its speed then
+ * follows from the mode that is decided at its end. Else the segment is a jump. JUMP_NONE if there is no fold ahead. */
 JumpProposal jump_past_fold(const Mechanism *m, const SlipMode *slip, const Balance *start, double left,
                             Segment *segment);
 

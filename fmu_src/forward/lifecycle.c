@@ -10,7 +10,7 @@
 
 /* ---- model ---- */
 
-/* A test switches the closed form off and compares: then every scene is integrated like general grooves. */
+/* A test defines DUALCAM_NO_CLOSED_FORM and compares the results: then helices are integrated like any other groove. */
 #ifdef DUALCAM_NO_CLOSED_FORM
 enum { USE_CLOSED_FORM = 0 };
 #else
@@ -23,7 +23,7 @@ void forget_cache(Cache *cache) {
     for (int i = 0; i < SLIP_MODE_COUNT; i++) cache->kernel[i].t = NAN;
 }
 
-/* All that follows from params and transmission. */
+/* Builds all that follows from params and transmission. */
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
     m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params);

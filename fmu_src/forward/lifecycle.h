@@ -9,11 +9,12 @@
 
 /* Starts from m->params and m->inputs: builds the model, sets the state to its start values and decides the mode for
  * the present inputs. False if the parameters cannot work: stops out of order, a start angle beyond the stops, a groove
- * that ends too early or that friction jams, a table that cannot be read. Then nothing but m->model has changed. */
+ * that ends too early or that friction jams, a table that cannot be read. Then only m->model has changed. */
 bool mechanism_start(Mechanism *m, Fault *fault);
 
 /* Builds the model from m->params and forgets cached values; the state stays. To be called after params, state and
- * inputs came from a snapshot. A transmission of the same cams and stops is kept. False if the parameters cannot work. */
+ * inputs came from a snapshot. A transmission of the same cams and stops is kept. False if the parameters cannot
+ * work. */
 bool mechanism_rebuild(Mechanism *m, Fault *fault);
 
 /* Replaces m->params at a communication point. Only friction, spring and damper may differ. Books the jump of the
@@ -31,7 +32,8 @@ void forget_cache(Cache *cache);
 
 /* ---- the latest step ---- */
 
-/* Describes a step of h seconds that starts here. Member by member: a copy of the whole goes by way of the stack. */
+/* Describes a step of h seconds that starts from the present state. Member by member: compilers copy a whole struct by
+ * way of the stack. */
 static inline void begin_step(const Mechanism *m, double h, Step *step) {
     const State *s = &m->state;
     step->theta = s->theta;
@@ -44,7 +46,7 @@ static inline void begin_step(const Mechanism *m, double h, Step *step) {
     step->retuned = 0;
 }
 
-/* The parameters of the step before the present one are not needed any more. */
+/* Clears the tunable parameters of the latest step: the present step takes its place. */
 static inline void forget_tunables(State *s) {
     if (s->step.retuned) s->tunables = (Tunables){.friction = {0.0}};
 }

@@ -48,7 +48,8 @@ bool ode_rates(const Mechanism *m, double rate[ODE_STATES], Fault *fault) {
     return false;
 }
 
-/* At rest: the torque's way to an edge of the band, in the direction `sign`; pressed: it is beyond already. */
+/* At rest: the torque from tau to an edge of the band, N.m, in the direction `sign`. pressed: tau is beyond
+ * this edge already, and a stop holds cam 2. */
 static double way_to_edge(const Mechanism *m, double factor, double sign, bool pressed) {
     if (isinf(factor)) return 1.0;
     const double late = LATE_TIES * stick_tie(m) * stick_torque_size(m, factor);
@@ -57,7 +58,7 @@ static double way_to_edge(const Mechanism *m, double factor, double sign, bool p
 }
 
 static void indicate_rest(const Mechanism *m, double indicator[ODE_INDICATORS]) {
-    const EdgeFactors f = stick_edges(m, stick_axial_load(m));
+    const BandFactors f = stick_edges(m, stick_axial_load(m));
     indicator[INDICATOR_LOAD] = way_to_edge(m, f.load, 1.0, m->state.mode == MODE_UPPER_STOP);
     indicator[INDICATOR_RELEASE] = way_to_edge(m, f.release, -1.0, m->state.mode == MODE_LOWER_STOP);
 }

@@ -14,8 +14,8 @@ void mechanism_motion(const Mechanism *m, Motion *out) {
     out->v = m->configuration.geometry.dz_dtheta * m->state.omega.hi;
 }
 
-/* T_release/T_load; where both vanish with F_0, the ratio that they had before. */
-static double efficiency(const Mechanism *m, const EdgeFactors *f, double F_0) {
+/* T_release/T_load; where F_0 = 0, and with it both torques, the ratio of their factors. */
+static double efficiency(const Mechanism *m, const BandFactors *f, double F_0) {
     const double load = F_0 == 0.0 ? f->load : stick_edge(f->load, F_0);
     const double release = F_0 == 0.0 ? f->release : stick_edge(f->release, F_0);
     if (load == 0.0 && release == 0.0) return has_friction(&m->params) ? 0.0 : 1.0;
@@ -35,7 +35,7 @@ static void general_slip_loads(const Mechanism *m, int index, LoadOutputs *out) 
     for (int i = 0; i < 2; i++) out->reaction[i] = now.x[i] * sqrt(now.length2[i]) / m->params.contacts;
 }
 
-/* The same in closed form. */
+/* Acceleration and reactions while slipping, in closed form. */
 static void linear_slip_loads(const Mechanism *m, const LinearSlipMode *linear, LoadOutputs *out) {
     const SlipStart start = slip_start_of(m, linear);
     const LinearMotion now = linear_slip_motion_at_start(linear, &start);
@@ -49,7 +49,7 @@ static void linear_slip_loads(const Mechanism *m, const LinearSlipMode *linear, 
 void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
     const Geometry *g = &m->configuration.geometry;
     const double theta = m->state.theta.hi, omega = m->state.omega.hi, F_0 = stick_axial_load(m);
-    const EdgeFactors f = stick_edges(m, F_0);
+    const BandFactors f = stick_edges(m, F_0);
     const Decision now = decision_of(m);
     const Transmission *transmission = &m->model.transmission;
     *out = (LoadOutputs){
@@ -67,8 +67,8 @@ void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
         out->reaction[i] = stick_reaction(m, i);
     }
     if (!is_slip(now.mode)) return;
-    LinearSlipMode room;
-    if (is_closed_form(m)) linear_slip_loads(m, linear_slip_of(m, now.slip_index, &room), out);
+    LinearSlipMode storage;
+    if (is_closed_form(m)) linear_slip_loads(m, linear_slip_of(m, now.slip_index, &storage), out);
     else general_slip_loads(m, now.slip_index, out);
 }
 
@@ -123,8 +123,8 @@ void motion_derivatives(const Mechanism *m, MotionDerivatives *out) {
     *out = (MotionDerivatives){.theta = {0.0}};
     if (!is_slip(now.mode)) return;
     if (is_closed_form(m)) {
-        LinearSlipMode room;
-        linear_slip_derivatives(m, linear_slip_of(m, now.slip_index, &room), out);
+        LinearSlipMode storage;
+        linear_slip_derivatives(m, linear_slip_of(m, now.slip_index, &storage), out);
         return;
     }
     const SlipMode slip = slip_mode_from_here(m, now.slip_index);
@@ -135,5 +135,5 @@ void motion_derivatives(const Mechanism *m, MotionDerivatives *out) {
         out->theta[k] = factorial[k] * t.omega.c[k].value;
         out->z[k] = factorial[k] * t.v.c[k].value;
     }
-    out->z[0] = m->configuration.geometry.dz_dtheta * out->theta[0]; /* the same digits as the output v */
+    out->z[0] = m->configuration.geometry.dz_dtheta * out->theta[0]; /* bit for bit the output v */
 }

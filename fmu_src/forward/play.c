@@ -1,6 +1,5 @@
 #include "forward/play.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "forward/configuration.h"
@@ -14,16 +13,16 @@ typedef struct {
     const TransmissionPiece *piece;
     int direction;
     double torque; /* N.m, to be held */
-    int *halvings; /* left: a bound of the time a jump takes */
+    int *halvings; /* that are left, which bounds the work of a jump */
 } EdgePath;
 
 /* The band's edge at one angle. */
 typedef struct {
-    double torque;      /* N.m; infinite: no torque moves it on */
-    int pattern;        /* sign of F_0 and flanks: where it changes the edge has a kink */
+    double torque;      /* N.m; infinite: no torque moves the mechanism on */
+    int pattern;        /* sign of F_0 and flanks; the edge has a kink where the pattern changes */
     double dz_dtheta;   /* m/rad */
     double heat[2];     /* N.m, friction heat per angle at contact i */
-    double reaction[2]; /* N, |R_i|, total */
+    double reaction[2]; /* N, |R_i|, total of all pin ends */
 } Edge;
 
 static Edge edge_at(const EdgePath *path, double theta) {
@@ -54,7 +53,7 @@ static double beyond(const EdgePath *path, double theta) {
     return path->direction * (path->torque - edge_at(path, theta).torque);
 }
 
-/* The angle between `from`, where the torque is beyond the edge, and `to`, where it is not, at which it is held. */
+/* The angle at which the torque is held: at `from` the torque is beyond the edge, at `to` it is not. */
 static double held_between(const EdgePath *path, double from, double to) {
     double f_from = beyond(path, from), f_to = beyond(path, to);
     for (int n = 0; n < PLAY_MAX_BISECTIONS; n++) {
@@ -76,7 +75,7 @@ static double held_between(const EdgePath *path, double from, double to) {
     return isfinite(f_to) ? to : from; /* a contact locks there */
 }
 
-/* Rule of order 13 over [from, to]; the heats and the work along the edge. */
+/* The heats and the work along the edge over [from, to], by the Radau rule of order 13. */
 static Booking sum_over(const EdgePath *path, double from, double to) {
     const Radau *r = radau_of(RADAU_MAX);
     Booking sum = {.work_in = 0.0};
@@ -99,10 +98,10 @@ static void add(Booking *sum, const Booking *part) {
 static bool alike(const Booking *a, const Booking *b, double scale) {
     double differ = fabs(a->work_in - b->work_in) + fabs(a->work_ext - b->work_ext);
     for (int i = 0; i < 2; i++) differ += fabs(a->heat_cam[i] - b->heat_cam[i]);
-    return !(differ > scale); /* nor is there a reason to go on where it is not a number */
+    return !(differ > scale); /* NaN counts as alike: halving does not mend a NaN */
 }
 
-/* Halved until the halves agree with the whole. */
+/* The booking over [from, to]; the interval is halved until the halves agree with `whole`. */
 static Booking integrate(const EdgePath *path, double from, double to, const Booking *whole, double allowed,
                          int depth) {
     const double middle = 0.5 * (from + to);
@@ -128,20 +127,20 @@ static double reaction_at(const void *context, double theta) {
     return edge_at(r->path, theta).reaction[r->i];
 }
 
-/* Raises the largest reactions to those on the way from `from` to `to`. */
+/* Raises the largest reactions to those between `from` and `to`. */
 static void look_for_peaks(const EdgePath *path, double from, double to, Jump *jump) {
-    enum { PARTS = 4 };
-    double reaction[2][PARTS + 1];
-    for (int k = 0; k <= PARTS; k++) {
-        const Edge edge = edge_at(path, from + (to - from) * k / (int)PARTS);
+    double reaction[2][PLAY_PEAK_PARTS + 1];
+    for (int k = 0; k <= PLAY_PEAK_PARTS; k++) {
+        const Edge edge = edge_at(path, from + (to - from) * k / (int)PLAY_PEAK_PARTS);
         for (int i = 0; i < 2; i++) reaction[i][k] = edge.reaction[i];
     }
     for (int i = 0; i < 2; i++) {
         int best = 0;
-        for (int k = 1; k <= PARTS; k++) best = reaction[i][k] > reaction[i][best] ? k : best;
+        for (int k = 1; k <= PLAY_PEAK_PARTS; k++) best = reaction[i][k] > reaction[i][best] ? k : best;
         double largest = reaction[i][best];
-        const double step = (to - from) / (int)PARTS;
-        const double left = from + step * fmax(best - 1, 0.0), right = from + step * fmin(best + 1, (double)(int)PARTS);
+        const double step = (to - from) / (int)PLAY_PEAK_PARTS;
+        const double left = from + step * fmax(best - 1, 0.0),
+                     right = from + step * fmin(best + 1, (double)(int)PLAY_PEAK_PARTS);
         if (largest > PLAY_NEAR_PEAK * jump->reaction[i]) {
             const EdgeReaction reaction_i = {path, i};
             const int steps = PLAY_GOLDEN_STEPS;
@@ -157,21 +156,21 @@ static void book(const EdgePath *path, double from, double to, Jump *jump) {
     look_for_peaks(path, from, to, jump);
     const Booking whole = sum_over(path, from, to);
     const double size = fabs(whole.work_in) + fabs(whole.work_ext) + whole.heat_cam[0] + whole.heat_cam[1];
-    /* on a dwell z and with it every energy stays what it is, but for rounding */
+    /* On a dwell z is constant, and every energy changes by rounding only. */
     const double z = fabs(m->configuration.z) + m->model.transmission.z_size;
-    const double rounding = 64.0 * DBL_EPSILON * (size + stick_axial_size(m) * z);
+    const double rounding = PLAY_ROUNDING * (size + stick_axial_size(m) * z);
     const double allowed = PLAY_SHARE_OF_TOLERANCE * m->params.tolerance * size + rounding;
     const Booking sum = integrate(path, from, to, &whole, allowed, 0);
     add(&jump->booking, &sum);
 }
 
-/* Books from `from` to `to`, between which there is at most one kink. */
+/* Books the path from `from` to `to`, which has at most one kink. */
 static void book_past_kink(const EdgePath *path, double from, double to, Jump *jump) {
     if (!path->m->params.ledger) return;
     const int pattern = edge_at(path, from).pattern;
     double left = from, right = to;
     if (edge_at(path, to).pattern == pattern) left = right;
-    for (int n = 0; n < 100 && left != right; n++) {
+    for (int n = 0; n < PLAY_KINK_BISECTIONS && left != right; n++) {
         const double middle = 0.5 * (left + right);
         if (middle == left || middle == right) break;
         if (edge_at(path, middle).pattern == pattern) {
@@ -184,7 +183,7 @@ static void book_past_kink(const EdgePath *path, double from, double to, Jump *j
     book(path, left, to, jump);
 }
 
-/* The first place in between where a contact locks, or NAN. */
+/* The first angle between `from` and `to` at which a contact locks, or NAN. */
 static double lock_between(const EdgePath *path, double from, double to) {
     const Radau *r = radau_of(RADAU_MAX);
     for (int j = 0; has_friction(&path->m->params) && j < r->stages; j++) {
@@ -194,10 +193,11 @@ static double lock_between(const EdgePath *path, double from, double to) {
     return NAN;
 }
 
-/* Goes on from jump->dtheta through one piece, to where the torque is held, or to its end. Returns true if held. */
+/* Extends the jump through one piece, to the angle at which the torque is held or to the angle `end`. Returns true if
+ * the torque is held. */
 static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jump) {
-    /* where the edge is level, being on it is not being held */
     const Mechanism *m = path->m;
+    /* A torque on a level edge, to rounding, is not held: theta goes on. */
     const double tie = stick_tie(m) * stick_torque_size(m, m->configuration.geometry.dz_dtheta) + bump;
     const double start = m->state.theta.hi, width = path->piece->upper - path->piece->lower;
     const int direction = path->direction;

@@ -13,7 +13,7 @@ bool rest_goes_on(Mechanism *m) {
     return true;
 }
 
-/* Raises the peaks to torque and reactions at rest t seconds after the inputs were written. */
+/* Raises the peaks to the torque and the reactions at rest, t seconds after the start of the segment. */
 static void raise_peaks(const Mechanism *m, double t, Segment *segment) {
     const double spring = spring_force(&m->params.spring, m->configuration.z);
     const double F_0 = spring + input_value(m->inputs.F_ext, t);

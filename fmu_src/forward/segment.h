@@ -1,5 +1,5 @@
-/* A segment: a part of a step in one mode. A method proposes a segment, segment_apply() carries it out, and the event
- * that ends the segment is handled afterwards (impact.h). */
+/* A segment: a part of a step in one mode. A method proposes a segment, segment_apply() applies the segment, and
+ * handle_event() handles the event that ends it (impact.h). */
 #ifndef DUALCAM_SEGMENT_H
 #define DUALCAM_SEGMENT_H
 
@@ -12,7 +12,7 @@ typedef enum {
     SEGMENT_CLOSED_FORM, /* slip, known in closed form */
     SEGMENT_LOBATTO,     /* slip, one Lobatto step */
     SEGMENT_RADAU,       /* slip, one Radau step */
-    SEGMENT_JUMP,    /* without inertia and damping: along the band's edge to where the torque is held, or the stop */
+    SEGMENT_JUMP,    /* without inertia and damping: along the band's edge, until it holds the torque, or to a stop */
     SEGMENT_JAM,     /* no time passes: the contacts jam */
     SEGMENT_AT_STOP, /* no time passes: the mechanism stands at the stop into which it moves */
 } SegmentKind;
@@ -27,7 +27,7 @@ typedef struct {
     bool books;              /* booking is set */
     bool varies;             /* the inputs vary and time passes */
     bool finds_speed;        /* the speed follows from the mode that is decided at the end, see jump.c */
-    bool ends_at_breakpoint; /* the segment was to end at a breakpoint of the transmission, as far as could be told */
+    bool ends_at_breakpoint; /* the length of the segment was chosen as the time to a breakpoint of the transmission */
     Booking booking;         /* J; only with a ledger */
     Peaks peak;              /* largest values of the run up to the end; only with a ledger */
     const EventLocation *location; /* of SEGMENT_RADAU: the collocation step */
@@ -44,8 +44,8 @@ static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *
     segment->location = NULL;
 }
 
-/* Carries the segment out: the only place where a step changes angle, speed, accounts and inputs. Member by member: a
- * copy of values that have just been written waits for them. */
+/* Applies the segment: the only place where a step changes angle, speed, accounts and inputs. Member by member: the
+ * copy of a whole struct would wait until its members, just written, are in memory. */
 static inline void segment_apply(Mechanism *m, const Segment *segment) {
     State *state = &m->state;
     if (m->params.ledger) {
@@ -64,8 +64,8 @@ static inline void segment_apply(Mechanism *m, const Segment *segment) {
     if (segment->varies) inputs_advance(&m->inputs, segment->duration);
 }
 
-/* Raises the segment's peak of |tau| to the largest of curved inputs in its first t seconds; at rest also the peaks of
- * the reactions. Torque and load of straight ramps are largest at the ends. */
+/* For inputs that are curved in time: raises the segment's peak of |tau| to the largest |tau| of its first t seconds,
+ * and at rest also the peaks of the reactions. Constant inputs and ramps are largest at the ends of the segment. */
 void segment_raise_input_peaks(const Mechanism *m, double t, Segment *segment);
 
 #endif

@@ -18,11 +18,11 @@
  *
  * Files, in the order in which a step uses them:
  *   step               the step as an outline: decide the mode, propose a segment, apply it, handle its event
- *   decide, candidate  which mode comes next (friction inclusion), and what each slip mode would do
- *   stick              the stick band and how long rest lasts
- *   segment            one proposal of time in one mode, and the one function that applies a proposal
+ *   decide, candidate  which mode comes next (friction inclusion), and the motion that each slip mode would give
+ *   stick              the stick band, and the time for which rest lasts
+ *   segment            one part of a step in one mode, and the one function that applies it
  *   rest, closed_form_slip, collocation_slip, jump    the methods that propose segments
- *   play               the play operator: how far the angle moves along the edge of the stick band
+ *   play               the play operator: the angle by which theta moves along the edge of the stick band
  *   impact             end stops and jams
  *   configuration, lifecycle, outputs, ode            what theta implies; start and tuning; outputs; model exchange */
 #ifndef DUALCAM_STATE_H
@@ -41,11 +41,11 @@
 #include "model/params.h"
 #include "numerics/sum.h"
 
-/* What the latest step started from. With these values the step can be repeated. */
+/* The start of the latest step. With these values the step can be repeated. */
 typedef struct {
     Sum theta, omega; /* rad, rad/s */
     Inputs inputs;
-    double h; /* s; 0: there has been no step */
+    double h; /* s; 0: no step has been made */
     Mode mode;
     int flank[2];
     int retuned; /* 1: parameters have been tuned since the step, see State.tunables; else 0 */
@@ -59,7 +59,7 @@ typedef struct {
     int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
     Ledger ledger;
     Step step;
-    Tunables tunables; /* of the latest step if step.retuned, else 0 */
+    Tunables tunables; /* those of the latest step if step.retuned, else 0 */
 } State;
 
 typedef struct {
@@ -72,7 +72,7 @@ typedef struct {
     double gamma;            /* rad */
     double spring_force;     /* N */
     double damper_force;     /* N */
-    double reaction[2];      /* N, per contact, signed: + on the flank that supports F > 0 */
+    double reaction[2];      /* N, per pin end; positive on the flank that supports F > 0 */
     double sliding_speed[2]; /* m/s */
     double torque_load;      /* N.m, upper edge of the stick band; +inf: jammed */
     double torque_release;   /* N.m, lower edge of the stick band; -inf: wedged */
@@ -87,7 +87,7 @@ typedef struct {
     double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* all in J */
 } Energy;
 
-/* Of the latest step, where the torque of the whole step is shifted by a constant: see step_sensitivity.h. */
+/* Derivatives of the latest step's end by a constant shift of the torque over the whole step: step_sensitivity.h. */
 typedef struct {
     double dtheta_dtau; /* rad/(N.m) */
     double domega_dtau; /* rad/s/(N.m) */
@@ -106,14 +106,14 @@ typedef struct {
     Transmission transmission; /* geometry along theta; the only member that owns memory */
     bool closed_form;          /* helices and linear forces: slip is known at any time (linear_slip.h) */
     LinearSlipMode linear_slip[SLIP_MODE_COUNT]; /* by slip_index(); coefficients of the closed form */
-    unsigned linear_slips;                       /* bit k: linear_slip[k] has been built; most are never needed */
+    unsigned linear_slips;                       /* bit k: linear_slip[k] has been built; most slip modes never occur */
 } Model;
 
 /* What theta implies. */
 typedef struct {
     Geometry geometry;
     double z;         /* m */
-    BandFactors band; /* T_load / F_0 and T_release / F_0; for helices only, see stick_band() */
+    BandFactors band; /* T_load/F_0 and T_release/F_0; for helices only, see stick_band() */
 } Configuration;
 
 /* The interval of torque in which a mechanism at rest stays at rest. */
@@ -159,7 +159,7 @@ static inline void slip_flanks(int index, int flank[2]) {
     flank[1] = index & 1 ? -1 : 1;
 }
 
-/* Index of the slip mode that the state is in; the mode is one of slip. */
+/* Index of the present slip mode; m->state.mode is a mode of slip. */
 static inline int present_slip_index(const Mechanism *m) {
     return slip_index(direction_of(m->state.mode), m->state.flank);
 }

@@ -17,46 +17,47 @@
 typedef enum {
     OUTCOME_DONE,
     OUTCOME_GOES_ON,
-    OUTCOME_STOPPED, /* by the visitor */
+    OUTCOME_STOPPED, /* the visitor has stopped the step */
     OUTCOME_NOT_FINITE,
     OUTCOME_TOO_MANY_JAMS,
-    OUTCOME_TOO_MANY_EVENTS,
+    OUTCOME_TOO_MANY_SEGMENTS,
 } Outcome;
 
-/* A step while it is made. */
+/* A step that is being made. */
 typedef struct {
-    double left;           /* s */
+    double left;           /* s, time left */
     StepVisitor *visitor;  /* or NULL */
-    bool settles;          /* jams at the very end are carried out as well */
+    bool settles;          /* a jam at the end of the step is carried out, too */
     bool decided;          /* the mode has been decided in this step */
-    bool rests_on;         /* the latest segment is rest under constant inputs: a decision would change nothing */
-    bool goes_on;          /* the latest segment is a collocation step without event: the mode probably goes on */
-    LobattoHint hint;      /* of the segment ahead */
-    int segments, jams;    /* so far; segments without those that end at a breakpoint of the transmission */
+    bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
+    bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
+    LobattoHint hint;      /* for the next segment */
+    int segments, jams;    /* so far; Lobatto steps and segments that end at a breakpoint do not count */
     int next_check;        /* stall guard: the number of segments at which the progress is checked */
-    double left_at_check;  /* s */
-    double least_progress; /* s */
-} Run;
+    double left_at_check;  /* s, time left at the latest check */
+    double least_progress; /* s, between two checks */
+} StepRun;
 
-static Run run_of(double h, StepVisitor *visitor) {
-    return (Run){.left = h, .visitor = visitor, .left_at_check = INFINITY, .least_progress = STALL_GUARD_PROGRESS * h};
+static StepRun run_of(double h, StepVisitor *visitor) {
+    return (StepRun){
+        .left = h, .visitor = visitor, .left_at_check = INFINITY, .least_progress = STALL_GUARD_PROGRESS * h};
 }
 
 /* ---- limits ---- */
 
-/* Bounds the work of a step, and finds a step that does not get on. */
-static Outcome check_limits(Run *run) {
+/* Bounds the work of a step, and finds a step in which time does not advance. */
+static Outcome check_limits(StepRun *run) {
     if (run->jams >= MAX_JAMS_PER_STEP) return OUTCOME_TOO_MANY_JAMS;
-    if (run->segments >= MAX_SEGMENTS_PER_STEP) return OUTCOME_TOO_MANY_EVENTS;
+    if (run->segments >= MAX_SEGMENTS_PER_STEP) return OUTCOME_TOO_MANY_SEGMENTS;
     if (run->segments < run->next_check) return OUTCOME_GOES_ON;
-    if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_EVENTS;
+    if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_SEGMENTS;
     run->left_at_check = run->left;
     run->next_check = run->segments + STALL_GUARD_SEGMENTS;
     return OUTCOME_GOES_ON;
 }
 
-/* On a dwell, where z' = 0, the follower's mass and damper resist no motion. With a follower that has mass the shaft's
- * damping alone does not help: the speed is a state then. */
+/* Near a dwell, where z' = 0, the follower's mass and damper resist no motion. The shaft's damping alone suffices only
+ * for a follower without mass: with mass the speed is a state, and its equation needs inertia. */
 static bool nothing_resists(const Mechanism *m) {
     const bool damped = m->params.shaft.damping > 0.0 && !has_inertia(&m->params);
     const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
@@ -65,7 +66,7 @@ static bool nothing_resists(const Mechanism *m) {
 
 /* ---- one segment ---- */
 
-static void decide_mode(Mechanism *m, Run *run) {
+static void decide_mode(Mechanism *m, StepRun *run) {
     StepVisitor *visitor = run->visitor;
     if (visitor != NULL && visitor->before_decision != NULL) visitor->before_decision(visitor, m);
     enter_decided_mode(m);
@@ -74,13 +75,14 @@ static void decide_mode(Mechanism *m, Run *run) {
 }
 
 /* Proposes a segment in the mode that has been decided. */
-static bool propose(Mechanism *m, double left, EventLocation *location, Segment *segment) {
+static bool propose_segment(Mechanism *m, double left, EventLocation *location, Segment *segment) {
     if (is_jammed(m)) {
         jam_propose(m, segment);
         return true;
     }
-    /* Pressed beyond a finite edge, and no motion agrees with its forces: the motion would be infinitely fast. */
-    if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_pressed(m) != 0) return false;
+    /* The torque is beyond a finite edge, and no slip mode agrees with its forces: the motion would be infinitely
+     * fast. */
+    if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_direction_beyond_band(m) != 0) return false;
     if (!is_slip(m->state.mode)) {
         rest_propose(m, left, segment);
         return true;
@@ -93,8 +95,8 @@ static bool propose(Mechanism *m, double left, EventLocation *location, Segment 
     return closed_form_slip_propose(m, left, segment);
 }
 
-/* Applies the segment, handles its event and does the book-keeping of the run. Returns false if the visitor stops. */
-static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
+/* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
+static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
     SegmentPast past;
     past.mode = m->state.mode;
@@ -103,7 +105,7 @@ static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
-    run->left = fmax(run->left - segment->duration, 0.0); /* an event may be located past the end by a rounding */
+    run->left = fmax(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
     run->hint = (LobattoHint){.refused = false};
@@ -116,23 +118,23 @@ static bool carry_out(Mechanism *m, Run *run, const Segment *segment) {
 /* ---- the step ---- */
 
 /* Is the mode at the end of the step known without a decision? */
-static bool is_mode_known(const Run *run) {
+static bool is_mode_known(const StepRun *run) {
     return run->left == 0.0 && !run->settles && (run->rests_on || !run->decided);
 }
 
-/* Is all done, the mode having been decided? */
-static bool is_over(const Mechanism *m, const Run *run) {
+/* The mode has been decided: is the step complete? */
+static bool is_over(const Mechanism *m, const StepRun *run) {
     return run->left == 0.0 && !(run->settles && is_jammed(m));
 }
 
-/* The next segment in the mode of the latest one, if that surely goes on. */
-static SlipProposal go_on(Mechanism *m, Run *run, EventLocation *location, Segment *segment) {
+/* Proposes the next segment in the present mode, if a short test shows that the mode lasts. */
+static SlipProposal go_on(Mechanism *m, StepRun *run, EventLocation *location, Segment *segment) {
     const bool may = run->goes_on && run->left > 0.0 && !(run->visitor != NULL && run->visitor->every_decision);
     return may ? collocation_slip_continue(m, run->left, &run->hint, location, segment) : SLIP_UNDECIDED;
 }
 
 /* While time is left: decide the mode, propose a segment in it, apply the segment, handle its event. */
-NOINLINE static Outcome go_through(Mechanism *m, Run *run) {
+NOINLINE static Outcome go_through(Mechanism *m, StepRun *run) {
     EventLocation location;
     Segment segment;
     for (;;) {
@@ -144,7 +146,7 @@ NOINLINE static Outcome go_through(Mechanism *m, Run *run) {
         if (same_mode == SLIP_UNDECIDED) {
             decide_mode(m, run);
             if (is_over(m, run)) return OUTCOME_DONE;
-            if (!propose(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
+            if (!propose_segment(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
         }
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
@@ -152,7 +154,7 @@ NOINLINE static Outcome go_through(Mechanism *m, Run *run) {
 
 /* ---- failures ---- */
 
-/* To be asked while the mechanism is where the step failed. */
+/* The reason of a failed step; `m` is the mechanism at the instant of the failure. */
 static const char *reason_of(const Mechanism *m, Outcome outcome) {
     if (nothing_resists(m))
         return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
@@ -160,17 +162,17 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
     switch (outcome) {
         case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
         case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";
-        default: return "the mode changes too often";
+        default: return "the step needs too many segments";
     }
 }
 
-/* After undo(): the fault of a step of h seconds. */
+/* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
 static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
     snprintf(fault->text, sizeof fault->text,
-             "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values, %d mode "
-             "changes, of which %d take at least %g of the step, and %d jams",
+             "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values and "
+             "at most %d segments and %d jams; any %d segments in a row must advance %g of the step",
              h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, (int)MAX_SEGMENTS_PER_STEP,
-             (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS, (int)MAX_JAMS_PER_STEP);
+             (int)MAX_JAMS_PER_STEP, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 
 static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
@@ -184,7 +186,7 @@ static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
 
 /* Tells the watcher of mode changes. */
 typedef struct {
-    StepVisitor visitor; /* first: go_through() knows no more */
+    StepVisitor visitor; /* first member: go_through() passes a pointer to it */
     Watcher *watcher;
 } WatchingVisitor;
 
@@ -204,16 +206,16 @@ static bool tell_of_segment(StepVisitor *visitor, const Mechanism *m, const Segm
     return true;
 }
 
-/* The step segment by segment. `first`: a segment to begin with, or NULL. */
+/* Makes the step segment by segment. `first`: the first segment, if it is known already, else NULL. */
 static bool advance_by_segments(Mechanism *m, double h, const Segment *first, const LobattoHint *hint, Watcher *watcher,
                                 Fault *fault) {
     const State state = m->state;
     const Inputs inputs = m->inputs;
     WatchingVisitor watching = {{.after_decision = tell_of_decision, .after_segment = tell_of_segment}, watcher};
-    Run run = run_of(h, watcher != NULL ? &watching.visitor : NULL);
+    StepRun run = run_of(h, watcher != NULL ? &watching.visitor : NULL);
     Step step;
     begin_step(m, h, &step);
-    m->cache.proposal = (StepProposal){INFINITY, 0}; /* a step depends on nothing but state and inputs */
+    m->cache.proposal = (StepProposal){INFINITY, 0}; /* a step depends on state and inputs only */
     run.goes_on = !is_closed_form(m);
     run.hint = *hint;
     if (first != NULL) carry_out(m, &run, first);
@@ -230,7 +232,7 @@ static bool advance_by_segments(Mechanism *m, double h, const Segment *first, co
     return false;
 }
 
-/* All h seconds in closed form, if nothing happens in them. */
+/* Makes the step in closed form if it has no event. */
 static inline bool slips_in_closed_form(Mechanism *m, double h) {
     Segment segment;
     if (!closed_form_slip_quiet(m, h, &segment)) return false;
@@ -239,7 +241,7 @@ static inline bool slips_in_closed_form(Mechanism *m, double h) {
     return true;
 }
 
-/* A step that is one segment in the mode of the last step costs no decision: that is the common case. */
+/* A step that is one segment in the mode of the latest step needs no decision. This is the common case. */
 bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault) {
     const bool constant = inputs_constant(&m->inputs);
     if (constant && rest_goes_on(m)) {
@@ -264,24 +266,25 @@ bool mechanism_advance(Mechanism *m, double h, Fault *fault) {
 }
 
 bool mechanism_go_through(Mechanism *m, double h, StepVisitor *visitor) {
-    Run run = run_of(h, visitor);
+    StepRun run = run_of(h, visitor);
     return go_through(m, &run) == OUTCOME_DONE;
 }
 
 /* ---- mode changes without time ---- */
 
-/* A solver finds the instant at which the mechanism is at a stop to the solver's own rounding, on either side. */
+/* A solver ends at a stop, or at speed zero, to the solver's own rounding, on either side. Sets angle and speed to the
+ * exact values. */
 static void land_where_it_is(Mechanism *m) {
     if (!is_slip(m->state.mode)) return;
     const int direction = direction_of(m->state.mode);
     if (direction * m->state.omega.hi <= 0.0) m->state.omega = sum_of(0.0);
-    if (room_ahead(m, direction) <= AT_STOP * largest_angle(&m->params)) hit_stop(m, direction);
+    if (angle_to_stop(m, direction) <= AT_STOP * largest_angle(&m->params)) hit_stop(m, direction);
 }
 
 bool mechanism_settle(Mechanism *m, Fault *fault) {
     const State before = m->state;
-    if (m->continuous) land_where_it_is(m); /* a step has done so */
-    Run run = run_of(0.0, NULL);
+    if (m->continuous) land_where_it_is(m); /* in co-simulation the step has done so */
+    StepRun run = run_of(0.0, NULL);
     run.settles = true;
     const Outcome outcome = go_through(m, &run);
     if (m->continuous) m->state.ledger = before.ledger;

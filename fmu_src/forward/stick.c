@@ -18,7 +18,7 @@ double stick_axial_size(const Mechanism *m) {
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    /* The factor vanishes on a dwell, and where a contact begins to lock. Its rounding does not vanish. */
+    /* The factor vanishes on a dwell and where a contact begins to lock. The factor's rounding does not vanish. */
     const double rest = m->configuration.geometry.dz_dtheta + STICK_SLOPE_SHARE * m->model.transmission.slope_size;
     const double lever = m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
     return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
@@ -29,10 +29,10 @@ BandFactors stick_band(const Mechanism *m) {
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
-EdgeFactors stick_edges(const Mechanism *m, double side) {
+BandFactors stick_edges(const Mechanism *m, double side) {
     const BandFactors band = stick_band(m);
-    if (side >= 0.0) return (EdgeFactors){.release = band.release, .load = band.load};
-    return (EdgeFactors){.release = band.load, .load = band.release};
+    if (side >= 0.0) return (BandFactors){.release = band.release, .load = band.load};
+    return (BandFactors){.release = band.load, .load = band.release};
 }
 
 double stick_edge(double factor, double F_0) {
@@ -47,7 +47,7 @@ static double side_of(const Mechanism *m, double F_0) {
     return F_0;
 }
 
-/* k-th time derivative of tau - factor F_0 at rest; the rest of two terms that cancel is zero. */
+/* k-th time derivative of tau - factor F_0 at rest. Zero if both terms cancel to rounding. */
 static double excess_rate(const Mechanism *m, double factor, int k) {
     const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
@@ -67,51 +67,53 @@ static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign
     return false;
 }
 
-int stick_pressed(const Mechanism *m) {
+int stick_direction_beyond_band(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
-    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = stick_edges(m, side_of(m, F_0));
     return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
 }
 
 bool stick_is_on_edge(const Mechanism *m, int direction) {
     const double F_0 = stick_axial_load(m);
-    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
+    const BandFactors f = stick_edges(m, side_of(m, F_0));
     const double factor = direction > 0 ? f.load : f.release;
     if (isinf(factor)) return false;
     return fabs(m->inputs.tau[0] - stick_edge(factor, F_0)) <= stick_tie(m) * stick_torque_size(m, factor);
 }
 
 Mode stick_mode(const Mechanism *m) {
-    const double F_0 = stick_axial_load(m), balance = m->configuration.geometry.dz_dtheta;
-    const EdgeFactors f = stick_edges(m, side_of(m, F_0));
-    if (isinf(f.release) && is_beyond(m, balance, F_0, -1.0)) return MODE_WEDGED;
-    if (isinf(f.load) && is_beyond(m, balance, F_0, 1.0)) return MODE_WEDGED;
+    const double F_0 = stick_axial_load(m), frictionless_factor = m->configuration.geometry.dz_dtheta;
+    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    if (isinf(f.release) && is_beyond(m, frictionless_factor, F_0, -1.0)) return MODE_WEDGED;
+    if (isinf(f.load) && is_beyond(m, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
     return MODE_STICK;
 }
 
-/* Is the mechanism wedged above the frictionless balance? At the balance itself: on the side of the infinite edge. */
-static bool wedged_above(const Mechanism *m, const EdgeFactors *band, double F_0) {
-    const double balance = m->configuration.geometry.dz_dtheta, excess = m->inputs.tau[0] - balance * F_0;
-    return fabs(excess) <= stick_tie(m) * stick_torque_size(m, balance) ? isinf(band->load) : excess > 0.0;
+/* Is the mechanism wedged above the frictionless torque z' F_0? At that torque, to rounding, the infinite edge
+ * decides. */
+static bool wedged_above(const Mechanism *m, const BandFactors *band, double F_0) {
+    const double frictionless_factor = m->configuration.geometry.dz_dtheta,
+                 excess = m->inputs.tau[0] - frictionless_factor * F_0;
+    return fabs(excess) <= stick_tie(m) * stick_torque_size(m, frictionless_factor) ? isinf(band->load) : excess > 0.0;
 }
 
-/* The torque interval in which the present mode of rest stays while F_0 has the sign of `side`. */
-static EdgeFactors rest_factors(const Mechanism *m, double F_0, double side) {
-    const EdgeFactors band = stick_edges(m, side);
-    const double balance = m->configuration.geometry.dz_dtheta;
-    const double release = isfinite(band.release) ? band.release : balance;
-    const double load = isfinite(band.load) ? band.load : balance;
+/* The factors of the torque interval in which the present mode of rest lasts while F_0 has the sign of `side`. */
+static BandFactors rest_factors(const Mechanism *m, double F_0, double side) {
+    const BandFactors band = stick_edges(m, side);
+    const double frictionless_factor = m->configuration.geometry.dz_dtheta;
+    const double release = isfinite(band.release) ? band.release : frictionless_factor;
+    const double load = isfinite(band.load) ? band.load : frictionless_factor;
     const double open = side < 0.0 ? -INFINITY : INFINITY;
-    const EdgeFactors above = {.release = load, .load = open}, below = {.release = -open, .load = release};
+    const BandFactors above = {.release = load, .load = open}, below = {.release = -open, .load = release};
     switch (m->state.mode) {
         case MODE_LOWER_STOP: return below;
         case MODE_UPPER_STOP: return above;
         case MODE_WEDGED: return wedged_above(m, &band, F_0) ? above : below;
-        default: return (EdgeFactors){.release = release, .load = load};
+        default: return (BandFactors){.release = release, .load = load};
     }
 }
 
-/* By how much the other modes end short of the band's edge, N.m: a tie at the edge is stick. */
+/* The distance from the band's edge, N.m, at which the modes other than stick end: a tie at the edge is stick. */
 static double margin(const Mechanism *m, double factor) {
     if (m->state.mode == MODE_STICK) return 0.0;
     return STICK_MARGIN_TIES * stick_tie(m) * fabs(factor) * stick_axial_size(m) + DBL_MIN;
@@ -119,19 +121,19 @@ static double margin(const Mechanism *m, double factor) {
 
 RestInterval stick_rest_interval(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
-    const EdgeFactors f = rest_factors(m, F_0, F_0);
+    const BandFactors f = rest_factors(m, F_0, F_0);
     return (RestInterval){
         .lower = isinf(f.release) ? -INFINITY : stick_edge(f.release, F_0) + margin(m, f.release),
         .upper = isinf(f.load) ? INFINITY : stick_edge(f.load, F_0) - margin(m, f.load),
         .F_ext = m->inputs.F_ext[0],
-        .valid = m->state.mode != MODE_WEDGED || stick_pressed(m) == 0,
+        .valid = m->state.mode != MODE_WEDGED || stick_direction_beyond_band(m) == 0,
     };
 }
 
-/* First time in (0, t_end] at which the polynomial u, with sign, rises above zero; it starts at or below, or within
- * rounding above. Infinity if it does not. */
+/* First time in (0, t_end] at which the polynomial sign * u rises above zero; infinity if the polynomial does not. At
+ * time 0 the polynomial is at or below zero, or above zero by rounding. */
 static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
-    if (u[2] == 0.0 && u[3] == 0.0) { /* linear: exact */
+    if (u[2] == 0.0 && u[3] == 0.0) { /* a straight line: the time is exact */
         if (!(sign * u[1] > 0.0)) return INFINITY;
         const double t = fmax(-sign * u[0], 0.0) / (sign * u[1]);
         return t <= t_end ? t : INFINITY;
@@ -143,7 +145,8 @@ static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_
     return t_end * bernstein_descent(&p);
 }
 
-/* First time in (0, t_end] at which tau is beyond factor F_0 on the side of `sign`, by a number of ties, or infinity. */
+/* First time in (0, t_end] at which tau is beyond factor F_0, on the side of `sign`, by more than `ties` ties; or
+ * infinity. */
 static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double ties, double t_end) {
     if (isinf(factor)) return INFINITY;
     double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
@@ -162,11 +165,11 @@ static double time_to_mirror(const Mechanism *m, double F_0, double left) {
     return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
 }
 
-/* Until the torque has left the interval by a number of ties, or F_0 changes its sign. The band is mirrored there, so that
- * rest is proposed anew. */
+/* Time until the torque has left the rest interval by `ties` ties, or F_0 changes its sign. There the band is
+ * mirrored, so that the next segment begins. */
 static double rest_time(const Mechanism *m, double ties, double left) {
     const double F_0 = stick_axial_load(m);
-    const EdgeFactors f = rest_factors(m, F_0, side_of(m, F_0));
+    const BandFactors f = rest_factors(m, F_0, side_of(m, F_0));
     const double t_end = fmin(time_to_mirror(m, F_0, left), left);
     const double above = time_beyond(m, f.load, F_0, 1.0, ties, t_end);
     const double below = time_beyond(m, f.release, F_0, -1.0, ties, t_end);

@@ -22,15 +22,16 @@ static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Faul
     groove->gain = cam->radius * cam->ellipse_b / cam->ellipse_a;
     groove->height = kappa * cam->ellipse_b;
     groove->rate = kappa * cam->radius / cam->ellipse_a;
-    const double room = groove->C0 * groove->C0 / (1.0 + groove->S0) - ELLIPSE_VERTICAL; /* of S, from S0 to vertical */
-    if (!(room >= 0.0)) {
+    const double margin =
+        groove->C0 * groove->C0 / (1.0 + groove->S0) - ELLIPSE_VERTICAL; /* of S, from S0 to a vertical groove */
+    if (!(margin >= 0.0)) {
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.lead_angle = %.17g: the elliptical groove of cam %d would start vertical: "
                  "S0 = sin(atan(ellipse_a/ellipse_b tan(lead_angle))) must be < 1",
                  number, cam->lead_angle, number);
         return false;
     }
-    const double level = -groove->S0 / groove->rate, vertical = room / groove->rate; /* psi where S is 0, 1 */
+    const double level = -groove->S0 / groove->rate, vertical = margin / groove->rate; /* psi where S is 0, 1 */
     groove->first = kappa > 0.0 ? level : vertical;
     groove->last = kappa > 0.0 ? vertical : level;
     return true;

@@ -2,13 +2,13 @@
  *
  * z = g1(gamma) = g2(phi), gamma + phi = theta (docs/mechanism.md, section 2). The equations of motion need
  *     a_1(theta) = g1'(gamma(theta))    a_2(theta) = g2'(theta - gamma(theta))    z(theta) = g1(gamma)
- * and derivatives of a_i by theta. The transmission holds them as piecewise polynomials. The pieces end at the knots of
- * tables, where third derivatives jump, and wherever TRANSMISSION_DEGREE does not suffice for 13 digits. A value then
- * costs a few multiplications, and no root is sought while the mechanism moves.
+ * and derivatives of a_i by theta. The transmission holds them as piecewise polynomials. The pieces end at the knots
+ * of tables, where third derivatives jump, and wherever TRANSMISSION_DEGREE does not suffice for 13 digits. A value
+ * then costs a few multiplications, and no root is sought while the mechanism moves.
  *
- * The room geometry/ holds the shape of the mechanism: the groove laws g_i(psi) and tables of samples (groove.h), the pin
- * in both grooves (pin_position.h), the transmission, and the kinematics at one theta (cam.h).
- * May include: platform, numerics, model. */
+ * The room geometry/ holds the shape of the mechanism: the groove laws g_i(psi) and tables of samples (groove.h), the
+ * pin in both grooves (pin_position.h), the transmission, and the kinematics at one theta (cam.h). May include:
+ * platform, numerics, model. */
 #ifndef DUALCAM_TRANSMISSION_H
 #define DUALCAM_TRANSMISSION_H
 

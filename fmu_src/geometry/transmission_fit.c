@@ -15,7 +15,7 @@ typedef TransmissionBreakpoint Breakpoint;
 
 enum { N = TRANSMISSION_DEGREE };
 
-/* The construction under way. */
+/* A transmission that is being built. */
 typedef struct {
     Transmission *transmission;
     const Params *params;

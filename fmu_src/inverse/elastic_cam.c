@@ -85,7 +85,7 @@ static double rest_between(const BandEdge *edge, double a, double b) {
 }
 
 /* The angle between x and `end` where cam 2 comes to rest, or `end` with *rests = false. Between two samples a maximum
- * of the holding angle may hold cam 2, so reversals are looked at too. */
+ * of the holding angle may hold cam 2, so that each reversal is tested, too. */
 static double rest_on_interval(const BandEdge *edge, double x, double end, bool *rests) {
     EdgeSample a = band_edge_sample(edge, x);
     *rests = true;

@@ -19,7 +19,7 @@ typedef struct {
     double x;           /* rad, angle of cam 2 */
     double speed;       /* rad/s, of cam 2 */
     double tau;         /* N.m */
-    double reaction[2]; /* N, per contact; at rest as without friction */
+    double reaction[2]; /* N, per pin end; at rest as without friction */
     ContactStatics statics;
     Mode mode;
 } ElasticShaftState;

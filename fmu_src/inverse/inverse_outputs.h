@@ -28,7 +28,7 @@ typedef struct {
 
 typedef struct {
     double tau;         /* N.m */
-    double reaction[2]; /* N, per contact, signed: + on the flank that supports F > 0 */
+    double reaction[2]; /* N, per pin end; positive on the flank that supports F > 0 */
 } InverseTorqueOutputs;
 
 /* All in J. */

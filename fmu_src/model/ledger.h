@@ -7,7 +7,7 @@
 typedef struct {
     double torque;      /* N.m, largest |tau| */
     double omega;       /* rad/s, largest |omega| */
-    double reaction[2]; /* N, largest |R_i| per contact */
+    double reaction[2]; /* N, largest |R_i| per pin end */
 } Peaks;
 
 typedef struct {

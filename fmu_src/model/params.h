@@ -1,8 +1,8 @@
 /* The user's choice (Params).
  *
- * The room model/ describes the mechanism for all other rooms: parameters, inputs, the laws of spring and damper, modes,
- * regimes, events, the energy ledger, faults, knowns of differentiation and every tolerance. All values are in SI units.
- * May include: platform, numerics. */
+ * The room model/ describes the mechanism for all other rooms: parameters, inputs, the laws of spring and damper,
+ * modes, regimes, events, the energy ledger, faults and knowns of differentiation. All values are in SI units. May
+ * include: platform, numerics. */
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 
@@ -70,7 +70,7 @@ typedef struct {
     StopParams stop;
     InitialParams initial;
     double tolerance;               /* relative, of collocation; no variable of the FMU */
-    int contacts;                   /* follower ends that share the load, 1 or 2 */
+    int contacts;                   /* pin ends that share the load, 1 or 2 */
     bool ledger;                    /* keep the energy accounts and the peaks */
     char table[2][TABLE_PATH_SIZE]; /* path of the file with the sampled groove of each cam */
 } Params;

@@ -1,8 +1,8 @@
 /* Every tolerance and every limit of the core, each with its reason, by the room that uses it. The file stands in the
  * lowest room that needs it, so that all rooms may include it.
  *
- * A tolerance is a share of the size named beside it. Where a test fails once the tolerance is ten times larger, the
- * test is named. Limits bound the work of one call. */
+ * A tolerance is a share of the size that its comment names. Where a test fails once the tolerance is ten times
+ * larger, the test is named. Limits bound the work of one call. */
 #ifndef DUALCAM_TOLERANCES_H
 #define DUALCAM_TOLERANCES_H
 
@@ -152,8 +152,8 @@ static const double LINEAR_DECAYED_RATE = 1e-13;
 /* Share of the torques whose sum is M alpha below which M alpha is rounding: 45 times the unit roundoff. */
 static const double LINEAR_TORQUE_ROUNDING = 1e-14;
 
-/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times REACTION_ZERO_SHARE: a few unit
- * roundoffs of the start. */
+/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times REACTION_ZERO_SHARE: a few
+ * unit roundoffs of the start. */
 static const double LINEAR_START_SHARE = 0.01;
 
 /* Newton step times the largest rate of the motion, below which the second derivative is constant over the step. */
@@ -267,8 +267,7 @@ static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
 /* Share of the proposed length above which a step takes over the proposed number of stages. */
 static const double STEP_SIMILAR = 0.5;
 
-/* Trials of one step. */
-enum { STEP_TRIALS = 60 };
+enum { STEP_TRIALS = 60 }; /* of one step */
 
 /* Event location */
 
@@ -291,8 +290,7 @@ static const double LOCATION_BALLISTIC = 1e-3;
 /* Share of the largest angle by which theta is uncertain at a stop: a segment adds up that many roundings. */
 static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON;
 
-/* Steps tried to reach one crossing. */
-enum { LOCATION_ITERATIONS = 150 };
+enum { LOCATION_ITERATIONS = 150 }; /* steps tried to reach one crossing */
 
 /* Past a zero: the first extension as a share of the step's length, and the number of extensions, each four times the
  * one before. */
@@ -311,8 +309,7 @@ static const double LOBATTO_SWEEP_SHARE = 0.05;
 /* Factor by which a sweep must reduce the change of the sweep before: else Newton's method is faster. */
 static const double LOBATTO_CONTRACTION = 0.1;
 
-/* Sweeps of one step. */
-enum { LOBATTO_SWEEPS = 8 };
+enum { LOBATTO_SWEEPS = 8 }; /* of one step */
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding. */
 static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
@@ -340,8 +337,7 @@ static const double VARIATION_SHORT = 0.25;
 /* Shortest part, as a share of the step. */
 static const double VARIATION_SHORTEST = 1e-4;
 
-/* Parts tried in one step. */
-enum { VARIATION_TRIALS = 300 };
+enum { VARIATION_TRIALS = 300 }; /* parts tried in one step */
 
 /* ---- forward ---- */
 
@@ -369,15 +365,21 @@ static const double STICK_TIES_OF_NO_SLIP = 2.0;
 /* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. */
 static const double CANDIDATE_COARSE = 10.0;
 
-/* Where neither a reaction nor its rate tells the flank, the reaction of a little later does: after this share of the
- * motion's time scale, and at most as many seconds. */
+/* Where neither a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the
+ * motion's time scale, and after at most 1e-3 s. */
 static const double CANDIDATE_LOOK_AHEAD = 1e-3;
 
-/* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is rounding. */
+/* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
+ * effect of this rounding counts as zero. */
+static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
+
+/* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
+ * rounding. */
 static const double BREAKAWAY_ROUNDING = 64.0 * DBL_EPSILON;
 
-/* A fold is where the edge of the band stops rising. Nearer to the fold than this share of a piece's width, the rounding
- * of the torques is all that moves theta. The energies that a jump from there leaves out are of its third power. */
+/* A fold is where the edge of the band stops rising. Nearer to the fold than this share of a piece's width, the
+ * rounding of the torques is all that moves theta. The energies that a jump from there leaves out are of its third
+ * power. */
 static const double FOLD_SHARE = 3e-6;
 
 /* A bounce whose excursion is below this share of the largest angle is lost in the rounding of theta. */
@@ -395,38 +397,42 @@ static const double LATE_SPEED = 1e-10; /* rad/s */
 static const double LATE_TIES = 4.0;    /* ties of torque */
 static const double LATE_LOADS = 1e-11; /* of the terms of a reaction; the tie of the reactions is less */
 
-/* Model exchange: a solver may look this far beyond the stops, a share of the last piece's width. The polynomials of the
- * transmission still hold there. */
+/* Model exchange: a solver may look this far beyond the stops, a share of the last piece's width. The polynomials of
+ * the transmission still hold there. */
 static const double SOLVER_OVERSHOOT = 0.05;
 
 /* Play operator: the first sample of a piece is this share of its width away; each is up to twice as far from the last
- * as that from its own, up to 1/PLAY_SAMPLES of the width. Between two samples the edge crosses the torque at most once. */
+ * as that from its own, up to 1/PLAY_SAMPLES of the width. Between two samples the edge crosses the torque at most
+ * once. */
 static const double PLAY_FIRST_SAMPLE = 1e-6;
 enum { PLAY_SAMPLES = 32 };
 
-/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. */
-static const double PLAY_SHARE_OF_TOLERANCE = 0.1;
+/* Play operator: two rules of order 13 that agree to the tolerance are more exact than their difference. The rounding
+ * is that of the energies, as a share of their sum. */
+static const double PLAY_SHARE_OF_TOLERANCE = 0.1, PLAY_ROUNDING = 64.0 * DBL_EPSILON;
 
-/* Play operator: a sampled reaction below this share of the largest reaction so far is not looked at closely. */
+/* Play operator: a sampled reaction below this share of the largest reaction so far is not searched for a peak. */
 static const double PLAY_NEAR_PEAK = 0.99;
 
-/* Play operator: golden section finds a peak to 4e-9 of the interval, and its value to rounding. */
-enum { PLAY_GOLDEN_STEPS = 40 };
+/* Play operator: parts of an interval at whose ends the reactions are sampled. Beside the largest sample, golden
+ * section finds the peak to 4e-9 of its interval, and the value to rounding. */
+enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 
-/* Play operator: bounds of the work of one jump. */
-enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200 };
+/* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
+enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step with more segments than this is refused: that bounds the time of a step to some tenths of a second. Only
- * bounces of a restitution near 1, or vibrations of a tiny inertia, come so often in one step. */
+/* A step that needs more segments is refused. The limit bounds the work of a step; docs/performance.md has the
+ * measured times. Bounces with a restitution near 1, vibrations of a tiny inertia, and long steps through stiff motion
+ * reach it. */
 enum { MAX_SEGMENTS_PER_STEP = 200000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
- * step is refused. Speeds that are nothing but rounding would otherwise keep a step busy for minutes. */
+ * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */
 enum { STALL_GUARD_SEGMENTS = 2000 };
 static const double STALL_GUARD_PROGRESS = 1e-9;
 
-/* Moving contacts can jam and let go again at once. Without inertia of the shaft a locked contact can do so for ever, in
- * ever shorter time: rigid bodies under Coulomb friction then have no motion at all (P. Painleve, 1895). */
+/* Moving contacts can jam and let go again at once. Without inertia of the shaft a locked contact can do so for ever,
+ * in ever shorter time: rigid bodies under Coulomb friction then have no motion at all (P. Painleve, 1895). */
 enum { MAX_JAMS_PER_STEP = 1000 };
 
 /* ---- inverse ---- */
@@ -462,6 +468,14 @@ enum {
 };
 
 /* ---- sensitivity ---- */
+
+/* Share of the torques at the edge of the stick band that remains where the edge holds the torque, and share of the
+ * terms of omega below which slip begins at rest. Slip begins with a jump of the speed only where a contact locks. */
+static const double SENSITIVITY_EDGE_HELD = 1e-9, SENSITIVITY_AT_REST = 1e-9;
+
+/* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.
+ * The functions are smooth inside a piece, so that the difference has ten digits. */
+static const double SENSITIVITY_DIFFERENCE = 1e-3;
 
 /* ---- fmi ---- */
 

@@ -7,12 +7,14 @@
 #include "forward/lifecycle.h"
 #include "forward/step.h"
 #include "forward/stick.h"
+#include "numerics/tolerances.h"
 
 /* Per N.m of the torque's shift. */
 typedef struct {
     Variation x;
-    double delay; /* s: the event just passed comes later by that, and x is taken at the event's own time; else 0 */
-    bool slipped, rested; /* in the leg before; rested: what comes next begins where the torque leaves the band */
+    double delay; /* s, by which the event just passed comes later; x is taken at the event's own time. Else 0. */
+    bool slipped; /* the latest segment was slip */
+    bool rested;  /* the latest segment was rest; the next one begins where the torque leaves the band */
 } Carried;
 
 static double finite_or_zero(double x) {
@@ -29,7 +31,7 @@ static bool is_viscous(const Mechanism *m) {
 
 /* ---- the edge of the stick band ---- */
 
-/* Is there a torque that moves it in `direction`? Then *way is along the band's edge, rho F_0 with *rho. */
+/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, rho F_0. */
 static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
@@ -42,7 +44,7 @@ static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, d
     return true;
 }
 
-/* By how much later the torque passes the edge, theta being larger by its variation. */
+/* The time by which the torque passes the edge later, s per N.m, if theta is larger by its variation `theta`. */
 static double delay_at_edge(const Mechanism *m, int direction, double theta, double omega) {
     const double *tau = m->inputs.tau;
     SlipMode slip;
@@ -52,18 +54,18 @@ static double delay_at_edge(const Mechanism *m, int direction, double theta, dou
     return finite_or_zero((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
 }
 
-/* d theta/d tau on the edge; 0 where it is not the edge that holds the torque, but that nothing moves it on. */
+/* d theta/d tau on the edge; 0 where cam 2 rests inside the band. */
 static double give_of_edge(const Mechanism *m, const RightHandSide *rhs) {
-    static const double HELD = 1e-9; /* of the torques involved: what is left of them on the edge */
-    const bool held = fabs(rhs->net) <= HELD * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
+    const bool held =
+        fabs(rhs->net) <= SENSITIVITY_EDGE_HELD * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
     return held && rhs->by_theta > 0.0 ? 1.0 / rhs->by_theta : 0.0;
 }
 
-/* d omega/d theta on the edge E(theta), where E' omega is the rate of the load: (d rate/d theta - omega E'')/E'.
- * Both are smooth inside a piece, so that a central difference of order 4 has ten digits. */
+/* d omega/d theta on the edge E(theta). E' omega is the rate of the load, so that the derivative is
+ * (d rate/d theta - omega E'')/E', here by a central difference of order 4. */
 static double speed_on_edge(const SlipMode *slip, double theta) {
     static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
-    const double step = 1e-3 * (slip->piece->upper - slip->piece->lower);
+    const double step = SENSITIVITY_DIFFERENCE * (slip->piece->upper - slip->piece->lower);
     const RightHandSide now = balance_rhs(slip, theta, 0.0, 0.0);
     double change = 0.0;
     for (int k = 0; k < 4; k++) {
@@ -73,7 +75,7 @@ static double speed_on_edge(const SlipMode *slip, double theta) {
     return change / (12.0 * step * now.by_theta);
 }
 
-/* ---- inside a leg ---- */
+/* ---- inside a segment ---- */
 
 static void carry_in_closed_form(const LinearSlipMode *slip, double t, Variation *x) {
     Kernel k;
@@ -96,7 +98,8 @@ static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *
     v->delay = finite_or_zero(-1.0 / (rhs.value * rhs.by_theta));
 }
 
-/* At the end of a jump that comes later by dt it is (d tau + rate dt)/E', with the rate of the torque beyond the edge. */
+/* At the end of a jump that comes later by dt, d theta is (d tau + rate dt)/E'. The rate is that of the torque beyond
+ * the edge. */
 static void carry_over_jump(const Mechanism *m, int direction, double duration, Carried *v) {
     SlipMode slip;
     double rho;
@@ -122,8 +125,8 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
         return true;
     }
     if (segment->kind == SEGMENT_CLOSED_FORM) {
-        LinearSlipMode room;
-        carry_in_closed_form(linear_slip_of(m, index, &room), segment->duration, &v->x);
+        LinearSlipMode storage;
+        carry_in_closed_form(linear_slip_of(m, index, &storage), segment->duration, &v->x);
         return true;
     }
     const RadauStep *step = &segment->location->step;
@@ -146,7 +149,7 @@ static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inpu
 
 /* ---- at an event ---- */
 
-/* By how much later a contact is without load. */
+/* The time by which a contact loses its load later, s per N.m. */
 static double delay_at_flank(const SlipMode *slip, const Balance *b, const Variation *x) {
     const int i = fabs(b->x[0]) < fabs(b->x[1]) ? 0 : 1;
     const RightHandSide *p = &b->rhs;
@@ -157,8 +160,8 @@ static double delay_at_flank(const SlipMode *slip, const Balance *b, const Varia
     return finite_or_zero(-balance_contact_change(slip, b, i, x->theta, x->omega, alpha) / rate);
 }
 
-/* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries nothing at that
- * moment, so that alpha does not jump unless the other one changes as well. */
+/* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries no load at that
+ * moment, so that alpha does not jump unless the other contact changes its flank as well. */
 static void pass_inertial(const Mechanism *m, EventKind event, double omega, Carried *v) {
     const SlipMode slip = present_slip(m);
     Balance before;
@@ -179,8 +182,9 @@ static void pass_inertial(const Mechanism *m, EventKind event, double omega, Car
     v->x.theta = 0.0;
 }
 
-/* It stops where its speed has vanished, or with a jump of its speed: where the torque is back in the band while the
- * damper loads other flanks than the spring, and where F_0 changes its sign and with it the edge. */
+/* Cam 2 stops where its speed has vanished, or with a jump of its speed. The speed jumps where the torque is back in
+ * the band while the damper loads other flanks than the spring, and where F_0 and with it the edge change their
+ * signs. */
 static void pass_without_inertia(const Mechanism *m, EventKind event, double omega, Carried *v) {
     const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
     v->delay = 0.0;
@@ -201,12 +205,9 @@ static void pass_event(const Mechanism *m, EventKind event, double omega, Carrie
     else pass_without_inertia(m, event, omega, v);
 }
 
-/* At the edge of the band speed and acceleration begin at 0, but for rounding: up to this share of what adds up to them.
- * Only where a contact locks can a damper let go with a jump. */
-static const double BEGINNING = 1e-9;
-
-/* Where slip without inertia ends in a mode of rest because the speed is no more than rounding: theta waits for the
- * torque to reach the edge, or the mechanism just reaches the stop. `m` is in the new mode; omega, direction: before. */
+/* Slip without inertia has ended in a mode of rest because the speed is no more than rounding: theta waits for the
+ * torque to reach the edge, or cam 2 just reaches the stop. `m` is in the new mode; omega and direction are those
+ * before. */
 static void end_of_viscous_slip(const Mechanism *m, double omega, int direction, Carried *v) {
     if (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP) v->x.theta = 0.0;
     if (m->state.mode == MODE_STICK) v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
@@ -217,7 +218,7 @@ static void end_delay(const Mechanism *m, Carried *v) {
     if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
     const SlipMode slip = present_slip(m);
     const Balance after = balance_from_here(m, &slip);
-    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > BEGINNING * after.rhs.size;
+    const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_AT_REST * after.rhs.size;
     if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT))
         v->delay = delay_at_edge(m, slip.direction, v->x.theta, 0.0);
     if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* a jump that follows needs the delay */
@@ -230,7 +231,7 @@ static void end_delay(const Mechanism *m, Carried *v) {
 
 /* Carries the variation from segment to segment. */
 typedef struct {
-    StepVisitor visitor; /* first: the step knows no more */
+    StepVisitor visitor; /* first member: the step passes a pointer to it */
     Carried carried;
     double left;            /* s */
     double omega;           /* rad/s, before the decision */
