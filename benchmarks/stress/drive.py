@@ -20,7 +20,7 @@ from benchmarks.stress.scene import ACCOUNTS, COMPARED, DEFAULT_TOLERANCE, REALS
 
 FOLDER = core.BUILD / "stress"
 LONGEST_STEP = 2.0  # s, a doStep that takes longer breaks a law
-CLEAR = ("must", "allowed", "jam", "changes too often")  # a refusal has one of these words
+CLEAR = ("must", "allowed", "jam", "too many segments")  # a refusal has one of these words
 
 Cut = Callable[[int, float], Sequence[float]]  # number and duration of an interval -> communication points
 
