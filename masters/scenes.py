@@ -107,7 +107,7 @@ GROOVE = build_fmu.BUILD / "masters/groove 2.csv"
 ANGLES = [k / 10 for k in range(-20, 21)]
 GENERAL = Scene(
     "any groove",
-    "the torque of *profile*; elliptical and tabulated groove, cubic spring, damper, mass: integrated to 1e-9",
+    "torque of *profile*; elliptical and tabulated groove, cubic spring, damper, mass: integrated to 1e-9",
     FORWARD,
     1.5,
     MOTION,
