@@ -107,7 +107,7 @@ GROOVE = build_fmu.BUILD / "masters/groove 2.csv"
 ANGLES = [k / 10 for k in range(-20, 21)]
 GENERAL = Scene(
     "any groove",
-    "the same torque; an elliptical and a tabulated groove, cubic spring, damper, mass: integrated to 1e-9",
+    "torque of *profile*; elliptical and tabulated groove, cubic spring, damper, mass: integrated to 1e-9",
     FORWARD,
     1.5,
     MOTION,
@@ -131,7 +131,7 @@ GENERAL = Scene(
 FLUNG_GENERAL = replace(
     GENERAL,
     name="flung in any groove",
-    text="the two before in one",
+    text="the start values of *flung* in the grooves of *any groove*",
     duration=0.3,
     modes=FLUNG.modes,
     start={**GENERAL.start, **FLUNG.start, "initial.theta": 0.85},

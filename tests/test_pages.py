@@ -8,6 +8,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
 
+import house
 import pytest
 from driver import ROOT, models
 from svg_files import assert_same_picture
@@ -109,7 +110,7 @@ COLUMNS = {
     "motor heat": lambda result: (result.joule_heat, 1),
     "friction heat": lambda result: (result.friction_heat, 2),
     "peak torque": lambda result: (result.largest_torque, 2),
-    "hold current, arm lowered": lambda result: (result.hold_current, 2),
+    "hold current, arm horizontal": lambda result: (result.hold_current, 2),
     "largest error": lambda result: (1e3 * result.max_error, 2),
 }
 
@@ -204,6 +205,22 @@ def test_files_of_the_core_named_exist():
     named = set(re.findall(r"`((?:\w+/)+\w+\.(?:[ch]|def))`", ARCHITECTURE))
     assert len(named) > 20
     assert {name for name in named if not (CORE / name).is_file()} == set()
+
+
+def test_words_of_the_core_named_exist():
+    """Fields, types, macros and enumerators, which `name()` in `file` does not have."""
+    sources = [path for kind in ("*.[ch]", "*.def") for path in CORE.rglob(kind)]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in sources)
+    known = set(re.findall(r"\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)))
+    named = set(re.findall(r"`(\w+)(?:\(\))?`", ARCHITECTURE)) - {"fmu_src", *house.MAY_INCLUDE}
+    assert len(named) > 40
+    assert {name for name in named if name not in known} == set()
+
+
+def test_main_headers_are_those_of_the_house():
+    """Their first comment describes the room: tests/test_house.py."""
+    column = dict(re.findall(r"^\| `(\w+)` \| `([\w/]+\.h)` \|", ARCHITECTURE, re.MULTILINE))
+    assert column == house.MAIN_HEADER
 
 
 def test_functions_are_where_the_page_says():

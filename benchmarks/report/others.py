@@ -12,7 +12,14 @@ def skipping(folder: Path, picture: str) -> str:
     parts = [
         "## Absent parts",
         f"![Time of a step before and after leaving a part out]({picture})",
-        "Each part of the mechanism is left out by itself: time of a slipping step before and after.",
+        prose(
+            """Each part of the mechanism is left out by itself: time of a slipping step before and after.
+            This page has three numbers for the null FMU, which does nothing. The null FMU is measured once
+            for the section [One step](#one-step) and once for each mechanism of this section. The loop of
+            this section does more around a step: a fourth call, which reads a list of outputs (an empty list
+            for the null FMU), and a look at the clock after every 25 steps. Compare each number with the
+            steps of the same table only."""
+        ),
     ]
     for title in dict.fromkeys(row["mechanism"] for row in rows):
         cells = [
@@ -100,7 +107,10 @@ def loop(folder: Path) -> str:
             prose(
                 f"""The loop has {turns:,} turns. Each turn sets a torque, steps 1 ms, reads angle and speed.
                 "cam" is the FMU through `dualcam.Fmu`. The other rows are an FMU that does nothing: through
-                `dualcam.Fmu`, by bare ctypes, and by FMPy's methods."""
+                `dualcam.Fmu`, by bare ctypes, and by FMPy's methods. All four loops are
+                timed in each of many rounds. "us per turn" is the median over the rounds. "share of cam" is
+                the median of the ratios to "cam" of the same round. So the share can differ by some percent
+                from the ratio of the medians."""
             ),
             table(["through", "us per turn", "share of cam"], cells),
         ]

@@ -10,6 +10,7 @@ from benchmarks.harness.markdown import prose, read, table
 from benchmarks.report.others import growth, loop, skipping
 from benchmarks.report.precision import precision
 from benchmarks.report.step_cost import step_cost
+from benchmarks.report.summary import summary
 from benchmarks.report.worst_step import worst_step
 
 FILES = ("work_precision", "step_cost", "worst_step", "skipping", "growth", "loop_cost")
@@ -33,10 +34,11 @@ def page(results: Path, place: Path) -> str:
         "\n\n".join(
             [
                 "# How fast, and how near to the limit",
+                summary(results),
                 prose(
                     """`python -m benchmarks.report` writes this page at the end of `./build.sh bench` (about
-                    ten minutes) from `benchmarks/results/*.csv`, which have the spreads too. Every part has a
-                    command of its own, which the last table names."""
+                    seven minutes) from `benchmarks/results/*.csv`, which have the spreads too. Every part has
+                    a command of its own, which the last table names."""
                 ),
                 precision(results, picture("work_precision")),
                 step_cost(results, picture("step_cost")),

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks.harness.markdown import Row, prose, read, rounded, row_of, table
 
 LEVELS = (1e-4, 1e-8)
+
+
+def best_time(rows: Sequence[Row], scene: str, line: str, level: float) -> float | None:
+    """The least time of a setting with at most that error [us per simulated s]."""
+    times = [
+        float(row["us_per_simulated_s"])
+        for row in rows
+        if row["scene"] == scene and row["line"] == line and row["us_per_simulated_s"]
+        if not row["failure"] and worst_error(row) <= level
+    ]
+    return min(times, default=None)
 
 
 def precision(folder: Path, picture: str) -> str:
@@ -16,14 +27,7 @@ def precision(folder: Path, picture: str) -> str:
     lines = [line for line in dict.fromkeys(row["line"] for row in rows) if line != "reference"]
 
     def best(scene: str, line: str, level: float) -> float | None:
-        """The least time of a setting with at most that error [us per simulated s]."""
-        times = [
-            float(row["us_per_simulated_s"])
-            for row in rows
-            if row["scene"] == scene and row["line"] == line and row["us_per_simulated_s"]
-            if not row["failure"] and worst_error(row) <= level
-        ]
-        return min(times, default=None)
+        return best_time(rows, scene, line, level)
 
     def cell(scene: str, line: str, level: float) -> str:
         time, own = best(scene, line, level), best(scene, "FMU from C", level)

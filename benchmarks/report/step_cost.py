@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.harness.markdown import prose, read, rounded, row_of, table
+from benchmarks.harness.markdown import Row, prose, read, rounded, row_of, table
+
+
+def target_text(shown: Sequence[Row]) -> str:
+    """Whose target the table has, and which rows miss the target."""
+    missed = [row for row in shown if row["target"] and float(row["less_null_fmu"]) > float(row["target"])]
+    names = ", ".join(f"`{row['scene']}` ({rounded(row['less_null_fmu'])})" for row in missed)
+    rows = f"{len(missed)} rows miss their target: {names}." if missed else "All rows meet their target."
+    return f"""The number behind "of" is a target that this project set for itself, in the same unit. {rows}
+        A row without "of" has no target."""
 
 
 def step_cost(folder: Path, picture: str) -> str:
@@ -48,10 +58,11 @@ def step_cost(folder: Path, picture: str) -> str:
             for many numbers, take {rounded(unit["ns_per_step"])} ns on this machine. The three calls of an
             FMU that does nothing take {rounded(null["ns_per_step"])} ns. The acceleration in elliptical
             grooves with every force takes {rounded(row_of(rows, scene="evaluation")["ns_per_step"])} ns.
-            "Less null FMU": the time without the three calls, in units of one exp and one sincos, with its
-            target. Callgrind counts the instructions. Through FMPy the calls themselves take so long that the
-            model hardly shows."""
+            "Less null FMU": the time without the three calls, in units of one exp and one sincos. Callgrind
+            counts the instructions. Through FMPy the calls themselves take so long that the model hardly
+            shows."""
         ),
+        prose(target_text(shown)),
         table(head, cells),
         "The limit is the time of the work that cannot be left out, each part at its own price:",
         "\n".join(f"{number}. {reason}" for number, reason in enumerate(reasons, 1)),

@@ -127,10 +127,8 @@ def by_cutting(scene: Scene, trace: Trace, verdict: Verdict, library: Any) -> No
     verdict.problems += [f"in pieces: {text}" for text in pieces.problems]
     verdict.step = max(verdict.step, pieces.step)
     if pieces.refusal or trace.refusal or not (pieces.read and trace.read):
-        if (
-            bool(pieces.refusal) != bool(trace.refusal)
-            and "too many segments" not in pieces.refusal + trace.refusal
-        ):
+        refusals = pieces.refusal + trace.refusal
+        if bool(pieces.refusal) != bool(trace.refusal) and "too many segments" not in refusals:
             verdict.note = f"refused in one piece only: {trace.refusal or '-'} | {pieces.refusal or '-'}"
         return
     if pieces.problems or trace.problems or len(pieces.read) != len(trace.read):

@@ -81,17 +81,41 @@ def reason(refusal: str) -> str:
 HEAD = ["varied", "runs", "judged", "worst error", "energy residual", "cost, ms", "outcome"]
 
 
+INTRODUCTION = """\
+The table shows elliptical and tabulated grooves, nonlinear springs and dampers, and masses. A row has the
+range of the varied quantity and the outcome of all its runs.
+
+- *Judged*: the number of runs that are compared with an independent solution. In the row "at random" a run
+  is compared with a second run of the FMU, whose intervals are cut differently. All runs are held to the
+  laws; runs that are not judged are held to the laws alone. `benchmarks/stress/__init__.py` describes
+  judges and laws.
+- *Worst error*: the largest error of angle, speed and accounts among the runs that are not wrong. The error
+  is relative to the largest angle, speed and energy of the scene. The tolerance is 1e-9 unless the row says
+  otherwise.
+- *Energy residual*: relative to the largest account, among the runs that are not wrong.
+- *Cost*, in processor time: the longest doStep, and the most time for a simulated second."""
+
+WORDS_OF_WRONG = """\
+Wrong runs are no part of the columns "worst error" and "energy residual". The words of the list:
+
+- *interval*: a part of a scene with one polynomial for each input. The intervals of a scene are numbered
+  from 0.
+- *cutting changes E*: the FMU runs the scene twice, in steps that cut the intervals differently. The
+  results differ by E, relative to the largest size in the scene. The quantity that differs most follows,
+  with the values of both runs.
+- *data amplify A*: the FMU runs the scene again with parameters and inputs changed by the tolerance and by
+  ten times the tolerance. The results change by at most A times the tolerance. A run is wrong if cutting
+  changes the results by more than 100 tolerances and ten times this change.
+- *in pieces*: the finding belongs to the run with more cuts.
+- *energy.residual X of Y*: the accounts miss X of the balance of energy, and Y is the largest account.
+- *a doStep of T*: one step computes for longer than 2 s."""
+
+
 def markdown(rows: Sequence[Row], seconds: float) -> str:
     lines = [
         "# Stress table of the general mechanism",
         "",
-        "Elliptical and tabulated grooves, nonlinear spring and damper, masses: the range of each quantity",
-        "and the outcome. Error: of angle, speed and accounts, relative to the largest angle, speed and",
-        "energy of the scene, at the tolerance 1e-9 unless the row says otherwise. *Judged*: runs with an",
-        "independent reference (at random: the same intervals cut differently). All runs are held to the",
-        "laws, the runs that are not judged to the laws alone. Energy residual: relative to the largest",
-        "account. Cost, in processor time: longest doStep / most for a simulated second.",
-        "benchmarks/stress/__init__.py describes the judges.",
+        *INTRODUCTION.split("\n"),
         "",
         "| " + " | ".join(HEAD) + " |",
         "|" + "---|" * len(HEAD),
@@ -100,7 +124,7 @@ def markdown(rows: Sequence[Row], seconds: float) -> str:
     ]
     wrong = [(row, scene, verdict) for row in rows for scene, verdict in row.wrong]
     if wrong:
-        lines += ["## Wrong", ""]
+        lines += ["## Wrong", "", *WORDS_OF_WRONG.split("\n"), ""]
         for row, scene, verdict in wrong[:60]:
             lines.append(f"- {row.name}: {scene.label}: {verdict.problems[0].strip()[:300]}")
         if len(wrong) > 60:
