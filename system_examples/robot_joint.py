@@ -131,7 +131,7 @@ def findings(results: dict[tuple[float, str], Cycle]) -> list[str]:
         f" {cam.joule_heat:.0f} J per cycle. Without the cam the RMS current, {bare.rms_current:.1f} A, is"
         f" above the rated {rated:.1f} A: the motor would overheat.",
         f"Holding is free at {DESIGN_PAYLOAD} kg, because gravity lies inside the stick band:"
-        f" {cam.hold_current:.2f} A against {bare.hold_current:.1f} A with the arm lowered.",
+        f" {cam.hold_current:.2f} A against {bare.hold_current:.1f} A with the arm horizontal.",
         f"The motor's {AK80_6.peak_torque:.0f} N.m do not hold 3 kg ({elbow.horizontal_torque(3.0):.1f} N.m)."
         " With the cam they lift it.",
     ]

@@ -53,8 +53,3 @@ def test_benchmarks_import_one_another_without_a_circle():
 def test_no_file_is_long():
     files = [path for path in BENCHMARKS.rglob("*") if path.suffix in (".py", ".c", ".h")]
     assert not [path for path in files if len(path.read_text().splitlines()) > MOST_LINES]
-
-
-def test_only_two_places_change_the_path_of_imports():
-    places = [path.name for path in BENCHMARKS.rglob("*.py") if "sys.path.insert" in path.read_text()]
-    assert sorted(places) == ["core.py", "oracles.py"]
