@@ -40,7 +40,7 @@ def draw_groove(rng: np.random.Generator, tables: Tables, i: int, span: tuple[fl
             f"cam{i}.ellipse_curvature": 1 if s1 > s0 else -1,
         }
     elif rng.random() < 0.7:
-        psi, z = reference._draw_table(rng, radius, *span)
+        psi, z = reference.draw_table(rng, radius, *span)
         made[f"cam{i}.table"] = tables.write(psi, z)
     else:  # rough: steps, flats and corners
         psi = np.sort(
@@ -122,7 +122,7 @@ def draw(rng: np.random.Generator, tables: Tables) -> Scene:
     torque = force * dz_dtheta * (1.0 + abs(p["spring.preload"]) / force)
     intervals = draw_intervals(rng, force, torque)
     tolerance = None if rng.random() < 0.5 else float(rng.choice([1e-4, 1e-6, 1e-8, 1e-11]))
-    return Scene("", {n: reference._plain(v) for n, v in p.items()}, intervals, "cuts", "", tolerance)
+    return Scene("", {n: reference.plain(v) for n, v in p.items()}, intervals, "cuts", "", tolerance)
 
 
 def fuzz(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:

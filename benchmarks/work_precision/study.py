@@ -28,7 +28,7 @@ def verify(scene: Scene) -> list[tuple[str, float]]:
     found = {f"plain_cam.py, {method} {rtol:g}": plain, "FMU 1e-12": fmu}
     if scene.exact:
         second = of_reference(reference.simulate(scene.parameters, scene.intervals))
-        found = {"tests/reference.py, DOP853 1e-13": second} | found
+        found = {"tests/reference, DOP853 1e-13": second} | found
     return [(name, max(scene.errors(result))) for name, result in found.items()]
 
 

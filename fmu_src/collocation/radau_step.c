@@ -49,7 +49,7 @@ static bool is_rounding(const RightHandSide *start, double defect) {
 /* The error inside the step from the defect at the start, relative to speed and distance. A stiff step damps the
  * defect; its angle follows the speed at the nodes, so the defect of the speed counts too. At the end of the step the
  * method has order 2s - 1, inside order s + 1. error_at_end() takes half of that gain: then the errors of
- * benchmarks/integrators.py stay below RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
+ * benchmarks/integrators stay below RADAU_ERROR_SAFETY times the tolerance; with the whole gain they do not. */
 static double estimate_error(const RadauSystem *s, const RadauStep *step) {
     const Radau *r = s->method;
     const StepSize size = step_size(s, step);

@@ -192,7 +192,7 @@ static const double RADAU_TANGENT_STIFFNESS = 0.3;
 /* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
 static const double RADAU_BEYOND_PIECE = 0.05;
 
-/* Factor on the error estimate. With it the errors of all scenes of benchmarks/integrators.py stay below ten times the
+/* Factor on the error estimate. With it the errors of all scenes of benchmarks/integrators stay below ten times the
  * tolerance. */
 static const double RADAU_ERROR_SAFETY = 10.0;
 

@@ -70,8 +70,6 @@ from .scene import Interval, Point
 from .simulation import simulate, simulate_exact
 from .table import Table, read_table, write_table
 
-_draw_table, _plain = draw_table, plain  # names under which benchmarks/stress.py imports them
-
 __all__ = [
     "DEFAULTS",
     "DOUBLE",
