@@ -13,7 +13,7 @@ from driver import ERROR, OK, models
 from mechanisms import INERTIA, LIFT, MU, PRELOAD, RHO, STIFFNESS
 from reference import HEATS, LOADING, LOWER_STOP, RELEASING, STICK, UPPER_STOP
 from scipy.optimize import brentq
-from statics_cases import STATICS, geometry
+from statics_cases import MOVABLE, STATICS, geometry
 
 INVERSE, FORWARD = models["DualCamInverse"], models["DualCamForward"]
 WIDE = {"stop.lower": -10.0, "stop.upper": 10.0}
@@ -47,7 +47,7 @@ def helices(*case):
     return geometry(*case) | WIDE
 
 
-@pytest.mark.parametrize("name", STATICS)
+@pytest.mark.parametrize("name", MOVABLE)
 def test_statics_with_60_digits(make, name):
     """Section 3, whatever the speed: nothing here has inertia in play."""
     *case, loading, releasing = STATICS[name]

@@ -9,45 +9,7 @@ import pytest
 import reference
 import scipy
 from reference import DOUBLE, MP, SIXTY_DIGITS, Interval, Mechanism, Refused, Slip, random_scene
-
-# Section 3 of the equations solved at 60 digits, each number rounded to 17; totals, F > 0.
-# r1, r2, lambda1, lambda2, mu1, mu2, F, (R1, R2, T) loading, (R1, R2, T) releasing on supporting flanks;
-# None: those flanks cannot carry the load.
-STATICS = [
-    (0.02, 0.02, 0.7853981633974483, 0.7853981633974483, 0.14, 0.14, 100.0,
-     (82.221718742621803, 82.221718742621803, 1.3255813953488372),
-     (62.026910630398903, 62.026910630398903, 0.75438596491228065)),
-    (0.02, 0.02, 0.7853981633974483, 0.7853981633974483, 0.19, 0.19, 100.0,
-     (87.297133479820678, 87.297133479820678, 1.4691358024691357),
-     (59.420737914835925, 59.420737914835925, 0.68067226890756299)),
-    (0.0275, 0.0175, 0.9, 0.8203, 0.14, 0.14, 350.0,
-     (237.9808184342142, 393.65437179815683, 5.6959967326383234),
-     (168.18560855375208, 289.40920407613602, 3.220467081719058)),
-    (0.03, 0.02, 0.5843738968484468, 0.923511478779244, 0.1, 0.2, 100.0,
-     (80.71481136041947, 83.729195762671192, 1.537818257344766),
-     (59.514180549309163, 61.736803814320015, 0.83606387137985378)),
-    (0.02, 0.03, 0.13909694148207133, 0.7, 0.14, 0.14, 100.0,
-     (87.955686752424719, 21.642451942859043, 0.48779636328858385),
-     (99.034069570861164, 1.2411405424503868e-4, 1.9999978775525759e-6)),
-    (0.02, 0.03, 0.1, 0.8, 0.14, 0.14, 100.0,
-     (91.101181445558148, 17.822655349626075, 0.43570779808567673), None),
-    (0.02, 0.03, 0.1, 0.12, 0.19, 0.19, 100.0,
-     (63.21404846392025, 39.482808974770059, 0.36523080656223978),
-     (52.899371729445919, 45.651430725065573, -0.09439086143885512)),
-    (0.02, 0.03, 1.5, 0.6, 0.14, 0.19, 100.0,
-     (166.80034218389302, 155.27332474224857, 3.3606872722867323),
-     (58.275227681505512, 94.078935289712843, 1.151042714818565)),
-    (0.02, 0.03, 1.5, 1.5, 0.14, 0.14, 100.0,
-     None, (285.18940169279986, 190.12626779519992, 5.6330141678046557)),
-    (0.025, 0.015, 0.6, 1.1, 0.0, 0.0, 250.0,
-     (191.67213239297345, 202.39626931082316, 2.7056556728817302),
-     (191.67213239297345, 202.39626931082316, 2.7056556728817302)),
-    (0.025, 0.015, 0.6, 1.1, 0.0, 0.25, 250.0,
-     (240.03069021527413, 224.85012356846291, 3.3882880653467474),
-     (152.0949619061819, 184.01979039874173, 2.1469818870407558)),
-    (0.02, 0.02, 0.02, 0.24, 0.14, 0.14, 100.0,
-     (71.501684082224646, 30.60872350511177, 0.22876344278127149), None),
-]  # fmt: skip
+from statics_cases import STATICS
 
 # A mixture of the three regimes and of all events; chosen for speed in double precision too.
 SLOW = {4, 9, 13, 15, 16, 21, 25, 27, 28, 31, 35, 37}
@@ -74,9 +36,9 @@ def natural_scales(points):
     return {name: float(value) or 1.0 for name, value in scales.items()}
 
 
-@pytest.mark.parametrize("case", STATICS)
-def test_statics_of_the_table(case):
-    *shape, force, loading, releasing = case
+@pytest.mark.parametrize("name", STATICS)
+def test_statics_of_the_table(name):
+    *shape, force, loading, releasing = STATICS[name]
     mech = Mechanism(geometry(*shape), SIXTY_DIGITS)
     kin = mech.groove.at(MP.mpf(0))
     for sigma, expected in ((+1, loading), (-1, releasing)):
@@ -94,7 +56,7 @@ def test_statics_of_the_table(case):
 
 def test_self_locking_on_mixed_flanks_takes_a_pull():
     # lambda_1 < phi_1 < lambda_2: x_1 > 0 and x_2 < 0, so contact 2 rubs on its other flank
-    shape = STATICS[5][:6]
+    shape = STATICS["one contact locks"][:6]
     mech = Mechanism(geometry(*shape), DOUBLE)
     r1, r2, l1, l2, mu1, mu2 = shape
     a1, a2 = r1 * math.tan(l1), r2 * math.tan(l2)
@@ -109,7 +71,7 @@ def test_self_locking_on_mixed_flanks_takes_a_pull():
 
 def test_loading_jam_is_refused():
     with pytest.raises(Refused):
-        reference.simulate(geometry(*STATICS[8][:6]), [Interval(0.1, 1.0)])
+        reference.simulate(geometry(*STATICS["loading jams"][:6]), [Interval(0.1, 1.0)])
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -1,8 +1,8 @@
 """Twelve cases of the statics, solved with 60 digits."""
 
-# The twelve cases of the mechanism's statics (section 3) solved with 60 digits; R are totals, F > 0.
-# name: r1, r2, lambda1, lambda2, mu1, mu2, F, then (R1, R2, T) loading and releasing, None where the pair of
-# supporting flanks is not admissible
+# Section 3 of the equations solved at 60 digits, each number rounded to 17; R are totals, F > 0.
+# name: r1, r2, lambda1, lambda2, mu1, mu2, F, (R1, R2, T) loading, (R1, R2, T) releasing;
+# None: the flanks that should carry the load cannot.
 STATICS = {
     "equal": (0.02, 0.02, 0.7853981633974483, 0.7853981633974483, 0.14, 0.14, 100.0,
               (82.221718742621803, 82.221718742621803, 1.3255813953488372),
@@ -27,6 +27,8 @@ STATICS = {
     "steep": (0.02, 0.03, 1.5, 0.6, 0.14, 0.19, 100.0,
               (166.80034218389302, 155.27332474224857, 3.3606872722867323),
               (58.275227681505512, 94.078935289712843, 1.151042714818565)),
+    "loading jams": (0.02, 0.03, 1.5, 1.5, 0.14, 0.14, 100.0,
+                     None, (285.18940169279986, 190.12626779519992, 5.6330141678046557)),
     "frictionless": (0.025, 0.015, 0.6, 1.1, 0.0, 0.0, 250.0,
                      (191.67213239297345, 202.39626931082316, 2.7056556728817302),
                      (191.67213239297345, 202.39626931082316, 2.7056556728817302)),
@@ -36,6 +38,9 @@ STATICS = {
     "scissors": (0.02, 0.02, 0.02, 0.24, 0.14, 0.14, 100.0,
                  (71.501684082224646, 30.60872350511177, 0.22876344278127149), None),
 }  # fmt: skip
+
+# The cases that the FMUs start; they refuse a groove that jams.
+MOVABLE = [name for name, (*_, loading, _) in STATICS.items() if loading is not None]
 
 
 def geometry(r1, r2, lambda1, lambda2, mu1, mu2, force):
