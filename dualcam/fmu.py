@@ -33,7 +33,8 @@ from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2EventInfo
 from fmpy.model_description import ModelDescription, ScalarVariable
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.instance import OK_OR_WARNING, FmuError, Instance, UnknownVariableError
+from dualcam.errors import FmuError, UnknownVariableError
+from dualcam.instance import OK_OR_WARNING, Instance
 
 Scalar = float | int | bool | str
 Array = NDArray[np.float64]

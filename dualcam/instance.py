@@ -12,16 +12,10 @@ import fmpy
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.model_description import ModelDescription
 
+from dualcam.errors import FmuError
+
 OK_OR_WARNING = 1  # fmi2Status up to this is success
 MESSAGES_KEPT = 8  # an FMU may log warnings without end
-
-
-class FmuError(ValueError):
-    """The FMU, or this package, refuses a call; the message says what is allowed."""
-
-
-class UnknownVariableError(FmuError):
-    """The FMU has no variable of that name."""
 
 
 class Instance:

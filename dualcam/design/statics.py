@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dualcam.errors import DesignError
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import QuadContourSet
@@ -26,10 +28,6 @@ Array = NDArray[np.float64]
 Pair = Sequence[ArrayLike] | Array
 
 DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
-
-
-class DesignError(ValueError):
-    """A design that is impossible; the message names angle and value, and says what is allowed."""
 
 
 def sign_of(direction: str) -> int:

@@ -1,6 +1,6 @@
 """What is wrong with a study as a whole."""
 
-from dualcam.fmu import FmuError
+from dualcam.errors import FmuError
 
 
 class StudyError(FmuError):
