@@ -143,7 +143,7 @@ case $command in
     coupling) run_program . -m benchmarks.coupling "$@" ;;
     rate) run_program . -m benchmarks.study_rate "$@" ;;
     study)
-        [ $# -gt 0 ] || set -- system_examples/study/*.toml --figure docs/study.png
+        [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
         run_program '.[study]' -m dualcam study "$@"
         ;;
     compare) run_program . -m benchmarks.compare_builds "$@" ;;

@@ -21,6 +21,8 @@ from install import Failed, Missing
 from lxml import etree
 
 from dualcam import Fmu, FmuError
+from dualcam import ssp as ssp_package
+from dualcam.ssp import split, tag
 from dualcam.systems import car_door, elbow, knee
 from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop
 from dualcam.systems.gait import DESIGN_WALKER
@@ -30,9 +32,7 @@ from dualcam.systems.pendulum import HingeMotion
 from dualcam.systems.swing import SWING, full_extension
 from system_examples.ssp import __main__ as ssp_run
 from system_examples.ssp import compilation, parts, systems, variables
-from system_examples.ssp import package as ssp_package
 from system_examples.ssp.coupling import couple
-from system_examples.ssp.package import split, tag
 from system_examples.ssp.systems import STEP, STEPS_PER_PERIOD, WATCHED
 
 NAMES = list(systems.EXAMPLES)
