@@ -39,8 +39,8 @@ def load(path: str | Path) -> Study:
     Parameters
     ----------
     path
-        A plan, or a design file with a section [study]. Paths in the file are relative to the file; `fmu` is a
-        path, "forward" or "inverse".
+        A plan, or a design file with a section [study]. Paths in the file are relative to the file.
+        `fmu` is a path, "forward" or "inverse".
 
     Raises
     ------
