@@ -19,5 +19,9 @@ class DesignError(DualcamError):
     """A design that cannot be: the message names the place, the value and what is allowed."""
 
 
+class ExportError(DualcamError):
+    """No FMU can be made from a design: the message names the file or value, and what is allowed."""
+
+
 class UnitWarning(UserWarning):
     """A value that is allowed, but looks as if it were given in another unit. The message names that unit."""

@@ -148,9 +148,10 @@ bool has_start(const Variable *variable) {
     return variable->causality == CAUSALITY_PARAMETER || variable->causality == CAUSALITY_INPUT;
 }
 
-const char *start_of(const Variable *variable, ShortestDecimal *text) {
-    if (variable->type == TYPE_BOOLEAN) return variable->start != 0.0 ? "true" : "false";
-    *text = shortest_decimal(variable->start);
+const char *start_of(unsigned reference, ShortestDecimal *text) {
+    const double start = variable_start(reference);
+    if (VARIABLES[reference].type == TYPE_BOOLEAN) return start != 0.0 ? "true" : "false";
+    *text = shortest_decimal(start);
     return text->text;
 }
 
