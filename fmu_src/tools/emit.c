@@ -16,7 +16,7 @@ static const char *const DESCRIPTION =
     "Dual cylindrical cam, inverse dynamics: the torque on cam 2 that turns it as imposed and lifts a spring-loaded "
     "follower in two grooves, friction included";
 #endif
-static const char *const VERSION = "0.1.0";
+static const char *const VERSION = "0.2.0";
 
 /* FNV-1a, 64 bits, from the standard offset basis and from a second one: 128 bits for the GUID. */
 static const uint64_t HASH_BASIS[2] = {UINT64_C(0xcbf29ce484222325), UINT64_C(0x6c62272e07bb0142)};
