@@ -42,7 +42,7 @@ def load(path: str | Path) -> Study:
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
         return Study(
             path.parent / table["fmu"],
-            _plan(table["plan"], path.parent),
+            read_plan(table["plan"], path.parent),
             _scenario(table["scenario"]),
             table["results"],
             table.get("parameters", {}),
@@ -52,7 +52,7 @@ def load(path: str | Path) -> Study:
         raise StudyError(f"{path}: {error}") from error
 
 
-def _plan(content: Mapping[str, Any], folder: Path) -> Plan:
+def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:
     table = entries(content, "plan", PLAN)
     if "table" in table:
         entries(content, "plan of a table", {"kind": TEXT, "table": TEXT})
