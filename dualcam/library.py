@@ -1,4 +1,4 @@
-"""Where the FMUs of this project are: in the installed package, else in the build folder of a checkout."""
+"""Where this package's own FMUs are."""
 
 from __future__ import annotations
 
@@ -10,40 +10,55 @@ MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
 PACKAGE = Path(__file__).resolve().parent
 
 
-def fmu_path(model: str, fmi: int = 2) -> Path:
-    """The path of one of the project's FMUs.
+def fmu_path(kind: str, fmi: int = 2) -> Path:
+    """Path of one of this package's FMUs.
 
     Parameters
     ----------
-    model
-        "forward" (torque in, motion out) or "inverse" (motion in, torque out).
-    fmi
-        Version of FMI, 2 or 3.
+    kind : {"forward", "inverse"}
+        "forward": torque in, motion out. "inverse": motion in, torque out.
+    fmi : {2, 3}
+        Version of FMI: 2.0 or 3.0.
 
     Returns
     -------
     Path
-        An existing file.
+        The FMU inside the installed package, or that of the build folder of a checkout.
 
     Raises
     ------
     FmuError
-        Another word or number, or an FMU that has not been built.
+        `kind` or `fmi` is something else, or a checkout has not been built yet.
 
     Examples
     --------
-    >>> from dualcam.library import fmu_path
-    >>> fmu_path("forward").name
-    'DualCamForward.fmu'
+    >>> import dualcam
+    >>> dualcam.fmu_path("inverse").name
+    'DualCamInverse.fmu'
+    >>> dualcam.fmu_path("backward")
+    Traceback (most recent call last):
+    ...
+    dualcam.errors.FmuError: fmu_path(kind='backward'): allowed are 'forward', 'inverse'
     """
-    if model not in MODELS:
-        raise FmuError(f"model {model!r}: allowed are {', '.join(MODELS)}")
-    if fmi not in (2, 3):
-        raise FmuError(f"fmi = {fmi!r}: allowed are 2 and 3")
-    name = f"{MODELS[model]}.fmu"
+    if kind not in MODELS:
+        raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
+    if isinstance(fmi, bool) or fmi not in (2, 3):
+        raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
+    file = f"{MODELS[kind]}.fmu"
     build = PACKAGE.parent / "build"
-    candidates = (PACKAGE / "fmus" / f"fmi{fmi}" / name, (build if fmi == 2 else build / "fmi3") / name)
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise FmuError(f"{name} of FMI {fmi}.0 is missing in {build}: build the FMUs by ./build.sh")
+    places = [PACKAGE / "fmus" / f"fmi{fmi}" / file, (build if fmi == 2 else build / "fmi3") / file]
+    for path in places:
+        if path.is_file():
+            return path
+    raise FmuError(
+        f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
+        " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
+        " the package again"
+    )
+
+
+def source_path(source: str | Path, fmi: int | None = None) -> Path:
+    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None."""
+    if isinstance(source, str) and source in MODELS:
+        return fmu_path(source, 2 if fmi is None else fmi)
+    return Path(source)

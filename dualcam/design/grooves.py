@@ -6,6 +6,7 @@ A `Table` lays the very curve through its samples that the FMU lays (fmu_src/geo
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,9 +16,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.design.groove_files import HEADER, read_groove
 from dualcam.design.statics import Array, DesignError
+from dualcam.errors import UnitWarning
+from dualcam.unit_guards import table_warnings, unit_warning, warn_units
 
-HEADER = "psi_rad,z_m"
 STENCIL = 5  # samples that a table's slope at a sample comes from
 
 
@@ -61,6 +64,12 @@ def _check_radius(radius: float) -> None:
     _check("radius", radius, 0.0 < radius < math.inf, "a finite number > 0 in m")
 
 
+def _check_lead_angle(value: float) -> None:
+    hint = unit_warning("cam1.lead_angle", value, "lead_angle") or ""
+    likely = f"; {hint.partition(': ')[2]}" if hint else ""
+    _check("lead_angle", value, 0.0 <= value < 0.5 * math.pi, f"[0, pi/2) in rad{likely}")
+
+
 @dataclass(frozen=True)
 class Helix:
     """Constant lead angle [rad]."""
@@ -70,7 +79,8 @@ class Helix:
 
     def __post_init__(self) -> None:
         _check_radius(self.radius)
-        _check("lead_angle", self.lead_angle, 0.0 <= self.lead_angle < 0.5 * math.pi, "[0, pi/2) in rad")
+        _check_lead_angle(self.lead_angle)
+        warn_units({"radius": ("cam1.radius", self.radius)})
 
     @property
     def range(self) -> tuple[float, float]:
@@ -98,10 +108,12 @@ class Ellipse:
 
     def __post_init__(self) -> None:
         _check_radius(self.radius)
-        _check("lead_angle", self.lead_angle, 0.0 <= self.lead_angle < 0.5 * math.pi, "[0, pi/2) in rad")
+        _check_lead_angle(self.lead_angle)
         _check("a", self.a, 0.0 < self.a < math.inf, "a finite number > 0 in m")
         _check("b", self.b, 0.0 < self.b < math.inf, "a finite number > 0 in m")
         _check("bending", self.bending, self.bending in (-1, 1), "+1 (steepens) or -1 (flattens)")
+        lengths = {"radius": "cam1.radius", "a": "cam1.ellipse_a", "b": "cam1.ellipse_b"}
+        warn_units({name: (rule, getattr(self, name)) for name, rule in lengths.items()})
 
     @property
     def _start(self) -> float:
@@ -135,11 +147,13 @@ class Ellipse:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Samples (psi [rad], z [m]), shape (n,), n >= 4: psi increases and includes 0, z does not decrease."""
+    """Samples (psi [rad], z [m]), shape (n,), n >= 4: psi increases and includes 0, z does not decrease.
+    `notes` say how a file was understood."""
 
     radius: float
     psi: Array
     z: Array
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_radius(self.radius)
@@ -151,19 +165,70 @@ class Table:
         if (np.diff(z) < 0.0).any():
             worst = int(np.argmax(np.diff(z) < 0.0))
             raise DesignError(f"samples: z decreases after psi = {psi[worst]:.6g} rad, where it must not")
-        if not (psi == 0.0).any():
-            raise DesignError("samples: psi = 0 must be among them")
+        if not psi[0] <= 0.0 <= psi[-1]:
+            raise DesignError(
+                f"samples: psi goes from {psi[0]:.6g} to {psi[-1]:.6g} rad: psi = 0 must be among them"
+            )
         object.__setattr__(self, "psi", psi)
         object.__setattr__(self, "z", z)
+        for text in table_warnings(psi, z):
+            warnings.warn(UnitWarning(f"Table: {text}"), stacklevel=3)
 
     @classmethod
-    def read(cls, path: str | Path, radius: float) -> Table:
-        """From a CSV file as the FMU reads it."""
-        lines = Path(path).read_text(encoding="utf-8-sig").split()
-        if not lines or lines[0] != HEADER:
-            raise DesignError(f"{path}: its first line must be {HEADER}")
-        psi, z = np.loadtxt(lines[1:], delimiter=",", ndmin=2, unpack=True)
-        return cls(radius, psi, z)
+    def read(
+        cls,
+        path: str | Path,
+        radius: float,
+        *,
+        units: Sequence[str] | None = None,
+        delimiter: str | None = None,
+        decimal: str | None = None,
+    ) -> Table:
+        """The groove of a table file.
+
+        Parameters
+        ----------
+        path : str or Path
+            File of two columns: angle psi of the pin along the groove, and height z of the pin.
+        radius : float
+            Radius of the cam [m].
+        units : (str, str), optional
+            Units of angle and height: "rad", "deg", "mrad" or "turn", and "m", "mm", "cm", "um" or "in".
+            Without them the header must name the units, such as psi_rad,z_m or "psi [deg];z [mm]".
+        delimiter : str, optional
+            Between the columns: ",", ";", " " or a tab; guessed from the lines if not given.
+        decimal : str, optional
+            Decimal sign, "." or ","; guessed from the lines if not given.
+
+        Returns
+        -------
+        Table
+            Its `notes` say what was guessed.
+
+        Raises
+        ------
+        DesignError
+            With file, line, column and value, for a file that cannot be understood.
+
+        Warns
+        -----
+        UnitWarning
+            Numbers that look as if they were in another unit.
+
+        Examples
+        --------
+        >>> Table.read("groove.csv", radius=0.02, units=("deg", "mm"), delimiter=";", decimal=",")
+        """
+        file = read_groove(path, units, delimiter, decimal)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UnitWarning)
+                table = cls(radius, file.psi, file.z, file.notes)
+        except DesignError as error:
+            raise DesignError(f"{path}: {error}") from None
+        for text in table_warnings(table.psi, table.z, radius):
+            warnings.warn(UnitWarning(f"{path}: {text}"), stacklevel=2)
+        return table
 
     def write(self, path: str | Path) -> None:
         """To a CSV file for the FMU's `cam1.table` or `cam2.table`, with all digits."""

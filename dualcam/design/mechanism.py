@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from dualcam.design.grooves import Groove, Table, curvature
 from dualcam.design.statics import Array, DesignError, band, sign_of, transfer
+from dualcam.unit_guards import warn_units
 
 POINTS = 721  # of theta, where a property of the whole range is sought
 
@@ -25,6 +26,12 @@ class Spring:
     stiffness: float
     stiffness2: float = 0.0
     stiffness3: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not math.isfinite(value):
+                raise DesignError(f"spring: {name} = {value}: allowed is a finite number")
+        warn_units({"stiffness": ("spring.stiffness", self.stiffness)})
 
     def force(self, z: ArrayLike) -> Array:
         """N, at z [m]."""
@@ -54,15 +61,25 @@ class Configuration(NamedTuple):
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Grooves, friction, spring and range [0, upper] of cam 2's angle [rad]; `contacts` share each load."""
+    """Grooves, friction, spring and range [lower, upper] of cam 2's angle [rad]; `contacts` share each
+    load."""
 
     grooves: tuple[Groove, Groove]
     friction: tuple[float, float]
     spring: Spring
     upper: float
     contacts: int = 2
+    lower: float = 0.0
 
     def __post_init__(self) -> None:
+        check_pair("friction", self.friction, 0.0)
+        if not (math.isfinite(self.lower) and math.isfinite(self.upper) and self.lower < self.upper):
+            raise DesignError(
+                f"upper = {self.upper} rad: allowed is a finite angle above lower = {self.lower} rad"
+            )
+        stops = {"lower": ("stop.lower", self.lower), "upper": ("stop.upper", self.upper)}
+        pair = {f"friction[{i}]": (f"cam{i + 1}.friction", mu) for i, mu in enumerate(self.friction)}
+        warn_units(stops | pair)
         if self.contacts not in (1, 2):
             raise DesignError(f"contacts = {self.contacts!r}: allowed are 1 and 2")
 
@@ -73,7 +90,7 @@ class Mechanism:
 
     def angles(self, points: int = POINTS) -> Array:
         """Angles evenly over the range [rad]."""
-        return np.linspace(0.0, self.upper, points)
+        return np.linspace(self.lower, self.upper, points)
 
     def configuration(self, theta: ArrayLike) -> Configuration:
         """Geometry at theta [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
@@ -108,7 +125,7 @@ class Mechanism:
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
         """The FMU's parameters; tables are written to `directory`, as `groove1.csv` and `groove2.csv`."""
-        found: dict[str, float | int | str] = {"stop.lower": 0.0, "stop.upper": self.upper}
+        found: dict[str, float | int | str] = {"stop.lower": self.lower, "stop.upper": self.upper}
         found |= self.spring.parameters() | {"contacts": self.contacts}
         for i, groove in enumerate(self.grooves, 1):
             found |= {f"cam{i}.{name}": value for name, value in groove.parameters().items()}

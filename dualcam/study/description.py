@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dualcam.design_file import read_design
 from dualcam.library import MODELS, fmu_path
 from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
@@ -61,7 +60,7 @@ def load(path: str | Path) -> Study:
         fmu = table["fmu"]
         return Study(
             fmu_path(fmu) if fmu in MODELS else path.parent / fmu,
-            _plan(table["plan"], path.parent),
+            read_plan(table["plan"], path.parent),
             _scenario(table["scenario"]),
             table["results"],
             table.get("parameters", {}),
@@ -73,13 +72,15 @@ def load(path: str | Path) -> Study:
 
 def _study_of_design(path: Path) -> Study:
     """The study in the section [study] of a design file: its runs begin with the design's values."""
+    from dualcam.design_file import read_design  # the reader of design files reads plans by this module
+
     design = read_design(path)
     table = entries(design.study, "study", STUDY, ("plan", "results"))
     if design.scenario is None:
         raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
     return Study(
         fmu_path(design.model),
-        _plan(table["plan"], path.parent),
+        read_plan(table["plan"], path.parent),
         design.scenario,
         table["results"],
         design.parameters,
@@ -87,7 +88,7 @@ def _study_of_design(path: Path) -> Study:
     )
 
 
-def _plan(content: Mapping[str, Any], folder: Path) -> Plan:
+def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:
     table = entries(content, "plan", PLAN)
     if "table" in table:
         entries(content, "plan of a table", {"kind": TEXT, "table": TEXT})

@@ -1,0 +1,27 @@
+"""Design files: one TOML file with the parameters of a design, its scenario, pin, limits and study.
+
+    read_design       the design of a file; DesignFileError lists all errors at once
+    DesignFile        parameters in SI units, scenario, mechanism
+    Finding           one error or warning, with the nearest value that works
+    write_template    a commented design to begin with
+    json_schema       the schema for editors
+
+docs/design-file.md describes the keys.
+"""
+
+from dualcam.design_file.design import DesignFile, SpringLimits
+from dualcam.design_file.findings import DesignFileError, Finding
+from dualcam.design_file.reader import read_design
+from dualcam.design_file.schema import json_schema
+from dualcam.design_file.templates import TEMPLATES, write_template
+
+__all__ = [
+    "TEMPLATES",
+    "DesignFile",
+    "DesignFileError",
+    "Finding",
+    "SpringLimits",
+    "json_schema",
+    "read_design",
+    "write_template",
+]

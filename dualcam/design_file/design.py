@@ -1,0 +1,142 @@
+"""A design, as read from a file."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dualcam.design_file.findings import Finding
+from dualcam.design_file.variables import Value, all_parameters, parameters_of
+from dualcam.errors import UnitWarning
+
+if TYPE_CHECKING:
+    from dualcam.design import Groove, Limits, Mechanism, Pin
+    from dualcam.study.scenario import Scenario
+
+
+class SpringLimits(NamedTuple):
+    """Lengths of the spring."""
+
+    free_length: float  # m, unloaded
+    solid_length: float  # m, all coils in contact
+
+
+@dataclass(frozen=True)
+class DesignFile:
+    """A design of the dual cam.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    parameters : dict
+        Names of the FMUs' parameters and values in SI units: those that the file gives. Paths of tables are
+        absolute, and the FMU reads these tables.
+    model : {"forward", "inverse"}
+        The model that the scenario drives: inverse where the scenario gives theta.
+    scenario : Scenario or None
+        Inputs over time, as in parameter studies.
+    output_interval : float or None
+        Time between two samples of a simulation [s].
+    pin : Pin or None
+        The pin and its material.
+    spring_limits : SpringLimits or None
+        Free and solid length of the spring.
+    limits : Limits or None
+        What `dualcam check` allows; None where the file does not say.
+    study : dict or None
+        Table [study] as it stands in the file.
+    title, description : str
+        Words for reports.
+    warnings : tuple of Finding
+        What could be meant otherwise; nothing of that is refused.
+    notes : tuple of str
+        How the files of groove tables were understood.
+    lines : Mapping
+        Lines of the keys in the file.
+    """
+
+    path: Path
+    parameters: dict[str, Value]
+    model: str = "forward"
+    scenario: Scenario | None = None
+    output_interval: float | None = None
+    pin: Pin | None = None
+    spring_limits: SpringLimits | None = None
+    limits: Limits | None = None
+    study: dict[str, Any] | None = None
+    title: str = ""
+    description: str = ""
+    warnings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+    lines: Mapping[tuple[str, ...], int] = field(default_factory=dict, repr=False)
+
+    @property
+    def name(self) -> str:
+        """Stem of the file's name."""
+        return self.path.stem
+
+    def value(self, name: str) -> Any:  # noqa: ANN401
+        """A parameter's value: that of the file, or else the FMU's default."""
+        return self.parameters.get(name, all_parameters()[name].start)
+
+    def parameters_for(self, model: str | None = None) -> dict[str, Value]:
+        """The parameters that one model has.
+
+        Parameters
+        ----------
+        model : {"forward", "inverse"}, optional
+            The model; that of the design if not given.
+
+        Returns
+        -------
+        dict
+            Names and values: `initial.theta` for the forward model, `shaft.stiffness` for the inverse.
+        """
+        known = parameters_of(model or self.model)
+        return {name: value for name, value in self.parameters.items() if name in known}
+
+    def mechanism(self) -> Mechanism:
+        """The grooves, friction, spring and range of the design.
+
+        Returns
+        -------
+        Mechanism
+            With the FMU's defaults where the file gives no value.
+
+        Raises
+        ------
+        DesignError
+            A mechanism that cannot be, such as an upper stop below the lower one.
+        """
+        from dualcam.design import Mechanism, Spring
+
+        with warnings.catch_warnings():  # the design's own warnings have them
+            warnings.simplefilter("ignore", UnitWarning)
+            return Mechanism(
+                (self._groove(1), self._groove(2)),
+                (self.value("cam1.friction"), self.value("cam2.friction")),
+                Spring(*(self.value(f"spring.{name}") for name in SPRING_TERMS)),
+                self.value("stop.upper"),
+                self.value("contacts"),
+                self.value("stop.lower"),
+            )
+
+    def _groove(self, number: int) -> Groove:
+        from dualcam.design import Ellipse, Helix, Table
+
+        def value(name: str) -> Any:  # noqa: ANN401
+            return self.value(f"cam{number}.{name}")
+
+        if value("profile") == 1:
+            return Helix(value("radius"), value("lead_angle"))
+        if value("profile") == 2:
+            shape = (value("ellipse_a"), value("ellipse_b"), value("ellipse_curvature"))
+            return Ellipse(value("radius"), value("lead_angle"), *shape)
+        return Table.read(value("table"), value("radius"))
+
+
+SPRING_TERMS = ("preload", "stiffness", "stiffness2", "stiffness3")

@@ -1,0 +1,75 @@
+"""What is found in a design: errors and warnings with key, value, and the nearest value that works."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from dualcam.errors import DesignError
+
+ERROR, WARNING = "error", "warning"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding about a design.
+
+    Attributes
+    ----------
+    severity : {"error", "warning"}
+        A design with errors does not work. A warning says what could be meant otherwise.
+    key : str
+        Key of the design file, such as `cam1.radius`; empty where no single key is concerned.
+    value : float, int, bool, str or None
+        Its value.
+    text : str
+        A sentence with key, value, what is allowed, and what would work.
+    nearest : float, int, bool, str or None
+        The nearest value of `change` that works, in the unit of that key, where one is known.
+    change : str
+        The key that would get the value `nearest`; empty where `nearest` is None.
+    line : int or None
+        Line of the design file, from 1.
+    kind : str
+        What is checked, in a word or two.
+    """
+
+    severity: str
+    key: str
+    value: Any
+    text: str
+    nearest: Any = None
+    change: str = ""
+    line: int | None = None
+    kind: str = ""
+
+    def __str__(self) -> str:
+        place = f"line {self.line}: " if self.line else ""
+        return f"{place}{self.text}"
+
+    def at_line(self, line: int | None) -> Finding:
+        """The same finding with its line in the design file."""
+        return replace(self, line=line)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The finding as JSON has it."""
+        fields = ("severity", "kind", "key", "value", "line", "text", "change", "nearest")
+        return {name: getattr(self, name) for name in fields}
+
+
+class DesignFileError(DesignError):
+    """A design file is refused. The text lists all errors, line by line.
+
+    Attributes
+    ----------
+    findings : tuple of Finding
+        One for each error, in the order of the lines.
+    """
+
+    def __init__(self, path: object, findings: Sequence[Finding]) -> None:
+        self.path = path
+        self.findings = tuple(sorted(findings, key=lambda finding: finding.line or 0))
+        count = len(self.findings)
+        head = f"{path}: {count} error{'s' if count > 1 else ''}"
+        super().__init__("\n".join([head, *(f"  {finding}" for finding in self.findings)]))

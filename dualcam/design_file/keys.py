@@ -1,0 +1,79 @@
+"""What an unknown key could mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+
+SIMILAR = 0.6  # of difflib: share of equal characters
+# Words of other programs and languages for the keys of this one.
+OTHER_WORDS = {
+    "r": "radius",
+    "diameter": "radius",
+    "mu": "friction",
+    "angle": "lead_angle",
+    "helix_angle": "lead_angle",
+    "pitch": "lead_angle",
+    "k": "stiffness",
+    "rate": "stiffness",
+    "f0": "preload",
+    "force": "preload",
+    "mass": "follower_mass",
+    "j": "shaft",
+    "csv": "table",
+    "file": "table",
+    "max": "upper",
+    "min": "lower",
+    "end": "stop",
+    "duration": "stop",
+    "stop_time": "stop",
+}
+
+
+def unknown_key(key: str, known: Mapping[str, str]) -> str:
+    """A sentence about an unknown key: the nearest names, also in other tables.
+
+    `key` is dotted; `known` has all keys."""
+    guesses = nearest_keys(key, known)
+    table = key.rpartition(".")[0]
+    if guesses:
+        return f"{key} is no key: did you mean {' or '.join(guesses)}?"
+    if table in known:
+        return f"{key} is no key: allowed in [{table}] are {', '.join(_within(table, known))}"
+    return f"{key} is no key: allowed are {', '.join(_within('', known))}"
+
+
+def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
+    """The known keys that an unknown one is most likely to mean, at most three."""
+    known = list(known)
+    table, _, last = key.rpartition(".")
+    last = last.lower()
+    own = {name.rpartition(".")[2]: name for name in known if name.rpartition(".")[0] == table}
+    if close := get_close_matches(last, own, n=1, cutoff=0.75):
+        return [own[close[0]]]
+    same = [name for name in known if name.rpartition(".")[2] == last]
+    if same:
+        return _first(same)
+    meant = OTHER_WORDS.get(last)
+    if meant in own:
+        return [own[meant]]
+    if meant and not table:
+        return _first([name for name in known if name.rpartition(".")[2] == meant])
+    if close := get_close_matches(key.lower(), known, n=2, cutoff=0.8):
+        return close
+    elsewhere = {name.rpartition(".")[2] for name in known}
+    if close := get_close_matches(last, elsewhere, n=1, cutoff=0.75):
+        return _first([name for name in known if name.rpartition(".")[2] == close[0]])
+    if close := get_close_matches(last, own, n=1, cutoff=SIMILAR):
+        return [own[close[0]]]
+    return []
+
+
+def _first(names: list[str]) -> list[str]:
+    """At most three; those of the FMU's parameters if there are any, else those of other tables."""
+    others = ("scenario", "pin", "limits", "study")
+    return ([name for name in names if not name.startswith(others)] or names)[:3]
+
+
+def _within(table: str, known: Mapping[str, str]) -> list[str]:
+    return [name.rpartition(".")[2] for name in known if name.rpartition(".")[0] == table]

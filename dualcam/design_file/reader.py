@@ -1,0 +1,346 @@
+"""Reads a design file: all errors at once, values in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from dualcam.design_file.design import DesignFile, SpringLimits
+from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
+from dualcam.design_file.grooves import fmu_table
+from dualcam.design_file.keys import unknown_key
+from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
+from dualcam.design_file.variables import all_parameters, inputs_of
+from dualcam.errors import DualcamError
+from dualcam.unit_guards import table_warnings, unit_warning
+
+ANY_INPUT = ("F_ext",)  # inputs of both models
+
+
+def read_design(path: str | Path) -> DesignFile:
+    """The design that a TOML file describes.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. Its keys are the names of the FMU's parameters. Relative paths of groove tables count from
+        the folder of the file.
+
+    Returns
+    -------
+    DesignFile
+        Values in SI units; `warnings` has values that look as if they were in another unit.
+
+    Raises
+    ------
+    DesignFileError
+        With all errors: line, key, value, what is allowed and what would work.
+
+    Examples
+    --------
+    >>> design = read_design("my.toml")
+    >>> design.parameters["cam1.radius"]
+    0.02
+    """
+    path = Path(path)
+    text = read_text(path)
+    content = parse(path, text)
+    reading = _Reading(path, lines_of_keys(text))
+    design = reading.design(content)
+    if reading.errors:
+        raise DesignFileError(path, reading.errors)
+    return design
+
+
+class _Reading:
+    """One reading of a file, with the errors and warnings so far."""
+
+    def __init__(self, path: Path, lines: Mapping[tuple[str, ...], int]) -> None:
+        self.path, self.lines = path, lines
+        self.errors: list[Finding] = []
+        self.warnings: list[Finding] = []
+        self.notes: list[str] = []
+        self.refused_keys: set[str] = set()  # keys that the schema refuses; the rest of the file is read on
+
+    # ---- findings ----
+
+    def refuse(self, key: str, value: object, text: str) -> None:
+        """Note an error at a key."""
+        self.errors.append(self._finding(ERROR, key, value, text))
+
+    def warn(self, key: str, value: object, text: str, kind: str) -> None:
+        """Note a warning at a key."""
+        self.warnings.append(self._finding(WARNING, key, value, text, kind))
+
+    def _finding(self, severity: str, key: str, value: object, text: str, kind: str = "") -> Finding:
+        return Finding(severity, key, value, text, line=line_of(self.lines, tuple(key.split("."))), kind=kind)
+
+    def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
+        """What `make` gives; None, and an error at the key, if it is refused."""
+        try:
+            return make()
+        except DualcamError as error:
+            self.refuse(key, None, f"[{key}] {error}")
+            return None
+
+    # ---- the whole ----
+
+    def design(self, content: dict[str, Any]) -> DesignFile:
+        """The design, without the keys that are refused."""
+        values = self._validated(content)
+        parameters = self._parameters(values)
+        spring_limits = self._spring_limits(values.get("spring", {}))
+        self._check_units(values)
+        self._read_tables(parameters)
+        scenario_table = values.get("scenario")
+        model = self._model(scenario_table or {})
+        scenario = interval = None
+        if scenario_table is not None and not self._is_refused("scenario"):
+            interval = scenario_table.get("output_interval")
+            scenario = self.attempt("scenario", lambda: _scenario(scenario_table, model))
+        pin = self._pin(values["pin"]) if "pin" in values and not self._is_refused("pin") else None
+        limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
+        if "study" in values:
+            self.attempt("study", lambda: _check_study(values["study"], self.path.parent))
+        return DesignFile(
+            path=self.path,
+            parameters=parameters,
+            model=model,
+            scenario=scenario,
+            output_interval=interval,
+            pin=pin,
+            spring_limits=spring_limits,
+            limits=limits,
+            study=values.get("study"),
+            title=values.get("title", ""),
+            description=values.get("description", ""),
+            warnings=tuple(sorted(self.warnings, key=lambda warning: warning.line or 0)),
+            notes=tuple(self.notes),
+            lines=self.lines,
+        )
+
+    def _is_refused(self, prefix: str) -> bool:
+        """Whether the schema refuses this key or one in this table."""
+        return any(key == prefix or key.startswith(f"{prefix}.") for key in self.refused_keys)
+
+    def _validated(self, content: dict[str, Any]) -> dict[str, Any]:
+        """The content with numbers in SI units, without what the schema refuses."""
+        from pydantic import ValidationError
+
+        from dualcam.design_file.schema import design_model
+
+        try:
+            return design_model().model_validate(content).model_dump(exclude_unset=True)
+        except ValidationError as error:
+            for problem in error.errors(include_url=False):
+                self._refuse_schema(problem)
+                content = _without(content, problem["loc"])
+        return design_model().model_validate(content).model_dump(exclude_unset=True)
+
+    def _refuse_schema(self, problem: Mapping[str, Any]) -> None:
+        from dualcam.design_file.schema import known_keys
+
+        key, value = ".".join(map(str, problem["loc"])), problem["input"]
+        shown = _shown(value)
+        kind = problem["type"]
+        if kind == "extra_forbidden":
+            text = unknown_key(key, known_keys())
+            if key == "scenario.controller":
+                text = "scenario.controller is no key: a controller belongs to a study plan"
+        elif kind in ("model_type", "model_attributes_type", "dict_type"):
+            within = [name.removeprefix(f"{key}.") for name in known_keys() if name.startswith(f"{key}.")]
+            text = f"{key} = {shown}: allowed is a table [{key}]"
+            text += f" with {', '.join(within)}" if within else ""
+        elif kind in ("value", "range"):
+            text = f"{key} = {shown}: {problem['msg']}"
+            if kind == "range" and (hint := unit_warning(key, problem["ctx"]["number"])):
+                text += f"; {hint.partition(': ')[2]}"
+        elif kind == "bool_type":
+            text = f"{key} = {shown}: allowed is true or false, without quotes"
+        elif kind == "string_type":
+            text = f"{key} = {shown}: allowed is text in quotes"
+        else:
+            text = f"{key} = {shown}: {problem['msg']}"
+        self.refused_keys.add(key)
+        self.refuse(key, value, text)
+
+    # ---- parameters ----
+
+    def _parameters(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The FMU's parameters that the file gives, in the FMU's order."""
+        found = {}
+        for name in all_parameters():
+            group, _, last = name.rpartition(".")
+            table = values.get(group, {}) if group else values
+            if last in table:
+                found[name] = table[last]
+        return found
+
+    def _spring_limits(self, spring: Mapping[str, Any]) -> SpringLimits | None:
+        free, solid = spring.get("free_length"), spring.get("solid_length")
+        if (free is None and solid is None) or self._is_refused("spring"):
+            return None
+        if free is None or solid is None:
+            given, lacking = ("free_length", "solid_length")[:: 1 if solid is None else -1]
+            text = f"spring.{given} is given, spring.{lacking} is not: allowed are both or none"
+            self.refuse(f"spring.{given}", spring[given], text)
+            return None
+        if not 0.0 <= solid < free:
+            self.refuse(
+                "spring.solid_length",
+                solid,
+                f"spring.solid_length = {solid:g} m: allowed is less than spring.free_length = {free:g} m",
+            )
+            return None
+        return SpringLimits(free, solid)
+
+    def _check_units(self, values: Mapping[str, Any]) -> None:
+        """Warnings for all numbers of the file."""
+        for key, value in _leaves("", values):
+            if text := unit_warning(key, value):
+                self.warn(key, value, text, "unit")
+        histories = values.get("scenario", {}).get("inputs", {})
+        for name, history in histories.items():
+            far = max(history.get("value", ()), key=abs, default=0.0)
+            if text := unit_warning(f"scenario.inputs.{name}", far):
+                self.warn(f"scenario.inputs.{name}", far, text, "unit")
+
+    # ---- tables ----
+
+    def _read_tables(self, parameters: dict[str, Any]) -> None:
+        """Replaces the paths of groove tables by absolute paths of files that the FMU reads."""
+        for cam in ("cam1", "cam2"):
+            name, profile = f"{cam}.table", parameters.get(f"{cam}.profile", 1)
+            if self._is_refused(f"{cam}.profile") or self._is_refused(name):
+                continue
+            if profile == 3 and not parameters.get(name):
+                self.refuse(
+                    f"{cam}.profile",
+                    profile,
+                    f'{cam}.profile = 3 (table) without {name}: give {name} = "groove.csv", the table\'s path',
+                )
+            elif parameters.get(name):
+                if profile != 3:
+                    text = f"{name} is not used with {cam}.profile = {profile}: give {cam}.profile = 3"
+                    self.warn(name, parameters[name], text, "unused")
+                self._read_table(parameters, cam)
+
+    def _read_table(self, parameters: dict[str, Any], cam: str) -> None:
+        name = f"{cam}.table"
+        written = parameters[name]
+        path = (self.path.parent / written).absolute()
+        try:
+            groove, readable = fmu_table(path)
+        except (DualcamError, OSError, ValueError) as error:
+            self.refuse(name, written, f"{name} = {written!r}: {error}")
+            return
+        parameters[name] = str(readable)
+        self.notes += [f"{name} = {written!r}: {note}" for note in groove.notes]
+        if readable != path:
+            self.notes.append(f"{name} = {written!r}: the FMU reads a converted copy, {readable}")
+        radius = parameters.get(f"{cam}.radius", all_parameters()[f"{cam}.radius"].start)
+        for text in table_warnings(groove.psi, groove.z, radius):
+            self.warn(name, written, f"{name} = {written!r}: {text}", "unit")
+
+    # ---- other tables ----
+
+    def _model(self, scenario: Mapping[str, Any]) -> str:
+        """The model that the inputs of the scenario belong to."""
+        inputs = [name for name in scenario.get("inputs", {}) if name not in ANY_INPUT]
+        by_model = {model: [n for n in inputs if n in inputs_of(model)] for model in ("forward", "inverse")}
+        if by_model["forward"] and by_model["inverse"]:
+            given = " and ".join([by_model["forward"][0], by_model["inverse"][0]])
+            self.refuse(
+                "scenario.inputs",
+                None,
+                f"[scenario] has {given}: allowed is tau (the torque is given, the motion is found), or theta"
+                " (the motion is given, the torque is found)",
+            )
+        if by_model["inverse"] and "theta" not in by_model["inverse"]:
+            self.refuse(
+                "scenario.inputs",
+                None,
+                f"[scenario] has {by_model['inverse'][0]} without theta: allowed is theta over time; omega and"
+                " alpha then follow from theta",
+            )
+        return "inverse" if by_model["inverse"] else "forward"
+
+    def _pin(self, table: Mapping[str, Any]) -> Any:  # noqa: ANN401
+        from dualcam.design import Pin
+
+        lacking = [name for name in ("radius", "width") if name not in table]
+        if lacking:
+            self.refuse("pin", None, f"[pin] lacks {' and '.join(lacking)}: give both radius and width in m")
+            return None
+        return self.attempt("pin", lambda: Pin(**table))
+
+
+# ---- sections ----
+
+
+def _scenario(table: Mapping[str, Any], model: str) -> Any:  # noqa: ANN401
+    """The Scenario of a validated table; omega and alpha follow from theta where they are not given."""
+    from dualcam.errors import DesignError
+    from dualcam.study.scenario import History, Scenario
+
+    if "stop" not in table:
+        raise DesignError("lacks stop: give the end of the simulation in s, such as stop = 2.0")
+    inputs = {name: History(**history) for name, history in table.get("inputs", {}).items()}
+    if model == "inverse":
+        for name, of in (("omega", "theta"), ("alpha", "omega")):
+            inputs.setdefault(name, History(derivative_of=of))
+    return Scenario(table["stop"], inputs, table.get("step"), table.get("tolerance"))
+
+
+def _limits(table: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    from dualcam.design import Limits
+
+    return Limits(**table)
+
+
+def _check_study(table: Mapping[str, Any], folder: Path) -> None:
+    """StudyError if the table is no study."""
+    from dualcam.study.description import FILE, read_plan
+    from dualcam.study.entries import entries
+
+    kinds = {name: FILE[name] for name in ("plan", "results", "plots")}
+    checked = entries(table, "the table", kinds, ("plan", "results"))
+    read_plan(checked["plan"], folder)
+
+
+# ---- values ----
+
+
+def _leaves(prefix: str, table: Mapping[str, Any]) -> list[tuple[str, Any]]:
+    """Keys, dotted, and numbers of all tables but the study; of a pair of numbers the larger one."""
+    found: list[tuple[str, Any]] = []
+    for name, value in table.items():
+        if isinstance(value, Mapping) and name not in ("study", "inputs"):
+            found += _leaves(f"{prefix}{name}.", value)
+        elif isinstance(value, tuple) and value:
+            found.append((f"{prefix}{name}", max(value)))
+        elif not isinstance(value, Mapping):
+            found.append((f"{prefix}{name}", value))
+    return found
+
+
+def _without(content: dict[str, Any], place: tuple[int | str, ...]) -> dict[str, Any]:
+    """The content without the entry at the place, or without the entry around the place."""
+    first, *rest = place
+    left = {name: value for name, value in content.items() if name != first}
+    if rest and isinstance(content.get(str(first)), dict):
+        return left | {str(first): _without(content[str(first)], tuple(rest))}
+    return left
+
+
+def _shown(value: object) -> str:
+    """A value as it stands in the file, short."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "{...}"
+    if isinstance(value, list) and len(str(value)) > 40:
+        return f"a list of {len(value)}"
+    text = f'"{value}"' if isinstance(value, str) else str(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,276 @@
+"""The schema of design files as one pydantic model, made from the FMUs' variables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cache
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, create_model
+from pydantic_core import PydanticCustomError
+
+from dualcam.design_file.units import quantity
+from dualcam.design_file.variables import Variable, all_inputs, all_parameters
+from dualcam.errors import DesignError
+
+PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
+SHAPES = ("linear", "smooth")
+INFINITE = math.inf
+
+
+def _entry(
+    name: str, unit: str, description: str, least: float = -INFINITE, greatest: float = INFINITE
+) -> Variable:
+    return Variable(name, float, "parameter", unit, least, greatest, 0.0, description)
+
+
+SPRING = (
+    _entry("free_length", "m", "Length of the unloaded spring", 0.0),
+    _entry("solid_length", "m", "Length of the spring with all coils in contact", 0.0),
+)
+PIN = (
+    _entry("radius", "m", "Radius of the pin", 0.0),
+    _entry("width", "m", "Width of the flank along the pin", 0.0),
+    _entry("modulus", "Pa", "Young's modulus of the pin; 210e9 for steel", 0.0),
+    _entry("poisson", "1", "Poisson's ratio of the pin", 0.0, 0.5),
+    _entry("cam_modulus", "Pa", "Young's modulus of the cams", 0.0),
+    _entry("cam_poisson", "1", "Poisson's ratio of the cams", 0.0, 0.5),
+)
+LEAD_ANGLE = _entry("lead_angle", "rad", "Least and greatest lead angle", 0.0, 0.5 * math.pi)
+PRESSURE = _entry("pressure", "Pa", "Greatest contact pressure", 0.0)
+TIMES = (
+    _entry("stop", "s", "End of the simulation", 0.0),
+    _entry("step", "s", "Step for FMUs that take no derivatives of inputs; DualCam FMUs take them", 0.0),
+    _entry("tolerance", "1", "Relative tolerance of the FMU's integrator", 0.0),
+    _entry("output_interval", "s", "Time between two samples of `dualcam simulate`", 0.0),
+)
+
+
+class Table(BaseModel):
+    """A table of the file: no other keys than these."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+# ---- kinds of values ----
+
+
+def to_number(value: object, variable: Variable) -> float:
+    """A number, or a text with a unit, in the unit of the variable. Raises what pydantic collects."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}"})
+    try:
+        number = quantity(value, variable.unit) if isinstance(value, str) else float(value)
+    except DesignError as error:
+        raise PydanticCustomError("value", "{text}", {"text": str(error)}) from None
+    except OverflowError:
+        number = INFINITE
+    if not (math.isfinite(number) and variable.least <= number <= variable.greatest):
+        raise PydanticCustomError(
+            "range", "{text}", {"text": f"allowed is {variable.allowed()}", "number": number}
+        )
+    return number
+
+
+def _whole(value: object, variable: Variable) -> int:
+    number = value
+    if variable.name.endswith(".profile") and isinstance(value, str):
+        number = PROFILES.get(value)
+    if isinstance(number, float) and number.is_integer():
+        number = int(number)
+    if type(number) is int and variable.least <= number <= variable.greatest:
+        return number
+    words = ' (1 or "helix", 2 or "ellipse", 3 or "table")' if variable.name.endswith(".profile") else ""
+    raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}{words}"})
+
+
+def _number_schema(variable: Variable) -> dict[str, Any]:
+    number: dict[str, Any] = {"type": "number"}
+    if math.isfinite(variable.least):
+        number["minimum"] = variable.least
+    if math.isfinite(variable.greatest):
+        number["maximum"] = variable.greatest
+    return {"anyOf": [number, {"type": "string", "description": "a number with its unit"}]}
+
+
+def number_type(variable: Variable) -> Any:  # noqa: ANN401
+    """The type of a number in the variable's unit, or text with a unit."""
+    convert = BeforeValidator(lambda value: to_number(value, variable))
+    return Annotated[float, convert, WithJsonSchema(_number_schema(variable))]
+
+
+def _type_of(variable: Variable) -> Any:  # noqa: ANN401
+    if variable.kind is float:
+        return number_type(variable)
+    if variable.kind is int:
+        schema: dict[str, Any] = {"type": "integer", "minimum": variable.least, "maximum": variable.greatest}
+        if variable.name.endswith(".profile"):
+            schema = {"enum": [1, 2, 3, *PROFILES]}
+        convert = BeforeValidator(lambda value: _whole(value, variable))
+        return Annotated[int, convert, WithJsonSchema(schema)]
+    return variable.kind
+
+
+def _field(variable: Variable) -> Any:  # noqa: ANN401
+    unit = f" [{variable.unit}]" if variable.unit not in ("1", "") else ""
+    return (_type_of(variable), Field(default=None, description=variable.description + unit))
+
+
+def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    model = create_model(name, __base__=Table, __doc__=description, **fields)
+    return (model, Field(default=None, description=description))
+
+
+# ---- tables of the file ----
+
+
+def _history_type(variable: Variable) -> Any:  # noqa: ANN401
+    """An input over time: a constant, or a table of times and values."""
+    instant = _entry("time", "s", "Time")
+
+    def convert(value: object) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            return {"time": (0.0,), "value": (to_number(value, variable),)}
+        found = {**value}
+        unit = found.pop("unit", None)
+        if not (unit is None or isinstance(unit, str)):
+            raise PydanticCustomError("value", "{text}", {"text": "unit: allowed is text in quotes"})
+        for name, kind in (("time", instant), ("value", variable)):
+            if name in found:
+                found[name] = _numbers(name, found[name], kind, unit if name == "value" else None)
+        return found
+
+    fields: dict[str, Any] = {
+        "time": (tuple[float, ...], Field(default=(), description="Times [s]")),
+        "value": (tuple[float, ...], Field(default=(), description=f"Values [{variable.unit}] at the times")),
+        "shape": (str, Field(default="linear", description="Between the points: linear or smooth")),
+        "derivative_of": (str, Field(default="", description="The input of which this is the derivative")),
+    }
+    model = create_model(f"History_{variable.name}", __base__=Table, **fields)
+    points = {"type": "array", "items": {"type": ["number", "string"]}}
+    table = {
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {
+            "time": points,
+            "value": points,
+            "unit": {"type": "string", "description": "Unit of all values, such as deg"},
+            "shape": {"enum": list(SHAPES)},
+            "derivative_of": {"type": "string"},
+        },
+    }
+    schema = WithJsonSchema({"anyOf": [*_number_schema(variable)["anyOf"], table]})
+    return Annotated[model, BeforeValidator(convert), schema]
+
+
+def _numbers(name: str, values: object, variable: Variable, unit: str | None) -> tuple[float, ...]:
+    if not isinstance(values, list):
+        raise PydanticCustomError("value", "{text}", {"text": f"{name}: allowed is a list of numbers"})
+    found = []
+    for place, value in enumerate(values, 1):
+        plain = isinstance(value, int | float) and not isinstance(value, bool)
+        try:
+            found.append(to_number(f"{value} {unit}" if unit and plain else value, variable))
+        except PydanticCustomError as error:
+            text = f"{name}, number {place} of {len(values)}, {value!r}: {error.message()}"
+            raise PydanticCustomError("value", "{text}", {"text": text}) from None
+    return tuple(found)
+
+
+def _range_type(variable: Variable) -> Any:  # noqa: ANN401
+    def convert(value: object) -> tuple[float, ...]:
+        if not isinstance(value, list) or len(value) != 2:
+            raise PydanticCustomError("value", "{text}", {"text": "allowed are two numbers: [low, high]"})
+        return _numbers(variable.name, value, variable, None)
+
+    pair = {"type": "array", "items": _number_schema(variable), "minItems": 2, "maxItems": 2}
+    return Annotated[tuple[float, ...], BeforeValidator(convert), WithJsonSchema(pair)]
+
+
+def _scenario_fields() -> dict[str, Any]:
+    inputs = {
+        name: (
+            _history_type(variable),
+            Field(default=None, description=f"{variable.description} [{variable.unit}]"),
+        )
+        for name, variable in all_inputs().items()
+    }
+    fields = {entry.name: _field(entry) for entry in TIMES}
+    return fields | {"inputs": _table("Inputs", "Inputs over time: numbers, or {time, value, shape}", inputs)}
+
+
+def _limit_fields() -> dict[str, Any]:
+    return {
+        "lead_angle": (
+            _range_type(LEAD_ANGLE),
+            Field(default=None, description="Least and greatest lead angle [rad]"),
+        ),
+        "pressure": _field(PRESSURE),
+        "self_locking": (bool, Field(default=None, description="Whether a contact may lock itself")),
+    }
+
+
+GROUPS = {
+    "cam1": "Cam 1, which stands still",
+    "cam2": "Cam 2, which turns with the shaft",
+    "spring": "The spring: preload + stiffness z + stiffness2 z^2 + stiffness3 z^3",
+    "damper": "The damper on the follower",
+    "inertia": "Masses and moments of inertia",
+    "shaft": "The shaft of cam 2",
+    "stop": "The end stops of cam 2",
+    "initial": "Start of the forward model",
+}
+
+
+@cache
+def design_model() -> type[BaseModel]:
+    """The pydantic model of a whole design file."""
+    groups: dict[str, dict[str, Any]] = {}
+    top: dict[str, Any] = {
+        "title": (str, Field(default=None, description="A title, for reports")),
+        "description": (str, Field(default=None, description="What the design is for")),
+    }
+    for name, variable in all_parameters().items():
+        group, _, rest = name.rpartition(".")
+        if group:
+            groups.setdefault(group, {})[rest] = _field(variable)
+        else:
+            top[name] = _field(variable)
+    groups["spring"] |= {entry.name: _field(entry) for entry in SPRING}
+    for group, fields in groups.items():
+        top[group] = _table(group.capitalize(), GROUPS.get(group, group), fields)
+    top["scenario"] = _table("Scenario", "What is simulated", _scenario_fields())
+    top["pin"] = _table("Pin", "The pin and its material", {entry.name: _field(entry) for entry in PIN})
+    top["limits"] = _table("Limits", "What `dualcam check` allows", _limit_fields())
+    top["study"] = (
+        dict[str, Any],
+        Field(default=None, description="A parameter study: plan, results, plots"),
+    )
+    return create_model("DesignFile", __base__=Table, __doc__="A design of the dual cam", **top)
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of design files, for editors."""
+    schema = design_model().model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | schema
+
+
+def known_keys() -> dict[str, str]:
+    """All keys, dotted, with their descriptions; inputs as `scenario.inputs.tau`."""
+    found: dict[str, str] = {}
+
+    def add(prefix: str, model: type[BaseModel]) -> None:
+        for name, field in model.model_fields.items():
+            key = f"{prefix}{name}"
+            found[key] = field.description or ""
+            kind = field.annotation
+            if (
+                isinstance(kind, type)
+                and issubclass(kind, Table)
+                and not kind.__name__.startswith("History_")
+            ):
+                add(f"{key}.", kind)
+
+    add("", design_model())
+    return found

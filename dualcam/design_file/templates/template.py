@@ -1,0 +1,55 @@
+"""Writes a commented design file to begin with."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from dualcam.errors import DesignError
+
+TEMPLATES = {
+    "minimal": "two equal helices, with the FMU's defaults",
+    "robot": "the elbow of a robot: a spring carries the arm's weight",
+    "knee": "a prosthetic knee: elliptical grooves, spring and damper",
+    "door": "the door of a car: friction holds the door where it is let go",
+}
+
+
+def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path:
+    """Write a commented design file.
+
+    Parameters
+    ----------
+    name : {"minimal", "robot", "knee", "door"}
+        Which design.
+    path : str or Path
+        The file to write, such as `my.toml`.
+    overwrite : bool
+        Whether an existing file may be replaced.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    DesignError
+        For another name, a file that exists, or a folder that cannot be written to.
+
+    Examples
+    --------
+    >>> write_template("robot", "my.toml")
+    """
+    if name not in TEMPLATES:
+        raise DesignError(f"template {name!r}: allowed are {', '.join(TEMPLATES)}")
+    path = Path(path)
+    text = (files(__package__) / f"{name}.toml").read_text(encoding="utf-8")
+    try:
+        with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise DesignError(f"{path} exists already: choose another name, or remove the file") from None
+    except (OSError, ValueError) as error:
+        raise DesignError(f"{path} cannot be written: {error}; choose a folder that exists") from None
+    return path

@@ -1,0 +1,123 @@
+"""Values with a written unit, such as "45 deg", converted to the unit of a variable.
+
+The library pint knows the units. Loading pint takes half a second, so pint is loaded at the first such value.
+Pint counts angles as plain numbers; here an angle is a dimension of its own, so that "20 deg" is no length
+and no friction coefficient.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from dualcam.errors import DesignError
+
+if TYPE_CHECKING:
+    from pint import Unit, UnitRegistry
+
+LONGEST = 60  # characters; a longer text is no quantity
+ANGLES = ("radian", "degree", "turn", "revolution", "arcminute", "arcsecond", "grade", "gon")
+NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
+UNIT = re.compile(r"[A-Za-zµμ°Ω%][A-Za-z0-9µμ°Ω%²³^*./·⋅ ()-]*")
+EXAMPLES = {
+    "m": "20 mm",
+    "rad": "45 deg",
+    "N/m": "50 N/mm",
+    "N": "50 N",
+    "kg.m2": "3 kg.cm^2",
+    "N.m": "7 N.m",
+    "s": "10 ms",
+    "Pa": "210 GPa",
+    "kg": "300 g",
+    "rad/s": "30 rpm",
+}
+
+
+def quantity(text: str, unit: str) -> float:
+    """The number that a quantity such as "45 deg" is in `unit`, a unit of the FMU such as "N.s2/m2".
+
+    DesignError, with what is allowed, for a text that is no such quantity."""
+    example = f'write for example "{EXAMPLES[unit]}"' if unit in EXAMPLES else ""
+    if len(text) > LONGEST:
+        raise DesignError(f"a text of {len(text)} characters: allowed is a number with a unit")
+    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*\D*.*", text, re.DOTALL):
+        raise DesignError(f"a decimal comma: write {text.strip().replace(',', '.', 1)} with a decimal point")
+    match = QUANTITY.fullmatch(text)
+    if match is None:
+        raise DesignError(" or ".join(filter(None, [f"allowed is a number{_in(unit)}", example])))
+    number, written = Decimal(match[1]), match[2]
+    if not written:
+        if unit in ("1", ""):
+            raise DesignError(f"a number in quotes: write {match[1]} without quotes")
+        usual = EXAMPLES.get(unit, f"1 {unit}").partition(" ")[2]
+        raise DesignError(
+            f'no unit in the quotes: write "{match[1]} {usual}", or {match[1]} without quotes in {unit}'
+        )
+    return _converted(number, written, unit, example)
+
+
+def _in(unit: str) -> str:
+    return "" if unit in ("1", "") else f" in {unit}"
+
+
+def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
+    target = _parsed(unit)
+    try:
+        source = _parsed(written)
+    except Exception:  # pint has many, also those of Python's tokenizer
+        hint = f"; {example}" if example else ""
+        raise DesignError(
+            f"unit {written!r} is not known: allowed are units of {_kind(unit)}{hint}"
+        ) from None
+    same = source.dimensionality == target.dimensionality and _turns(source) == _turns(target)
+    if not same:
+        hint = f"; {example}" if example else ""
+        raise DesignError(f"{written} is no unit of {_kind(unit)}: allowed is {unit_words(unit)}{hint}")
+    try:
+        converted = float(_registry().Quantity(number, source).to(target).magnitude)
+    except Exception as error:
+        raise DesignError(f"unit {written!r} cannot be converted to {unit}: {error}") from None
+    if not math.isfinite(converted):
+        raise DesignError(f"{converted} {unit}: allowed is a finite number")
+    return converted
+
+
+def unit_words(unit: str) -> str:
+    """What may stand as the unit of a value."""
+    return "a plain number without a unit" if unit in ("1", "") else f"{unit} or a multiple of {unit}"
+
+
+def _kind(unit: str) -> str:
+    kinds = {"m": "length", "rad": "angle", "1": "a plain number", "N": "force", "s": "time", "kg": "mass"}
+    return kinds.get(unit, unit)
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    from pint import UnitRegistry
+
+    return UnitRegistry(non_int_type=Decimal)  # 18 mm is 0.018 m to the last digit
+
+
+@cache
+def _parsed(text: str) -> Unit:
+    """A unit as people and the FMU write it: "N.s2/m2", "kg m^2", "N·m/rad"."""
+    if text in ("1", ""):
+        return _registry().Unit("")
+    if not UNIT.fullmatch(text) or re.search(r"\d{2}", text):
+        raise DesignError(f"unit {text!r}")
+    plain = text.translate(str.maketrans("·⋅.²³μ", "***23µ"))
+    plain = re.sub(r"\s*([*/^])\s*", r"\1", plain.replace("**", "^"))
+    plain = re.sub(r"([A-Za-zµ°%)])\^?(-?\d)", r"\1**\2", plain).replace(" ", "*")
+    return _registry().parse_units(plain)
+
+
+def _turns(unit: Unit) -> float:
+    """The power of angle in a unit."""
+    items = _registry().Quantity(Decimal(1), unit).unit_items()
+    turning = (power for name, power in items if "per_minute" in name or name.endswith(ANGLES))
+    return sum(float(str(power)) for power in turning)
