@@ -118,8 +118,8 @@ class PlantCoupling:
     >>> with Fmu("build/DualCamForward.fmu") as fmu:
     ...     fmu.start({"inertia.shaft": 0.15})
     ...     coupling = PlantCoupling(fmu, lambda shaft: 6.0 - 0.5 * shaft.omega)
-    ...     step = coupling.step_implicit(1e-3)
-    >>> round(step.motion.omega, 4)
+    ...     result = coupling.step_implicit(1e-3)
+    >>> round(result.motion.omega, 4)
     0.0355
     """
 
@@ -228,8 +228,8 @@ class PlantCoupling:
         self.fmu.restore_state(state)
         raise CouplingError(
             f"time = {begin.time:.9g} s: no torque suits the plant within {ITERATIONS} trials. At"
-            f" {torque:.6g} N.m the plant differs by {residual:.3g} N.m. Allowed is a plant whose torque falls"
-            " as the speed rises; a smaller step may help"
+            f" {torque:.6g} N.m the plant differs by {residual:.3g} N.m. Allowed is a plant whose torque"
+            " falls as the speed rises; a smaller step may help"
         )
 
     def _residual(
