@@ -32,6 +32,8 @@ usage: ./build.sh [command] [arguments]
   figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md (seconds);
            docs/figures/mechanism.py, docs/figures/architecture.py, docs/tools/variables_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
+  ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
+           draws docs/own_plant.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
@@ -149,6 +151,7 @@ case $command in
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
+    ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
