@@ -62,8 +62,8 @@ def draw_band(axes: Axes, band: TorqueBand) -> None:
     angle = np.degrees(band.theta)
     finite = np.where(np.isfinite(band.load), band.load, np.nan)
     axes.fill_between(angle, band.release, finite, color=GREY, alpha=0.2, lw=0, label="stick: the cam rests")
-    axes.plot(angle, finite, color=ORANGE, label="loading")
-    axes.plot(angle, band.release, color=BLUE, label="releasing")
+    axes.plot(angle, finite, color=ORANGE, label="to load")
+    axes.plot(angle, band.release, color=BLUE, label="given back")
     axes.axhline(0.0, color=GREY, lw=0.8)
     axes.set_xlabel("angle of cam 2, theta [deg]")
     axes.set_ylabel("torque [N.m]")
@@ -99,9 +99,9 @@ def plot_simulation(trajectory: Trajectory, band: TorqueBand | None = None, titl
     angle.plot(time, theta, color=BLUE)
     angle.set_ylabel("angle theta [deg]")
     angle.set_title(title or "simulation")
-    torque.plot(time, trajectory["tau"], color=BLUE, label="torque tau")
+    torque.plot(time, trajectory["tau"], color=BLUE, label="acting torque tau")
     if "torque_load" in trajectory.names and "torque_release" in trajectory.names:
-        edges = {"torque_load": "edge: loading", "torque_release": "edge: releasing"}
+        edges = {"torque_load": "to load at this angle", "torque_release": "given back at this angle"}
         for (name, label), colour in zip(edges.items(), (ORANGE, GREEN), strict=True):
             torque.plot(time, _finite(trajectory[name]), color=colour, lw=0.9, ls="--", label=label)
     torque.set_ylabel("torque [N.m]")
@@ -114,17 +114,20 @@ def plot_simulation(trajectory: Trajectory, band: TorqueBand | None = None, titl
     for axes in (angle, torque, energy):
         axes.set_xlabel("time [s]")
     for axes in (torque, loop, energy):
-        axes.legend(fontsize=7)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(fontsize=7)
     for axes in (angle, torque, loop, energy):
         axes.grid(alpha=0.3)
     return picture
 
 
 def _draw_energies(axes: Axes, trajectory: Trajectory) -> None:
-    for name, label in ENERGY_LABELS.items():
-        if name in trajectory.names and np.abs(trajectory[name]).max() > 0.0:
-            axes.plot(trajectory["time"], trajectory[name], label=label, lw=1.2)
-    axes.plot([], [])
+    """Accounts that reach 1 % of the largest one; cam 2 dashed, as both cams often heat alike."""
+    sizes = {name: np.abs(trajectory[name]).max() for name in ENERGY_LABELS if name in trajectory.names}
+    for name, size in sizes.items():
+        if size > 0.01 * max(sizes.values()):
+            style = "--" if name == "energy.heat_cam2" else "-"
+            axes.plot(trajectory["time"], trajectory[name], style, label=ENERGY_LABELS[name], lw=1.4)
     axes.set_ylabel("energy [J]")
 
 

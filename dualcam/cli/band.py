@@ -14,6 +14,8 @@ from dualcam.cli.output import print_json, print_table, require_folder_of, say
 if TYPE_CHECKING:
     from dualcam.design import TorqueBand
 
+SHOWN = ("theta [deg]", "z [mm]", "load [N.m]", "release [N.m]", "efficiency [%]")
+SHOWN_COLUMNS = (0, 2, 4, 3, 5)
 HEADS = (
     "theta_deg",
     "theta_rad",
@@ -38,8 +40,8 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     """Show the torque band over the angle, and the efficiency.
 
     Above `load` the torque turns the cam and loads the spring. Below `release` the spring turns the cam
-    back. Between both the cam rests. The efficiency is release/load. Where release is 0 or less, the
-    mechanism locks itself.
+    back. Between both the cam rests. The efficiency is release/load. Below 0 the mechanism
+    locks itself.
     """
     from dualcam.design import torque_band
     from dualcam.design_file import read_design
@@ -62,7 +64,7 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
         columns = dict(zip(HEADS, rows.T, strict=True))
         print_json({"self_locking": fine.self_locking, "columns": columns})
         return
-    print_table(HEADS, [[f"{value:.4g}" for value in row] for row in rows])
+    print_table(SHOWN, [[f"{row[k]:.4g}" for k in SHOWN_COLUMNS] for row in rows])
     say(_summary(fine))
     for path in (output, plot):
         if path is not None:
@@ -90,7 +92,7 @@ def _summary(band: TorqueBand) -> str:
         angle = np.degrees(band.theta[~np.isfinite(band.load)][0])
         return f"Jam: at theta = {angle:.4g} deg no torque can load the mechanism."
     if band.self_locking:
-        angle = np.degrees(band.theta[band.release <= 0.0][0])
+        angle = np.degrees(band.theta[band.efficiency <= 0.0][0])
         return f"Self-locking from theta = {angle:.4g} deg: the spring cannot turn the cam back."
     share = 100.0 * band.efficiency
     return f"Not self-locking. Efficiency {np.nanmin(share):.3g} % to {np.nanmax(share):.3g} %."

@@ -41,6 +41,6 @@ def command(path: Path, template: str, force: bool, as_json: bool) -> None:
     if as_json:
         print_json({"written": written})
         return
-    say(f"{', '.join(map(str, written))} written: {TEMPLATES[template]}.")
+    say(f"{written} written: {TEMPLATES[template]}.")
     say(f"Change the numbers, then:\n  dualcam check {path}")
     say(f"  dualcam simulate {path} -o out.csv --plot out.png")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam.design.mechanism import Mechanism
-from dualcam.design.statics import Array
+from dualcam.design.statics import Array, band
 from dualcam.errors import DesignError
 
 
@@ -25,7 +25,7 @@ class TorqueBand:
         Edges of the stick band [N.m]: below `release` the cam releases, above `load` the cam loads. Infinite
         `load`: friction jams the mechanism.
     efficiency
-        release/load; 0 or less where the mechanism locks itself.
+        Torque given back over torque to load, at the same angle; below 0 where the mechanism locks itself.
     lead_angle
         Of both grooves at the pin [rad], shape (2, n).
     """
@@ -40,7 +40,7 @@ class TorqueBand:
     @property
     def self_locking(self) -> bool:
         """Whether the spring cannot drive the cam back at some angle."""
-        return bool((self.release <= 0.0).any())
+        return bool((self.efficiency <= 0.0).any())
 
 
 def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> TorqueBand:
@@ -64,9 +64,10 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
         raise DesignError(f"points = {points}: allowed is 2 or more")
     theta = np.linspace(lower, mechanism.upper, points)
     configuration = mechanism.configuration(theta)
-    release, load = mechanism.band(theta)
+    (release_arm, load_arm), _ = band(configuration.slope, mechanism.friction, mechanism.radius)
+    force = mechanism.spring.force(configuration.z)
     with np.errstate(divide="ignore", invalid="ignore"):
-        efficiency = np.where(np.isfinite(load) & (load != 0.0), release / load, np.nan)
-    radius = np.array(mechanism.radius)[:, None]
-    lead = np.arctan(configuration.slope / radius)
+        efficiency = np.where(np.isfinite(load_arm), release_arm / load_arm, np.nan)
+        release, load = release_arm * force, load_arm * force
+    lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
     return TorqueBand(theta, configuration.z, release, load, efficiency, lead)
