@@ -11,8 +11,8 @@ from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from dualcam.errors import ExportError
-from dualcam.export.archive import read_members, write_members
-from dualcam.export.curves import Curves, slow_motion_curves
+from dualcam.export.archive import DESCRIPTION, read_members, write_members
+from dualcam.export.curves import ONLY_FORWARD, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, Scalar, typed
 from dualcam.export.figures import figures_svg
 from dualcam.export.names import model_identifier, target_path
@@ -25,13 +25,7 @@ from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
 
-DESCRIPTION, PAGE, BINARIES, RESOURCES = (
-    "modelDescription.xml",
-    "documentation/index.html",
-    "binaries/",
-    "resources/",
-)
-ONLY_FORWARD = ("initial.theta", "initial.omega")  # the inverse FMU has no state
+PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
 
 class Design(Protocol):
@@ -104,7 +98,7 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     target = target_path(path)
     model = design.model if model is None else model
     original = fmu_path(model, fmi)
-    if any(target == fmu_path(m, v) for m in MODELS for v in (2, 3)):
+    if target.resolve().parent == original.parent and target.stem in MODELS.values():
         raise ExportError(f"{target} is the project's own FMU: choose another folder or name")
     parameters = {n: v for n, v in design.parameters.items() if model == "forward" or n not in ONLY_FORWARD}
     with Fmu(
