@@ -525,6 +525,7 @@ def test_refused_places(tmp_path):
     refused(ExportError, "does not exist: create it first", design, tmp_path / "none/MyCam.fmu")
     refused(ExportError, r"ends in \.fmu, such as", design, tmp_path / "MyCam.zip")
     refused(ExportError, r"ends in \.fmu, such as", design, tmp_path / "My\nCam.fmu")
+    refused(ExportError, "cannot be written: File name too long", design, tmp_path / f"{300 * 'a'}.fmu")
     refused(ExportError, "project's own FMU", design, fmu_path("forward"))
     refused(ExportError, "project's own FMU", design, fmu_path("inverse", 3), fmi=3)
     refused(FmuError, "fmi = 1: allowed are 2 and 3", design, tmp_path / "MyCam.fmu", fmi=1)
@@ -561,10 +562,19 @@ def test_an_existing_file_is_replaced(tmp_path):
 
 
 def test_the_word_model_overrides_the_design(tmp_path):
-    """The inverse FMU has no start of the motion: these two parameters are left out."""
-    given = HELIX | {"initial.theta": 0.2, "initial.omega": 0.1}
+    """In the inverse FMU the start of the motion becomes the start values of two inputs."""
+    given = HELIX | {"stop.lower": 0.1, "initial.theta": 0.2, "initial.omega": 0.1}
     path = export_fmu(Design(given, "forward"), tmp_path / "MyCam.fmu", model="inverse")
     with Fmu(path) as fmu:
-        assert "theta" in fmu.names and "initial.theta" not in fmu.names
-        fmu.start({"theta": 0.1})
-        assert fmu.get("inertia.shaft") == HELIX["inertia.shaft"]
+        assert "initial.theta" not in fmu.names
+        fmu.start()
+        assert [fmu.get(n) for n in ("theta", "omega", "inertia.shaft")] == [0.2, 0.1, HELIX["inertia.shaft"]]
+
+
+def test_an_fmu_that_fails_in_its_reference_run_is_refused(tmp_path, monkeypatch):
+    def fail(fmu, size):
+        raise FmuError("no step is possible")
+
+    monkeypatch.setattr(Fmu, "step", fail)
+    refused(ExportError, "reference run at 0 s: no step is possible", Design(HELIX), tmp_path / "MyCam.fmu")
+    assert not list(tmp_path.iterdir())

@@ -22,7 +22,8 @@ SLOW = 1e-9  # rad/s: a direction of motion; forces of inertia and damping are b
 STATE = ("gamma", "z", "spring.force", "torque_load", "torque_release", "efficiency")
 STOPS = ("stop.lower", "stop.upper")
 REACTIONS = ("cam1.reaction", "cam2.reaction")
-ONLY_FORWARD = ("initial.theta", "initial.omega")  # parameters; the inverse FMU has no state
+# Parameters of the forward FMU -> the inputs that take their place in the inverse FMU, which has no state.
+START_INPUTS = {"initial.theta": "theta", "initial.omega": "omega"}
 MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffness": 0.0}
 
 
@@ -57,7 +58,7 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     FmuError
         The FMU refuses the design.
     """
-    omitted = (*ONLY_FORWARD, "tau")  # tau is an input of the forward FMU alone
+    omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
     given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
     fmu_file = fmu_path("inverse")
     theta = np.linspace(*_stops(fmu_file, given), POINTS)
