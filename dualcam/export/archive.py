@@ -6,6 +6,8 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
+AGAIN = "the project's FMU is of another version of dualcam: install dualcam again, or build the FMUs again"
+DESCRIPTION = "modelDescription.xml"
 DATE = (1980, 1, 1, 0, 0, 0)
 UNIX = 3  # the system whose permissions are written, on every machine
 PROGRAM, FILE = 0o100755, 0o100644  # permissions

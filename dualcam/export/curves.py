@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
+from dualcam.export.archive import DESCRIPTION, read_members
+from dualcam.export.description import Description, Scalar
 from dualcam.fmu import Fmu
 from dualcam.library import fmu_path
 
 Array = NDArray[np.float64]
-Scalar = float | int | bool | str
 
 POINTS = 101
 SLOW = 1e-9  # rad/s: a direction of motion; forces of inertia and damping are below rounding
 STATE = ("gamma", "z", "spring.force", "torque_load", "torque_release", "efficiency")
+STOPS = ("stop.lower", "stop.upper")
 REACTIONS = ("cam1.reaction", "cam2.reaction")
-ONLY_FORWARD = ("tau", "initial.theta", "initial.omega")
+# Parameters of the forward FMU -> the inputs that take their place in the inverse FMU, which has no state.
+START_INPUTS = {"initial.theta": "theta", "initial.omega": "omega"}
 MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffness": 0.0}
 
 
@@ -54,10 +58,11 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     FmuError
         The FMU refuses the design.
     """
-    given = {name: value for name, value in parameters.items() if name not in ONLY_FORWARD} | MOTION
-    with Fmu(fmu_path("inverse")) as fmu:
-        lower, upper = (_limit(fmu, given, name) for name in ("stop.lower", "stop.upper"))
-        theta = np.linspace(lower, upper, POINTS)
+    omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
+    given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
+    fmu_file = fmu_path("inverse")
+    theta = np.linspace(*_stops(fmu_file, given), POINTS)
+    with Fmu(fmu_file) as fmu:
         loading = np.array([_read(fmu, given, angle, SLOW) for angle in theta]).T
         releasing = np.array([_read(fmu, given, angle, -SLOW) for angle in theta]).T
     state = np.where(np.isfinite(loading), loading, releasing)[: len(STATE)]
@@ -66,9 +71,12 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     return Curves(theta, values, reactions)
 
 
-def _limit(fmu: Fmu, given: Mapping[str, Scalar], name: str) -> float:
-    """An end stop [rad]."""
-    return float(given[name]) if name in given else float(fmu.variable(name).start)
+def _stops(fmu_file: Path, given: Mapping[str, Scalar]) -> tuple[float, float]:
+    """Both end stops [rad]: those of the design, else the start values of the FMU."""
+    variables = Description(read_members(fmu_file)[DESCRIPTION]).variables
+    starts = [variables[name].tag.attributes["start"] for name in STOPS]
+    lower, upper = (float(given.get(name, start)) for name, start in zip(STOPS, starts, strict=True))
+    return lower, upper
 
 
 def _read(fmu: Fmu, given: Mapping[str, Scalar], theta: float, omega: float) -> list[float]:

@@ -12,6 +12,9 @@ from itertools import pairwise
 from xml.parsers import expat
 from xml.sax.saxutils import escape
 
+from dualcam.errors import ExportError
+from dualcam.export.archive import AGAIN
+
 Scalar = float | int | bool | str
 
 TAG = re.compile(rb'<[^\s/>]+(?:\s+[^\s=]+\s*=\s*"[^"]*")*\s*/?>')
@@ -119,7 +122,8 @@ def typed(variable: Variable, value: Scalar) -> Scalar:
 def _edited_tag(tag: bytes, attributes: Mapping[str, str]) -> bytes:
     for name, value in attributes.items():
         head, before, rest = tag.partition(f' {name}="'.encode())
-        assert before, name
+        if not before:
+            raise ExportError(f"modelDescription.xml without {name} in {tag.decode()}: {AGAIN}")
         tag = head + before + escape(value, {'"': "&quot;"}).encode() + rest[rest.index(b'"') :]
     return tag
 
@@ -131,7 +135,8 @@ def _tags(xml: bytes) -> list[Tag]:
 
     def start(name: str, attributes: dict[str, str]) -> None:
         match = TAG.match(xml, parser.CurrentByteIndex)
-        assert match is not None, name
+        if match is None:
+            raise ExportError(f"modelDescription.xml: the tag {name} cannot be read: {AGAIN}")
         found.append(Tag(name, attributes, *match.span()))
 
     parser.StartElementHandler = start

@@ -11,8 +11,8 @@ from pathlib import Path, PurePosixPath
 from typing import Protocol
 
 from dualcam.errors import ExportError
-from dualcam.export.archive import read_members, write_members
-from dualcam.export.curves import Curves, slow_motion_curves
+from dualcam.export.archive import DESCRIPTION, read_members, write_members
+from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, Scalar, typed
 from dualcam.export.figures import figures_svg
 from dualcam.export.names import model_identifier, target_path
@@ -25,13 +25,7 @@ from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
 
-DESCRIPTION, PAGE, BINARIES, RESOURCES = (
-    "modelDescription.xml",
-    "documentation/index.html",
-    "binaries/",
-    "resources/",
-)
-ONLY_FORWARD = ("initial.theta", "initial.omega")  # the inverse FMU has no state
+PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
 
 class Design(Protocol):
@@ -74,8 +68,8 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     fmi
         Version of FMI, 2 or 3.
     model
-        "forward" or "inverse"; None: as the design says. The inverse FMU has no `initial.theta` and
-        `initial.omega`, which are left out there.
+        "forward" or "inverse"; None: as the design says. The inverse FMU lacks `initial.theta` and
+        `initial.omega`: these two become the start values of its inputs `theta` and `omega`.
 
     Returns
     -------
@@ -100,17 +94,21 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
     same parameters. Tables become `cam1.csv` and `cam2.csv` in the FMU's resources. The same design and name
     give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
+
+    Examples
+    --------
+    >>> from dualcam.design_file import read_design
+    >>> export_fmu(read_design("my.toml"), "MyCam.fmu", fmi=3)  # doctest: +SKIP
     """
     target = target_path(path)
     model = design.model if model is None else model
     original = fmu_path(model, fmi)
-    if any(target == fmu_path(m, v) for m in MODELS for v in (2, 3)):
+    if target.resolve().parent == original.parent and target.stem in MODELS.values():
         raise ExportError(f"{target} is the project's own FMU: choose another folder or name")
-    parameters = {n: v for n, v in design.parameters.items() if model == "forward" or n not in ONLY_FORWARD}
-    with Fmu(
-        fmu_path(model)
-    ) as fmu:  # in the FMU's words: unknown names, values out of range, a design that jams
-        fmu.start(parameters)
+    renamed = START_INPUTS if model == "inverse" else {}
+    parameters = {renamed.get(name, name): value for name, value in design.parameters.items()}
+    with Fmu(fmu_path(model)) as fmu:
+        fmu.start(parameters)  # refuses unknown names, values out of range, and a design that jams
     plan = _plan(design.name, target.stem, model, parameters)
     if plan.identifier != plan.name:
         warnings.warn(

@@ -29,11 +29,15 @@ def target_path(path: str | Path) -> Path:
         raise ExportError(
             f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"
         )
-    if target.is_dir():
+    try:
+        is_folder, has_folder = target.is_dir(), target.parent.is_dir()
+    except OSError as error:  # as a name that is too long
+        raise ExportError(f"{target} cannot be written: {error.strerror}") from error
+    if is_folder:
         raise ExportError(
             f"{target} is a folder: allowed is the name of a file; remove the folder or choose another"
         )
-    if not target.parent.is_dir():
+    if not has_folder:
         raise ExportError(
             f"the folder {target.parent} does not exist: create it first, or choose another folder"
         )

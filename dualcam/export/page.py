@@ -7,6 +7,8 @@ import re
 from collections.abc import Mapping
 from html import escape
 
+from dualcam.errors import ExportError
+from dualcam.export.archive import AGAIN
 from dualcam.export.description import Description, Scalar, Variable, number_text
 
 FIGURES = """\
@@ -63,7 +65,8 @@ def exported_page(
 def _replaced(page: str, pattern: str, content: str) -> str:
     """`content` between the two groups of the one match of `pattern`."""
     page, count = re.subn(pattern, lambda match: match[1] + content + match[2], page, flags=re.DOTALL)
-    assert count == 1, pattern
+    if count != 1:
+        raise ExportError(f"page of the FMU without {pattern!r}: {AGAIN}")
     return page
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from dualcam.errors import ExportError
+from dualcam.export.archive import AGAIN
 from dualcam.export.description import Scalar
 
 FOLDER = "sources/"
@@ -41,7 +43,9 @@ def _with_start_values(rows: str, start: Mapping[str, Scalar]) -> str:
     """variables.def with other values in the column `start`, which is the fourth one after the name."""
     for name, value in start.items():
         row = rf'("{re.escape(name)}",\s*(?:PARAMETER|INPUT),\s*\w+,\s*\w+,\s*)("[^"]*"|[^,"]+)(?=,)'
-        (match,) = re.finditer(row, rows)
+        match = re.search(row, rows)
+        if match is None:
+            raise ExportError(f"{VARIABLES} without a row of {name}: {AGAIN}")
         rows = rows[: match.start(2)] + _literal(value) + rows[match.end(2) :]
     return rows
 

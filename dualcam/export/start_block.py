@@ -15,6 +15,7 @@ from collections.abc import Mapping
 
 from dualcam.errors import ExportError
 from dualcam.export import mach_o
+from dualcam.export.archive import AGAIN
 
 MARK = b"dualcam start values, layout 1\n\0"
 HEAD = struct.Struct("<32s4I64s")
@@ -67,14 +68,11 @@ def _parts(binary: bytes) -> list[tuple[int, int]]:
 def _replace(part: bytearray, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]) -> None:
     found = part.count(MARK)
     if found != 1:
-        raise ExportError(
-            f"a binary holds the block of start values {found} times: allowed is once, as in the FMUs of this"
-            " version of dualcam; install dualcam again, or build the FMUs again"
-        )
+        raise ExportError(f"a binary holds the block of start values {found} times, allowed is once: {AGAIN}")
     at = part.index(MARK)
     _, size, number_count, text_count, text_size, _ = HEAD.unpack_from(part, at)
     if size != HEAD.size + 8 * number_count + text_count * text_size or at + size > len(part):
-        raise ExportError(f"the block of start values has {size} bytes: its layout is unknown")
+        raise ExportError(f"the block of start values has {size} bytes, with another layout: {AGAIN}")
     part[at + GUID_AT : at + GUID_AT + GUID_SIZE] = _padded("GUID", guid, GUID_SIZE)
     first_number, first_text = at + HEAD.size, at + HEAD.size + 8 * number_count
     for reference, number in numbers.items():

@@ -104,8 +104,8 @@ typedef struct {
     } listed;
 } Values;
 
-/* The start values and the GUID of an FMU stand in its binary as one block of bytes, which variables.c holds. The program
- * `dualcam export` (dualcam/export/start_block.py) finds the block in a finished binary by its mark, and replaces GUID,
+/* Start values and GUID of an FMU are one block of bytes in its binary, which variables.c holds. The Python function
+ * export_fmu() (dualcam/export/start_block.py) finds the block in a finished binary by its mark, and replaces GUID,
  * numbers and texts: so an FMU gets own start values without a compiler. Numbers are little-endian on every platform of
  * the FMUs. Any change of the layout needs another mark. */
 enum { GUID_SIZE = 64, START_TEXT_SIZE = 128 }; /* bytes, terminating zero included */
