@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dualcam.design_file.findings import Finding
-from dualcam.design_file.variables import Value, all_parameters, parameters_of
 from dualcam.errors import UnitWarning
+from dualcam.variables import Value, all_parameters, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Groove, Limits, Mechanism, Pin

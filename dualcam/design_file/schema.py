@@ -11,8 +11,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 from pydantic_core import PydanticCustomError
 
 from dualcam.design_file.units import quantity
-from dualcam.design_file.variables import Variable, all_inputs, all_parameters
 from dualcam.errors import DesignError
+from dualcam.variables import Variable, all_inputs, all_parameters
 
 PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
 SHAPES = ("linear", "smooth")
