@@ -180,7 +180,7 @@ def examine(
     ends = (
         _groove_end(mechanism, end, stop) for end, stop in ((low, mechanism.lower), (high, mechanism.upper))
     )
-    findings = [*_outside_limits(mechanism), *ends, *failures]
+    findings = [*ends, *failures, *_outside_limits(mechanism)]
     return found, tuple(finding for finding in findings if finding)
 
 
