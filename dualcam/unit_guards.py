@@ -90,8 +90,9 @@ INERTIA = Rule("kg.m2", _above(1e3), _small_inertia)
 # By the name of the variable, cam1 and cam2 as cam.
 RULES: dict[str, Rule] = {
     "cam.radius": LENGTH,
-    "cam.ellipse_a": LENGTH,
-    "cam.ellipse_b": LENGTH,
+    # an arc of a large ellipse is nearly straight, which can be meant
+    "cam.ellipse_a": Rule("m", _above(5.0), _millimetres),
+    "cam.ellipse_b": Rule("m", _above(5.0), _millimetres),
     "cam.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
     "cam.friction": Rule("", _above(1.0), _friction),
     # 0 is meant: a spring of preload alone, or of stiffness2 and stiffness3

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import warnings
 from pathlib import Path
 from typing import Literal
 
@@ -19,6 +20,7 @@ from matplotlib.patches import Arc, Circle, Ellipse, FancyArrowPatch, Polygon, R
 from numpy.typing import NDArray
 
 from dualcam.design import Helix, Mechanism, Spring
+from dualcam.errors import UnitWarning
 
 DOCS = Path(__file__).resolve().parent.parent
 
@@ -43,7 +45,9 @@ SPRING_LOAD = Spring(50.0, 50e3)  # N, N/m: the default spring
 
 def mechanism_drawn() -> Mechanism:
     """The mechanism of the first picture; lengths in mm."""
-    one, two = (Helix(r, lead) for r, lead in zip(RADIUS, LEAD, strict=True))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitWarning)  # millimetres are meant
+        one, two = (Helix(r, lead) for r, lead in zip(RADIUS, LEAD, strict=True))
     return Mechanism((one, two), (FRICTION, FRICTION), SPRING_LOAD, THETA)
 
 

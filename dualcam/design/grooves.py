@@ -21,6 +21,7 @@ from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
 from dualcam.unit_guards import table_warnings, unit_warning, warn_units
 
+VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from
 
 
@@ -112,6 +113,8 @@ class Ellipse:
         _check("a", self.a, 0.0 < self.a < math.inf, "a finite number > 0 in m")
         _check("b", self.b, 0.0 < self.b < math.inf, "a finite number > 0 in m")
         _check("bending", self.bending, self.bending in (-1, 1), "+1 (steepens) or -1 (flattens)")
+        starts = self._start <= 1.0 - VERTICAL
+        _check("lead_angle", self.lead_angle, starts, "less: this elliptical groove would start vertical")
         lengths = {"radius": "cam1.radius", "a": "cam1.ellipse_a", "b": "cam1.ellipse_b"}
         warn_units({name: (rule, getattr(self, name)) for name, rule in lengths.items()})
 
@@ -121,7 +124,7 @@ class Ellipse:
 
     @property
     def range(self) -> tuple[float, float]:
-        ends = [(S - self._start) * self.a / self.radius * self.bending for S in (0.0, 1.0 - 1e-10)]
+        ends = [(S - self._start) * self.a / self.radius * self.bending for S in (0.0, 1.0 - VERTICAL)]
         return min(ends), max(ends)
 
     def at(self, psi: ArrayLike) -> Point:

@@ -11,11 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.design.grooves import Groove, Table, curvature
+from dualcam.design.grooves import Groove, Table, both_parameters, curvature
 from dualcam.design.statics import Array, DesignError, band, sign_of, transfer
 from dualcam.unit_guards import warn_units
 
 POINTS = 721  # of theta, where a property of the whole range is sought
+END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as in the FMU
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,34 @@ class Mechanism:
         """Angles evenly over the range [rad]."""
         return np.linspace(self.lower, self.upper, points)
 
+    def reach(self) -> tuple[float, float]:
+        """The part of the range where the pin is in both grooves [rad]; the whole range if they are long
+        enough. Both grooves meet at theta = 0, so they meet between 0 and any angle where they meet."""
+        return self._farthest(self.lower), self._farthest(self.upper)
+
+    def _farthest(self, stop: float) -> float:
+        """The stop, or the last angle before it where the grooves meet [rad]."""
+        if self._meets(stop):
+            return stop
+        good, bad = 0.0, stop
+        for _ in range(200):
+            middle = 0.5 * (good + bad)
+            if middle in (good, bad):
+                break
+            good, bad = (middle, bad) if self._meets(middle) else (good, middle)
+        return stop if abs(stop - good) <= END_SLACK * (1.0 + abs(stop)) else good
+
+    def _meets(self, theta: float) -> bool:
+        """Whether some gamma has both grooves at one height; the difference of heights grows with gamma."""
+        first, second = self.grooves
+        low = max(first.range[0], theta - second.range[1], min(theta, 0.0))
+        high = min(first.range[1], theta - second.range[0], max(theta, 0.0))
+        if low > high:
+            return False
+        below = float(first.at(low).z) - float(second.at(theta - low).z)
+        above = float(first.at(high).z) - float(second.at(theta - high).z)
+        return below <= 0.0 <= above
+
     def configuration(self, theta: ArrayLike) -> Configuration:
         """Geometry at theta [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
         theta = np.asarray(theta, dtype=float)
@@ -123,13 +152,16 @@ class Mechanism:
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
+    def parameters_without_tables(self) -> dict[str, float | int]:
+        """The FMU's parameters that are numbers."""
+        found: dict[str, float | int] = {"stop.lower": self.lower, "stop.upper": self.upper}
+        found |= self.spring.parameters() | both_parameters(self.grooves) | {"contacts": self.contacts}
+        return found | {f"cam{i}.friction": mu for i, mu in enumerate(self.friction, 1)}
+
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
         """The FMU's parameters; tables are written to `directory`, as `groove1.csv` and `groove2.csv`."""
-        found: dict[str, float | int | str] = {"stop.lower": self.lower, "stop.upper": self.upper}
-        found |= self.spring.parameters() | {"contacts": self.contacts}
+        found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
-            found |= {f"cam{i}.{name}": value for name, value in groove.parameters().items()}
-            found[f"cam{i}.friction"] = self.friction[i - 1]
             if isinstance(groove, Table):
                 path = Path(directory).resolve() / f"groove{i}.csv"
                 groove.write(path)

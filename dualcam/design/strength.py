@@ -25,6 +25,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError, band
+from dualcam.unit_guards import unit_warning, warn_units
+from dualcam.variables import parameters_of
+
+LEVEL = 1e-9  # rad: a lead angle up to this counts as level, as in the FMU
 
 
 @dataclass(frozen=True)
@@ -45,6 +49,8 @@ class Pin:
         for name in ("poisson", "cam_poisson"):
             if not 0.0 <= getattr(self, name) <= 0.5:
                 raise DesignError(f"{name} = {getattr(self, name)}: allowed is 0 to 0.5")
+        guarded = ("radius", "width", "modulus", "cam_modulus")
+        warn_units({name: (f"pin.{name}", getattr(self, name)) for name in guarded})
 
     @property
     def contact_modulus(self) -> float:
@@ -72,9 +78,14 @@ class Limits:
     def __post_init__(self) -> None:
         low, high = self.lead_angle
         if not 0.0 <= low < high <= 0.5 * math.pi:
-            raise DesignError(f"lead_angle = {self.lead_angle}: allowed are two growing angles in [0, pi/2]")
+            hint = unit_warning("limits.lead_angle", high) or ""
+            raise DesignError(
+                f"lead_angle = {self.lead_angle}: allowed are two growing angles in [0, pi/2] in rad"
+                + (f"; {hint.partition(': ')[2]}" if hint else "")
+            )
         if not self.pressure > 0.0:
             raise DesignError(f"pressure = {self.pressure}: allowed is a number > 0")
+        warn_units({"pressure": ("limits.pressure", self.pressure)})
 
 
 @dataclass(frozen=True)
@@ -121,19 +132,93 @@ class Assessment(Strength):
         return self
 
 
-def assess(mechanism: Mechanism, pin: Pin, limits: Limits | None = None, points: int = POINTS) -> Assessment:
-    """Strength and limits at `points` angles evenly over the range. Each kind of failure is reported once for
-    each groove, at the first angle where it occurs."""
+def assess(
+    mechanism: Mechanism, pin: Pin | None, limits: Limits | None = None, points: int = POINTS
+) -> Assessment:
+    """Can the grooves be made, do they carry their load, and does the FMU start with them?
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    pin : Pin or None
+        Without a pin neither undercut nor contact pressure is checked.
+    limits : Limits, optional
+        Allowed lead angles, pressure and self-locking.
+    points : int
+        Angles, evenly over the range, at which the properties are computed; a failure is located in between.
+
+    Returns
+    -------
+    Assessment
+        Properties where both grooves reach, shape (points,), and findings: each kind of failure once for each
+        groove, at the first angle where it occurs. Without findings (`good`) the FMU starts with
+        `mechanism.parameters(...)`.
+
+    Raises
+    ------
+    DesignError
+        For fewer than 2 points.
+
+    Examples
+    --------
+    >>> assess(mechanism, Pin(radius=0.003, width=0.008)).require()
+    """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
-    found = strength(mechanism, pin, mechanism.angles(points))
-    checks = _checks(mechanism, pin, limits or Limits())
-    failures = (check.first(mechanism, pin, found) for check in checks)
-    return Assessment(**vars(found), findings=tuple(failure for failure in failures if failure))
+    outside = [] if mechanism.lower <= 0.0 <= mechanism.upper else [_start_outside(mechanism)]
+    found, findings = examine(mechanism, pin, limits or Limits(), points)
+    return Assessment(**vars(found), findings=(*outside, *findings))
 
 
-def strength(mechanism: Mechanism, pin: Pin, theta: Array) -> Strength:
-    """Properties at angles theta [rad], shape (n,)."""
+def examine(
+    mechanism: Mechanism, pin: Pin | None, limits: Limits, points: int = POINTS
+) -> tuple[Strength, tuple[Finding, ...]]:
+    """Properties and findings as in `assess`, whether or not theta = 0 is between the stops."""
+    low, high = mechanism.reach()
+    found = strength(mechanism, pin, np.linspace(low, high, points))
+    failures = (check.first(mechanism, pin, found) for check in _checks(mechanism, pin, limits))
+    ends = (
+        _groove_end(mechanism, end, stop) for end, stop in ((low, mechanism.lower), (high, mechanism.upper))
+    )
+    findings = [*ends, *failures, *_outside_limits(mechanism)]
+    return found, tuple(finding for finding in findings if finding)
+
+
+def _start_outside(mechanism: Mechanism) -> Finding:
+    low, high = mechanism.lower, mechanism.upper
+    text = f"start at theta = 0: allowed is a range that includes 0, not {low:.6g} to {high:.6g} rad"
+    return Finding("start", 0.0, 0.0, text)
+
+
+def _outside_limits(mechanism: Mechanism) -> list[Finding]:
+    """Parameters that the FMU refuses, by the limits in its modelDescription.xml."""
+    known = parameters_of("forward")
+    return [
+        Finding(
+            name, mechanism.lower, float(value), f"{name} = {value:.6g}: allowed is {known[name].allowed()}"
+        )
+        for name, value in mechanism.parameters_without_tables().items()
+        if not known[name].least <= value <= known[name].greatest
+    ]
+
+
+def _groove_end(mechanism: Mechanism, end: float, stop: float) -> Finding | None:
+    """The groove that ends before a stop, if one does."""
+    if end == stop:
+        return None
+    psi = mechanism.configuration(end).psi
+    side, name = (1, "an upper") if stop > 0.0 else (0, "a lower")
+    ends = [groove.range[side] for groove in mechanism.grooves]
+    i = int(np.argmin([abs(ends[k] - float(psi[k])) for k in range(2)]))
+    text = (
+        f"groove {i + 1} ends at psi = {ends[i]:.6g} rad, reached at theta = {end:.6g} rad: allowed is {name}"
+        f" stop up to there, not {stop:.6g} rad"
+    )
+    return Finding(f"groove {i + 1} ends", end, end, text)
+
+
+def strength(mechanism: Mechanism, pin: Pin | None, theta: Array) -> Strength:
+    """Properties at angles theta [rad], shape (n,). Without a pin the pressure is NaN."""
     configuration = mechanism.configuration(theta)
     bends = mechanism.curvature(theta)
     (_, rho), reaction = band(configuration.slope, mechanism.friction, mechanism.radius)
@@ -143,7 +228,7 @@ def strength(mechanism: Mechanism, pin: Pin, theta: Array) -> Strength:
     loads = np.abs(reactions)
     # a pin that bears on the other flank has a negative reaction
     flank = np.where(reactions < 0.0, -1.0, 1.0)
-    pressures = hertz_pressure(loads, pin, flank * bends)
+    pressures = np.full(loads.shape, np.nan) if pin is None else hertz_pressure(loads, pin, flank * bends)
     lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
     return Strength(theta, force, rho, lead, bends, loads.max(axis=0), pressures.max(axis=0))
 
@@ -157,7 +242,7 @@ class _Check:
     good: Callable[[Strength], NDArray[np.bool_]]
     allowed: str
 
-    def first(self, mechanism: Mechanism, pin: Pin, found: Strength) -> Finding | None:
+    def first(self, mechanism: Mechanism, pin: Pin | None, found: Strength) -> Finding | None:
         """The first angle where the property is outside its limits, refined between the checked angles."""
         good = self.good(found)
         while not good.all():
@@ -172,9 +257,21 @@ class _Check:
         return None
 
 
-def _checks(mechanism: Mechanism, pin: Pin, limits: Limits) -> list[_Check]:
+def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Check]:
     checks = [
-        _Check("spring force", lambda s: s.force, lambda s: s.force > 0.0, "N: allowed is > 0"),
+        _Check(
+            "spring force",
+            lambda s: s.force,
+            # a spring without preload: the force begins at 0 where z = 0
+            lambda s: (s.force > 0.0) | ((s.force == 0.0) & (s.theta == 0.0)),
+            "N: allowed is > 0",
+        ),
+        _Check(
+            "both grooves level: steeper lead angle",
+            lambda s: np.degrees(s.lead_angle.max(axis=0)),
+            lambda s: s.lead_angle.max(axis=0) > LEVEL,
+            "deg: allowed is > 0, or nothing fixes the pin",
+        ),
         _Check(
             "jam: torque of loading per spring force",
             lambda s: s.rho,
@@ -187,9 +284,9 @@ def _checks(mechanism: Mechanism, pin: Pin, limits: Limits) -> list[_Check]:
     return checks
 
 
-def _checks_of_groove(i: int, locking: float, pin: Pin, limits: Limits) -> list[_Check]:
+def _checks_of_groove(i: int, locking: float, pin: Pin | None, limits: Limits) -> list[_Check]:
     name, (low, high) = f"of groove {i + 1}", limits.lead_angle
-    return [
+    checks = [
         _Check(
             f"lead angle {name}",
             lambda s: np.degrees(s.lead_angle[i]),
@@ -202,6 +299,13 @@ def _checks_of_groove(i: int, locking: float, pin: Pin, limits: Limits) -> list[
             lambda s: (s.lead_angle[i] > locking) | limits.self_locking,
             f"deg: allowed is more than the angle of friction, {math.degrees(locking):.6g}",
         ),
+    ]
+    return checks if pin is None else [*checks, *_checks_of_pin(i, pin, limits)]
+
+
+def _checks_of_pin(i: int, pin: Pin, limits: Limits) -> list[_Check]:
+    name = f"of groove {i + 1}"
+    return [
         _Check(
             f"undercut: curvature {name}",
             lambda s: np.abs(s.curvature[i]),

@@ -39,6 +39,7 @@ from dualcam.design.grooves import Ellipse, Groove, Helix, Table
 from dualcam.design.mechanism import Mechanism, Spring, check_pair
 from dualcam.design.statics import Array, DesignError, sign_of, transfer
 from dualcam.design.torque import Torque, wanted_torque
+from dualcam.unit_guards import warn_units
 
 TOLERANCE = 1e-7  # of the torque of the finished table
 SMALL = 1e-3  # share of the largest torque below which errors are relative to that share of it
@@ -378,6 +379,7 @@ def _problem(
     for name, value in (("upper", upper), ("radius", radius)):
         if not 0.0 < value < math.inf:
             raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
+    warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
     _check_spring(spring)
     angles = np.linspace(0.0, upper, 400)
     wanted = wanted_torque(torque, angles)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dualcam.design_file.findings import Finding
-from dualcam.design_file.variables import Value, all_parameters, parameters_of
-from dualcam.errors import UnitWarning
+from dualcam.errors import DesignError, UnitWarning
+from dualcam.variables import Value, all_parameters, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Groove, Limits, Mechanism, Pin
@@ -117,13 +117,19 @@ class DesignFile:
         with warnings.catch_warnings():  # the design's own warnings have them
             warnings.simplefilter("ignore", UnitWarning)
             return Mechanism(
-                (self._groove(1), self._groove(2)),
+                (self._named_groove(1), self._named_groove(2)),
                 (self.value("cam1.friction"), self.value("cam2.friction")),
                 Spring(*(self.value(f"spring.{name}") for name in SPRING_TERMS)),
                 self.value("stop.upper"),
                 self.value("contacts"),
                 self.value("stop.lower"),
             )
+
+    def _named_groove(self, number: int) -> Groove:
+        try:
+            return self._groove(number)
+        except DesignError as error:
+            raise DesignError(f"cam{number}: {error}") from None
 
     def _groove(self, number: int) -> Groove:
         from dualcam.design import Ellipse, Helix, Table

@@ -11,9 +11,9 @@ from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Findin
 from dualcam.design_file.grooves import fmu_table
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
-from dualcam.design_file.variables import all_parameters, inputs_of
 from dualcam.errors import DualcamError
 from dualcam.unit_guards import table_warnings, unit_warning
+from dualcam.variables import all_parameters, inputs_of
 
 ANY_INPUT = ("F_ext",)  # inputs of both models
 
@@ -218,7 +218,7 @@ class _Reading:
                 self.refuse(
                     f"{cam}.profile",
                     profile,
-                    f'{cam}.profile = 3 (table) without {name}: give {name} = "groove.csv", the table\'s path',
+                    f'{cam}.profile = 3 (table) without {name}: give its path, {name} = "groove.csv"',
                 )
             elif parameters.get(name):
                 if profile != 3:
@@ -261,8 +261,8 @@ class _Reading:
             self.refuse(
                 "scenario.inputs",
                 None,
-                f"[scenario] has {by_model['inverse'][0]} without theta: allowed is theta over time; omega and"
-                " alpha then follow from theta",
+                f"[scenario] has {by_model['inverse'][0]} without theta: allowed is theta over time;"
+                " omega and alpha then follow from theta",
             )
         return "inverse" if by_model["inverse"] else "forward"
 

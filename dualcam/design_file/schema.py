@@ -11,8 +11,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSche
 from pydantic_core import PydanticCustomError
 
 from dualcam.design_file.units import quantity
-from dualcam.design_file.variables import Variable, all_inputs, all_parameters
 from dualcam.errors import DesignError
+from dualcam.variables import Variable, all_inputs, all_parameters
 
 PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
 SHAPES = ("linear", "smooth")
@@ -79,8 +79,11 @@ def _whole(value: object, variable: Variable) -> int:
         number = PROFILES.get(value)
     if isinstance(number, float) and number.is_integer():
         number = int(number)
-    if type(number) is int and variable.least <= number <= variable.greatest:
+    is_between = number == 0 and variable.name.endswith(".ellipse_curvature")
+    if type(number) is int and variable.least <= number <= variable.greatest and not is_between:
         return number
+    if variable.name.endswith(".ellipse_curvature"):
+        raise PydanticCustomError("value", "allowed is -1 (the groove flattens) or +1 (the groove steepens)")
     words = ' (1 or "helix", 2 or "ellipse", 3 or "table")' if variable.name.endswith(".profile") else ""
     raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}{words}"})
 
@@ -107,6 +110,8 @@ def _type_of(variable: Variable) -> Any:  # noqa: ANN401
         schema: dict[str, Any] = {"type": "integer", "minimum": variable.least, "maximum": variable.greatest}
         if variable.name.endswith(".profile"):
             schema = {"enum": [1, 2, 3, *PROFILES]}
+        elif variable.name.endswith(".ellipse_curvature"):
+            schema = {"enum": [-1, 1]}
         convert = BeforeValidator(lambda value: _whole(value, variable))
         return Annotated[int, convert, WithJsonSchema(schema)]
     return variable.kind

@@ -1,0 +1,220 @@
+"""What is wrong with a design, found without the FMU: each rule gives findings with a key of the design file.
+
+The geometry and the strength are those of dualcam.design.assess. Here their findings get the keys, and the
+keys whose change can help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dualcam.check.values import value_of
+from dualcam.design import Limits, Mechanism, Table
+from dualcam.design.strength import Finding as Failure
+from dualcam.design.strength import examine
+from dualcam.design_file import DesignFile, Finding
+from dualcam.errors import DesignError
+
+ERROR, WARNING = "error", "warning"
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A key whose value, moved towards `bound`, can make a finding disappear."""
+
+    key: str
+    bound: float
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """A finding, and what can help, the first remedy first; `hint` is a further sentence."""
+
+    finding: Finding
+    remedies: tuple[Remedy, ...] = ()
+    hint: str = ""
+
+
+def swap_warning(design: DesignFile) -> Finding | None:
+    """A warning if exchanging the grooves of both cams, without radius and friction, removes all errors."""
+    grooves = ("profile", "lead_angle", "ellipse_a", "ellipse_b", "ellipse_curvature", "table")
+    names = [f"cam{i}.{name}" for i in (1, 2) for name in grooves]
+    others = [f"cam{3 - i}.{name}" for i in (1, 2) for name in grooves]
+    exchanged = {name: design.value(other) for name, other in zip(names, others, strict=True)}
+    swapped = replace(design, parameters=design.parameters | exchanged)
+    if any(trouble.finding.severity == ERROR for trouble in troubles(swapped)):
+        return None
+    text = "with the grooves of cam 1 and cam 2 exchanged there is no error: are cam 1 and cam 2 swapped?"
+    return Finding(WARNING, "cam1", None, text, kind="swapped")
+
+
+def troubles(design: DesignFile) -> list[Trouble]:
+    """All errors, and warnings about the geometry, of a design."""
+    if early := _stops(design):
+        return early
+    try:
+        mechanism = design.mechanism()
+    except DesignError as error:
+        return [_impossible(design, error)]
+    limits = design.limits or Limits()
+    _, failures = examine(mechanism, design.pin, limits)
+    found = [_trouble(design, mechanism, failure) for failure in failures]
+    more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (_solid_length, _start, _imposed)
+    return [*found, *(trouble for rule in more for trouble in rule(design, mechanism))]
+
+
+def _finding(
+    design: DesignFile, kind: str, key: str, text: str, severity: str = ERROR, value: object = None
+) -> Finding:
+    shown = value_of(design, key) if value is None and key else value
+    return Finding(severity, key, shown, text, kind=kind)
+
+
+# ---- stops and what cannot be a mechanism ----
+
+
+def _stops(design: DesignFile) -> list[Trouble]:
+    low, high = design.value("stop.lower"), design.value("stop.upper")
+    if low < high:
+        return []
+    text = f"stop.upper = {high:.6g} rad: allowed is more than stop.lower = {low:.6g} rad"
+    finding = _finding(design, "stops", "stop.upper", text)
+    return [Trouble(finding, (Remedy("stop.upper", low + 1.0),))]
+
+
+def _impossible(design: DesignFile, error: DesignError) -> Trouble:
+    """A groove that its class refuses, such as an ellipse that starts vertical."""
+    steep = [f"cam{i}.lead_angle" for i in (1, 2) if design.value(f"cam{i}.profile") != 3]
+    remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
+    return Trouble(_finding(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
+
+
+# ---- failures of the assessment ----
+
+
+def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trouble:
+    what, text = failure.what, failure.text
+    if what.endswith(" ends"):
+        return _groove_end(design, mechanism, failure)
+    if what == "spring force":
+        remedies = [Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))]
+        return Trouble(_finding(design, "spring force", "spring.preload", text), tuple(remedies))
+    if what.startswith("both grooves level"):
+        finding = _finding(design, "level", "cam1.lead_angle", text)
+        return Trouble(finding, (Remedy("cam1.lead_angle", 0.8), *_shorter(failure)))
+    if what.startswith("jam"):
+        return _jam(design, text)
+    if what in design.parameters:
+        return Trouble(_finding(design, "limit", what, text))
+    return _of_groove(design, failure, 2 if what.endswith("2") else 1)
+
+
+def _groove_end(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trouble:
+    """A groove that ends before a stop; the other table may be longer than its own part of the range."""
+    i = int(failure.what.split()[1])
+    upper = failure.theta > 0.0 or mechanism.lower >= 0.0
+    stop = "stop.upper" if upper else "stop.lower"
+    hint = ""
+    other = mechanism.grooves[2 - i]
+    if isinstance(other, Table) and isinstance(mechanism.grooves[i - 1], Table):
+        last = abs(float(mechanism.configuration(failure.theta).psi[2 - i]))
+        spare = abs(other.range[1 if upper else 0]) - last
+        if spare > 1e-6:
+            hint = (
+                f"The table of cam {3 - i} is longer than needed, by {spare:.4g} rad: are the tables of cam 1"
+                " and cam 2 swapped?"
+            )
+    finding = _finding(design, "groove end", stop, f"{stop}: {failure.text}")
+    return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),), hint)
+
+
+def _shorter(failure: Failure) -> tuple[Remedy, ...]:
+    """A range that ends before the angle of the failure."""
+    return (Remedy("stop.upper", 0.5 * failure.theta),) if failure.theta > 0.01 else ()
+
+
+def _jam(design: DesignFile, text: str) -> Trouble:
+    steep = sorted((1, 2), key=lambda i: -design.value(f"cam{i}.friction"))
+    remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep]
+    remedies += [Remedy(f"cam{i}.lead_angle", 0.1) for i in (1, 2) if design.value(f"cam{i}.profile") == 1]
+    return Trouble(_finding(design, "jam", remedies[0].key, text), tuple(remedies))
+
+
+def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
+    what, text = failure.what, failure.text
+    lead, friction = f"cam{i}.lead_angle", f"cam{i}.friction"
+    is_table = design.value(f"cam{i}.profile") == 3
+    key = f"cam{i}.table" if is_table else lead
+    shorter = _shorter(failure)
+    if what.startswith("self-locking"):
+        remedies = [] if is_table else [Remedy(lead, 1.2)]
+        hint = "If locking is meant, write self_locking = true below [limits]"
+        finding = _finding(design, f"self-locking {i}", key, text)
+        return Trouble(finding, (*remedies, Remedy(friction, 0.0), *shorter), hint)
+    if what.startswith("lead angle"):
+        low, high = (design.limits or Limits()).lead_angle
+        remedies = [] if is_table else [Remedy(lead, 0.5 * (low + high))]
+        severity = WARNING if design.limits is None else ERROR
+        finding = _finding(design, f"lead angle {i}", key, text, severity)
+        return Trouble(finding, (*remedies, *shorter))
+    if what.startswith("undercut"):
+        finding = _finding(design, f"undercut {i}", "pin.radius", text)
+        return Trouble(finding, (Remedy("pin.radius", 1e-6),))
+    finding = _finding(design, f"contact pressure {i}", "pin.width", text)
+    return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
+
+
+# ---- spring, start, imposed motion ----
+
+
+def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """The spring's deflection, preload/stiffness + z, must stay below free length - solid length."""
+    if design.spring_limits is None:
+        return []
+    free, solid = design.spring_limits
+    spring = mechanism.spring
+    before = spring.preload / spring.stiffness if spring.stiffness > 0.0 else 0.0
+    z = float(mechanism.configuration(np.asarray(mechanism.reach()[1])).z)
+    if before + z < free - solid:
+        return []
+    text = (
+        f"spring at solid length: at stop.upper = {mechanism.upper:.6g} rad its deflection is"
+        f" preload/stiffness + z = {1e3 * (before + z):.4g} mm: allowed is less than free_length -"
+        f" solid_length = {1e3 * (free - solid):.4g} mm"
+    )
+    remedies = (Remedy("stop.upper", max(mechanism.lower, 0.0) + 0.01), Remedy("spring.preload", 0.0))
+    return [Trouble(_finding(design, "solid length", "stop.upper", text), remedies)]
+
+
+def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """The forward model starts between the stops."""
+    theta = design.value("initial.theta")
+    if design.model != "forward" or mechanism.lower <= theta <= mechanism.upper:
+        return []
+    text = (
+        f"initial.theta = {theta:.6g} rad: allowed is stop.lower = {mechanism.lower:.6g} rad to stop.upper ="
+        f" {mechanism.upper:.6g} rad"
+    )
+    middle = 0.5 * (mechanism.lower + mechanism.upper)
+    return [Trouble(_finding(design, "start", "initial.theta", text), (Remedy("initial.theta", middle),))]
+
+
+def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """The inverse model follows its imposed angle between the stops."""
+    history = design.scenario.inputs.get("theta") if design.scenario else None
+    if history is None or not len(history.value):
+        return []
+    outside = [value for value in history.value if not mechanism.lower <= value <= mechanism.upper]
+    if not outside:
+        return []
+    far = max(outside, key=abs)
+    text = (
+        f"scenario.inputs.theta reaches {far:.6g} rad: allowed is stop.lower = {mechanism.lower:.6g} rad to"
+        f" stop.upper = {mechanism.upper:.6g} rad"
+    )
+    key = "scenario.inputs.theta"
+    remedy = Remedy("stop.upper" if far > 0.0 else "stop.lower", 1.001 * far)
+    return [Trouble(_finding(design, "imposed angle", key, text, value=far), (remedy,))]
