@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dualcam.library import MODELS
 from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
@@ -41,7 +42,7 @@ def load(path: str | Path) -> Study:
     try:
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
         return Study(
-            path.parent / table["fmu"],
+            table["fmu"] if table["fmu"] in MODELS else path.parent / table["fmu"],
             _plan(table["plan"], path.parent),
             _scenario(table["scenario"]),
             table["results"],

@@ -1,0 +1,64 @@
+"""Where this package's own FMUs are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dualcam.errors import FmuError
+
+MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
+PACKAGE = Path(__file__).resolve().parent
+
+
+def fmu_path(kind: str, fmi: int = 2) -> Path:
+    """Path of one of this package's FMUs.
+
+    Parameters
+    ----------
+    kind : {"forward", "inverse"}
+        "forward": torque in, motion out. "inverse": motion in, torque out.
+    fmi : {2, 3}
+        Version of FMI: 2.0 or 3.0.
+
+    Returns
+    -------
+    Path
+        The FMU inside the installed package, or that of the build folder of a checkout.
+
+    Raises
+    ------
+    FmuError
+        `kind` or `fmi` is something else, or a checkout has not been built yet.
+
+    Examples
+    --------
+    >>> import dualcam
+    >>> dualcam.fmu_path("inverse").name
+    'DualCamInverse.fmu'
+    >>> dualcam.fmu_path("backward")
+    Traceback (most recent call last):
+    ...
+    dualcam.errors.FmuError: fmu_path(kind='backward'): allowed are 'forward', 'inverse'
+    """
+    if kind not in MODELS:
+        raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
+    if isinstance(fmi, bool) or fmi not in (2, 3):
+        raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
+    file = f"{MODELS[kind]}.fmu"
+    build = PACKAGE.parent / "build"
+    places = [PACKAGE / "fmus" / f"fmi{fmi}" / file, (build if fmi == 2 else build / "fmi3") / file]
+    for path in places:
+        if path.is_file():
+            return path
+    raise FmuError(
+        f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
+        " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
+        " the package again"
+    )
+
+
+def source_path(source: str | Path, fmi: int | None = None) -> Path:
+    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None."""
+    if isinstance(source, str) and source in MODELS:
+        return fmu_path(source, 2 if fmi is None else fmi)
+    return Path(source)
