@@ -182,6 +182,7 @@ def test_start_values_of_xml_and_binary_agree_and_reset_brings_them_back(part, s
         return {v.name: slave.get(v.name) for v in rows}
 
     told = {name: float(start) for name, start in starts.items() if start is not None}
+    slave.start()
     assert values() == told
     slave.start(dict.fromkeys(told, 0.75))
     assert values() == dict.fromkeys(told, 0.75)
@@ -192,7 +193,7 @@ def test_start_values_of_xml_and_binary_agree_and_reset_brings_them_back(part, s
 def test_what_cannot_be_is_refused(part, slave):
     for name, value in (("omega", math.nan), ("omega", math.inf)):
         with pytest.raises(FmuError):
-            slave.set(name, value)
+            slave.start({name: value})
     slave.start({})
     fixed = next(v for v in part.variables if v.causality == variables.PARAMETER)
     output = next(v for v in part.variables if v.causality == variables.OUTPUT)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dualcam.library import MODELS, fmu_path
+from dualcam.library import MODELS
 from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
@@ -59,7 +59,7 @@ def load(path: str | Path) -> Study:
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
         fmu = table["fmu"]
         return Study(
-            fmu_path(fmu) if fmu in MODELS else path.parent / fmu,
+            fmu if fmu in MODELS else path.parent / fmu,
             read_plan(table["plan"], path.parent),
             _scenario(table["scenario"]),
             table["results"],
@@ -79,7 +79,7 @@ def _study_of_design(path: Path) -> Study:
     if design.scenario is None:
         raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
     return Study(
-        fmu_path(design.model),
+        design.model,
         read_plan(table["plan"], path.parent),
         design.scenario,
         table["results"],
