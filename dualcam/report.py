@@ -43,6 +43,7 @@ td.number { text-align: right; font-variant-numeric: tabular-nums }
 figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem }
 figure svg { width: 100%; height: auto }
 """
+NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 LABELS = {
     "energy.work_in": "work of the torque at the shaft",
     "energy.work_ext": "work against F_ext",
@@ -211,7 +212,7 @@ def _picture(picture: Figure, title: str) -> str:
 
     text = io.StringIO()
     with matplotlib.rc_context({"svg.hashsalt": title, "svg.fonttype": "none", "font.family": "sans-serif"}):
-        picture.savefig(text, format="svg", metadata={"Date": None})
+        picture.savefig(text, format="svg", metadata=NO_METADATA)
     svg = text.getvalue()
     svg = svg[svg.index("<svg") :]
     # each picture has names of its own: an id is unique in the page

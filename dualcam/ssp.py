@@ -199,9 +199,9 @@ def structure(system: System) -> ET.Element:
         ends |= dict(zip(("endElement", "endConnector"), split(reader), strict=True))
         add(connections, "ssd:Connection", **ends)
     for port in system.ports:
-        component, variable = split(port)
+        owner, variable = split(port)
         side, other = ("end", "start") if causality_of(system, port) == "input" else ("start", "end")
-        ends = {f"{side}Element": component, f"{side}Connector": variable, f"{other}Connector": variable}
+        ends = {f"{side}Element": owner, f"{side}Connector": variable, f"{other}Connector": variable}
         add(connections, "ssd:Connection", **ends)
     add_units(root, "ssd", units)
     experiment = add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.duration))

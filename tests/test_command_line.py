@@ -132,7 +132,7 @@ def test_each_template_is_checked_simulated_and_exported(folder, capsys, templat
 
 
 def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(design, capsys):
-    design.write_text(design.read_text().replace("[cam1]", "[cam1]\nfriction = 0.07", 1))
+    design.write_text(design.read_text().replace("friction = 0.14", "friction = 0.07", 1))
     for fmi in ("2", "3"):
         spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi)
         info = answer(capsys, "info", f"My{fmi}.fmu")
@@ -147,24 +147,21 @@ def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(d
 def test_a_simulation_is_that_of_another_master(design, capsys):
     """FMPy, which knows nothing of design files, plays the same torque through the FMU with 0.1 ms steps."""
     text = design.read_text()
-    scenario = "stop = 0.4\noutput_interval = 0.01\n[scenario.inputs]\ntau = { time = [0.0, 0.2], value = [0.0, 6.0] }"
-    design.write_text(text.partition("[scenario]")[0] + f"[scenario]\n{scenario}\n")
+    torque = "inputs.tau = { time = [0.0, 0.2], value = [0.0, 6.0] }"
+    scenario = f"[scenario]\nstop = 0.4\noutput_interval = 0.01\n{torque}\n"
+    design.write_text(text.partition("[scenario]")[0] + scenario)
     spoken(capsys, "simulate", "my.toml", "-o", "out.csv", "--variables", "theta,omega,tau,mode")
     found = np.genfromtxt("out.csv", delimiter=",", names=True)
     spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
     signal = np.array([(0.0, 0.0), (0.2, 6.0), (0.4, 6.0)], dtype=[("time", float), ("tau", float)])
     other = fmpy.simulate_fmu(
-        "MyCam.fmu",
-        stop_time=0.4,
-        step_size=1e-4,
-        output_interval=1e-2,
-        input=signal,
-        output=["theta", "omega"],
+        "MyCam.fmu", stop_time=0.4, output_interval=1e-4, input=signal, output=["theta"]
     )
-    assert len(found) == len(other) == 41
+    assert len(found) == 41
     assert np.max(found["theta"]) > 0.1
-    # FMPy holds the torque over each step of 0.1 ms, a ramp of 30 N.m/s: the angle lags by at most half a step
-    assert np.max(np.abs(found["theta"] - other["theta"])) <= 0.5e-4 * np.max(found["omega"]) * 2.0
+    # FMPy holds the torque over each step of 0.1 ms: the torque, and so the motion, lags by at most a step
+    lag = np.max(np.abs(found["theta"] - other["theta"][::100]))
+    assert lag <= 1e-4 * np.max(found["omega"])
     coarse = spoken(capsys, "simulate", "my.toml", "-o", "one.csv", "--variables", "theta").out
     assert "41 samples of 2 columns" in coarse
 
@@ -208,7 +205,7 @@ def test_band_is_that_of_the_fmu(design, capsys):
 
 
 def test_a_self_locking_design_is_called_so(design, capsys):
-    text = design.read_text().replace("[cam1]", "[cam1]\nfriction = 1.2", 1)
+    text = design.read_text().replace("friction = 0.14", "friction = 1.2", 1)
     design.write_text(text)
     assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml").out
 
@@ -225,19 +222,10 @@ def test_info_lists_all_variables(capsys, fmu):
 def test_a_report_is_one_file_with_its_pictures(design, capsys):
     spoken(capsys, "report", "my.toml", "-o", "r.html")
     page = Path("r.html").read_text()
-    for words in (
-        "The design works",
-        "Torque over the angle",
-        "Reactions",
-        "Simulation",
-        "Energy balance",
-        "Inputs",
-    ):
+    for words in ("The design works", "Torque over the angle", "Reactions", "Energy balance", "Inputs"):
         assert words in page
     assert page.count("<svg") >= 3
-    assert "http" not in page.replace("http://www.w3.org/", "").replace("http://purl.org", "").replace(
-        "http://creativecommons.org", ""
-    )
+    assert "http" not in page.replace('="http://www.w3.org/', "")  # but for the names of SVG's namespaces
     names = etree.HTML(page).xpath("//@id")
     assert len(names) == len(set(names))
     spoken(capsys, "report", "my.toml", "-o", "again.html")
@@ -245,7 +233,7 @@ def test_a_report_is_one_file_with_its_pictures(design, capsys):
 
 
 def test_a_report_on_a_design_that_does_not_work_says_why(design, capsys):
-    design.write_text(design.read_text().replace("[cam1]", "[cam1]\nfriction = 1.2", 1))
+    design.write_text(design.read_text().replace("friction = 0.14", "friction = 1.2", 1))
     spoken(capsys, "report", "my.toml", "-o", "r.html")
     assert "does not work" in Path("r.html").read_text()
 
@@ -259,14 +247,12 @@ def test_a_study_begins_with_the_values_of_the_design(design, capsys):
     )
     words = ("study", "my.toml", "--out", "runs", "--workers", "0", "--format", "csv")
     assert "3 runs" in spoken(capsys, *words).out
-    rows = [list(map(float, line.split(",")[:2])) for line in _lines(Path("runs/my"))]
-    loads = dict(rows)
+    loads = {}
+    for file in Path("runs/my").glob("runs-*"):
+        with file.open() as lines:
+            loads |= {float(r["spring.preload"]): float(r["torque_load"]) for r in csv.DictReader(lines)}
+    assert set(loads) == {50.0, 100.0, 150.0}
     assert loads[100.0] - loads[50.0] == pytest.approx(loads[150.0] - loads[100.0], rel=1e-9)
-
-
-def _lines(folder):
-    (file,) = folder.glob("runs-*")
-    return file.read_text().splitlines()[1:]
 
 
 def test_an_ssp_package_is_valid_and_holds_the_fmu(design, capsys):

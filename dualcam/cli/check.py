@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from dualcam.cli.options import as_json, design_file, example
 from dualcam.cli.output import MARKS, print_json, say
+
+if TYPE_CHECKING:
+    from dualcam.check import Verdict
 
 
 @click.command(epilog=example("dualcam check my.toml", "dualcam check my.toml --json"))
@@ -25,14 +29,22 @@ def command(design_file: Path, as_json: bool) -> int:
     design = read_design(design_file)
     verdict = check_design(design)
     if as_json:
-        print_json(verdict.to_dict() | {"file": str(design_file)})
+        print_json(verdict.to_json() | {"file": str(design_file)})
     else:
-        for finding in verdict.findings:
-            say(f"{MARKS.get(finding.severity, '-')} {finding.severity}: {finding.text}")
-        errors = sum(finding.severity == "error" for finding in verdict.findings)
-        say(
-            f"{design_file}: the design works, the FMU starts."
-            if verdict.good
-            else f"{design_file}: the design does not work, {errors} error{'s' if errors > 1 else ''}."
-        )
+        _tell(verdict, design_file)
     return 0 if verdict.good else 1
+
+
+def _tell(verdict: Verdict, file: Path) -> None:
+    for note in verdict.notes:
+        say(f"- {note}")
+    for finding in verdict.findings:
+        say(f"{MARKS[finding.severity]} {finding.severity}: {finding}")
+    if verdict.good:
+        say(f"{file}: the design works, the FMU starts.")
+        return
+    count = len(verdict.errors)
+    errors = f"{count} error{'s' if count != 1 else ''}"
+    say(
+        f"{file}: the design does not work, {errors}. The FMU {'starts' if verdict.starts else 'does not start'}."
+    )

@@ -12,7 +12,7 @@ import click
 
 from dualcam.errors import DualcamError
 
-MARKS = {"error": "x", "warning": "!", "note": "-"}
+MARKS = {"error": "x", "warning": "!"}
 
 
 def say(text: str) -> None:

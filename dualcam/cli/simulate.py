@@ -11,10 +11,10 @@ from dualcam.cli.options import FILE, as_json, design_file, example, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
     from dualcam.simulation import Trajectory
 
 SHOWN_FROM = 200_000  # samples from which a bar shows the progress
-BALANCE = 1e-6  # share of the work done above which the energy residual is reported
 
 
 @click.command(epilog=example("dualcam simulate my.toml -o out.csv --plot out.png"))
@@ -61,7 +61,7 @@ def command(
     say(f"at {last['time']:g} s: {', '.join(at_end)}")
 
 
-def _run(design, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:  # noqa: ANN001
+def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
     from dualcam.simulation import sample_times, simulate
 
     scenario = design.scenario
@@ -76,7 +76,7 @@ def _run(design, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
         return simulate(design, names, fmu=fmu, progress=lambda share: progress.update(task, completed=share))
 
 
-def _draw(design, trajectory: Trajectory, path: Path) -> None:  # noqa: ANN001
+def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
     from dualcam.design import torque_band
     from dualcam.errors import DualcamError
     from dualcam.plots import plot_simulation, save

@@ -78,12 +78,14 @@ def _study_of_design(path: Path) -> Study:
     table = entries(design.study, "study", STUDY, ("plan", "results"))
     if design.scenario is None:
         raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
+    plan = read_plan(table["plan"], path.parent)
+    fixed = {name: value for name, value in design.parameters.items() if name not in plan.names}
     return Study(
         design.model,
-        read_plan(table["plan"], path.parent),
+        plan,
         design.scenario,
         table["results"],
-        design.parameters,
+        fixed,
         table.get("plots", ()),
     )
 
