@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BLUE, ORANGE, GREY, GREEN = "#0969da", "#bc4c00", "#8c959f", "#1a7f37"
-WIDTH = 6.4  # inches: readable on a phone
+WIDTH = 5.2  # inches: readable on a phone
 ENERGY_LABELS = {
     "energy.work_in": "work in",
     "energy.spring": "spring",

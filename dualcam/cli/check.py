@@ -45,6 +45,5 @@ def _tell(verdict: Verdict, file: Path) -> None:
         return
     count = len(verdict.errors)
     errors = f"{count} error{'s' if count != 1 else ''}"
-    say(
-        f"{file}: the design does not work, {errors}. The FMU {'starts' if verdict.starts else 'does not start'}."
-    )
+    starts = "starts" if verdict.starts else "does not start"
+    say(f"{file}: the design does not work, {errors}. The FMU {starts}.")
