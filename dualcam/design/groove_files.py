@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,14 +21,17 @@ ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3, "turn": 2.0 * math.p
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
 WORDS = {  # of a header, in small letters
     **{word: "rad" for word in ("rad", "radian", "radians")},
-    **{word: "deg" for word in ("deg", "degree", "degrees", "grad", "°")},
+    **{word: "deg" for word in ("deg", "degree", "degrees", "°")},
     **{word: "m" for word in ("m", "metre", "meter", "metres", "meters")},
     **{word: "mm" for word in ("mm", "millimetre", "millimeter", "millimetres", "millimeters")},
-    **{word: word for word in ("mrad", "turn", "cm", "in")},
+    **{word: word for word in ("mrad", "turn", "cm")},
+    **{word: "in" for word in ("inch", "inches")},
     **{word: "um" for word in ("um", "µm", "μm")},
 }
 DELIMITERS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
+PLAIN = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+FMU_ROW = re.compile(rf"[ \t\r]*{PLAIN}[ \t\r]*,[ \t\r]*{PLAIN}[ \t\r]*", re.ASCII)
 LARGEST = 16 * 1024 * 1024  # bytes, as for the FMU
 MOST = 100_000  # samples, as for the FMU
 
@@ -67,11 +70,12 @@ def read_groove(
     DesignError, with file, line, column and value, for a file that cannot be understood."""
     path = Path(path)
     _check_arguments(units, delimiter, decimal)
-    text = _text(path)
+    text, is_utf8 = _text(path)
     try:
-        return _parsed(text, None if units is None else (units[0], units[1]), delimiter, decimal)
+        groove = _parsed(text, None if units is None else (units[0], units[1]), delimiter, decimal)
     except DesignError as error:
         raise DesignError(f"{path}: {error}") from None
+    return groove if is_utf8 else replace(groove, is_fmu_format=False)
 
 
 def _check_arguments(units: Sequence[str] | None, delimiter: str | None, decimal: str | None) -> None:
@@ -90,7 +94,8 @@ def _check_arguments(units: Sequence[str] | None, delimiter: str | None, decimal
         raise DesignError("delimiter and decimal are both a comma: allowed is one of them")
 
 
-def _text(path: Path) -> str:
+def _text(path: Path) -> tuple[str, bool]:
+    """The text of a file, and whether it is in UTF-8."""
     if path.is_dir():
         raise DesignError(f"{path} is a folder: allowed is a file with a groove table")
     try:
@@ -102,11 +107,12 @@ def _text(path: Path) -> str:
         raise DesignError(f"{path} cannot be read: {error}") from None
     if len(content) > LARGEST:
         raise DesignError(f"{path} is larger than {LARGEST:,} bytes: allowed are up to {MOST:,} samples")
-    encoding = "utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
+    is_utf16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
     try:
-        return content.decode(encoding)
+        return content.decode("utf-16" if is_utf16 else "utf-8-sig"), not is_utf16
     except UnicodeDecodeError:
-        return content.decode("latin-1")  # a degree sign of an old spreadsheet; the numbers are the same
+        # a degree sign of an old spreadsheet; the numbers are the same
+        return content.decode("latin-1"), False
 
 
 # ---- lines ----
@@ -151,14 +157,13 @@ def _parsed(
     found = units or _units(header, notes)
     psi, z = samples[:, 0] * ANGLES[found[0]], samples[:, 1] * LENGTHS[found[1]]
     _check_order(numbers, samples)
-    exact = header is not None and header.text == HEADER and _is_exact(text, header)
-    return GrooveFile(psi, z, found, tuple(notes), exact and found == ("rad", "m") and separator == ",")
+    return GrooveFile(psi, z, found, tuple(notes), found == ("rad", "m") and _is_exact(text))
 
 
-def _is_exact(text: str, header: _Line) -> bool:
-    """No comment, no blank line between others, header first, and no quotes: the FMU reads that."""
-    lines = [line.strip(" \t\r") for line in text.rstrip().split("\n")]
-    return header.number == 1 and all(lines) and not any("#" in line or '"' in line for line in lines)
+def _is_exact(text: str) -> bool:
+    """Whether the FMU reads this text: header first, two plain numbers on each line, nothing else."""
+    first, *rows = text.removeprefix("\ufeff").rstrip(" \t\r\n").split("\n")
+    return first.strip(" \t\r") == HEADER and all(FMU_ROW.fullmatch(row) for row in rows)
 
 
 # ---- columns and decimal sign ----
@@ -201,7 +206,7 @@ def _sample(line: _Line, delimiter: str, comma: bool) -> tuple[float, float]:
 
 def _number(line: _Line, column: int, cell: str, comma: bool) -> float:
     plain = cell.replace(",", ".") if comma else cell
-    good = NUMBER.fullmatch(plain) is not None and "," not in plain
+    good = NUMBER.fullmatch(plain) is not None and "," not in plain and not (comma and "." in cell)
     value = float(plain) if good else math.nan
     if not math.isfinite(value):
         sign = "comma" if comma else "point"
@@ -223,6 +228,7 @@ def _units(header: _Line | None, notes: list[str]) -> tuple[str, str]:
             f' {HEADER} or psi_deg,z_mm, or give units, such as units=("deg", "mm")'
         )
     words = [WORDS[word] for word in re.findall(r"[^\W\d_]+|°", header.text.lower()) if word in WORDS]
+    words = list(dict.fromkeys(words))
     angles = [word for word in words if word in ANGLES]
     lengths = [word for word in words if word in LENGTHS]
     if len(angles) != 1 or len(lengths) != 1:

@@ -379,7 +379,7 @@ def _problem(
     for name, value in (("upper", upper), ("radius", radius)):
         if not 0.0 < value < math.inf:
             raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
-    warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
+    warn_units({"upper": ("stop.upper", upper)}, stacklevel=5)
     _check_spring(spring)
     angles = np.linspace(0.0, upper, 400)
     wanted = wanted_torque(torque, angles)

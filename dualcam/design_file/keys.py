@@ -27,6 +27,7 @@ OTHER_WORDS = {
     "end": "stop",
     "duration": "stop",
     "stop_time": "stop",
+    "torque": "tau",
 }
 
 
@@ -49,7 +50,7 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     table, _, last = key.rpartition(".")
     last = last.lower()
     own = {name.rpartition(".")[2]: name for name in known if name.rpartition(".")[0] == table}
-    if close := get_close_matches(last, own, n=1, cutoff=0.75):
+    if close := get_close_matches(last, own, n=1, cutoff=0.7):
         return [own[close[0]]]
     same = [name for name in known if name.rpartition(".")[2] == last]
     if same:

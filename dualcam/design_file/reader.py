@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Findin
 from dualcam.design_file.grooves import fmu_table
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
-from dualcam.errors import DualcamError
+from dualcam.errors import DualcamError, UnitWarning
 from dualcam.unit_guards import table_warnings, unit_warning
 from dualcam.variables import all_parameters, inputs_of
 
@@ -79,7 +80,9 @@ class _Reading:
     def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
         """What `make` gives; None, and an error at the key, if it is refused."""
         try:
-            return make()
+            with warnings.catch_warnings():  # the design's own warnings have them
+                warnings.simplefilter("ignore", UnitWarning)
+                return make()
         except DualcamError as error:
             self.refuse(key, None, f"[{key}] {error}")
             return None
@@ -215,11 +218,11 @@ class _Reading:
             if self._is_refused(f"{cam}.profile") or self._is_refused(name):
                 continue
             if profile == 3 and not parameters.get(name):
-                self.refuse(
-                    f"{cam}.profile",
-                    profile,
-                    f'{cam}.profile = 3 (table) without {name}: give its path, {name} = "groove.csv"',
-                )
+                text = f'{cam}.profile = 3 (table) without {name}: give its path, {name} = "groove.csv"'
+                other = "cam2" if cam == "cam1" else "cam1"
+                if parameters.get(f"{other}.table") and parameters.get(f"{other}.profile", 1) != 3:
+                    text += f"; {other} has a table without profile = 3: are cam1 and cam2 swapped?"
+                self.refuse(f"{cam}.profile", profile, text)
             elif parameters.get(name):
                 if profile != 3:
                     text = f"{name} is not used with {cam}.profile = {profile}: give {cam}.profile = 3"

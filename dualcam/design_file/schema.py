@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from dualcam.design_file.units import quantity
 from dualcam.errors import DesignError
+from dualcam.unit_guards import unit_warning
 from dualcam.variables import Variable, all_inputs, all_parameters
 
 PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
@@ -178,7 +179,9 @@ def _numbers(name: str, values: object, variable: Variable, unit: str | None) ->
         try:
             found.append(to_number(f"{value} {unit}" if unit and plain else value, variable))
         except PydanticCustomError as error:
+            hint = unit_warning(f"limits.{variable.name}", value) or ""
             text = f"{name}, number {place} of {len(values)}, {value!r}: {error.message()}"
+            text += f"; {hint.partition(': ')[2]}" if hint else ""
             raise PydanticCustomError("value", "{text}", {"text": text}) from None
     return tuple(found)
 

@@ -1,0 +1,299 @@
+"""One verdict on a design: what is found, the words a user sees, and that each proposed value works."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from dualcam import Fmu, FmuError
+from dualcam.check import check_design
+from dualcam.check.search import nearest_working, round_away
+from dualcam.check.values import with_value
+from dualcam.design import (
+    DesignError,
+    Ellipse,
+    Helix,
+    Limits,
+    Mechanism,
+    Pin,
+    Spring,
+    Table,
+    assess,
+)
+from dualcam.design_file import TEMPLATES, read_design, write_template
+from dualcam.library import fmu_path
+
+
+@pytest.fixture
+def design(tmp_path):
+    """The design of a text, with two tables beside it."""
+    for name, last in (("short", 0.5), ("long", 1.2)):
+        psi = np.linspace(0.0, last, 30)
+        Table(0.02, psi, 0.02 * psi).write(tmp_path / f"{name}.csv")
+
+    def read(text):
+        path = tmp_path / "my.toml"
+        path.write_text(text)
+        return read_design(path)
+
+    return read
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_templates_are_good(tmp_path, name):
+    verdict = check_design(read_design(write_template(name, tmp_path / "my.toml")))
+    assert verdict.good and verdict.starts and verdict.findings == (), verdict.findings
+
+
+# Text of the file, start of the only error, proposed key and value; None: the value is worked out below.
+SINGLE = {
+    "stop beyond a table": (
+        'cam1 = {profile = "table", table = "short.csv"}',
+        "stop.upper: groove 1 ends at psi = 0.5 rad, reached at theta = 1 rad: allowed is an upper stop",
+        ("stop.upper", 1.0),  # equal slopes: theta = 2 psi
+    ),
+    "stop in degrees": (
+        'stop.upper = 75\ncam1 = {profile = "table", table = "short.csv"}',
+        "stop.upper: groove 1 ends at psi = 0.5 rad, reached at theta = 1 rad",
+        ("stop.upper", 1.0),
+    ),
+    "locking by accident": (
+        'cam1.lead_angle = "6 deg"',
+        "self-locking: lead angle of groove 1 at theta = 0 rad is 6 deg: allowed is more than the angle of",
+        ("cam1.lead_angle", math.atan(0.14)),
+    ),
+    "friction that locks a table": (
+        'cam1 = {profile = "table", table = "long.csv", friction = 1.2}\n'
+        "stop.upper = 1.0\ncam2.friction = 0.05",
+        "self-locking: lead angle of groove 1",
+        ("cam1.friction", 1.0),  # 45 deg
+    ),
+    "jam": (
+        'cam1 = {lead_angle = "80 deg", friction = 0.3}\ncam2 = {lead_angle = "80 deg", friction = 0.3}',
+        "jam: torque of loading per spring force at theta = 0 rad is inf m: it must be finite",
+        # equal radii and slopes s: jams where (1 - mu1 s)(s + mu2) + (1 - mu2 s)(s + mu1) = 0
+        ("cam1.friction", None),
+    ),
+    "solid length": (
+        '[spring]\nfree_length = "30 mm"\nsolid_length = "20 mm"',
+        "spring at solid length: at stop.upper = 1.3963 rad its deflection is preload/stiffness + z =",
+        ("stop.upper", 0.9),  # 1 mm from the preload; z = 0.01 m theta
+    ),
+    "spring that pulls": (
+        "spring.preload = -10",
+        "spring force at theta = 0 rad is -10 N",
+        ("spring.preload", 0),
+    ),
+    "pressure": (
+        '[pin]\nradius = "1 mm"\nwidth = "0.1 mm"\n[spring]\nstiffness = 0',
+        "contact pressure of groove 1 at theta = 0 rad is 2747.66 MPa: allowed is 1500",
+        ("pin.width", 0.1e-3 * (2747.66 / 1500) ** 2),
+    ),
+    "undercut": (
+        'cam1 = {profile = "ellipse", ellipse_a = "10 mm", ellipse_b = "10 mm"}\nstop.upper = 0.3\n'
+        'pin = {radius = "11 mm", width = "8 mm"}\n[limits]\npressure = 1e15',
+        "undercut: curvature of groove 1 at theta = 0 rad is 100 1/m: allowed is less than 1/(pin radius)",
+        ("pin.radius", 0.01),  # a circle
+    ),
+    "stops in the wrong order": (
+        "spring.preload = 400\nstop = {lower = -0.5, upper = -0.6}\ninitial.theta = -0.5",
+        "stop.upper = -0.6 rad: allowed is more than stop.lower = -0.5 rad",
+        ("stop.upper", -0.5),
+    ),
+    "start outside": (
+        "initial.theta = 3.0",
+        "initial.theta = 3 rad: allowed is stop.lower = 0 rad to stop.upper = 1.3963 rad",
+        ("initial.theta", 1.3963),
+    ),
+    "imposed angle beyond the stop": (
+        "[scenario]\nstop = 1\ninputs.theta = {time = [0, 1], value = [0, 2]}",
+        "scenario.inputs.theta reaches 2 rad: allowed is stop.lower = 0 rad to stop.upper = 1.3963 rad",
+        ("stop.upper", 2.0),
+    ),
+    "lead angle out of limits": (
+        "[limits]\nlead_angle = ['50 deg', '80 deg']\n[cam2]\nlead_angle = '60 deg'",
+        "lead angle of groove 1 at theta = 0 rad is 45 deg: allowed is 50 to 80",
+        ("cam1.lead_angle", math.radians(50)),
+    ),
+}
+
+
+def jam_friction():
+    """mu1 at which helices of 80 deg with mu2 = 0.3 and equal radii begin to jam."""
+    s, m = math.tan(math.radians(80)), 0.3
+    return (2 * s + m - m * s**2) / (s**2 + 2 * m * s - 1)
+
+
+@pytest.mark.parametrize("name", SINGLE)
+def test_the_proposed_value_works_and_is_the_nearest(design, name):
+    text, words, (key, edge) = SINGLE[name]
+    edge = jam_friction() if edge is None else edge
+    wrong = design(text)
+    verdict = check_design(wrong)
+    first = verdict.errors[0]
+    assert not verdict.good and words in first.text and first.change == key, verdict.findings
+    assert f"{key} = {first.nearest:.10g}" in first.text and first.text.count(" works") == 1
+    assert first.nearest == pytest.approx(edge, rel=2e-3, abs=0.02)
+    put_in = wrong
+    for finding in verdict.errors:
+        put_in = with_value(put_in, finding.change, finding.nearest)
+    again = check_design(put_in)
+    assert again.good, again.findings
+    with Fmu(fmu_path("forward")) as fmu:
+        fmu.start(put_in.parameters_for("forward"))
+
+
+def test_hints(design):
+    """What could be meant, besides the value that works."""
+
+    def texts(text):
+        return " ".join(finding.text for finding in check_design(design(text)).findings)
+
+    tables = 'cam1 = {profile = "table", table = "long.csv"}\ncam2 = {profile = "table", table = "short.csv"}'
+    assert "The table of cam 1 is longer than needed, by 0.7 rad: are the tables" in texts(tables)
+    assert "If locking is meant, write self_locking = true below [limits]" in texts(
+        'cam1.lead_angle = "6 deg"'
+    )
+    swapped = 'cam1 = {friction = 0.3, lead_angle = "10 deg"}\ncam2.lead_angle = "45 deg"'
+    assert "are cam 1 and cam 2 swapped?" in texts(swapped)
+    degrees = 'stop.upper = 75\ncam1 = {profile = "table", table = "short.csv"}'
+    assert "this looks like degrees; 75 deg is 1.309 rad" in texts(degrees)
+
+
+def test_self_locking_may_be_meant(design):
+    assert check_design(design('cam1.lead_angle = "6 deg"\nlimits.self_locking = true')).good
+
+
+def test_default_limits_of_the_lead_angle_only_warn(design):
+    verdict = check_design(design('cam1.lead_angle = "82 deg"\ncam2.lead_angle = "30 deg"'))
+    assert verdict.good and [finding.severity for finding in verdict.findings] == ["warning"]
+
+
+def test_a_spring_without_preload_is_no_error(design):
+    assert check_design(design("spring.preload = 0")).good
+
+
+def test_warnings_of_the_file_are_in_the_verdict(design):
+    verdict = check_design(design("stop.upper = 75"))
+    assert verdict.good and [finding.key for finding in verdict.findings] == ["stop.upper"]
+
+
+def test_what_only_the_fmu_refuses(design, monkeypatch):
+    """The FMU has the last word, in its own words."""
+    monkeypatch.setattr("dualcam.check.verdict.troubles", lambda design: [])
+    verdict = check_design(design("stop.upper = -1.0"))
+    assert not verdict.good and not verdict.starts
+    assert "the FMU does not start: " in verdict.errors[0].text and "stop.lower" in verdict.errors[0].text
+
+
+def test_json(design):
+    verdict = check_design(design('cam1 = {profile = "table", table = "short.csv"}'))
+    read = json.loads(json.dumps(verdict.to_json(), allow_nan=False))
+    assert (read["good"], read["starts"], read["model"], read["name"]) == (False, False, "forward", "my")
+    (finding,) = read["findings"]
+    assert finding["change"] == "stop.upper" and finding["nearest"] == pytest.approx(1.0, rel=1e-3)
+    assert finding["severity"] == "error" and finding["key"] == "stop.upper" and finding["value"] == 1.3963
+
+
+def test_search():
+    assert nearest_working(0.0, 10.0, lambda x: x >= 1.23456) == 1.235
+    assert nearest_working(10.0, 0.0, lambda x: x <= 1.23456) == 1.234
+    assert nearest_working(0.0, 1.0, lambda x: False) is None
+    assert nearest_working(75.0, 0.5, lambda x: x <= 1.0) == pytest.approx(1.0, rel=2e-3)
+    assert round_away(-0.123456, 3, up=True) == -0.123 and round_away(0.0, 3, up=True) == 0.0
+
+
+# ---- assess: good means that the FMU starts ----
+
+ALL_ALLOWED = Limits((0.0, 0.5 * math.pi), math.inf, self_locking=True)
+GEOMETRY = ("ends", "jam", "level", "start", "spring.stiffness", "radius")
+
+
+def random_groove(rng):
+    radius = 10.0 ** rng.uniform(-2.3, -1.0) * rng.choice([1.0, 1e6], p=[0.98, 0.02])
+    lead = rng.choice([0.0, rng.uniform(0.0, 1.56), rng.uniform(0.1, 1.3)], p=[0.05, 0.25, 0.7])
+    kind = rng.integers(3)
+    if kind == 0:
+        return Helix(radius, lead)
+    if kind == 1:
+        return Ellipse(radius, lead, *10.0 ** rng.uniform(-2.5, -0.5, 2), int(rng.choice([-1, 1])))
+    low = rng.choice([0.0, -rng.uniform(0.0, 1.0)])
+    psi = np.unique(np.append(rng.uniform(low, rng.uniform(0.2, 3.0), rng.integers(4, 40)), 0.0))
+    slope = rng.uniform(0.0, 2.0, len(psi) - 1) ** rng.integers(1, 4) * (rng.random(len(psi) - 1) < 0.95)
+    return Table(radius, psi, np.append(0.0, np.cumsum(slope * np.diff(psi) * radius)))
+
+
+def random_mechanism(rng):
+    """Any mechanism, many of them bad. DesignError where the classes refuse their values."""
+    friction = tuple(float(x) for x in rng.choice([0.0, rng.uniform(0, 0.4), rng.uniform(0, 2), -0.1], 2))
+    stiffness = rng.choice([0.0, 1e4, -1e3, math.nan], p=[0.2, 0.6, 0.1, 0.1])
+    lower = rng.choice([0.0, -rng.uniform(0, 1), rng.uniform(0, 1)], p=[0.45, 0.45, 0.1])
+    spring = Spring(rng.uniform(-10, 200), stiffness)
+    return Mechanism(
+        (random_groove(rng), random_groove(rng)), friction, spring, rng.uniform(0, 2.5), 2, lower
+    )
+
+
+@pytest.mark.filterwarnings("ignore::dualcam.errors.UnitWarning")
+@pytest.mark.parametrize("seed", range(3))
+def test_good_means_that_the_fmu_starts(tmp_path, seed):
+    """And what is found of the geometry is what the FMU refuses."""
+    rng = np.random.default_rng(seed)
+    seen = {True: 0, False: 0}
+    with Fmu(fmu_path("forward")) as forward, Fmu(fmu_path("inverse")) as inverse:
+        for _ in range(200):
+            try:
+                mechanism = random_mechanism(rng)
+            except DesignError:
+                continue
+            report = assess(mechanism, Pin(0.002, 0.01), ALL_ALLOWED)
+            geometry = [str(one) for one in report.findings if any(word in one.what for word in GEOMETRY)]
+            starts = []
+            for fmu in (forward, inverse):
+                try:
+                    fmu.start(mechanism.parameters(tmp_path))
+                    starts.append("")
+                except FmuError as error:
+                    starts.append(str(error))
+            assert bool(starts[0]) == bool(geometry), (mechanism, starts, geometry)
+            assert not (report.good and any(starts)), (mechanism, starts)
+            seen[report.good] += 1
+    assert min(seen.values()) > 15
+
+
+def test_what_was_called_good():
+    """A table that ends before the upper stop, negative friction, a spring that is no number."""
+    psi = np.linspace(0.0, 0.5, 9)
+    short = Mechanism((Table(0.02, psi, 0.02 * psi), Helix(0.02, 0.7)), (0.1, 0.1), Spring(50, 5e4), 1.3963)
+    report = assess(short, Pin(0.003, 0.008))
+    assert not report.good and "groove 1 ends at psi = 0.5 rad, reached at theta = " in str(
+        report.findings[0]
+    )
+    assert report.theta[-1] < 1.3963 and np.isfinite(report.force).all()
+    for wrong in (
+        lambda: Mechanism((Helix(0.02, 0.7),) * 2, (-0.1, 0.1), Spring(50, 5e4), 1.0),
+        lambda: Mechanism((Helix(0.02, 0.7),) * 2, (0.1, math.nan), Spring(50, 5e4), 1.0),
+        lambda: Spring(math.nan, 5e4),
+        lambda: Spring(50.0, 5e4, math.inf),
+        lambda: Mechanism((Helix(0.02, 0.7),) * 2, (0.1, 0.1), Spring(50, 5e4), math.nan),
+        lambda: Ellipse(0.02, 1.5707963, 10.0, 1e-3),
+    ):
+        with pytest.raises(DesignError, match="allowed"):
+            wrong()
+
+
+def test_limits_of_the_fmu():
+    """Values that the FMU's modelDescription.xml does not allow."""
+    large = Mechanism((Helix(0.02, 0.7),) * 2, (11.0, 0.0), Spring(50, 5e4), 1.0)
+    texts = [str(one) for one in assess(large, None, ALL_ALLOWED).findings]
+    assert "cam1.friction = 11: allowed is a number from 0 to 10" in texts
+    soft = Mechanism((Helix(0.02, 0.7),) * 2, (0.1, 0.1), Spring(500, -1.0), 1.0)
+    assert [str(one) for one in assess(soft, None, ALL_ALLOWED).findings] == [
+        "spring.stiffness = -1: allowed is a number >= 0 in N/m"
+    ]
+
+
+def test_without_a_pin_there_is_no_pressure():
+    report = assess(Mechanism((Helix(0.02, 0.7),) * 2, (0.1, 0.1), Spring(50, 5e4), 1.0), None)
+    assert report.good and np.isnan(report.pressure).all()
