@@ -2,6 +2,8 @@
 
     optimum, efficiency, efficiency_map     lead angles and friction
     synthesize                              groove for a wanted torque over angle, as the FMU's table
+    propose_spring                          spring with which a wanted torque is possible
+    design_groove, TorqueCurve              the same from a file with a torque to a file with the groove
     Mechanism, Spring                       torque of slow motion, reactions, curvature of a pair of grooves
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
@@ -10,8 +12,10 @@ Everything here is slow motion without damper, external force and inertia, in SI
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
 """
 
+from dualcam.design.design import Design, FrictionEffect
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
 from dualcam.design.mechanism import Mechanism, Spring
+from dualcam.design.proposal import SpringProposal
 from dualcam.design.statics import (
     DesignError,
     EfficiencyMap,
@@ -22,7 +26,8 @@ from dualcam.design.statics import (
     optimum,
 )
 from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, hertz_pressure
-from dualcam.design.synthesis import Design, synthesize
+from dualcam.design.synthesis import propose_spring, synthesize
+from dualcam.design.workflow import TorqueCurve, design_groove
 
 __all__ = [
     "Assessment",
@@ -31,6 +36,7 @@ __all__ = [
     "EfficiencyMap",
     "Ellipse",
     "Finding",
+    "FrictionEffect",
     "Groove",
     "Helix",
     "Limits",
@@ -38,13 +44,17 @@ __all__ = [
     "Optimum",
     "Pin",
     "Spring",
+    "SpringProposal",
     "Table",
+    "TorqueCurve",
     "assess",
     "band_factors",
     "curvature",
+    "design_groove",
     "efficiency",
     "efficiency_map",
     "hertz_pressure",
     "optimum",
+    "propose_spring",
     "synthesize",
 ]

@@ -1,0 +1,179 @@
+"""A designed groove, and what friction does to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualcam.design.grooves import Table
+from dualcam.design.mechanism import POINTS, Mechanism
+from dualcam.design.statics import Array
+from dualcam.design.torque import Torque
+
+SMALL = 1e-3  # share of the largest torque below which errors are relative to that share of it
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionEffect:
+    """What friction does to a mechanism in slow motion, at angles theta.
+
+    Attributes
+    ----------
+    theta : ndarray, shape (n,)
+        Angles of cam 2 [rad].
+    load : ndarray, shape (n,)
+        Torque that slow loading takes [N.m], the FMU's `torque_load`. Infinite where no torque loads.
+    release : ndarray, shape (n,)
+        Torque that slow releasing gives back [N.m], the FMU's `torque_release`. At most 0 where a contact
+        locks itself: the spring does not drive the cam back. Between both torques the mechanism stands still.
+    frictionless : ndarray, shape (n,)
+        Torque of the same grooves without friction [N.m].
+    """
+
+    theta: Array
+    load: Array
+    release: Array
+    frictionless: Array
+
+    @property
+    def efficiency(self) -> Array:
+        """release/load [1], shape (n,); 0 where no torque is given back."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.release > 0.0, self.release / self.load, 0.0)
+
+    @property
+    def self_locking(self) -> bool:
+        """Whether the spring does not drive the cam back at some angle where it pushes."""
+        return bool(((self.release <= 0.0) & (self.load > 0.0)).any())
+
+    @property
+    def jams(self) -> bool:
+        """Whether no torque loads the mechanism at some angle. The FMU refuses such a mechanism."""
+        return bool(np.isinf(self.load).any())
+
+    def __str__(self) -> str:
+        lines = [
+            f"slow loading takes {_span(self.load)} N.m, slow releasing gives {_span(self.release)} N.m back,"
+            f" without friction both are {_span(self.frictionless)} N.m",
+            f"efficiency (releasing over loading) {_span(self.efficiency)}",
+        ]
+        if self.self_locking:
+            locked = self.theta[(self.release <= 0.0) & (self.load > 0.0)]
+            lines.append(
+                f"self-locking between theta = {locked[0]:.4g} and {locked[-1]:.4g} rad: the spring does not"
+                " drive the cam back there"
+            )
+        else:
+            lines.append("not self-locking: the spring drives the cam back at each angle")
+        if self.jams:
+            at = self.theta[np.isinf(self.load)][0]
+            lines.append(f"jams when loading from theta = {at:.4g} rad on: the FMU refuses this mechanism")
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A groove for a wanted torque, from `synthesize`.
+
+    Attributes
+    ----------
+    mechanism : Mechanism
+        With the designed table as groove 1, or as both grooves.
+    direction : str
+        Direction in which the torque is wanted: "loading", "releasing" or "frictionless".
+    wanted : function
+        Wanted torque [N.m] at an array of theta [rad].
+    largest_error : float
+        Largest relative error of the torque that was found between the samples of the table [1].
+    largest_error_at : float
+        Angle theta of that error [rad].
+    """
+
+    mechanism: Mechanism
+    direction: str
+    wanted: Torque
+    largest_error: float
+    largest_error_at: float
+
+    @property
+    def table(self) -> Table:
+        """The designed groove. `table.write(path)` writes it as a CSV file for the FMU."""
+        groove = self.mechanism.grooves[0]
+        assert isinstance(groove, Table)
+        return groove
+
+    def torque(self, theta: ArrayLike) -> Array:
+        """Torque of slow motion in the wanted direction, as in the FMU.
+
+        Parameters
+        ----------
+        theta : array_like
+            Angles of cam 2 [rad].
+
+        Returns
+        -------
+        ndarray
+            Torque [N.m], of the shape of `theta`.
+        """
+        return self.mechanism.torque(theta, self.direction)
+
+    def error(self, theta: ArrayLike) -> Array:
+        """Relative error of the torque: (given - wanted)/wanted.
+
+        Parameters
+        ----------
+        theta : array_like
+            Angles of cam 2 [rad].
+
+        Returns
+        -------
+        ndarray
+            Error [1], of the shape of `theta`. Wanted torques below 1/1000 of the largest count as that much.
+        """
+        theta = np.asarray(theta, dtype=float)
+        largest = np.max(np.abs(self.wanted(np.linspace(0.0, self.mechanism.upper, 400))))
+        scale = np.maximum(np.abs(self.wanted(theta)), SMALL * largest)
+        return (self.torque(theta) - self.wanted(theta)) / scale
+
+    def friction_effect(self, points: int = POINTS) -> FrictionEffect:
+        """What friction does to the finished grooves: torques of both directions and without friction.
+
+        Parameters
+        ----------
+        points : int
+            Number of angles, evenly over the range.
+
+        Returns
+        -------
+        FrictionEffect
+        """
+        theta = self.mechanism.angles(points)
+        release, load = self.mechanism.band(theta)
+        return FrictionEffect(theta, load, release, self.mechanism.torque(theta, "frictionless"))
+
+    def summary(self) -> str:
+        """What was wanted, what the groove gives, and what friction does to it, as text for a reader."""
+        theta = self.mechanism.angles()
+        verb = {
+            "loading": "of slow loading",
+            "releasing": "of slow releasing",
+            "frictionless": "without friction",
+        }
+        first = self.table.psi[0], self.table.psi[-1]
+        return "\n".join(
+            [
+                f"wanted torque {verb[self.direction]}: {_span(self.wanted(theta))} N.m from theta = 0 to"
+                f" {self.mechanism.upper:.4g} rad, obtained to {self.largest_error:.1g}",
+                f"groove: {len(self.table.psi)} samples, psi {first[0]:.4g} to {first[1]:.4g} rad, z 0 to"
+                f" {self.table.z[-1]:.4g} m",
+                str(self.friction_effect()),
+            ]
+        )
+
+
+def _span(values: Array) -> str:
+    """Least and largest value in words."""
+    low, high = (f"{float(end):.4g}" for end in (np.min(values), np.max(values)))
+    return low if low == high else f"{low} to {high}"
