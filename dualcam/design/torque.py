@@ -14,9 +14,34 @@ Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
 
 
 def wanted_torque(torque: Torque | tuple[ArrayLike, ArrayLike], angles: Array) -> Torque:
-    """`torque` [N.m] over theta [rad] in the range of `angles`, which begin at 0: a function, or samples
-    (theta, torque) of shape (n,), n >= 4, which a cubic spline joins. DesignError for a function that fails
-    at `angles`, and for samples that are no numbers or do not cover the range."""
+    """The wanted torque as a function of arrays.
+
+    Parameters
+    ----------
+    torque : callable or tuple of array_like
+        A function of theta [rad] that gives the torque [N.m]; or samples (theta, torque) of shape (n,),
+        n >= 4, which a cubic spline joins.
+    angles : ndarray
+        Angles [rad], from 0 on, at which the torque must be defined.
+
+    Returns
+    -------
+    callable
+        The torque [N.m] at an array of theta [rad], of the shape of theta.
+
+    Raises
+    ------
+    DesignError
+        A function that fails at `angles`; samples that are no numbers, or do not cover the range.
+
+    Examples
+    --------
+    >>> import math, numpy as np
+    >>> from dualcam.design.torque import wanted_torque
+    >>> torque = wanted_torque(lambda theta: 3.0 + math.sin(theta), np.linspace(0.0, 1.0, 5))
+    >>> torque(np.array([0.0, math.pi / 6])).round(3).tolist()  # N.m
+    [3.0, 3.5]
+    """
     return _function(torque, angles) if callable(torque) else _samples(torque, float(angles[-1]))
 
 

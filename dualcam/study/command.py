@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from dualcam.study.description import load
+from dualcam.study.description import read_study
 from dualcam.study.problem import StudyError
-from dualcam.study.store import FORMATS, read
+from dualcam.study.store import FORMATS, read_results
 from dualcam.study.study import Study, say
 
 
@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     """StudyError says what is wrong. What is written is complete, and the same command goes on from there."""
     from dualcam.study import plots
 
-    studies = [(load(plan), arguments.out / plan.stem) for plan in arguments.plans]
+    studies = [(read_study(plan), arguments.out / plan.stem) for plan in arguments.plans]
     if len({folder for _, folder in studies}) < len(studies):
         raise StudyError("two plans of the same name would share a folder: rename one")
     for study, _ in studies:
@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace, console: Console) -> None:
     for study, folder in studies:
         say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
         begun = time.perf_counter()
-        study.make(
+        study.run_to_files(
             folder, arguments.workers, arguments.scheduler, arguments.format, arguments.chunk, console=console
         )
         _tell(study, folder, time.perf_counter() - begun, console)
@@ -65,7 +65,7 @@ def _draw(studies: list[tuple[Study, Path]], path: Path, console: Console) -> No
 
 
 def _tell(study: Study, folder: Path, seconds: float, console: Console) -> None:
-    messages = read(folder, ["message"])["message"]
+    messages = read_results(folder, ["message"])["message"]
     failed = messages[messages != ""]
     say(console, f"{len(messages):,} runs in {folder}, {seconds:.1f} s now")
     if len(failed):
