@@ -79,8 +79,8 @@ def span(values: Array) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> TorqueBand:
-    """The torque band at `points` angles evenly from `lower` to the mechanism's upper stop [rad].
+def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
+    """The torque band at `points` angles evenly over the mechanism's range.
 
     Parameters
     ----------
@@ -88,8 +88,6 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
         Grooves, friction, spring and range.
     points
         Number of angles, 2 or more.
-    lower
-        Lowest angle [rad].
 
     Raises
     ------
@@ -98,7 +96,7 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
     """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
-    theta = np.linspace(lower, mechanism.upper, points)
+    theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
     (release_arm, load_arm), _ = band(configuration.slope, mechanism.friction, mechanism.radius)
     force = mechanism.spring.force(configuration.z)
