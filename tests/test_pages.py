@@ -83,7 +83,7 @@ def test_python_control_block(run_block, capsys):
 
 
 def test_design_block(run_block, capsys):
-    (block,) = blocks_of("docs/use-grooves.md", "wanted = lambda")
+    (block,) = blocks_of("docs/use-grooves.md", "assess")
     run_block(block)
     said = float(re.search(r"# ([\d.]+) N\.m both", block)[1])
     assert [float(word) for word in capsys.readouterr().out.split()] == pytest.approx([said, said], abs=5e-5)
