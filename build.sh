@@ -13,7 +13,8 @@ usage: ./build.sh [command] [arguments]
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
-  test     build, then run the tests; arguments go to pytest
+  wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
+  test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
   bench    build, then run all of the following six (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
@@ -32,6 +33,8 @@ usage: ./build.sh [command] [arguments]
            docs/design-file.md (seconds); docs/figures/mechanism.py, docs/figures/architecture.py,
            docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
+  ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
+           draws docs/own_plant.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
@@ -43,7 +46,8 @@ usage: ./build.sh [command] [arguments]
   help     this text
 
 "build" makes the FMUs for this machine, unless they are up to date. On a machine without bash:
-python -m pip install -e . and python fmu_src/tools/build_fmu.py.
+python -m pip install -e ".[build]" and python fmu_src/tools/build_fmu.py; for a wheel: python -m pip wheel --no-deps
+--wheel-dir dist .
 
 Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. The first command makes the virtual
 environment .venv and installs there the packages that pyproject.toml names, the C compiler among them (about 1 GB);
@@ -86,7 +90,7 @@ make_venv() {
         "Ubuntu: apt install python3-venv) or virtualenv"
 }
 
-# install_dependencies REQUIREMENT: pip-installs "." or ".[test]", only when pyproject.toml, the place
+# install_dependencies REQUIREMENT: pip-installs ".[build]" or ".[test]", only when pyproject.toml, the place
 # of the repository or the interpreter is not what it was at the last installation.
 install_dependencies() {
     local requirement=$1 name stamp
@@ -119,47 +123,60 @@ export ZIG_LOCAL_CACHE_DIR="${ZIG_LOCAL_CACHE_DIR:-$PWD/build/zig-cache}"
 export PYTHONPATH="$PWD/fmu_src/tools:$PWD/masters:$PWD/tests:$PWD/tests/support"
 
 case $command in
-    example) run_program . system_examples/robot_joint.py "$@" ;;
-    knee) run_program . system_examples/prosthetic_knee.py "$@" ;;
-    door) run_program . system_examples/car_door.py "$@" ;;
-    design) run_program . system_examples/designed_groove.py "$@" ;;
-    ssp) run_program . -m system_examples.ssp "$@" ;;
+    example) run_program '.[build]' system_examples/robot_joint.py "$@" ;;
+    knee) run_program '.[build]' system_examples/prosthetic_knee.py "$@" ;;
+    door) run_program '.[build]' system_examples/car_door.py "$@" ;;
+    design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
+    ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
     report)
         case ${1-} in
             robot_joint | prosthetic_knee | car_door) ;;
             *) die "report of '${1-}': allowed are robot_joint, prosthetic_knee and car_door" ;;
         esac
-        run_program . -m "case_studies.$1" "${@:2}"
+        run_program '.[build]' -m "case_studies.$1" "${@:2}"
         ;;
-    test) run_program '.[test,study]' -m pytest -n 2 "$@" ;;
+    test)
+        if [ $# -eq 0 ]; then
+            install_dependencies '.[test,study]'
+            build all
+        fi
+        run_program '.[test,study]' -m pytest -n 2 "$@"
+        ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
-    cost) run_program . -m benchmarks.step_cost "$@" ;;
-    worst) run_program . -m benchmarks.worst_step "$@" ;;
+    cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
+    worst) run_program '.[build]' -m benchmarks.worst_step "$@" ;;
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
-    skipping) run_program . -m benchmarks.skipping "$@" ;;
-    growth) run_program . -m benchmarks.growth "$@" ;;
-    loop) run_program . -m benchmarks.loop_cost "$@" ;;
-    paper) run_program . -m case_studies.paper "$@" ;;
-    coupling) run_program . -m benchmarks.coupling "$@" ;;
-    rate) run_program . -m benchmarks.study_rate "$@" ;;
+    skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
+    growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
+    loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
+    paper) run_program '.[build]' -m case_studies.paper "$@" ;;
+    coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
+    ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
     study)
-        [ $# -gt 0 ] || set -- system_examples/study/*.toml --figure docs/study.png
-        run_program '.[study]' -m dualcam study "$@"
+        [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
+        run_program '.[build,study]' -m dualcam study "$@"
         ;;
-    compare) run_program . -m benchmarks.compare_builds "$@" ;;
+    compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
     stress) run_program '.[test]' -m benchmarks.stress "$@" ;;
     figures)
-        install_dependencies .
+        install_dependencies '.[build]'
         .venv/bin/python docs/figures/mechanism.py "$@"
         .venv/bin/python docs/figures/architecture.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;
-    masters) run_program . masters/run.py "$@" ;;
+    masters) run_program '.[build]' masters/run.py "$@" ;;
     all)
-        install_dependencies .
+        install_dependencies '.[build]'
         build all
+        ;;
+    wheel)
+        install_dependencies '.[build]'
+        rm -f dist/dualcam-*.whl
+        .venv/bin/python -m pip wheel --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
+        say "dist: $(cd dist && ls dualcam-*.whl)"
         ;;
     check)
         install_dependencies '.[test]'

@@ -9,7 +9,8 @@ import control
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.fmu import Array, Fmu, FmuError, Handle, Preparation, Scalar
+from dualcam.errors import FmuError
+from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import (
     INPUTS,
     OUTPUTS,
@@ -21,7 +22,10 @@ from dualcam.forward import (
     open_forward,
     selected_names,
 )
+from dualcam.handle import Handle
 from dualcam.linear import linearize
+from dualcam.model_description import Scalar
+from dualcam.reals import Array
 
 REST_SPEED = 1e-3  # rad/s: 1000 times the absolute tolerance of SciPy's solvers, 1e-4 of a usual speed
 REST_TIME = 1e-3  # s: steps of explicit solvers at rest are then some ms long
@@ -89,7 +93,7 @@ def to_nonlinear_io_system(
 
 def _outputs(fmu: Handle, names: Names) -> list[str]:
     """Names of outputs. FmuError for variables that do not follow from states and inputs alone."""
-    variables = fmu.description.modelVariables
+    variables = fmu.description.variables
     allowed = [
         variable.name
         for variable in variables
@@ -227,17 +231,17 @@ def _sampled(
     names = _outputs(fmu, outputs)
     needs_fmu = any(name not in STATES for name in names)
     all_inputs = _InputValues(inputs, values).all_inputs
-    run = Preparation(fmu, values, ["initial.theta", "initial.omega", *INPUTS])
+    runs = RepeatedStart(fmu, values, ["initial.theta", "initial.omega", *INPUTS])
     state = fmu.reals(*STATES)
 
     def update(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
-        run.begin([*x, *all_inputs(u)])
+        runs.start([*x, *all_inputs(u)])
         fmu.step(period)
         return np.array(state.read())
 
     def output(t: float, x: Array, u: Array, params: Mapping[str, Any]) -> Array:
         if needs_fmu:
-            run.rewind([*x, *all_inputs(u)])
+            runs.initialize([*x, *all_inputs(u)])
         return _read(fmu, names, x)
 
     return control.NonlinearIOSystem(

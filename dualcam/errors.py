@@ -19,5 +19,21 @@ class DesignError(DualcamError):
     """A design that cannot be: the message names the place, the value and what is allowed."""
 
 
-class UnitWarning(UserWarning):
+class ExportError(DualcamError):
+    """No FMU can be made from a design: the message names the file or value, and what is allowed."""
+
+
+class CouplingError(DualcamError):
+    """An own plant cannot be coupled with the FMU as asked."""
+
+
+class DualcamWarning(UserWarning):
+    """A request is carried out, but the result may not be what was meant."""
+
+
+class UnstableCouplingWarning(DualcamWarning):
+    """Errors of an explicit coupling grow from step to step. The message names the numbers and what works."""
+
+
+class UnitWarning(DualcamWarning):
     """A value that is allowed, but looks as if it were given in another unit. The message names that unit."""

@@ -7,7 +7,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from dualcam.fmu import ContinuousFmu, FmuError, Handle, Scalar
+from dualcam.continuous_fmu import ContinuousFmu
+from dualcam.errors import FmuError
+from dualcam.handle import Handle
+from dualcam.library import source_path
+from dualcam.model_description import Scalar
 
 STATES = ("theta", "omega")  # rad, rad/s
 INPUTS = ("tau", "F_ext")  # N.m, N
@@ -25,14 +29,14 @@ def open_forward(
     """A new instance of the FMU at a path or behind a handle, and its start values: those of the handle's
     last start, overridden by `parameters`. FmuError unless torque is an input and angle an output."""
     inherited = source.parameters if isinstance(source, Handle) else {}
-    fmu = kind(source.path if isinstance(source, Handle) else source)
+    fmu = kind(source.path if isinstance(source, Handle) else source_path(source))
     causality = {name: fmu.variable(name).causality for name in (*INPUTS, *OUTPUTS) if name in fmu.names}
     wanted = dict.fromkeys(INPUTS, "input") | dict.fromkeys(OUTPUTS, "output")
     if causality != wanted:
         fmu.close()
         raise FmuError(
-            f"{fmu.path} ({fmu.description.modelName}) is no plant with input tau and output theta: use"
-            " DualCamForward.fmu (in DualCamInverse.fmu the motion goes in and the torque comes out)"
+            f"{fmu.path} ({fmu.description.model_name}) is no plant with input tau and output theta: use"
+            ' "forward" (in "inverse" the motion goes in and the torque comes out)'
         )
     return fmu, {**inherited, **(parameters or {})}
 
@@ -79,7 +83,7 @@ class CamAtState:
 
     def _stop(self, name: str, start: Mapping[str, Scalar]) -> float:
         variable = self.fmu.variable(f"stop.{name}")
-        return float(start.get(variable.name, variable.start))
+        return float(start.get(variable.name, variable.start or 0.0))
 
     def set_state(self, theta: float, omega: float, tau: float, F_ext: float) -> None:
         """Set state and inputs [rad, rad/s, N.m, N], and the mode that follows. FmuError if the FMU refuses a

@@ -10,9 +10,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
-from dualcam.fmu import Array, Fmu, Preparation, Scalar
+from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import Source, open_forward
 from dualcam.linear import OperatingPointError
+from dualcam.model_description import Scalar
+from dualcam.reals import Array
 
 POINTS = 201  # angles of the stick band from the FMU; cubic splines between them
 PHASES = 4096  # per cycle: kinks at turning points make an error of the harmonic near 1/PHASES^2
@@ -50,7 +52,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         super().__init__()
         fmu, values = open_forward(Fmu, source, parameters)
         try:
-            run = Preparation(fmu, values, ["initial.theta"])
+            runs = RepeatedStart(fmu, values, ["initial.theta"])
             self.lower, self.upper = fmu.real("stop.lower"), fmu.real("stop.upper")
             if not self.lower < theta < self.upper:
                 raise OperatingPointError(
@@ -60,7 +62,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             edges = fmu.reals("torque_release", "torque_load")
             band = np.empty((POINTS, 2))
             for angle, row in zip(angles, band, strict=True):
-                run.rewind([angle])
+                runs.initialize([angle])
                 row[:] = edges.read()
         finally:
             fmu.close()

@@ -1,70 +1,152 @@
-"""The binary of an FMI 2.0 FMU with one instance in it."""
+"""The binary of an FMU with one instance in it: what FMI 2.0 and FMI 3.0 have in common.
+
+`dualcam.fmi2` and `dualcam.fmi3` have the calls of each version. The handles of `dualcam.fmu` use the methods
+of Instance alone.
+"""
 
 from __future__ import annotations
 
+import _ctypes
+import ctypes
 import shutil
+import sys
 import tempfile
+import zipfile
+from abc import ABC, abstractmethod
 from collections import deque
-from ctypes import byref, c_void_p
+from collections.abc import Callable, Sequence
+from ctypes import c_double, c_size_t, c_uint, c_void_p
+from functools import partial
 from pathlib import Path
-
-import fmpy
-from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.model_description import ModelDescription
+from typing import Any, ClassVar, Literal, NoReturn
 
 from dualcam.errors import FmuError
+from dualcam.model_description import Interface, ModelDescription, Scalar, Variable
+from dualcam.platforms import binary_folders, library_suffix, platform_tuple
 
-OK_OR_WARNING = 1  # fmi2Status up to this is success
+OK_OR_WARNING = 1  # FMI's status up to this is success
 MESSAGES_KEPT = 8  # an FMU may log warnings without end
+SEARCH_LIBRARY_FOLDER = 0x8  # LOAD_WITH_ALTERED_SEARCH_PATH: libraries beside the FMU's are found (Windows)
+
+CALL_START = "no run has begun: call start() first"
+START_FAILED = "the last start() failed: call start() with values that the FMU accepts"
+CLOSED = "this FMU is closed: open a new one"
+
+Use = Literal["co-simulation", "model exchange"]
+References = ctypes.Array[c_uint]
+Reals = ctypes.Array[c_double]
+Function = Callable[..., int]
 
 
-class Instance:
+class Instance(ABC):
     """A loaded binary with one instance in it, freed once. The instance has no reference to its handle, so
-    that a dropped handle can free it."""
+    that a dropped handle can free it.
 
-    def __init__(self, path: Path, description: ModelDescription, kind: type[FMU2Slave | FMU2Model]) -> None:
+    `get_real`, `set_real` and `do_step` are the FMI functions of the loop. While a call is not allowed, they
+    are replaced by a function that says why."""
+
+    # names of the FMI functions
+    GET_REAL: ClassVar[str]
+    SET_REAL: ClassVar[str]
+    DO_STEP: ClassVar[str]
+    FREE_INSTANCE: ClassVar[str]
+    FREE_STATE: ClassVar[str]
+    RESET: ClassVar[str]
+    EXIT_INITIALIZATION: ClassVar[str]
+    SET_STATE: ClassVar[str]
+    CTYPES: ClassVar[dict[str, Any]]  # type of a variable -> type in C
+
+    get_real: Function
+    set_real: Function
+    do_step: Function
+    step_end: tuple[object, ...] = ()  # the last arguments of do_step
+
+    def __init__(self, path: Path, description: ModelDescription, use: Use) -> None:
+        """FmuError if the FMU has no such use or no binary for this platform, or gives no instance."""
         self.messages: deque[str] = deque(maxlen=MESSAGES_KEPT)  # logged since the last error
         self.states: set[int] = set()  # addresses of FMU states not yet freed
-        identifier = (
-            description.coSimulation if kind is FMU2Slave else description.modelExchange
-        ).modelIdentifier
-        wanted = (f"binaries/{fmpy.platform}/", "resources/")
-        self._directory = _extracted(path, wanted)
+        self.is_open = False
+        self.refusal = CALL_START
+        self._refuse_fast_calls()
+        interface = _interface(path, description, use)
+        self.directory = _extracted(path, description.fmi_major)
         try:
-            (Path(self._directory) / "resources").mkdir(exist_ok=True)
-            self._fmu = kind(
-                instanceName=description.modelName,
-                guid=description.guid,
-                modelIdentifier=identifier,
-                unzipDirectory=self._directory,
-            )
-            # not FMPy's proxy for printf arguments: it has one logger for the whole process
-            callbacks = fmi2CallbackFunctions()
-            callbacks.logger = self._logger()
-            self._fmu.instantiate(callbacks=callbacks)
-        except Exception as error:
-            shutil.rmtree(self._directory, ignore_errors=True)
-            raise FmuError("; ".join([f"{path}: {error}", *self.messages])) from error
-        self.component = self._fmu.component
-        library = self._fmu.dll
-        self.get_real, self.set_real = library.fmi2GetReal, library.fmi2SetReal
-        self.do_step = library.fmi2DoStep
+            self._open(path, _library_file(path, self.directory, interface, description.fmi_major))
+            try:
+                self.component = self._made(path, description, use)
+            except BaseException:
+                self._unload()
+                raise
+        except BaseException:
+            shutil.rmtree(self.directory, ignore_errors=True)
+            raise
         self.is_open = True
 
-    def _logger(self) -> fmi2CallbackLoggerTYPE:
-        messages = self.messages
+    def _open(self, path: Path, file: Path) -> None:
+        self.library = _load(ctypes.CDLL, path, file)
+        # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call that
+        # only copies values.
+        self.brief = _load(ctypes.PyDLL, path, file)
 
-        def log(_: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
-            # FMI doubles the characters % and #, which its printf format would interpret
-            messages.append(text.decode(errors="replace").replace("%%", "%").replace("##", "#"))
+    def _made(self, path: Path, description: ModelDescription, use: Use) -> c_void_p:
+        try:
+            address = self._instantiate(description, use)
+        except AttributeError as error:
+            raise FmuError(f"{path}: the library lacks an FMI function: {error}") from error
+        if address is None:
+            reasons = "; ".join(self.messages) or "the FMU gave no reason"
+            raise FmuError(f"{path}: the FMU made no instance: {reasons}")
+        return c_void_p(address)
 
-        return fmi2CallbackLoggerTYPE(log)
+    # ---- life ----
+
+    @abstractmethod
+    def _instantiate(self, description: ModelDescription, use: Use) -> int | None:
+        """The address of a new instance of the loaded library."""
+
+    @abstractmethod
+    def _loop_functions(self) -> tuple[Function, Function, Function]:
+        """get_real, set_real and do_step."""
+
+    def allow_calls(self) -> None:
+        """Values can be read and written, and steps be made."""
+        self.refusal = ""
+        self.get_real, self.set_real, self.do_step = self._loop_functions()
+
+    def refuse_calls(self, reason: str) -> None:
+        """Until `allow_calls`, reading, writing and stepping is an FmuError that says the reason."""
+        self.refusal = reason if self.is_open else CLOSED
+        self._refuse_fast_calls()
+
+    def _refuse_fast_calls(self) -> None:
+        self.get_real = self.set_real = self.do_step = self._refuse
+
+    def _refuse(self, *_: object) -> NoReturn:
+        raise FmuError(self.refusal)
+
+    def require_calls_allowed(self) -> None:
+        """FmuError while calls are refused."""
+        if self.refusal:
+            raise FmuError(self.refusal)
+
+    def function(self, name: str) -> Function:
+        """The FMI function `name`, which returns FMI's status. The arguments, `component` first, are values
+        of ctypes: their types are not checked."""
+        return self.library[name]  # a new object, which shares no argument types
+
+    def brief_function(self, name: str) -> Function:
+        """As `function`, for calls that only copy values."""
+        return self.brief[name]
+
+    def step_function(self) -> Function:
+        """As `function`, for the step."""
+        return self.function(self.DO_STEP)
 
     def call(self, name: str, *arguments: object) -> None:
         """Call the FMI function `name`; FmuError with the FMU's message if the call fails."""
         if not self.is_open:
-            _refuse_closed()
-        self.check(getattr(self._fmu.dll, name)(self.component, *arguments), name)
+            raise FmuError(CLOSED)
+        self.check(getattr(self.library, name)(self.component, *arguments), name)
 
     def check(self, status: int, name: str) -> None:
         """FmuError with the messages of the FMU if `status` of function `name` is no success."""
@@ -73,41 +155,222 @@ class Instance:
             self.messages.clear()
             raise FmuError(text)
 
-    def free_state(self, address: int) -> None:
-        """Free a saved state, once."""
-        if address in self.states:
-            self.states.remove(address)
-            self.call("fmi2FreeFMUstate", byref(c_void_p(address)))
-
     def free(self) -> None:
         """Free the instance and the unpacked files, once."""
         if not self.is_open:
             return
         for address in list(self.states):
             self.free_state(address)
-        self.is_open = False
-        self.get_real = self.set_real = self.do_step = _refuse_closed
-        self._fmu.freeInstance()
-        shutil.rmtree(self._directory, ignore_errors=True)
+        self._close()
+        free = getattr(self.library, self.FREE_INSTANCE)
+        free.restype = None
+        free(self.component)
+        self._unload()
+        shutil.rmtree(self.directory, ignore_errors=True)
 
     def abandon(self) -> None:
-        """After fmi2Fatal no function may be called, not even to free the instance: its memory is lost."""
-        self.states.clear()
+        """After FMI's status Fatal no function may be called, not even to free the instance: its memory is
+        lost."""
+        if self.is_open:
+            self.states.clear()
+            self._close()
+            shutil.rmtree(self.directory, ignore_errors=True)
+
+    def _close(self) -> None:
         self.is_open = False
-        self.get_real = self.set_real = self.do_step = _refuse_closed
-        shutil.rmtree(self._directory, ignore_errors=True)
+        self.refuse_calls(CLOSED)
+
+    def _unload(self) -> None:
+        for library in (self.brief, self.library):
+            _unload(library._handle)
+
+    # ---- a run ----
+
+    @abstractmethod
+    def initialization_calls(
+        self, tolerance: float | None, time: float = 0.0
+    ) -> list[tuple[str, tuple[object, ...]]]:
+        """Names and arguments of the calls that enter initialization mode at `time` [s]."""
+
+    def enter_initialization(self, tolerance: float | None, time: float) -> None:
+        """Enter initialization mode at `time` [s]."""
+        for name, arguments in self.initialization_calls(tolerance, time):
+            self.call(name, *arguments)
+
+    def exit_initialization(self) -> None:
+        """Leave initialization mode: the run begins."""
+        self.call(self.EXIT_INITIALIZATION)
+
+    def reset(self) -> None:
+        """Back to the start values."""
+        self.call(self.RESET)
+
+    # ---- values ----
+
+    def real_arguments(self, references: References, values: Reals) -> tuple[object, ...]:
+        """The arguments of get_real and set_real for a group of variables."""
+        return (self.component, references, c_size_t(len(references)), values)
+
+    @abstractmethod
+    def access(self, action: Literal["Get", "Set"], type_name: str) -> str:
+        """Name of the FMI function that gets or sets variables of that type."""
+
+    @abstractmethod
+    def access_arguments(self, references: References, values: object) -> tuple[object, ...]:
+        """The arguments of an access function after the instance; `values` points to the values in C."""
+
+    def get(self, variable: Variable) -> Scalar:
+        """The value of a variable."""
+        content = self.CTYPES[_scalar(variable).type]()
+        self._access("Get", variable, content)
+        value = content.value
+        if variable.kind == "string":
+            return (value or b"").decode(errors="replace")
+        return bool(value) if variable.kind == "boolean" else value
+
+    def set(self, variable: Variable, value: Scalar) -> None:
+        """Set a variable to a value of its kind."""
+        content = self.CTYPES[_scalar(variable).type](value.encode() if isinstance(value, str) else value)
+        if variable.kind == "integer" and content.value != value:  # C has no such number of this type
+            raise FmuError(
+                f"{variable.name} = {value}: allowed are whole numbers of the type {variable.type}"
+            )
+        self._access("Set", variable, content)
+
+    def _access(self, action: Literal["Get", "Set"], variable: Variable, content: object) -> None:
+        references = (c_uint * 1)(variable.value_reference)
+        arguments = self.access_arguments(references, ctypes.byref(content))  # type: ignore[arg-type]
+        self.call(self.access(action, variable.type), *arguments)
+
+    @abstractmethod
+    def output_derivatives(self, references: References, order: int, values: Reals) -> None:
+        """Fill `values` with the time derivatives of outputs."""
+
+    @abstractmethod
+    def input_derivatives_call(
+        self, references: References, orders: Sequence[int], values: Reals
+    ) -> partial[int]:
+        """A call that sets time derivatives of inputs; FmuError where FMI has none."""
+
+    def set_input_derivatives(self, references: References, order: int, values: Reals) -> None:
+        """Set time derivatives of one order of inputs."""
+        call = self.input_derivatives_call(references, [order] * len(references), values)
+        self.check(call(), "setting derivatives of inputs")
+
+    @abstractmethod
+    def directional_derivative(
+        self, unknowns: References, knowns: References, seed: Reals, product: Reals
+    ) -> None:
+        """Fill `product` with the partial derivatives of `unknowns` by `knowns` times `seed`."""
+
+    # ---- states ----
+
+    @abstractmethod
+    def save_state(self) -> int:
+        """The address of a copy of the whole state."""
+
+    def restore_state(self, address: int) -> None:
+        """Go back to a saved state."""
+        self.call(self.SET_STATE, c_void_p(address))
+
+    def free_state(self, address: int) -> None:
+        """Free a saved state, once."""
+        if address in self.states:
+            self.states.remove(address)
+            self.call(self.FREE_STATE, ctypes.byref(c_void_p(address)))
+
+    def _kept(self, name: str, address: c_void_p) -> int:
+        """The address of a new state, to be freed later."""
+        if address.value is None:
+            raise FmuError(f"{name} gave no state")
+        self.states.add(address.value)
+        return address.value
+
+    # ---- model exchange ----
+
+    @abstractmethod
+    def enter_event_mode(self) -> None: ...
+
+    @abstractmethod
+    def update_discrete_states(self) -> bool:
+        """One event iteration; whether another one is needed. FmuError if the FMU ends the simulation."""
+
+    @abstractmethod
+    def enter_continuous_time_mode(self) -> None: ...
+
+    @abstractmethod
+    def set_time(self, time: float) -> None: ...
+
+    @abstractmethod
+    def set_states(self, states: Reals) -> None: ...
+
+    @abstractmethod
+    def get_states(self, states: Reals) -> None: ...
+
+    @abstractmethod
+    def get_derivatives(self, derivatives: Reals) -> None: ...
+
+    @abstractmethod
+    def get_event_indicators(self, indicators: Reals) -> None: ...
 
 
-def _extracted(path: Path, wanted: tuple[str, ...]) -> str:
-    """A new folder with these parts of the FMU. FmuError if they are damaged or there is no room."""
-    folder = tempfile.mkdtemp()
+def _scalar(variable: Variable) -> Variable:
+    if variable.is_array or variable.kind in ("binary", "clock"):
+        kind = "an array" if variable.is_array else f"of the type {variable.type}"
+        raise FmuError(f"{variable.name} is {kind}: allowed are scalar numbers, booleans and texts")
+    return variable
+
+
+# ---- files ----
+
+
+def _interface(path: Path, description: ModelDescription, use: Use) -> Interface:
+    found = description.co_simulation if use == "co-simulation" else description.model_exchange
+    if found is None:
+        raise FmuError(f"{path} has no {use}: use an FMU that has, or the handle for its other use")
+    return found
+
+
+def _extracted(path: Path, fmi_major: int) -> Path:
+    """A new folder with the resources and this platform's binary. FmuError if these parts are damaged or
+    there is no room."""
+    wanted = ("resources/", *(f"binaries/{folder}/" for folder in binary_folders(fmi_major)))
+    folder = Path(tempfile.mkdtemp(prefix="dualcam_")).resolve()
     try:
-        fmpy.extract(path, folder, include=lambda name: name.startswith(wanted))
+        with zipfile.ZipFile(path) as archive:
+            archive.extractall(folder, [name for name in archive.namelist() if name.startswith(wanted)])
+        (folder / "resources").mkdir(exist_ok=True)
     except Exception as error:  # zipfile's, zlib's and the system's
         shutil.rmtree(folder, ignore_errors=True)
         raise FmuError(f"{path} cannot be unpacked into {folder}: {error}") from error
     return folder
 
 
-def _refuse_closed(*_: object) -> int:
-    raise FmuError("this FMU is closed: open a new one")
+def _library_file(path: Path, directory: Path, interface: Interface, fmi_major: int) -> Path:
+    name = interface.model_identifier + library_suffix()
+    folders = binary_folders(fmi_major)
+    for folder in folders:
+        file = directory / "binaries" / folder / name
+        if file.is_file():
+            return file
+    with zipfile.ZipFile(path) as archive:
+        members = [member.split("/") for member in archive.namelist()]
+    others = sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2})
+    raise FmuError(
+        f"{path} has no library for this platform ({platform_tuple()}), no binaries/{folders[0]}/{name}:"
+        f" the FMU has {', '.join(others) or 'no binaries at all'}"
+    )
+
+
+def _load(kind: type[ctypes.CDLL] | type[ctypes.PyDLL], path: Path, file: Path) -> ctypes.CDLL:
+    try:
+        return kind(str(file), winmode=SEARCH_LIBRARY_FOLDER)
+    except OSError as error:
+        raise FmuError(f"{path}: the library cannot be loaded: {error}") from error
+
+
+def _unload(handle: int) -> None:
+    if sys.platform == "win32":
+        _ctypes.FreeLibrary(handle)
+    else:
+        _ctypes.dlclose(handle)

@@ -10,7 +10,7 @@ from typing import Literal
 import control
 import numpy as np
 
-from dualcam.fmu import FmuError, Scalar
+from dualcam.errors import FmuError
 from dualcam.forward import (
     INPUTS,
     LOADING,
@@ -27,6 +27,7 @@ from dualcam.forward import (
     checked_period,
     selected_names,
 )
+from dualcam.model_description import Scalar
 
 AtRest = Literal["loading", "releasing", "frozen"]
 

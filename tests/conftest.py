@@ -29,14 +29,14 @@ settings.load_profile("short")
 @pytest.fixture(scope="session")
 def binaries(tmp_path_factory):
     """The shared library of each FMU, by model identifier."""
-    found = {}
+    platform, found = build_fmu.host_platform(2), {}
     for name, model in models.items():
         if not model.fmu.exists():
             pytest.exit(f"{model.fmu} is missing: run ./build.sh first", returncode=1)
         directory = tmp_path_factory.mktemp(name)
         with zipfile.ZipFile(model.fmu) as archive:
             archive.extractall(directory)
-        found[name] = directory / "binaries" / "linux64" / f"{name}.so"
+        found[name] = directory / "binaries" / platform.folder / platform.library(name).name
     return found
 
 

@@ -1,20 +1,26 @@
 """dualcam.Fmu and dualcam.ContinuousFmu: names, values, runs, errors. What they must agree with is the FMU
 called directly (tests/support/driver.py)."""
 
+import ast
 import gc
 import math
+import subprocess
+import sys
+import tomllib
 import zipfile
+from ctypes import c_char_p
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pytest
-from driver import models
+from driver import ROOT, models
 
 import dualcam
-from dualcam import ContinuousFmu, Fmu, FmuError, UnknownVariableError
-from dualcam.fmu import Preparation
+from dualcam import ContinuousFmu, Fmu, FmuError, RepeatedStart, UnknownVariableError, library, version
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
+THIRD = FORWARD.parent / "fmi3" / FORWARD.name
 ELLIPSES = {"cam1.profile": 2, "cam2.profile": 2, "inertia.follower_mass": 0.3, "damper.c_load": 20.0}
 EACH_TYPE = {"contacts": 1, "ledger": False, "cam1.table": "some.csv", "spring.preload": 60.0}
 
@@ -151,10 +157,10 @@ def test_a_restored_state_repeats_bit_for_bit(fmu):
 
 def test_prepared_runs_are_those_of_start(shared):
     values = ELLIPSES | {"spring.preload": 70.0}
-    run = Preparation(shared, values, ["initial.theta", "initial.omega", "tau"])
+    run = RepeatedStart(shared, values, ["initial.theta", "initial.omega", "tau"])
     found = []
     for start in ([0.3, 1.0, 4.0], [0.9, -2.0, 1.0], [0.3, 1.0, 4.0]):
-        run.begin(start)
+        run.start(start)
         shared.step(5e-3)
         found.append([shared.get("theta"), shared.get("omega")])
     for start, ends in zip(([0.3, 1.0, 4.0], [0.9, -2.0, 1.0]), found, strict=False):
@@ -174,10 +180,10 @@ def test_model_exchange(continuous):
     rho = 0.01 * 1.14 / 0.86
     assert continuous.derivatives() == pytest.approx([2.0, (3.0 - rho * 300.0) / 0.002], rel=1e-12)
     assert continuous.get("mode") == 2
-    assert min(continuous.indicators()) > 0.0
+    assert min(continuous.event_indicators()) > 0.0
     continuous.set_states([0.5, -1.0])
     assert continuous.get("mode") == 2  # until it is asked to decide
-    assert min(continuous.indicators()) < 0.0
+    assert min(continuous.event_indicators()) < 0.0
     continuous.enter_event_mode()
     assert continuous.states() == [0.5, 0.0]
     assert continuous.get("mode") == 1
@@ -255,7 +261,7 @@ def test_messages_are_the_fmus_own_words(fmu):
     with refused("seed", r"\(1,\)"):
         fmu.directional_derivative(["alpha"], ["tau"], [1.0, 2.0])
     with refused('unknown category "100% #1"'):
-        fmu._instance.call("fmi2SetDebugLogging", 1, 1, (dualcam.fmu.c_char_p * 1)(b"100% #1"))
+        fmu._instance.call("fmi2SetDebugLogging", 1, 1, (c_char_p * 1)(b"100% #1"))
     fmu.step(1e-3)  # it goes on as before
 
 
@@ -266,7 +272,7 @@ def test_a_start_that_cannot_work(shared):
 
 
 def test_what_is_no_fmu(tmp_path):
-    with refused("no file", r"build\.sh"):
+    with refused("no file", "forward"):
         Fmu(tmp_path / "missing.fmu")
     text = tmp_path / "text.fmu"
     text.write_text("not a ZIP archive")
@@ -301,7 +307,7 @@ def test_an_fmu_for_another_use_platform_or_version(tmp_path):
         start, end = text.index("<ModelExchange"), text.index("</ModelExchange>") + len("</ModelExchange>")
         return text[:start] + text[end:]
 
-    with refused("has no modelExchange"):
+    with refused("has no model exchange"):
         ContinuousFmu(rewritten(FORWARD, tmp_path / "slave.fmu", no_exchange))
     with refused("bare.fmu", "library"):
         Fmu(rewritten(FORWARD, tmp_path / "bare.fmu", None))
@@ -317,7 +323,7 @@ def test_a_closed_fmu_refuses_every_call():
         command = fmu.reals("tau")
         fmu.start()
         state = fmu.save_state()
-        directory = Path(fmu._instance._directory)
+        directory = Path(fmu._instance.directory)
         assert directory.exists()
     assert not directory.exists()
     fmu.close()
@@ -333,7 +339,7 @@ def test_a_closed_fmu_refuses_every_call():
 def test_what_is_dropped_is_freed():
     fmu = Fmu(FORWARD)
     fmu.start()
-    instance, directory = fmu._instance, Path(fmu._instance._directory)
+    instance, directory = fmu._instance, Path(fmu._instance.directory)
     states = [fmu.save_state() for _ in range(3)]
     assert len(instance.states) == 3
     del states[:2]
@@ -354,3 +360,253 @@ def test_instances_share_nothing():
             other.set("cam1.friction", -1.0)
         one.step(1e-3)
         assert [one.get("theta"), other.get("theta"), third.get("theta")] == [0.3, 0.6, 0.9]
+
+
+# ---- names and versions ----
+
+
+def test_paths_of_names():
+    assert dualcam.fmu_path("forward") == FORWARD
+    assert dualcam.fmu_path("inverse") == INVERSE
+    assert dualcam.fmu_path("forward", fmi=3) == FORWARD.parent / "fmi3" / FORWARD.name
+    with refused("backward", "'forward', 'inverse'"):
+        dualcam.fmu_path("backward")
+    with refused("fmi=1", "2 .* and 3"):
+        dualcam.fmu_path("forward", fmi=1)
+
+
+def test_an_installed_package_has_its_fmus_inside(tmp_path, monkeypatch):
+    """The folder of the package comes first. Without it and without a build the error says how to make
+    both."""
+    monkeypatch.setattr(library, "PACKAGE", tmp_path / "dualcam")
+    with refused("DualCamForward.fmu of FMI 3.0 is missing", r"build\.sh", "install"):
+        dualcam.fmu_path("forward", fmi=3)
+    for fmi, content in ((2, FORWARD), (3, THIRD)):
+        inside = tmp_path / "dualcam" / "fmus" / f"fmi{fmi}" / FORWARD.name
+        inside.parent.mkdir(parents=True)
+        inside.write_bytes(content.read_bytes())
+        assert dualcam.fmu_path("forward", fmi=fmi) == inside
+        with Fmu("forward", fmi=fmi) as fmu:
+            assert fmu.description.fmi_version == f"{fmi}.0"
+
+
+def test_a_name_or_a_path_is_a_source():
+    for source, options in (("forward", {}), (FORWARD, {}), (str(FORWARD), {}), (FORWARD, {"fmi": 2})):
+        with Fmu(source, **options) as fmu:
+            assert fmu.description.fmi_version == "2.0"
+    with refused("FMI 2.0", "allowed is fmi = 2"):
+        Fmu(FORWARD, fmi=3)
+    models_of_names = [
+        dualcam.linearize(source, 0.5, at_rest="loading") for source in ("forward", FORWARD, THIRD)
+    ]
+    assert all(np.array_equal(model.A, models_of_names[0].A) for model in models_of_names)
+    assert dualcam.to_nonlinear_io_system("forward", period=1e-3).nstates == 2
+    assert dualcam.CamHysteresis("forward", 0.5).dead_band > 0.0
+
+
+def run_of(fmu):
+    """All that a run gives in scenes with stick, slip, stops and tuning, number by number."""
+    fmu.start(ELLIPSES | {"initial.theta": 0.3, "tau": 4.0})
+    command, state, everything = fmu.reals("tau", "F_ext"), fmu.reals("theta", "omega", "z", "v"), []
+    for k in range(40):
+        command.values = [6.0 * math.sin(0.4 * k), 5.0 * k % 7]
+        command.write()
+        if k == 20:
+            saved = fmu.save_state()
+            fmu.set("cam1.friction", 0.12)
+        fmu.step(2e-3)
+        everything += [*state.read(), *state.read_derivatives(1), *state.read_derivatives(2)]
+    fmu.restore_state(saved)
+    fmu.step(2e-3)
+    everything += [*state.read(), fmu.time]
+    knowns = ["theta", "omega", "tau", "F_ext", "cam1.friction"]
+    everything += fmu.jacobian(["alpha", "v"], knowns).ravel().tolist()
+    everything += fmu.directional_derivative(["alpha"], ["tau", "F_ext"], [0.5, 2.0]).tolist()
+    return everything
+
+
+def test_fmi_3_is_fmi_2_bit_for_bit():
+    with Fmu("forward") as second, Fmu("forward", fmi=3) as third:
+        assert third.description.fmi_version == "3.0"
+        assert run_of(second) == run_of(third)
+        common = set(second.names) & set(third.names)
+        for name in common:
+            assert second.get(name) == third.get(name), name
+            assert type(second.get(name)) is type(third.get(name))
+        states = {"state.theta", "state.omega", "der(state.theta)", "der(state.omega)"}
+        assert common == set(second.names) - states
+
+
+def test_the_inverse_fmu_in_both_versions():
+    torques = []
+    for fmi in (2, 3):
+        with Fmu("inverse", fmi=fmi) as fmu:
+            fmu.start({"theta": 0.4, "omega": 3.0, "alpha": -10.0})
+            fmu.step(1e-3)
+            torques.append(fmu.get("tau"))
+    assert torques[0] == torques[1]
+
+
+def test_model_exchange_in_both_versions():
+    found = []
+    for fmi in (2, 3):
+        with ContinuousFmu("forward", fmi=fmi) as fmu:
+            fmu.start({"tau": 3.0}, time=0.25)
+            values = [fmu.time]
+            for state in ([0.5, 2.0], [0.5, -2.0], [0.7, 0.0]):
+                fmu.set_states_and_mode(state)
+                values += [*fmu.states(), *fmu.derivatives(), *fmu.event_indicators(), fmu.get("mode")]
+            fmu.set_states([0.6, -1.0])
+            fmu.set_time(0.5)
+            found.append([*values, *fmu.derivatives(), fmu.time])
+    assert found[0] == found[1]
+
+
+def test_every_type_in_fmi_3():
+    with Fmu("forward", fmi=3) as fmu:
+        fmu.start(EACH_TYPE | {"cam1.profile": 1})
+        assert {name: fmu.get(name) for name in EACH_TYPE} == EACH_TYPE
+        with refused("cam1.friction", "-0.1", "allowed is"):
+            fmu.start({"cam1.friction": -0.1})
+        fmu.start()
+
+
+def test_fmi_3_has_no_derivatives_of_inputs():
+    with Fmu("forward", fmi=3) as fmu:
+        fmu.start()
+        with refused("FMI 3.0 has no derivatives of inputs"):
+            fmu.reals("tau").write_derivatives(1, [1.0])
+
+
+# ---- calls before start, and values ----
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_before_start_nothing_can_be_read_or_stepped(fmi):
+    with Fmu("forward", fmi=fmi) as fmu:
+        group = fmu.reals("tau")
+        calls = (
+            group.read, group.write, lambda: fmu.get("theta"), lambda: fmu.real("theta"),
+            lambda: fmu.set("tau", 1.0), lambda: fmu.step(1e-3), fmu.save_state,
+            lambda: fmu.jacobian(["alpha"], ["tau"]), lambda: fmu.reals("theta").read_derivatives(1),
+            lambda: group.write_derivatives(1, [0.0]),
+        )  # fmt: skip
+        for call in calls:
+            with refused("no run has begun", r"call start\(\)"):
+                call()
+        fmu.start()
+        fmu.step(1e-3)
+        with refused("cam1.friction"):
+            fmu.start({"cam1.friction": -1.0})
+        for call in calls:
+            with refused(r"last start\(\) failed", r"call start\(\)"):
+                call()
+        fmu.start()
+        assert group.read() == [0.0]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_before_start_nothing_of_model_exchange_can_be_read(fmi):
+    with ContinuousFmu("forward", fmi=fmi) as fmu:
+        for call in (
+            fmu.states, fmu.derivatives, fmu.event_indicators, fmu.enter_event_mode,
+            lambda: fmu.set_states([0.0, 0.0]), lambda: fmu.set_time(1.0), lambda: fmu.get("theta"),
+        ):  # fmt: skip
+            with refused(r"call start\(\)"):
+                call()
+        fmu.start()
+        with refused("states has shape", r"allowed is \(2,\)"):
+            fmu.set_states([0.0])
+
+
+def test_values_can_be_assigned(fmu):
+    group = fmu.reals("tau", "F_ext")
+    buffer = group.values
+    group.values = [2.5, 7.0]
+    assert group.values is buffer
+    group.write()
+    assert [fmu.get("tau"), fmu.get("F_ext")] == [2.5, 7.0]
+    group.values = np.array([1, 2])
+    group.write()
+    assert fmu.reals("tau", "F_ext").read() == [1.0, 2.0]
+    for values in ([1.0], [1.0, 2.0, 3.0], 4.0, [[1.0, 2.0]]):
+        with refused("values has shape", r"allowed is \(2,\)"):
+            group.values = values
+    with refused("values", "allowed are 2 numbers"):
+        group.values = ["a", "b"]
+    assert group.values.tolist() == [1.0, 2.0]
+    with refused("values has shape"):
+        group.write_derivatives(1, [1.0])
+
+
+def test_whole_numbers_that_the_type_does_not_have(shared):
+    with refused("contacts = 4294967298", "Integer"):
+        shared.start({"contacts": 2**32 + 2})
+
+
+# ---- what is loaded ----
+
+
+def printed(code):
+    """What a new Python prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    return done.stdout.split()
+
+
+def test_import_loads_no_other_package():
+    """NumPy alone takes longer to load than all of `import dualcam`."""
+    code = (
+        "import sys; before = set(sys.modules); import dualcam; dir(dualcam);"
+        "print(*{name.partition('.')[0] for name in set(sys.modules) - before})"
+    )
+    assert "dualcam" in printed(code)
+    assert set(printed(code)) <= {"dualcam"} | sys.stdlib_module_names
+
+
+def test_an_fmu_runs_without_fmpy():
+    code = (
+        "import sys, dualcam\n"
+        "for fmi in (2, 3):\n"
+        "    with dualcam.Fmu('forward', fmi=fmi) as fmu:\n"
+        "        fmu.start({'tau': 5.0}); fmu.step(0.1); print(fmu.get('theta') > 0.0)\n"
+        "dualcam.linearize, dualcam.study\n"
+        "print([name for name in sys.modules if name.startswith(('fmpy', 'lxml', 'ziglang'))] == [])\n"
+    )
+    assert printed(code) == ["True"] * 3
+
+
+def test_subpackages_need_no_further_import():
+    code = (
+        "import dualcam; print(dualcam.design.optimum.__name__, dualcam.study.Plan.__name__,"
+        " dualcam.systems.__name__)"
+    )
+    assert printed(code) == ["optimum", "Plan", "dualcam.systems"]
+
+
+def test_public_names():
+    """`dir` lists them; type checkers see each one, in the imports for them."""
+    assert dir(dualcam) == sorted(dualcam.__all__)
+    assert {"DualcamError", "DesignError", "FmuError", "UnitWarning", "fmu_path"} <= set(dualcam.__all__)
+    tree = ast.parse(Path(dualcam.__file__).read_text(encoding="utf-8"))
+    (checked,) = [node for node in tree.body if isinstance(node, ast.If) and isinstance(node.test, ast.Name)]
+    imported = {
+        alias.name for node in checked.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    assert imported | {"__version__"} == set(dualcam.__all__)
+    assert (Path(dualcam.__file__).parent / "py.typed").is_file()
+
+
+def test_version():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert dualcam.__version__ == project["version"]
+
+
+def test_version_of_a_checkout_that_is_not_installed(monkeypatch):
+    def missing(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(metadata, "version", missing)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert version._version() == project["version"]

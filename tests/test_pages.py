@@ -1,4 +1,5 @@
-"""README.md and docs/*.md: the code they show runs, what they name exists, what is generated is fresh."""
+"""README.md, the pages beside it, and docs/*.md: their code runs, what they name exists, what is generated is
+fresh."""
 
 import ast
 import importlib.util
@@ -17,7 +18,8 @@ from dualcam.design_file.schema import known_keys
 
 DOCS = ROOT / "docs"
 CORE = ROOT / "fmu_src"
-PAGES = {path.relative_to(ROOT).as_posix(): path for path in [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]}
+TOP = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
+PAGES = {path.relative_to(ROOT).as_posix(): path for path in [*TOP, *sorted(DOCS.glob("*.md"))]}
 TEXTS = {name: path.read_text(encoding="utf-8") for name, path in PAGES.items()}
 README = TEXTS["README.md"]
 BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTALL)

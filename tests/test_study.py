@@ -35,6 +35,7 @@ from study_cases import (
     study,
 )
 
+import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.study import History, Plan, Scenario, Vary, load, plots, read
@@ -257,6 +258,31 @@ def test_any_fmu_even_one_without_states_and_input_derivatives():
     block = runs_of(one)
     assert np.allclose(block.values[:, 0], 3.5, rtol=1e-15)
     assert np.array_equal(block.values[:, 1:], plan.rows(0, 1100))
+
+
+@pytest.mark.parametrize("saves_state", [True, False])
+def test_fmi_3_makes_the_runs_of_fmi_2(saves_state):
+    """With start values of each type, a tuned parameter and a controller."""
+    plan = Plan("latin", DESIGN, runs=16)
+    parameters = {"contacts": 1, "ledger": True, "cam1.profile": 2, "cam2.profile": 2}
+    for scenario in (PUSH, closed(proportional)):
+        found = []
+        for source in ("forward", dualcam.fmu_path("forward", fmi=3)):
+            runner = Runner(
+                study(plan, scenario, RESULTS[1:], source, parameters=parameters).job(), saves_state
+            )
+            block = runner.run(plan.rows(0, plan.count))
+            runner.close()
+            assert block.messages == {}
+            found.append(block.values)
+        assert np.array_equal(*found)
+        assert np.all(np.isfinite(found[0]))
+
+
+def test_an_fmi_3_fmu_takes_no_derivatives_of_inputs():
+    ramp = Scenario(0.1, {"tau": History([0.0, 0.1], [0.0, 8.0])})
+    with refused("takes no derivatives of inputs", "give step"):
+        Runner(study(scenario=ramp, results=["theta"], fmu=dualcam.fmu_path("forward", fmi=3)).job())
 
 
 def test_a_failed_run_is_a_row_with_the_fmus_message():

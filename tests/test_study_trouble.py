@@ -6,7 +6,6 @@ import math
 import multiprocessing
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -154,15 +153,19 @@ def damage(path):
     path.write_bytes(content)
 
 
+def of_version_1(name, content):
+    return content.replace(b'fmiVersion="2.0"', b'fmiVersion="1.0"') if name.endswith(".xml") else content
+
+
 @pytest.mark.parametrize(
     "make, mentions",
     [
-        (lambda path: changed(path, without(rb"<CoSimulation\s.*?</CoSimulation>")), ["coSimulation"]),
+        (lambda path: changed(path, without(rb"<CoSimulation\s.*?</CoSimulation>")), ["no co-simulation"]),
         (lambda path: changed(path, lambda n, c: None if n.startswith("binaries") else c), ["library"]),
         (lambda path: damage(changed(path)), ["cannot be unpacked"]),
         (lambda path: path.write_bytes(FORWARD.read_bytes()[:5000]), ["no FMU", "ZIP"]),
         (lambda path: path.mkdir(), ["no file"]),
-        (lambda path: shutil.copy(build_fmu.place(3) / FORWARD.name, path), ["FMI 3.0", "allowed is 2.0"]),
+        (lambda path: changed(path, of_version_1), ["FMI 1.0", "allowed are 2.0 and 3.0"]),
     ],
 )
 def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
@@ -221,8 +224,6 @@ def test_a_slip_in_a_plan_is_named_before_anything_is_made(tmp_path, capsys, old
     (["--figure", "all.gnp"], ["all.gnp", ".png"]),
     (["--scheduler", ""], ["no Dask scheduler"]),
     (["--scheduler", "carrier-pigeon://me"], ["no Dask scheduler", "carrier-pigeon"]),
-    (["--workers", "-1"], ["workers = -1", "0 or more"]),
-    (["--chunk", "0"], ["chunk = 0", "1 or more"]),
     (["--out", "/dev/full"], ["/dev/full"]),
     (["--out", "/proc/study"], ["/proc/study"]),
 ])  # fmt: skip
@@ -233,6 +234,17 @@ def test_a_slip_on_the_command_line(tmp_path, capsys, words, mentions):
     said = capsys.readouterr().err
     assert all(mention in said for mention in mentions), said
     assert not list(tmp_path.rglob("runs-*"))
+
+
+@pytest.mark.parametrize(
+    "words", [["--workers", "-1"], ["--chunk", "0"], ["--format", "xlsx"], ["--speed", "9"]]
+)
+def test_an_option_out_of_range_is_wrong_use(tmp_path, capsys, words):
+    plan = tmp_path / "small.toml"
+    plan.write_text(PLAN.format(fmu=FORWARD))
+    assert main(["study", str(plan), "--out", str(tmp_path / "out"), *words]) == 2
+    assert words[0] in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_picture_without_plots_is_refused_before_the_runs(tmp_path, capsys):

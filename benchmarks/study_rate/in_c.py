@@ -36,10 +36,10 @@ class Calls(ctypes.Structure):
 def in_c(runner: Runner, rows: Array) -> Block:
     """Seconds of a run of the runner's FMU from C. The results are those of the runner."""
     loop = core.load_loops("study_rate/study_runs.c", "seconds_study", flags=("-O2",))
-    library, fmu, state = runner._library, runner._fmu, runner._state
+    library, fmu, state = runner._fmu._instance.library, runner._fmu, runner._state
 
     def references(names: Sequence[str]) -> ctypes.Array[ctypes.c_uint]:
-        return (ctypes.c_uint * len(names))(*(fmu.variable(name).valueReference for name in names))
+        return (ctypes.c_uint * len(names))(*(fmu.variable(name).value_reference for name in names))
 
     calls = Calls(
         *(ctypes.cast(getattr(library, name), ctypes.c_void_p) for name in Calls.FUNCTIONS),

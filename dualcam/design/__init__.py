@@ -3,6 +3,7 @@
     optimum, efficiency, efficiency_map     lead angles and friction
     synthesize                              groove for a wanted torque over angle, as the FMU's table
     Mechanism, Spring                       torque of slow motion, reactions, curvature of a pair of grooves
+    torque_band                             torque band and efficiency over the whole range
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
 
@@ -23,6 +24,7 @@ from dualcam.design.statics import (
 )
 from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, hertz_pressure
 from dualcam.design.synthesis import Design, synthesize
+from dualcam.design.torque_band import TorqueBand, torque_band
 
 __all__ = [
     "Assessment",
@@ -39,6 +41,7 @@ __all__ = [
     "Pin",
     "Spring",
     "Table",
+    "TorqueBand",
     "assess",
     "band_factors",
     "curvature",
@@ -47,4 +50,5 @@ __all__ = [
     "hertz_pressure",
     "optimum",
     "synthesize",
+    "torque_band",
 ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,46 +12,69 @@ from rich.console import Console
 
 from dualcam.study.description import load
 from dualcam.study.problem import StudyError
-from dualcam.study.store import FORMATS, read
+from dualcam.study.store import read
 from dualcam.study.study import Study, say
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("plans", nargs="+", type=Path, metavar="plan.toml")
-    parser.add_argument(
-        "--out", type=Path, default=Path("build/study"), help="folder of folders, one per plan"
-    )
-    parser.add_argument(
-        "--workers", type=int, help="processes of this machine, 0: in this one (one per processor)"
-    )
-    parser.add_argument("--scheduler", help="address of a Dask scheduler to be used instead, tcp://host:8786")
-    parser.add_argument("--format", choices=FORMATS, help="of the results (parquet if pyarrow is installed)")
-    parser.add_argument(
-        "--figure", type=Path, help="one picture of all plots (each plan's own, beside its results)"
-    )
-    parser.add_argument("--chunk", type=int, help="runs in a file of results")
+@dataclass(frozen=True)
+class Settings:
+    """How the studies are run, and where their results go.
+
+    Attributes
+    ----------
+    folder
+        The folder that gets one folder for each plan.
+    workers
+        Processes of this machine; 0: in this one; None: one per core.
+    scheduler
+        Address of a Dask scheduler to be used instead.
+    file_format
+        "parquet" or "csv"; None: parquet where pyarrow is installed.
+    figure
+        One picture of all plots; None: one for each plan, beside its results.
+    chunk
+        Runs in a file of results.
+    """
+
+    folder: Path
+    workers: int | None = None
+    scheduler: str | None = None
+    file_format: str | None = None
+    figure: Path | None = None
+    chunk: int | None = None
 
 
-def run(arguments: argparse.Namespace, console: Console) -> None:
-    """StudyError says what is wrong. What is written is complete, and the same command goes on from there."""
+def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
+    """Run the studies of these files: plans, or design files with a section [study].
+
+    Raises
+    ------
+    StudyError
+        What is wrong. All files that are written are complete: the same command goes on from there.
+    """
     from dualcam.study import plots
 
-    studies = [(load(plan), arguments.out / plan.stem) for plan in arguments.plans]
+    studies = [(load(plan), settings.folder / plan.stem) for plan in plans]
     if len({folder for _, folder in studies}) < len(studies):
         raise StudyError("two plans of the same name would share a folder: rename one")
     for study, _ in studies:
         plots.check(study)
-    if arguments.figure:
-        plots.check_file([study for study, _ in studies], arguments.figure)
+    if settings.figure:
+        plots.check_file([study for study, _ in studies], settings.figure)
     for study, folder in studies:
         say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
         begun = time.perf_counter()
         study.make(
-            folder, arguments.workers, arguments.scheduler, arguments.format, arguments.chunk, console=console
+            folder,
+            settings.workers,
+            settings.scheduler,
+            settings.file_format,
+            settings.chunk,
+            console=console,
         )
         _tell(study, folder, time.perf_counter() - begun, console)
-    if arguments.figure:
-        _draw(studies, arguments.figure, console)
+    if settings.figure:
+        _draw(studies, settings.figure, console)
         return
     for study, folder in studies:
         if study.plots:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dualcam.library import MODELS
 from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
@@ -23,6 +24,7 @@ FILE = {
     "parameters": TABLE,
     "plots": Kind("[[plots]] tables", lambda value: isinstance(value, list) and all(map(TABLE.suits, value))),
 }
+STUDY = {name: FILE[name] for name in ("plan", "results", "plots")}  # in the section [study] of a design file
 PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT}
 VARY = {"from": NUMBER, "to": NUMBER, "count": WHOLE, "log": SWITCH, "values": VALUE.listed()}
 SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
@@ -31,17 +33,33 @@ CONTROLLER = {"make": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": 
 
 
 def load(path: str | Path) -> Study:
-    """The study that a TOML file describes; paths in it are relative to the file. StudyError if it is
-    none."""
+    """The study that a TOML file describes.
+
+    Parameters
+    ----------
+    path
+        A plan, or a design file with a section [study]. Paths in the file are relative to the file.
+        `fmu` is a path, "forward" or "inverse".
+
+    Raises
+    ------
+    StudyError
+        The file describes no study.
+    DesignFileError
+        The file is a design file with errors.
+    """
     path = Path(path)
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise StudyError(f"{path} cannot be read as TOML: {error}") from error
     try:
+        if "study" in content:
+            return _study_of_design(path)
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
+        fmu = table["fmu"]
         return Study(
-            path.parent / table["fmu"],
+            fmu if fmu in MODELS else path.parent / fmu,
             read_plan(table["plan"], path.parent),
             _scenario(table["scenario"]),
             table["results"],
@@ -50,6 +68,26 @@ def load(path: str | Path) -> Study:
         )
     except StudyError as error:
         raise StudyError(f"{path}: {error}") from error
+
+
+def _study_of_design(path: Path) -> Study:
+    """The study in the section [study] of a design file: its runs begin with the design's values."""
+    from dualcam.design_file import read_design  # the reader of design files reads plans by this module
+
+    design = read_design(path)
+    table = entries(design.study, "study", STUDY, ("plan", "results"))
+    if design.scenario is None:
+        raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
+    plan = read_plan(table["plan"], path.parent)
+    fixed = {name: value for name, value in design.parameters.items() if name not in plan.names}
+    return Study(
+        design.model,
+        plan,
+        design.scenario,
+        table["results"],
+        fixed,
+        table.get("plots", ()),
+    )
 
 
 def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:

@@ -109,7 +109,7 @@ def _columns(plot: Mapping[str, Any]) -> list[str]:
 
 def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -> None:
     columns = {name: np.asarray(values, float) for name, values in read(folder, _columns(plot)).items()}
-    with Fmu(study.fmu) as fmu:
+    with Fmu(study.path) as fmu:
         labels = {name: _label(fmu, name) for name in columns}
     if plot["kind"] == "sobol":
         _sobol(axis, study, columns, plot["of"])

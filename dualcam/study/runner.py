@@ -3,49 +3,38 @@
 All of a run is laid out once as a list of FMI calls on fixed buffers: begin, start values, steps, reads. A
 run is then that list, called from front to back; the values of its row and its results are where the
 buffers point. Where the FMU can save its state, a run begins with the state saved in initialization mode,
-which also keeps what the FMU has computed of the fixed parameters; elsewhere with fmi2Reset.
+which also keeps what the FMU has computed of the fixed parameters; elsewhere with a reset.
 """
 
 from __future__ import annotations
 
-import ctypes
 import math
 import tempfile
 import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import c_double, c_uint, c_void_p
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from fmpy.model_description import ScalarVariable
 
-from dualcam.fmu import OK_OR_WARNING, Array, Fmu, FmuError, FmuState, Scalar
+from dualcam.errors import FmuError
+from dualcam.fmu import Fmu
+from dualcam.handle import FmuState
+from dualcam.instance import OK_OR_WARNING, References
+from dualcam.model_description import Kind, Scalar, Variable
+from dualcam.reals import Array
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.scenario import Controller, Scenario, Step, instants, times_of
 
-FATAL = 4  # fmi2Status from which an instance cannot be used any more
+FATAL = 4  # FMI's status from which an instance cannot be used any more
 Call = Callable[[], int]
-CTYPES: dict[str, Any] = {
-    "Real": c_double,
-    "Integer": c_int,
-    "Enumeration": c_int,
-    "Boolean": c_int,
-    "String": c_char_p,
-}
-SUFFIX = {
-    "Real": "Real",
-    "Integer": "Integer",
-    "Enumeration": "Integer",
-    "Boolean": "Boolean",
-    "String": "String",
-}
-NUMERIC = tuple(name for name in SUFFIX if name != "String")
+NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 
 
 @dataclass(frozen=True)
@@ -87,8 +76,8 @@ class _Window:
     pointer: c_void_p
 
     @classmethod
-    def of(cls, kind: str, runs: int, width: int) -> _Window:
-        lines = np.zeros((runs, width), np.float64 if kind == "Real" else np.int32)
+    def of(cls, kind: Any, runs: int, width: int) -> _Window:  # noqa: ANN401
+        lines = np.zeros((runs, width), np.dtype(kind))
         return cls(lines, c_void_p())
 
     def track(self) -> tuple[c_void_p, int, int]:
@@ -101,7 +90,7 @@ class Runner:
     BATCH = 1000  # runs whose buffers are laid out at once
 
     def __init__(self, job: Job, saves_state: bool = True) -> None:
-        """`saves_state`: begin with a saved state where the FMU has that, which is faster than fmi2Reset."""
+        """`saves_state`: begin with a saved state where the FMU has that, which is faster than a reset."""
         self.job = job
         self._saves_state = saves_state
         self._windows: dict[str, _Window] = {}
@@ -110,13 +99,9 @@ class Runner:
 
     def _open(self) -> None:
         self._fmu = _unpacked(self.job)
-        self._saves_state &= bool(self._fmu.description.coSimulation.canGetAndSetFMUstate)
-        instance = self._fmu._instance
-        # Not FMPy's functions, whose argument types are checked and converted at every call.
-        self._library = ctypes.CDLL(instance._fmu.dll._name)
-        # These take less time than giving Python's lock away and taking it back.
-        self._brief = ctypes.PyDLL(instance._fmu.dll._name)
-        self._component = c_void_p(instance.component)
+        self._saves_state &= self._fmu.interface.can_save_state
+        self._instance = self._fmu._instance
+        self._component = self._instance.component
         self._reads: list[tuple[_Window, list[int]]] = []  # with the places of its columns among the results
         self._state: FmuState | None = None
         self.calls = self._layout()
@@ -127,21 +112,26 @@ class Runner:
     # ---- the list of calls ----
 
     def _call(self, name: str, *arguments: object) -> Call:
-        brief = name.startswith(("fmi2Set", "fmi2Get")) and name != "fmi2SetupExperiment"
-        function = getattr(self._brief if brief else self._library, name)
-        function.restype = c_int
+        """A call that may take long, such as a step."""
+        return partial(self._instance.function(name), self._component, *arguments)
+
+    def _access(
+        self, action: Literal["Get", "Set"], type_name: str, names: Sequence[str], values: object
+    ) -> Call:
+        """A call that gets or sets variables of one type."""
+        function = self._instance.brief_function(self._instance.access(action, type_name))
+        arguments = self._instance.access_arguments(self._references(names), values)
         return partial(function, self._component, *arguments)
 
-    def _references(self, names: Sequence[str]) -> tuple[object, c_size_t]:
-        references = [self._fmu.variable(name).valueReference for name in names]
-        return (c_uint * len(names))(*references), c_size_t(len(names))
+    def _references(self, names: Sequence[str]) -> References:
+        return (c_uint * len(names))(*(self._fmu.variable(name).value_reference for name in names))
 
     def _layout(self) -> list[Call]:
-        job, description = self.job, self._fmu.description.coSimulation
+        job, interface = self.job, self._fmu.interface
         steps = job.scenario.steps(
             list(times_of(job.results, job.scenario.stop)),
-            interpolates=bool(description.canInterpolateInputs),
-            fixed=not description.canHandleVariableCommunicationStepSize,
+            interpolates=interface.can_interpolate_inputs,
+            fixed=not interface.can_handle_variable_steps,
         )
         wanted = instants(job.results, job.scenario.stop)
         calls = self._beginning(self._values(steps[0]))
@@ -151,7 +141,7 @@ class Runner:
         calls += self._read([k for k, (_, time) in enumerate(wanted) if time == 0.0])
         for number, step in enumerate(steps):
             calls += self._inputs(step, first=number == 0)
-            calls.append(self._call("fmi2DoStep", c_double(step.time), c_double(step.size), c_int(1)))
+            calls.append(self._step(step))
             end = step.time + step.size
             margin = 1e-9 * step.size
             calls += self._read([k for k, (_, time) in enumerate(wanted) if abs(time - end) <= margin])
@@ -159,29 +149,30 @@ class Runner:
 
     def _beginning(self, inputs: Sequence[Call]) -> list[Call]:
         """Up to the first step. These inputs are there while the FMU initializes: it may depend on them."""
-        fmu, scenario = self._fmu, self.job.scenario
+        fmu, instance, scenario = self._fmu, self._instance, self.job.scenario
         for name, value in self.job.parameters.items():  # one by one: what is refused is named
-            fmu.set(name, value)
+            fmu._set(name, value)
+        instance.allow_calls()
         fixed, varied = self._set_fixed(), self._set_varied()
-        tolerance = scenario.tolerance or 0.0
-        nothing, none = c_double(0.0), c_int(0)
-        defined = c_int(scenario.tolerance is not None)
-        setup = self._call("fmi2SetupExperiment", defined, c_double(tolerance), nothing, none, nothing)
-        enter, leave = self._call("fmi2EnterInitializationMode"), self._call("fmi2ExitInitializationMode")
-        if self._saves_state and setup() <= OK_OR_WARNING and enter() <= OK_OR_WARNING:
+        enter = [
+            self._call(name, *arguments)
+            for name, arguments in instance.initialization_calls(scenario.tolerance)
+        ]
+        leave = self._call(instance.EXIT_INITIALIZATION)
+        if self._saves_state and all(call() <= OK_OR_WARNING for call in enter):
             with suppress(FmuError):  # it says that it can, but cannot now: then without
                 self._state = fmu.save_state()
-                return [
-                    self._call("fmi2SetFMUstate", c_void_p(self._state._address)),
-                    *varied,
-                    *inputs,
-                    leave,
-                ]
-        return [self._call("fmi2Reset"), *fixed, *varied, setup, enter, *inputs, leave]
+                restore = self._call(instance.SET_STATE, c_void_p(self._state._address))
+                return [restore, *varied, *inputs, leave]
+        return [self._call(instance.RESET), *fixed, *varied, *enter, *inputs, leave]
+
+    def _step(self, step: Step) -> Call:
+        function, end = self._instance.step_function(), self._instance.step_end
+        return partial(function, self._component, c_double(step.time), c_double(step.size), *end)
 
     def _window(self, key: str, kind: str, width: int) -> _Window:
         """The same one for an instance that replaces another one in the middle of a batch."""
-        return self._windows.setdefault(key, _Window.of(kind, self.BATCH, width))
+        return self._windows.setdefault(key, _Window.of(self._instance.CTYPES[kind], self.BATCH, width))
 
     def _by_kind(self, names: Sequence[str]) -> dict[str, list[str]]:
         kinds: dict[str, list[str]] = {}
@@ -194,35 +185,36 @@ class Runner:
         for kind, names in self._by_kind(list(self.job.parameters)).items():
             values = [self.job.parameters[name] for name in names]
             content = [value.encode() if isinstance(value, str) else value for value in values]
-            calls.append(
-                self._call(
-                    f"fmi2Set{SUFFIX[kind]}", *self._references(names), (CTYPES[kind] * len(names))(*content)
-                )
-            )
+            array = (self._instance.CTYPES[kind] * len(names))(*content)
+            calls.append(self._access("Set", kind, names, array))
         return calls
 
     def _set_varied(self) -> list[Call]:
         calls = []
         for kind, names in self._by_kind(self.job.names).items():
             window = self._window(f"set {kind}", kind, len(names))
-            calls.append(self._call(f"fmi2Set{SUFFIX[kind]}", *self._references(names), window.pointer))
+            calls.append(self._access("Set", kind, names, window.pointer))
         return calls
 
     def _values(self, step: Step) -> list[Call]:
-        if not step.values:
-            return []
-        values = (c_double * len(step.values))(*step.values.values())
-        return [self._call("fmi2SetReal", *self._references(list(step.values)), values)]
+        calls = []
+        for kind, names in self._by_kind(list(step.values)).items():
+            values = (c_double * len(names))(*(step.values[name] for name in names))
+            calls.append(self._access("Set", kind, names, values))
+        return calls
 
     def _inputs(self, step: Step, first: bool) -> list[Call]:
         calls: list[Call] = [partial(self._control, step.time)] if step.control else []
         calls += [] if first else self._values(step)
         if step.rates:
-            references, count = self._references([name for name, _ in step.rates])
-            orders = (c_int * len(step.rates))(*(order for _, order in step.rates))
-            rates = (c_double * len(step.rates))(*step.rates.values())
-            calls.append(self._call("fmi2SetRealInputDerivatives", references, count, orders, rates))
+            calls.append(self._set_rates(step.rates))
         return calls
+
+    def _set_rates(self, rates: Mapping[tuple[str, int], float]) -> Call:
+        """A call that sets time derivatives of inputs, by name and order."""
+        references = self._references([name for name, _ in rates])
+        values = (c_double * len(rates))(*rates.values())
+        return self._instance.input_derivatives_call(references, [order for _, order in rates], values)
 
     def _read(self, places: Sequence[int]) -> list[Call]:
         calls = []
@@ -232,8 +224,7 @@ class Runner:
             chosen = [k for k in range(len(names)) if self._fmu.variable(names[k]).type == kind]
             window = self._window(f"get {places[chosen[0]]}", kind, len(chosen))
             self._reads.append((window, [places[k] for k in chosen]))
-            references = self._references([names[k] for k in chosen])
-            calls.append(self._call(f"fmi2Get{SUFFIX[kind]}", *references, window.pointer))
+            calls.append(self._access("Get", kind, [names[k] for k in chosen], window.pointer))
         return calls
 
     # ---- the controller ----
@@ -277,7 +268,7 @@ class Runner:
 
     def _go(self, place: int, stop: int) -> tuple[int, str]:
         """Runs from `place` on, up to the first that fails: its place and why; `stop` if none does."""
-        tracks, calls, messages = self._tracks, self.calls, self._fmu._instance.messages
+        tracks, calls, messages = self._tracks, self.calls, self._instance.messages
         try:
             for k in range(place, stop):
                 place = k
@@ -301,9 +292,7 @@ class Runner:
         """The FMU's words; the instance is fit for the next run."""
         assert isinstance(call, partial)
         name = call.func.__name__
-        text = (
-            "; ".join(self._fmu._instance.messages) or f"{name} returned status {status}, without a message"
-        )
+        text = "; ".join(self._instance.messages) or f"{name} returned status {status}, without a message"
         if status >= FATAL:
             self._fmu.abandon()
             self._open()
@@ -312,9 +301,9 @@ class Runner:
         return text
 
     def _recover(self) -> None:
-        """FMI wants fmi2Reset before an instance that failed goes on; other runs begin with it anyway."""
+        """FMI wants a reset before an instance that failed goes on; other runs begin with it anyway."""
         if self._state is not None:
-            self._call("fmi2Reset")()
+            self._call(self._instance.RESET)()
 
 
 def _unpacked(job: Job) -> Fmu:
@@ -373,21 +362,22 @@ def _check_start_values(fmu: Fmu, job: Job, plan: Plan) -> None:
         if name in job.parameters:
             raise StudyError(f"{name} varies and is fixed too: allowed is one of them")
         _check_range(fmu.variable(name, *NUMERIC), *limits[name])
-        if fmu.variable(name).type != "Real" and not plan.is_whole(name):
+        if fmu.variable(name).kind != "real" and not plan.is_whole(name):
             raise StudyError(
                 f"plan: {name} is {fmu.variable(name).type}: allowed are values = [whole numbers]"
             )
 
 
-def _is_start_value(variable: ScalarVariable) -> bool:
+def _is_start_value(variable: Variable) -> bool:
     """FMI 2.0, section 2.2.7: may be set in initialization mode."""
     exact = variable.initial == "exact" and variable.variability != "constant"
     return exact or variable.causality in ("parameter", "input")
 
 
-def _check_range(variable: ScalarVariable, low: float, high: float) -> None:
-    least, most = _limit(variable, "min", -math.inf), _limit(variable, "max", math.inf)
-    if variable.type == "Boolean":
+def _check_range(variable: Variable, low: float, high: float) -> None:
+    least = -math.inf if variable.min is None else float(variable.min)
+    most = math.inf if variable.max is None else float(variable.max)
+    if variable.kind == "boolean":
         least, most = 0.0, 1.0
     if low < least or high > most:
         raise StudyError(
@@ -395,17 +385,12 @@ def _check_range(variable: ScalarVariable, low: float, high: float) -> None:
         )
 
 
-def _limit(variable: ScalarVariable, end: str, none: float) -> float:
-    own, declared = getattr(variable, end), getattr(variable.declaredType, end, None)
-    return next((float(limit) for limit in (own, declared) if limit is not None), none)
-
-
 def _check_inputs(fmu: Fmu, job: Job) -> None:
     control = job.scenario.controller
     for name in [*job.scenario.inputs, *(control.writes if control else ())]:
-        if fmu.variable(name, "Real").causality != "input":
+        if fmu.variable(name, "real").causality != "input":
             raise StudyError(f"scenario: {name} is {fmu.variable(name).causality}: allowed are inputs")
         if name in job.names or name in job.parameters:
             raise StudyError(f"{name} has a history and a value of its own: allowed is one of them")
     for name in control.reads if control else ():
-        fmu.variable(name, "Real")
+        fmu.variable(name, "real")

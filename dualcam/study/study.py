@@ -15,7 +15,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from dualcam.fmu import Scalar
+from dualcam.library import source_path
+from dualcam.model_description import Scalar
 from dualcam.study import execution
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
@@ -43,8 +44,13 @@ class Study:
         if isinstance(self.results, str) or not all(isinstance(name, str) for name in self.results):
             raise StudyError(f"results = {self.results!r}: allowed is a list of names")
 
+    @property
+    def path(self) -> Path:
+        """The file of the FMU."""
+        return source_path(self.fmu)
+
     def job(self) -> Job:
-        return Job(str(self.fmu), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
+        return Job(str(self.path), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
 
     def run(
         self,
@@ -108,7 +114,7 @@ class Study:
         if control := self.scenario.controller:
             scenario["controller"] |= {"make": f"{control.make.__module__}.{control.make.__qualname__}"}
         return {
-            "fmu": hashlib.sha256(Path(self.fmu).read_bytes()).hexdigest(),
+            "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),
             "scenario": scenario,
             "results": list(self.results),

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from dualcam.plant import reflected_inertia
+
 
 @dataclass(frozen=True)
 class Motor:
@@ -34,7 +36,7 @@ class Motor:
     @property
     def inertia(self) -> float:
         """Rotor inertia at the output [kg.m2]."""
-        return self.rotor_inertia * self.gear**2
+        return reflected_inertia(self.gear, self.rotor_inertia)
 
     @property
     def electrical_time_constant(self) -> float:

@@ -4,10 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifndef MODEL_GUID
-#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
-#endif
-
 /* Everything that a restored FMU state needs. */
 typedef struct {
     uint64_t magic; /* distinguishes a snapshot from other memory */
@@ -23,7 +19,7 @@ typedef struct {
     uint64_t format;
     uint64_t size;     /* of the snapshot */
     uint64_t checksum; /* of the snapshot */
-    char guid[64];
+    Guid guid;
     Snapshot snapshot;
 } SerializedSnapshot;
 
@@ -129,7 +125,7 @@ static SerializedSnapshot serialized_of(const Snapshot *snapshot) {
         .format = FORMAT,
         .size = sizeof(Snapshot),
         .checksum = checksum(snapshot, sizeof *snapshot),
-        .guid = MODEL_GUID,
+        .guid = model_guid(),
     };
     /* an assignment need not copy the cleared padding */
     memcpy(&serialized.snapshot, snapshot, sizeof *snapshot);
@@ -152,12 +148,13 @@ static bool snapshot_deserialize(const char *bytes, size_t size, Snapshot *snaps
     SerializedSnapshot serialized;
     memcpy(&serialized, bytes, sizeof serialized);
     const SerializedSnapshot expected = serialized_of(&serialized.snapshot);
+    char other_guid[128];
+    snprintf(other_guid, sizeof other_guid, "is of an FMU with another GUID than %s", expected.guid.text);
     const char *wrong = NULL;
     if (serialized.magic != expected.magic) wrong = "does not begin like a state of this FMU";
     else if (serialized.format != expected.format || serialized.size != expected.size)
         wrong = "is of another version of this FMU";
-    else if (memcmp(serialized.guid, expected.guid, sizeof serialized.guid) != 0)
-        wrong = "is of an FMU with another GUID than " MODEL_GUID;
+    else if (memcmp(&serialized.guid, &expected.guid, sizeof serialized.guid) != 0) wrong = other_guid;
     else if (serialized.checksum != expected.checksum || !snapshot_is_valid(&serialized.snapshot))
         wrong = "is damaged: its checksum differs";
     if (wrong != NULL) {

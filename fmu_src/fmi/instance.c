@@ -9,10 +9,6 @@
 #include "fmi/resources.h"
 #include "numerics/tolerances.h"
 
-#ifndef MODEL_GUID
-#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
-#endif
-
 enum { MESSAGE_SIZE = 1024 };
 
 const char *const ERROR_CATEGORY = "logStatusError";
@@ -121,9 +117,11 @@ static void set_start_values(Instance *instance) {
 Instance *instance_new(const InstanceRequest *request, const Log *log) {
     if (request->name == NULL)
         return refuse_instance(log, "", "%s: instanceName = NULL: allowed is any text", request->function);
-    if (request->guid == NULL || strcmp(request->guid, MODEL_GUID) != 0)
-        return refuse_instance(log, request->name, "%s: %s %s: allowed is only " MODEL_GUID, request->function,
-                               request->guid_name, request->guid == NULL ? "= NULL" : "is not that of this FMU");
+    const Guid guid = model_guid();
+    if (request->guid == NULL || strcmp(request->guid, guid.text) != 0)
+        return refuse_instance(log, request->name, "%s: %s %s: allowed is only %s", request->function,
+                               request->guid_name, request->guid == NULL ? "= NULL" : "is not that of this FMU",
+                               guid.text);
     Instance *instance = calloc(1, sizeof *instance);
     if (instance != NULL) instance->name = copy_of(request->name);
     if (instance == NULL || instance->name == NULL ||

@@ -71,7 +71,6 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .kind = KIND_##kind_,                                                                     \
                              .causality = CAUSALITY_##causality_,                                                      \
                              .variability = VARIABILITY_##variability_,                                                \
-                             .start = start_,                                                                          \
                              .min = min_,                                                                              \
                              .max = max_,                                                                              \
                              .nominal = nominal_,                                                                      \
@@ -80,31 +79,94 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 #include "variables.def"
 };
 
+/* ---- start values ---- */
+
+#ifndef MODEL_GUID
+#error "MODEL_GUID, the GUID in modelDescription.xml, is given by the build"
+#endif
+_Static_assert(sizeof MODEL_GUID <= GUID_SIZE, "GUID_SIZE");
+
+/* What each kind of row contributes to the numbers and to the texts of the block. */
+#define NUMBER_REAL(id, start) start
+#define NUMBER_INTEGER(id, start) start
+#define NUMBER_SIGN(id, start) start
+#define NUMBER_COUNT(id, start) start
+#define NUMBER_BOOLEAN(id, start) start
+#define NUMBER_TEXT(id, start) TEXT_##id
+#define START_TEXT_REAL(id, start)
+#define START_TEXT_INTEGER(id, start)
+#define START_TEXT_SIGN(id, start)
+#define START_TEXT_COUNT(id, start)
+#define START_TEXT_BOOLEAN(id, start)
+#define START_TEXT_TEXT(id, start) [TEXT_##id] = start,
+
+/* `volatile`: no optimiser may fold these bytes into the code, since they are replaced in the finished binary. */
+__attribute__((used)) static const volatile StartBlock START_BLOCK = {
+    .mark = "dualcam start values, layout 1\n",
+    .size = sizeof(StartBlock),
+    .number_count = VARIABLE_COUNT,
+    .text_count = TEXT_COUNT,
+    .text_size = START_TEXT_SIZE,
+    .guid = MODEL_GUID,
+    .number =
+        {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
+    IN_##model([VR_##id] = NUMBER_##kind(id, start), )
+#include "variables.def"
+        },
+    .text =
+        {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
+    IN_##model(START_TEXT_##kind(id, start))
+#include "variables.def"
+        },
+};
+_Static_assert(sizeof(StartBlock) ==
+                   48 + GUID_SIZE + VARIABLE_COUNT * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
+               "padding in StartBlock");
+_Static_assert((int)START_TEXT_SIZE <= (int)TABLE_PATH_SIZE, "a start value of a text must fit into the parameter");
+
+/* Copies a text of less than `size` bytes. */
+static void copy_text(char *to, const volatile char *from, size_t size) {
+    for (size_t i = 0; i + 1 < size && from[i] != '\0'; i++) to[i] = from[i];
+}
+
+Guid model_guid(void) {
+    Guid guid = {""};
+    copy_text(guid.text, START_BLOCK.guid, sizeof guid.text);
+    return guid;
+}
+
+double variable_start(unsigned reference) {
+    return START_BLOCK.number[reference];
+}
+
+static void write_start(unsigned reference, void *address) {
+    const double start = variable_start(reference);
+    switch (VARIABLES[reference].kind) {
+        case KIND_REAL: *(double *)address = start; break;
+        case KIND_INTEGER:
+        case KIND_SIGN: *(int *)address = (int)start; break;
+        case KIND_BOOLEAN: *(bool *)address = start != 0.0; break;
+        case KIND_TEXT: copy_text(address, START_BLOCK.text[(int)start], START_TEXT_SIZE); break;
+        case KIND_COUNT: break; /* no parameter and no input is of this kind */
+    }
+}
+
+void variables_start(Values *values) {
+    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+        if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
+            write_start(i, (char *)values + VARIABLES[i].offset);
+}
+
+/* ---- types and ranges ---- */
+
 const char *type_name(Type type) {
     static const char *const names[] = {[TYPE_REAL] = FMI_VERSION == 2 ? "Real" : "Float64",
                                         [TYPE_INTEGER] = FMI_VERSION == 2 ? "Integer" : "Int32",
                                         [TYPE_BOOLEAN] = "Boolean",
                                         [TYPE_STRING] = "String"};
     return names[type];
-}
-
-static void write_start(const Variable *variable, void *address) {
-    switch (variable->kind) {
-        case KIND_REAL: *(double *)address = variable->start; break;
-        case KIND_INTEGER:
-        case KIND_SIGN: *(int *)address = (int)variable->start; break;
-        case KIND_BOOLEAN: *(bool *)address = variable->start != 0.0; break;
-        case KIND_TEXT: *(char *)address = '\0'; break;
-        case KIND_COUNT: break; /* no parameter and no input is of this kind */
-    }
-}
-
-void variables_start(Values *values) {
-    for (size_t i = 0; i < VARIABLE_COUNT; i++) {
-        const Variable *variable = &VARIABLES[i];
-        if ((variable->group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
-            write_start(variable, (char *)values + variable->offset);
-    }
 }
 
 bool variable_allows(const Variable *variable, double value) {

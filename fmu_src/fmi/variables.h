@@ -90,7 +90,7 @@ typedef struct {
     Causality causality;
     Variability variability;
     UnitId unit;
-    double start, min, max, nominal; /* as in variables.def */
+    double min, max, nominal; /* as in variables.def */
     const char *name;
 } Variable; /* the description stands only in the XML */
 
@@ -103,6 +103,38 @@ typedef struct {
         double indicator[EVENT_INDICATORS]; /* event indicators of model exchange */
     } listed;
 } Values;
+
+/* Start values and GUID of an FMU are one block of bytes in its binary, which variables.c holds. The Python function
+ * export_fmu() (dualcam/export/start_block.py) finds the block in a finished binary by its mark, and replaces GUID,
+ * numbers and texts: so an FMU gets own start values without a compiler. Numbers are little-endian on every platform of
+ * the FMUs. Any change of the layout needs another mark. */
+enum { GUID_SIZE = 64, START_TEXT_SIZE = 128 }; /* bytes, terminating zero included */
+
+/* The variables whose values are texts: 0, 1, ... */
+#define TEXT_ID_REAL(id)
+#define TEXT_ID_INTEGER(id)
+#define TEXT_ID_SIGN(id)
+#define TEXT_ID_COUNT(id)
+#define TEXT_ID_BOOLEAN(id)
+#define TEXT_ID_TEXT(id) TEXT_##id,
+typedef enum {
+#define VARIABLE(model, kind, id, ...) IN_##model(TEXT_ID_##kind(id))
+#include "variables.def"
+    TEXT_COUNT
+} TextId;
+
+typedef struct {
+    char mark[32];
+    uint32_t size; /* bytes of the block */
+    uint32_t number_count, text_count, text_size;
+    char guid[GUID_SIZE];
+    double number[VARIABLE_COUNT]; /* by value reference; of a text its TextId; NAN: no start value */
+    char text[TEXT_COUNT][START_TEXT_SIZE];
+} StartBlock;
+
+typedef struct {
+    char text[GUID_SIZE];
+} Guid;
 
 extern const Unit UNITS[UNIT_COUNT];
 extern const Variable VARIABLES[VARIABLE_COUNT];
@@ -118,7 +150,13 @@ int tunable_known(unsigned reference);
 /* The name of the type in this version of FMI: "Real", "Float64", ... */
 const char *type_name(Type type);
 
-/* Writes the start values of all parameters and inputs. */
+/* The GUID in modelDescription.xml; in FMI 3.0 the instantiation token. */
+Guid model_guid(void);
+
+/* The start value of a parameter or input that is no text. */
+double variable_start(unsigned reference);
+
+/* Writes the start values of all parameters and inputs. All values are zero before. */
 void variables_start(Values *values);
 
 /* Is the value of a Real, Integer or Boolean, or the length of a String, in the range? */

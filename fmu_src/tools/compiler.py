@@ -15,9 +15,22 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from platforms import ARITHMETIC, NEWEST_GLIBC, WARNINGS, Platform, executable
-from workspace import BUILD, ROOT, BuildError, relative
+from workspace import (
+    BUILD,
+    CORE,
+    ROOT,
+    BuildError,
+    build_program,
+    fingerprint,
+    headers,
+    is_fresh,
+    relative,
+    set_stamp,
+)
 
 ZIG = [sys.executable, "-m", "ziglang", "cc"]
+# The one room of fmu_src whose files depend on the FMU: on its model, its GUID and its version of FMI.
+ROOM_OF_THE_FMU = CORE / "fmi"
 PAGE_BITS = 14  # the memory pages of the newest Macs have 2^14 bytes
 
 
@@ -71,18 +84,30 @@ def compile_program(flags: Sequence[str], sources: Iterable[Path], name: str) ->
     return program
 
 
+def is_shared(source: Path) -> bool:
+    """Is the object of this file the same in all FMUs?"""
+    return CORE in source.parents and ROOM_OF_THE_FMU not in source.parents
+
+
 def compile_library(
     platform: Platform, target: str, defines: Sequence[str], sources: Sequence[Path], product: Path
 ) -> None:
-    """A shared library for one processor, its files compiled in parallel."""
-    folder = product.with_suffix(".parts")
+    """A shared library for one processor, its files compiled in parallel. Objects that all FMUs share are
+    compiled for the first FMU, without `defines`, and kept for the others."""
+    common = fingerprint([*headers(), *build_program()], target)
 
     def compile_one(source: Path) -> Path:
+        shared = is_shared(source)
+        folder = BUILD / "parts/shared" / target if shared else product.with_suffix(".parts")
         part = folder / f"{relative(source)}.o"  # two rooms may have a file of the same name
+        stamp = fingerprint([source], common)
+        if shared and is_fresh(part, stamp):
+            return part
         part.parent.mkdir(parents=True, exist_ok=True)
-        options = [*platform.compilation, *compiler_options(), *defines]
+        options = [*platform.compilation, *compiler_options(), *(() if shared else defines)]
         command = [*ZIG, "-target", target, *options, "-c", relative(source), "-o", str(part)]
         run(command, f"compile {relative(source)}")
+        set_stamp(part, stamp)
         return part
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:

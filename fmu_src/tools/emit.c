@@ -16,7 +16,7 @@ static const char *const DESCRIPTION =
     "Dual cylindrical cam, inverse dynamics: the torque on cam 2 that turns it as imposed and lifts a spring-loaded "
     "follower in two grooves, friction included";
 #endif
-static const char *const VERSION = "0.1.0";
+static const char *const VERSION = "0.2.0";
 
 /* FNV-1a, 64 bits, from the standard offset basis and from a second one: 128 bits for the GUID. */
 static const uint64_t HASH_BASIS[2] = {UINT64_C(0xcbf29ce484222325), UINT64_C(0x6c62272e07bb0142)};
@@ -148,9 +148,10 @@ bool has_start(const Variable *variable) {
     return variable->causality == CAUSALITY_PARAMETER || variable->causality == CAUSALITY_INPUT;
 }
 
-const char *start_of(const Variable *variable, ShortestDecimal *text) {
-    if (variable->type == TYPE_BOOLEAN) return variable->start != 0.0 ? "true" : "false";
-    *text = shortest_decimal(variable->start);
+const char *start_of(unsigned reference, ShortestDecimal *text) {
+    const double start = variable_start(reference);
+    if (VARIABLES[reference].type == TYPE_BOOLEAN) return start != 0.0 ? "true" : "false";
+    *text = shortest_decimal(start);
     return text->text;
 }
 

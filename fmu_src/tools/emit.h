@@ -34,7 +34,7 @@ void put_categories_and_experiment(Sink *sink);
 void put_variable_attributes(Sink *sink, unsigned reference);
 void put_unit_and_range(Sink *sink, const Variable *variable); /* declaredType, unit; min, max, nominal */
 bool has_start(const Variable *variable);
-const char *start_of(const Variable *variable, ShortestDecimal *text); /* not of a String, whose start is "" */
+const char *start_of(unsigned reference, ShortestDecimal *text); /* not of a String, whose start is "" */
 
 /* ` dependencies="..." dependenciesKind="..."`: the dependencies of `unknown` in `list`. `number` gives the number by
  * which the standard refers to a known. */

@@ -49,7 +49,7 @@ static void put_variable(Sink *sink, unsigned reference) {
     put_unit_and_range(sink, variable);
     ShortestDecimal text;
     if (has_start(variable))
-        put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(variable, &text));
+        put_attribute(sink, "start", variable->type == TYPE_STRING ? "" : start_of(reference, &text));
     put(sink, "/>\n    </ScalarVariable>\n");
 }
 

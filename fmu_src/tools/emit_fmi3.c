@@ -53,7 +53,7 @@ static void put_variable(Sink *sink, unsigned reference) {
     } else if (variable->type == TYPE_STRING) {
         put(sink, "><Start value=\"\"/></String>\n");
     } else {
-        put_attribute(sink, "start", start_of(variable, &text));
+        put_attribute(sink, "start", start_of(reference, &text));
         put(sink, "/>\n");
     }
 }

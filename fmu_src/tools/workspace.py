@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 from filelock import FileLock
@@ -50,13 +51,19 @@ def build_program() -> list[Path]:
     return [TOOLS / f"{name}.py" for name in ("archive", "compiler", "platforms", "products")]
 
 
+@cache
+def compiler_versions() -> list[str]:
+    """Of the compiler and of the FMI headers."""
+    return [importlib.metadata.version(package) for package in ("ziglang", "fmpy")]
+
+
 def fingerprint(files: Iterable[Path], *words: str) -> str:
     """Hash of all on which a product depends: the files with their names, `words`, the compiler's version."""
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(f"{relative(path)}\0".encode())
         digest.update(path.read_bytes() + b"\0")
-    for word in (*words, *(importlib.metadata.version(p) for p in ("ziglang", "fmpy"))):
+    for word in (*words, *compiler_versions()):
         digest.update(f"{word}\0".encode())
     return digest.hexdigest()
 

@@ -25,9 +25,10 @@ import numpy as np
 import players
 from install import Failed, Missing, say
 
+from dualcam.ssp import START
 from system_examples.ssp import compilation, parts
 from system_examples.ssp.coupling import Columns, couple
-from system_examples.ssp.package import START, System
+from system_examples.ssp.package import ExampleSystem
 from system_examples.ssp.systems import EXAMPLES, STEPS_PER_PERIOD, WATCHED, Example, Run
 
 # libcosim counts whole nanoseconds, FMPy and ecos add steps: their times differ by 1e-12 s in the end. The
@@ -36,15 +37,15 @@ ROUNDING = 1e-9
 ANGLE_TOLERANCE = 1e-4  # rad, to the Python version: less than a count of the motor's encoder
 FIGURE_TOLERANCE = 0.02  # relative
 
-Runner = Callable[[System, int, Path], Columns]
+Runner = Callable[[ExampleSystem, int, Path], Columns]
 
 
-def arguments(system: System, periods: int, file: Path) -> list[str | Path]:
+def arguments(system: ExampleSystem, periods: int, file: Path) -> list[str | Path]:
     """The arguments of a program that runs the package in a master (masters/hosts/package.py)."""
     return [system.path, START, repr(system.step), str(periods), str(STEPS_PER_PERIOD), file, *WATCHED]
 
 
-def ecos(system: System, periods: int, file: Path) -> Columns:
+def ecos(system: ExampleSystem, periods: int, file: Path) -> Columns:
     """The run by ecos; Missing or Failed if there is none."""
     venv = install.package("ecospy", "tbb")  # ecospy lacks the library tbb
     words = [venv / "bin/python", players.HOSTS / "ecos_ssp.py", *arguments(system, periods, file)]
@@ -52,7 +53,7 @@ def ecos(system: System, periods: int, file: Path) -> Columns:
     return players.read(file)
 
 
-def libcosim(system: System, periods: int, file: Path) -> Columns:
+def libcosim(system: ExampleSystem, periods: int, file: Path) -> Columns:
     """The run by libcosim; Missing or Failed if there is none."""
     venv = install.package("libcosimpy")
     words = [venv / "bin/python", players.HOSTS / "libcosim_ssp.py", *arguments(system, periods, file)]
@@ -99,7 +100,7 @@ def largest_difference(found: Columns, expected: Columns, names: Sequence[str]) 
     return float(np.max(np.where(np.isnan(differences), np.inf, differences)))
 
 
-def run_in(master: Master, system: System, expected: Columns) -> Outcome:
+def run_in(master: Master, system: ExampleSystem, expected: Columns) -> Outcome:
     """One package in one master, against `expected`."""
     head, blank = (system.name, master.name, master.version), ("",) * len(KINDS)
     allowed = f"{ROUNDING:.0e}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from dualcam.ssp import Component, Value
 from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE
 from dualcam.systems.gravity import GravityLoad
 from dualcam.systems.helical_cam import HelicalCam
@@ -12,7 +13,6 @@ from dualcam.systems.motor import Motor
 from dualcam.systems.position_controller import PositionController
 from dualcam.systems.speed_controller import SpeedController
 from system_examples.ssp import parts
-from system_examples.ssp.package import Component, Value
 from system_examples.ssp.variables import HARMONICS
 
 CAM = parts.BUILD / "DualCamForward.fmu"

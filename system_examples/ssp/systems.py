@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam import Fmu
+from dualcam.ssp import Component
 from dualcam.systems import car_door, elbow, knee
 from dualcam.systems.axis import CamAxis, Record, follow
 from dualcam.systems.current_loop import CONTROL_PERIOD, CURRENT_RATE, CurrentLoop
@@ -34,7 +35,7 @@ from system_examples.ssp.components import (
     weight_component,
 )
 from system_examples.ssp.coupling import Columns
-from system_examples.ssp.package import Component, System
+from system_examples.ssp.package import ExampleSystem
 
 STEP = 1.0 / CURRENT_RATE  # s
 STEPS_PER_PERIOD = round(CONTROL_PERIOD / STEP)  # communication steps per control period
@@ -91,7 +92,7 @@ class Run:
 class Example:
     """A system of FMUs, and its Python version."""
 
-    system: System
+    system: ExampleSystem
     python: Callable[[Fmu], Record]  # runs the Python version with the forward FMU
     ratio: float = 1.0  # angle of the cam over that of the output
     offset: float = 0.0  # rad, angle of the output at theta = 0
@@ -153,7 +154,7 @@ def elbow_example() -> Example:
 
     duration = elbow.CYCLES * elbow.MOTION.period
     text = "elbow of a robot that moves 1.5 kg to and fro, with the cam"
-    system = System("robot_joint", text, components, CONNECTIONS, STEP, duration)
+    system = ExampleSystem("robot_joint", text, components, CONNECTIONS, STEP, duration)
     return Example(system, python, begin=round((duration - elbow.MOTION.period) / CONTROL_PERIOD))
 
 
@@ -190,7 +191,7 @@ def door_example() -> Example:
         return follow(axis, load, controller, loop, car_door.plan(), mean_speed=True)
 
     text = "side door of a car that is parked nose up, opened, held and closed by its motor, with the cam"
-    system = System("car_door", text, components, CONNECTIONS, STEP, car_door.DURATION)
+    system = ExampleSystem("car_door", text, components, CONNECTIONS, STEP, car_door.DURATION)
     return Example(system, python, ratio, car_door.OPEN)
 
 
@@ -237,7 +238,7 @@ def knee_example() -> Example:
 
     duration = (len(motion.time) - 1) * CONTROL_PERIOD
     text = "prosthetic knee in swing, from toe-off to heel strike, with the cam"
-    return Example(System("prosthetic_knee", text, components, CONNECTIONS, STEP, duration), python)
+    return Example(ExampleSystem("prosthetic_knee", text, components, CONNECTIONS, STEP, duration), python)
 
 
 EXAMPLES = {"robot_joint": elbow_example, "prosthetic_knee": knee_example, "car_door": door_example}

@@ -88,7 +88,7 @@ def test_a_handle_gives_its_parameters(slave):
 
 def test_systems_free_their_fmu():
     system = dualcam.to_nonlinear_io_system(FORWARD)
-    directory = Path(system._fmu._instance._directory)
+    directory = Path(system._fmu._instance.directory)
     assert directory.exists()
     del system
     gc.collect()

@@ -2,6 +2,7 @@
 
 import zipfile
 
+import build_fmu
 import driver3
 import pytest
 from driver3 import FORWARD, Driver, models
@@ -19,8 +20,9 @@ def unzipped3(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def libraries3(unzipped3):
+    platform = build_fmu.host_platform(3)
     return {
-        name: driver3.load(place / "binaries/x86_64-linux" / f"{name}.so")
+        name: driver3.load(place / "binaries" / platform.folder / platform.library(name).name)
         for name, place in unzipped3.items()
     }
 

@@ -63,6 +63,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "benchmarks",
         "compare_builds",
         "coupling",
+        "own_plant",
         "performance",
         "stress",
     )

@@ -1,0 +1,112 @@
+"""The group of all commands. A command's module is imported when that command is asked for."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import sys
+import warnings
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+DONE, REFUSED, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
+
+# Command -> what it does, in the words of `dualcam --help`. The module has the command's name.
+COMMANDS = {
+    "new": "Write a commented design file to start from.",
+    "check": "Say whether a design works, and what to change.",
+    "info": "List the variables of an FMU.",
+    "band": "Show the torque band over the angle, and the efficiency.",
+    "simulate": "Run the scenario of a design file.",
+    "export": "Make an FMU with an own name and own start values.",
+    "report": "Write one HTML page about a design.",
+    "study": "Make many runs by a plan, and draw the results.",
+    "design": "Find the groove that makes a wanted torque.",
+    "ssp": "Make an SSP package with the FMU of a design.",
+}
+
+
+class CommandGroup(click.Group):
+    """Knows all commands by name and imports none of them for `--help`."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        found: click.Command = import_module(f"dualcam.cli.{cmd_name}").command
+        return found
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+            guess = f" Did you mean {near[0]!r}?" if near else ""
+            ctx.fail(f"No such command {args[0]!r}.{guess} Commands: {', '.join(COMMANDS)}.")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=CommandGroup,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="Begin: dualcam new my.toml --from robot, then dualcam check my.toml. "
+    "`dualcam COMMAND --help` shows options and an example.",
+)
+@click.version_option(package_name="dualcam", prog_name="dualcam")
+def group() -> None:
+    """Dual cylindrical cam: from a design file to a simulation, a report and an FMU."""
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    words
+        The words after `dualcam`; those of the process where None.
+
+    Returns
+    -------
+    int
+        0: done, and for `check` the design works. 1: the design or the data are refused. 2: wrong use.
+        130: interrupted.
+    """
+    given = list(sys.argv[1:] if words is None else words)
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        try:
+            code = group.main(args=given, prog_name="dualcam", standalone_mode=False)
+        except click.ClickException as error:
+            error.show()
+            return error.exit_code
+        except (click.Abort, KeyboardInterrupt):
+            click.echo("dualcam: interrupted; finished files are kept", err=True)
+            return INTERRUPTED
+        except (ValueError, OSError, ImportError) as error:
+            return _refuse(error, "--json" in given)
+    return code if isinstance(code, int) else DONE
+
+
+def _refuse(error: Exception, as_json: bool) -> int:
+    """The message of an error of this package, or of the system. Any other error is a fault: it is raised."""
+    from dualcam.errors import DualcamError
+
+    if not isinstance(error, DualcamError | OSError):
+        raise error
+    if as_json:
+        click.echo(json.dumps({"error": str(error)}))
+    else:
+        click.echo(f"dualcam: {error}", err=True)
+    return REFUSED
+
+
+def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
+    click.echo(f"dualcam: warning: {message}", err=True)

@@ -1,0 +1,29 @@
+"""Arguments and options that several commands have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+FILE = click.Path(path_type=Path)  # each reader has its own message for a missing file
+
+design_file = click.argument("design_file", type=FILE, metavar="DESIGN.toml")
+as_json = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON, for programs.")
+fmi_version = click.option(
+    "--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI."
+)
+
+
+def output_file(what: str, required: bool = True) -> Callable[[Command], Command]:
+    """The option -o of a command that writes a file."""
+    return click.option("-o", "--output", type=FILE, required=required, help=what)
+
+
+def example(*lines: str) -> str:
+    """The end of a command's help: lines to copy."""
+    return "\b\nExample:\n" + "\n".join(f"  {line}" for line in lines)

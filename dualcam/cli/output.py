@@ -1,0 +1,76 @@
+"""What commands print: text and tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from dualcam.errors import DualcamError
+
+MARKS = {"error": "x", "warning": "!"}
+
+
+def say(text: str) -> None:
+    click.echo(text)
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """One JSON object. Numbers that JSON has no word for become null."""
+    click.echo(json.dumps(_plain(content), indent=2, allow_nan=False))
+
+
+def print_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Columns with heads; those of numbers are flush right."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for k, head in enumerate(heads):
+        numeric = all(_is_number(row[k]) for row in rows)
+        table.add_column(head, justify="right" if numeric else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    Console(highlight=False, markup=False).print(table)
+
+
+def require_folder_of(path: Path) -> None:
+    """DualcamError unless the folder of the file `path` exists and `path` is no folder."""
+    if path.is_dir():
+        raise DualcamError(f"{path} is a folder: give the name of a file, such as {path / 'my'}")
+    if not path.resolve().parent.is_dir():
+        raise DualcamError(
+            f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
+        )
+
+
+def refuse_to_overwrite(path: Path, force: bool) -> None:
+    """DualcamError if the file exists and `force` is not given."""
+    require_folder_of(path)
+    if path.exists() and not force:
+        raise DualcamError(f"{path} exists: give another name, or --force to replace the file")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return text in ("", "-")
+    return True
+
+
+def _plain(content: Any) -> Any:  # noqa: ANN401
+    if isinstance(content, Mapping):
+        return {str(key): _plain(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_plain(value) for value in content]
+    if hasattr(content, "tolist"):
+        return _plain(content.tolist())
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content if isinstance(content, str | int | float | bool | None) else str(content)

@@ -1,0 +1,30 @@
+"""`dualcam report`: one HTML page about a design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.output import print_json, require_folder_of, say
+
+
+@click.command(epilog=example("dualcam report my.toml -o my_report.html"))
+@design_file
+@output_file("Name of the page (.html).")
+@as_json
+def command(design_file: Path, output: Path, as_json: bool) -> None:
+    """Write one HTML page: findings, torque and reactions over the angle, simulation, energy balance.
+
+    The page holds its pictures and needs no network.
+    """
+    from dualcam.design_file import read_design
+    from dualcam.report import write_report
+
+    require_folder_of(output)
+    written = write_report(read_design(design_file), output)
+    if as_json:
+        print_json({"report": written})
+        return
+    say(f"{written} written")

@@ -1,0 +1,90 @@
+"""`dualcam simulate`: the scenario of a design file over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from dualcam.cli.options import FILE, as_json, design_file, example, output_file
+from dualcam.cli.output import print_json, require_folder_of, say
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
+    from dualcam.simulation import Trajectory
+
+SHOWN_FROM = 200_000  # samples from which a bar shows the progress
+
+
+@click.command(epilog=example("dualcam simulate my.toml -o out.csv --plot out.png"))
+@design_file
+@output_file("Table of all samples (.csv or .parquet).")
+@click.option("--plot", type=FILE, help="Picture of the run (.png, .svg or .pdf).")
+@click.option(
+    "--variables", default="", metavar="A,B,...", help="Variables to record. Default: the important ones."
+)
+@click.option(
+    "--fmu", type=FILE, help="Another FMU, such as an exported one. Default: the FMU of this package."
+)
+@as_json
+def command(
+    design_file: Path, output: Path, plot: Path | None, variables: str, fmu: Path | None, as_json: bool
+) -> None:
+    """Run the scenario of a design file and write all samples.
+
+    The file's [scenario] says how long, and which torque (or which motion) acts.
+    """
+    from dualcam.design_file import read_design
+    from dualcam.simulation import checked_format
+
+    checked_format(output)
+    for path in (output, plot):
+        if path is not None:
+            require_folder_of(path)
+    design = read_design(design_file)
+    names = [name.strip() for name in variables.split(",") if name.strip()]
+    trajectory = _run(design, names, fmu, as_json)
+    trajectory.write(output)
+    if plot is not None:
+        _draw(design, trajectory, plot)
+    last = dict(zip(trajectory.names, trajectory.values[-1].tolist(), strict=True))
+    if as_json:
+        print_json({"output": output, "plot": plot, "samples": len(trajectory.values), "last": last})
+        return
+    say(f"{output} written: {len(trajectory.values):,} samples of {len(trajectory.names)} columns")
+    if plot is not None:
+        say(f"{plot} written")
+    at_end = [
+        f"{name} = {last[name]:.5g}" for name in ("theta", "omega", "tau", "energy.residual") if name in last
+    ]
+    say(f"at {last['time']:g} s: {', '.join(at_end)}")
+
+
+def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
+    from dualcam.simulation import sample_times, simulate
+
+    scenario = design.scenario
+    samples = 0 if scenario is None else len(sample_times(scenario.stop, design.output_interval))
+    if quiet or samples < SHOWN_FROM:
+        return simulate(design, names, fmu=fmu)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True)) as progress:
+        task = progress.add_task("simulate", total=1.0)
+        return simulate(design, names, fmu=fmu, progress=lambda share: progress.update(task, completed=share))
+
+
+def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
+    from dualcam.design import torque_band
+    from dualcam.errors import DualcamError
+    from dualcam.plots import plot_simulation, save
+
+    missing = [name for name in ("theta", "tau") if name not in trajectory.names]
+    if missing:
+        raise DualcamError(
+            f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
+        )
+    band = torque_band(design.mechanism(), 361, float(design.parameters.get("stop.lower", 0.0)))
+    save(plot_simulation(trajectory, band, design.name), path)

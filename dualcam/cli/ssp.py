@@ -1,0 +1,38 @@
+"""`dualcam ssp`: an SSP package with the FMU of a design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.output import print_json, require_folder_of, say
+
+
+@click.command(epilog=example("dualcam ssp my.toml -o MyCam.ssp"))
+@design_file
+@output_file("Name of the package (.ssp). The FMU inside gets the same name.")
+@click.option(
+    "--step",
+    type=click.FloatRange(0.0, min_open=True),
+    default=1e-3,
+    show_default=True,
+    help="Communication step in s that the package proposes.",
+)
+@as_json
+def command(design_file: Path, output: Path, step: float, as_json: bool) -> None:
+    """Make an SSP package (SSP 1.0) with the FMU of a design.
+
+    The package has one component, `cam`, its parameters in a parameter set, and the ports of the cam as
+    connectors of the system. Masters that read SSP run the package as it is, or as a part of a bigger system.
+    """
+    from dualcam.design_file import read_design
+    from dualcam.ssp import export_ssp
+
+    require_folder_of(output)
+    written = export_ssp(read_design(design_file), output, step)
+    if as_json:
+        print_json({"ssp": written, "step": step})
+        return
+    say(f"{written} written: component cam, communication step {step:g} s")

@@ -1,0 +1,56 @@
+"""`dualcam study`: many runs of an FMU by a plan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from dualcam.cli.options import FILE, example
+
+FORMATS = ("parquet", "csv")
+
+
+@click.command(
+    epilog=example(
+        "dualcam study plan.toml",
+        "dualcam study my.toml   (a design file with a section [study])",
+    )
+)
+@click.argument("plans", nargs=-1, required=True, type=FILE, metavar="PLAN.toml...")
+@click.option(
+    "--out",
+    type=FILE,
+    default=Path("study_results"),
+    show_default=True,
+    help="Folder of folders, one per plan.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(0),
+    help="Processes of this machine; 0: in this one. Default: one per core.",
+)
+@click.option("--scheduler", help="Address of a Dask scheduler to be used instead, such as tcp://host:8786.")
+@click.option("--format", "file_format", type=click.Choice(FORMATS), help="Of the results.")
+@click.option(
+    "--figure", type=FILE, help="One picture of all plots. Default: one per plan, beside the results."
+)
+@click.option("--chunk", type=click.IntRange(1), help="Runs in a file of results.")
+def command(
+    plans: tuple[Path, ...],
+    out: Path,
+    workers: int | None,
+    scheduler: str | None,
+    file_format: str | None,
+    figure: Path | None,
+    chunk: int | None,
+) -> None:
+    """Make all runs of a plan and draw the results.
+
+    An interrupted study continues: the same command makes the runs that are missing.
+    """
+    from rich.console import Console
+
+    from dualcam.study.command import Settings, run
+
+    run(plans, Settings(out, workers, scheduler, file_format, figure, chunk), Console())

@@ -1,0 +1,14 @@
+"""FMUs of own designs: own name, GUID, start values, tables, documentation and reference result.
+
+    export_fmu          makes the FMU of a design from the project's FMU, for all its platforms
+    model_identifier    the C identifier of an FMU with that name
+
+No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves: an FMU starts
+from the values in its binary. The export writes both.
+"""
+
+from dualcam.errors import ExportError
+from dualcam.export.exporter import Design, export_fmu
+from dualcam.export.names import model_identifier
+
+__all__ = ["Design", "ExportError", "export_fmu", "model_identifier"]

@@ -1,0 +1,29 @@
+"""Reading and writing the archive that is an FMU. The bytes written depend on the members alone."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+AGAIN = "the project's FMU is of another version of dualcam: install dualcam again, or build the FMUs again"
+DESCRIPTION = "modelDescription.xml"
+DATE = (1980, 1, 1, 0, 0, 0)
+UNIX = 3  # the system whose permissions are written, on every machine
+PROGRAM, FILE = 0o100755, 0o100644  # permissions
+
+
+def read_members(path: Path) -> dict[str, bytes]:
+    """Name -> content of all files in an FMU."""
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
+
+
+def write_members(path: Path, members: Mapping[str, bytes]) -> None:
+    """Write an FMU. The members are stored, since compressed bytes would depend on the version of zlib."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(members):
+            info = zipfile.ZipInfo(name, date_time=DATE)
+            info.create_system = UNIX
+            info.external_attr = (PROGRAM if name.startswith("binaries/") else FILE) << 16
+            archive.writestr(info, members[name])

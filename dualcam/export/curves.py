@@ -1,0 +1,88 @@
+"""Torque, efficiency and reactions of a design in slow motion over the angle, computed by the inverse FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.errors import FmuError
+from dualcam.export.archive import DESCRIPTION, read_members
+from dualcam.export.description import Description, Scalar
+from dualcam.fmu import Fmu
+from dualcam.library import fmu_path
+
+Array = NDArray[np.float64]
+
+POINTS = 101
+SLOW = 1e-9  # rad/s: a direction of motion; forces of inertia and damping are below rounding
+STATE = ("gamma", "z", "spring.force", "torque_load", "torque_release", "efficiency")
+STOPS = ("stop.lower", "stop.upper")
+REACTIONS = ("cam1.reaction", "cam2.reaction")
+# Parameters of the forward FMU -> the inputs that take their place in the inverse FMU, which has no state.
+START_INPUTS = {"initial.theta": "theta", "initial.omega": "omega"}
+MOTION = {"theta": 0.0, "omega": 0.0, "alpha": 0.0, "F_ext": 0.0, "shaft.stiffness": 0.0}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Slow motion without external force. NaN: the mechanism jams there, or the value is infinite.
+
+    `theta` [rad] has shape (n,), from the lower to the upper stop. Each entry of `values` has shape (n,), in
+    the FMU's units; each entry of `reactions` has shape (2, n), for cam 1 and cam 2 [N, of one contact].
+    """
+
+    theta: Array
+    values: dict[str, Array]
+    reactions: dict[str, Array]  # "loading", "releasing"
+
+    def largest(self, name: str) -> float:
+        """The largest magnitude of an entry of `values`; 0 if the entry has no number."""
+        magnitudes = np.abs(self.values[name])
+        return float(np.max(magnitudes[np.isfinite(magnitudes)], initial=0.0))
+
+
+def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
+    """Curves of a design.
+
+    Parameters
+    ----------
+    parameters
+        Name -> value, of either FMU; tables as absolute paths.
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses the design.
+    """
+    omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
+    given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
+    fmu_file = fmu_path("inverse")
+    theta = np.linspace(*_stops(fmu_file, given), POINTS)
+    with Fmu(fmu_file) as fmu:
+        loading = np.array([_read(fmu, given, angle, SLOW) for angle in theta]).T
+        releasing = np.array([_read(fmu, given, angle, -SLOW) for angle in theta]).T
+    state = np.where(np.isfinite(loading), loading, releasing)[: len(STATE)]
+    values = {name: np.where(np.isfinite(row), row, np.nan) for name, row in zip(STATE, state, strict=True)}
+    reactions = {"loading": loading[len(STATE) :], "releasing": releasing[len(STATE) :]}
+    return Curves(theta, values, reactions)
+
+
+def _stops(fmu_file: Path, given: Mapping[str, Scalar]) -> tuple[float, float]:
+    """Both end stops [rad]: those of the design, else the start values of the FMU."""
+    variables = Description(read_members(fmu_file)[DESCRIPTION]).variables
+    starts = [variables[name].tag.attributes["start"] for name in STOPS]
+    lower, upper = (float(given.get(name, start)) for name, start in zip(STOPS, starts, strict=True))
+    return lower, upper
+
+
+def _read(fmu: Fmu, given: Mapping[str, Scalar], theta: float, omega: float) -> list[float]:
+    """STATE and REACTIONS at this angle and speed; NaN where the mechanism jams."""
+    try:
+        fmu.start({**given, "theta": float(theta), "omega": omega})
+        return fmu.reals(*STATE, *REACTIONS).read()
+    except FmuError:
+        return [np.nan] * (len(STATE) + len(REACTIONS))

@@ -1,0 +1,222 @@
+"""From a design to its own FMU, without a compiler: the project's FMU with other names and start values."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Protocol
+
+from dualcam.errors import ExportError
+from dualcam.export.archive import DESCRIPTION, read_members, write_members
+from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
+from dualcam.export.description import TOKEN, Description, Scalar, typed
+from dualcam.export.figures import figures_svg
+from dualcam.export.names import model_identifier, target_path
+from dualcam.export.page import exported_page
+from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
+from dualcam.export.reference import Reference, reference_result
+from dualcam.export.sources import FOLDER as SOURCES_FOLDER
+from dualcam.export.sources import exported_sources
+from dualcam.export.start_block import replace_start_values
+from dualcam.fmu import Fmu
+from dualcam.library import MODELS, fmu_path
+
+PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
+
+
+class Design(Protocol):
+    """What the export needs of a design, such as dualcam.design_file.DesignFile."""
+
+    @property
+    def name(self) -> str:
+        """For the description of the FMU."""
+
+    @property
+    def parameters(self) -> Mapping[str, Scalar]:
+        """The FMU's name -> value in SI units; table files as absolute paths."""
+
+    @property
+    def model(self) -> str:
+        """ "forward" or "inverse"."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the exported FMU is to be."""
+
+    design: str
+    name: str
+    identifier: str
+    model: str
+    start: dict[str, Scalar]  # tables by their names in the FMU's resources
+    tables: dict[str, bytes]  # file name in the FMU's resources -> content
+
+
+def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None = None) -> Path:
+    """Make an FMU whose start values are those of a design. No compiler is needed.
+
+    Parameters
+    ----------
+    design
+        The design, for example from `dualcam.design_file.read_design`.
+    path
+        File name of the FMU, which ends in .fmu; its stem is the model name. An existing file is replaced.
+    fmi
+        Version of FMI, 2 or 3.
+    model
+        "forward" or "inverse"; None: as the design says. The inverse FMU lacks `initial.theta` and
+        `initial.omega`: these two become the start values of its inputs `theta` and `omega`.
+
+    Returns
+    -------
+    Path
+        The absolute path of the FMU.
+
+    Raises
+    ------
+    ExportError
+        The path is no good, a table cannot be read, or the project's FMU cannot be changed.
+    FmuError
+        The FMU refuses the design; the message is the FMU's.
+
+    Warns
+    -----
+    UserWarning
+        The stem of `path` is no C identifier: the names of the binaries differ from the model name.
+
+    Notes
+    -----
+    The binaries are those of the project's FMU, for all platforms that it holds. Only the block with GUID and
+    start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
+    same parameters. Tables become `cam1.csv` and `cam2.csv` in the FMU's resources. The same design and name
+    give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
+
+    Examples
+    --------
+    >>> from dualcam.design_file import read_design
+    >>> export_fmu(read_design("my.toml"), "MyCam.fmu", fmi=3)  # doctest: +SKIP
+    """
+    target = target_path(path)
+    model = design.model if model is None else model
+    original = fmu_path(model, fmi)
+    if target.resolve().parent == original.parent and target.stem in MODELS.values():
+        raise ExportError(f"{target} is the project's own FMU: choose another folder or name")
+    renamed = START_INPUTS if model == "inverse" else {}
+    parameters = {renamed.get(name, name): value for name, value in design.parameters.items()}
+    with Fmu(fmu_path(model)) as fmu:
+        fmu.start(parameters)  # refuses unknown names, values out of range, and a design that jams
+    plan = _plan(design.name, target.stem, model, parameters)
+    if plan.identifier != plan.name:
+        warnings.warn(
+            f"{plan.name!r} is no C identifier: the binaries in the FMU are named {plan.identifier!r}",
+            stacklevel=2,
+        )
+    curves = slow_motion_curves(parameters)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.stem}.", dir=target.parent) as scratch:
+            reference = _reference(plan, curves, Path(scratch) / "trial.fmu")
+            unfinished = Path(scratch) / target.name
+            write_members(unfinished, _members(plan, original, curves, reference))
+            unfinished.replace(target)
+    except OSError as error:
+        raise ExportError(f"{target} cannot be written: {error}") from error
+    return target
+
+
+def _plan(design: str, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:
+    """Types as in the FMU; tables read."""
+    variables = Description(read_members(fmu_path(model))[DESCRIPTION]).variables
+    start: dict[str, Scalar] = {}
+    tables: dict[str, bytes] = {}
+    for key, value in parameters.items():
+        start[key] = typed(variables[key], value)
+        if variables[key].type == "String" and value:
+            start[key] = f"{key.split('.')[0]}.csv"
+            tables[str(start[key])] = _table(key, str(value))
+    return Plan(design, name, model_identifier(name), model, start, tables)
+
+
+def _table(name: str, path: str) -> bytes:
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise ExportError(
+            f"{name} = {path!r}: the file cannot be read ({error.strerror or error})"
+        ) from error
+
+
+def _reference(plan: Plan, curves: Curves, trial: Path) -> Reference:
+    """Start the exported FMU, of FMI 2.0 in any case, since both versions share the core; play the run."""
+    members, _ = _core_members(plan, read_members(fmu_path(plan.model)))
+    write_members(trial, members)
+    with Fmu(trial) as fmu:
+        return reference_result(fmu, plan.model, curves)
+
+
+def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -> dict[str, bytes]:
+    """All members of the exported FMU."""
+    before = read_members(original)
+    members, names = _core_members(plan, before)
+    page = exported_page(
+        before[PAGE].decode(),
+        Description(before[DESCRIPTION]),
+        names,
+        plan.start,
+        figures_svg(curves, reference),
+    )
+    return members | {PAGE: page.encode()} | reference.members(plan.identifier)
+
+
+def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, bytes], dict[str, str]]:
+    """All members without page and reference result; the names of the exported FMU."""
+    description = Description(before[DESCRIPTION])
+    sentence = f"{description.root.attributes['description']}; start values of the design {plan.design}"
+    names = {"name": plan.name, "identifier": plan.identifier, "description": sentence}
+    root = {
+        "modelName": plan.name,
+        "description": sentence,
+        "generationTool": f"dualcam export {description.root.attributes['version']}",
+    }
+    token = TOKEN[description.fmi]
+    blank = description.edited({**root, token: ""}, plan.identifier, plan.start)
+    guid = _guid(blank, plan.tables)
+    changed = (BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER)
+    members = {name: content for name, content in before.items() if not name.startswith((*changed, PAGE))}
+    members[DESCRIPTION] = description.edited({**root, token: guid}, plan.identifier, plan.start)
+    members |= _binaries(plan, before, description, guid)
+    renamed = {description.identifier: plan.identifier, description.token: guid}
+    members |= exported_sources(before, renamed, plan.start)
+    members |= {RESOURCES + name: content for name, content in plan.tables.items()}
+    return members, names
+
+
+def _guid(description: bytes, tables: Mapping[str, bytes]) -> str:
+    """A hash of the description without GUID, and of the tables: equal FMUs have equal GUIDs."""
+    digest = hashlib.sha256(description)
+    for name in sorted(tables):
+        digest.update(hashlib.sha256(tables[name]).digest())
+    h = digest.hexdigest()
+    return f"{{{h[:8]}-{h[8:12]}-{h[12:16]}-{h[16:20]}-{h[20:32]}}}"
+
+
+def _binaries(
+    plan: Plan, before: Mapping[str, bytes], description: Description, guid: str
+) -> dict[str, bytes]:
+    """The binaries for all platforms, under the new name."""
+    references = {name: description.variables[name].reference for name in plan.start}
+    texts = {references[n]: value for n, value in plan.start.items() if isinstance(value, str)}
+    numbers = {references[n]: float(v) for n, v in plan.start.items() if not isinstance(v, str)}
+    found = {}
+    for name, content in before.items():
+        place = PurePosixPath(name)
+        if name.startswith(BINARIES) and place.stem == description.identifier:
+            renamed = str(place.with_name(plan.identifier + place.suffix))
+            try:
+                found[renamed] = replace_start_values(content, guid, numbers, texts)
+            except ExportError as error:
+                raise ExportError(f"{name} of the project's FMU: {error}") from error
+    return found

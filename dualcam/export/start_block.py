@@ -1,0 +1,91 @@
+"""The block of bytes in a finished binary that holds GUID and start values (fmu_src/fmi/variables.h).
+
+A mark begins the block. All numbers are little-endian, on every platform of the FMUs:
+
+    char mark[32]; uint32 size, number_count, text_count, text_size; char guid[64];
+    double number[number_count]; char text[text_count][text_size];
+
+`number` has one place for each value reference. The place of a text holds the index of the text.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+
+from dualcam.errors import ExportError
+from dualcam.export import mach_o
+from dualcam.export.archive import AGAIN
+
+MARK = b"dualcam start values, layout 1\n\0"
+HEAD = struct.Struct("<32s4I64s")
+GUID_AT, GUID_SIZE = 48, 64
+
+
+def replace_start_values(
+    binary: bytes, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]
+) -> bytes:
+    """A binary with another GUID and other start values.
+
+    Parameters
+    ----------
+    binary
+        Shared library for Linux, Windows or macOS; for macOS of one processor or of several.
+    guid
+        New GUID (FMI 3.0: instantiation token), up to 63 ASCII characters.
+    numbers, texts
+        Value reference -> start value, in SI units. All other start values stay.
+
+    Returns
+    -------
+    bytes
+        Of the same length, with a valid signature for macOS.
+
+    Raises
+    ------
+    ExportError
+        The binary does not hold the block exactly once for each processor, or a text is too long.
+    """
+    content = bytearray(binary)
+    for begin, size in _parts(binary):
+        part = content[begin : begin + size]
+        _replace(part, guid, numbers, texts)
+        if part.startswith(mach_o.THIN):
+            mach_o.sign_again(part)
+        content[begin : begin + size] = part
+    return bytes(content)
+
+
+def _parts(binary: bytes) -> list[tuple[int, int]]:
+    """(offset, size) of the code for each processor."""
+    if binary.startswith(mach_o.UNIVERSAL):
+        return mach_o.parts(binary)
+    if binary.startswith((b"\x7fELF", b"MZ", mach_o.THIN)):
+        return [(0, len(binary))]
+    raise ExportError(f"a binary begins with {binary[:4].hex()}: allowed are ELF, PE and Mach-O")
+
+
+def _replace(part: bytearray, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]) -> None:
+    found = part.count(MARK)
+    if found != 1:
+        raise ExportError(f"a binary holds the block of start values {found} times, allowed is once: {AGAIN}")
+    at = part.index(MARK)
+    _, size, number_count, text_count, text_size, _ = HEAD.unpack_from(part, at)
+    if size != HEAD.size + 8 * number_count + text_count * text_size or at + size > len(part):
+        raise ExportError(f"the block of start values has {size} bytes, with another layout: {AGAIN}")
+    part[at + GUID_AT : at + GUID_AT + GUID_SIZE] = _padded("GUID", guid, GUID_SIZE)
+    first_number, first_text = at + HEAD.size, at + HEAD.size + 8 * number_count
+    for reference, number in numbers.items():
+        struct.pack_into("<d", part, first_number + 8 * reference, number)
+    for reference, text in texts.items():
+        (index,) = struct.unpack_from("<d", part, first_number + 8 * reference)
+        place = first_text + text_size * int(index)
+        part[place : place + text_size] = _padded("text", text, text_size)
+
+
+def _padded(what: str, text: str, size: int) -> bytes:
+    """`text` and zeros, `size` bytes together."""
+    content = text.encode()
+    if len(content) >= size:
+        raise ExportError(f"{what} {text!r} has {len(content)} bytes: allowed are up to {size - 1}")
+    return content.ljust(size, b"\0")

@@ -1,0 +1,315 @@
+"""Plants on the shaft of the forward FMU, and when explicit coupling with them is stable.
+
+Explicit coupling with a plant tau = tau_0 - K theta - D omega - M alpha maps the errors of one communication
+step to those of the next step. The coupling is stable where the spectral radius of that map is at most 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from dualcam.errors import CouplingError, DualcamError
+
+LARGEST_RADIUS = 1.001  # of stable coupling: errors that grow less than e times in 1000 steps
+DIFFERENCE = 1e-6  # rad, rad/s, rad/s2, and relative: shift of the motion for the plant's derivatives
+
+
+class ShaftMotion(NamedTuple):
+    """The motion of cam 2's shaft, where the plant acts.
+
+    Attributes
+    ----------
+    time : float
+        Time [s].
+    theta, omega, alpha : float
+        Angle [rad], speed [rad/s], acceleration [rad/s2].
+    """
+
+    time: float
+    theta: float
+    omega: float
+    alpha: float
+
+
+PlantTorque = Callable[[ShaftMotion], float]  # N.m on the shaft, + in the direction of theta
+
+
+class Impedance(NamedTuple):
+    """What a plant opposes to the motion: minus the derivatives of its torque.
+
+    Attributes
+    ----------
+    stiffness : float
+        -d tau/d theta [N.m/rad].
+    damping : float
+        -d tau/d omega [N.m.s/rad].
+    inertia : float
+        -d tau/d alpha [kg.m2].
+    """
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+    inertia: float = 0.0
+
+
+def reflected_inertia(gear_ratio: float, rotor_inertia: float) -> float:
+    """Inertia of a rotor as the shaft behind its gear feels it: N^2 J_rotor.
+
+    Parameters
+    ----------
+    gear_ratio : float
+        N, turns of the rotor per turn of the shaft [1].
+    rotor_inertia : float
+        J_rotor [kg.m2].
+
+    Returns
+    -------
+    float
+        Inertia at the shaft [kg.m2]. Add it to `inertia.shaft` of the FMU.
+
+    Raises
+    ------
+    DualcamError
+        If a value is not finite, or the inertia is negative.
+
+    Notes
+    -----
+    The rotor turns N times as fast, so its kinetic energy is 1/2 J_rotor (N omega)^2.
+
+    Examples
+    --------
+    >>> round(reflected_inertia(50.0, 6.07e-5), 6)
+    0.15175
+    """
+    if not (math.isfinite(gear_ratio) and math.isfinite(rotor_inertia) and rotor_inertia >= 0.0):
+        raise DualcamError(
+            f"gear_ratio = {gear_ratio}, rotor_inertia = {rotor_inertia} kg.m2: allowed are finite numbers,"
+            " the inertia >= 0"
+        )
+    return rotor_inertia * gear_ratio**2
+
+
+def impedance_of(plant: PlantTorque, motion: ShaftMotion) -> Impedance:
+    """Stiffness, damping and inertia of a plant at a motion, by central differences.
+
+    Parameters
+    ----------
+    plant : function of ShaftMotion
+        Torque on the shaft [N.m].
+    motion : ShaftMotion
+        Where the differences are taken.
+
+    Returns
+    -------
+    Impedance
+
+    Examples
+    --------
+    >>> found = impedance_of(lambda shaft: 3.0 - 0.5 * shaft.omega, ShaftMotion(0.0, 0.1, 2.0, 0.0))
+    >>> round(found.damping, 6)
+    0.5
+    """
+
+    def slope(name: str) -> float:
+        value = getattr(motion, name)
+        shift = DIFFERENCE * max(1.0, abs(value))
+        above, below = (motion._replace(**{name: value + sign * shift}) for sign in (1, -1))
+        return (plant(below) - plant(above)) / (2.0 * shift)
+
+    return Impedance(slope("theta"), slope("omega"), slope("alpha"))
+
+
+def spectral_radius(step: float, inertia: float, plant: Impedance, order: int = 0) -> float:
+    """Factor by which errors grow per step of explicit coupling, in the long run.
+
+    Parameters
+    ----------
+    step : float
+        Communication step h [s].
+    inertia : float
+        Inertia J of the cam as the shaft feels it while it slides [kg.m2]: h/step.domega_dtau.
+    plant : Impedance
+        Of the plant at the shaft.
+    order : int
+        0: the torque is held over the step; 1, 2: the torque is a straight line, a parabola.
+
+    Returns
+    -------
+    float
+        Largest magnitude of the eigenvalues of the loop [1]. At most 1: stable.
+
+    Notes
+    -----
+    The loop is that of `PlantCoupling.step_explicit` with tau = -K theta - D omega - M alpha and
+    J alpha = tau. Its state is theta, omega, alpha and the slope of alpha. The cam's own spring is left out,
+    so the step must be short compared with the period of the cam's own oscillation. Friction that takes
+    energy out of the loop is left out too.
+
+    Examples
+    --------
+    Damping alone: 1 - D h/J.
+
+    >>> round(spectral_radius(1e-3, 0.002, Impedance(damping=5.0)), 6)
+    1.5
+    """
+    check_positive("step", step, "s")
+    check_positive("inertia", inertia, "kg.m2")
+    check_order(order)
+
+    def torque(motion: ShaftMotion) -> float:
+        return -plant.stiffness * motion.theta - plant.damping * motion.omega - plant.inertia * motion.alpha
+
+    def next_state(theta: float, omega: float, alpha: float, jerk: float) -> list[float]:
+        value, slope, bend = torque_polynomial(
+            torque, ShaftMotion(0.0, theta, omega, alpha), jerk, step, order
+        )
+        impulse = step * (value + step * (slope / 2.0 + step * bend / 6.0))
+        moved = step**2 * (value / 2.0 + step * (slope / 6.0 + step * bend / 24.0))
+        return [
+            theta + step * omega + moved / inertia,
+            omega + impulse / inertia,
+            (value + step * (slope + step * bend / 2.0)) / inertia,
+            (slope + step * bend) / inertia,
+        ]
+
+    matrix = np.array([next_state(*row) for row in np.eye(4).tolist()]).T
+    return float(np.abs(np.linalg.eigvals(matrix)).max())
+
+
+def largest_stable_step(inertia: float, plant: Impedance, order: int = 0) -> float:
+    """Communication step [s] up to which explicit coupling is stable.
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia J of the cam as the shaft feels it [kg.m2].
+    plant : Impedance
+        Of the plant at the shaft.
+    order : int
+        As in `spectral_radius`.
+
+    Returns
+    -------
+    float
+        Between 1e-9 s and 1 s, 0 where no step of that range is stable, infinity where all steps are.
+
+    Examples
+    --------
+    Damping alone: 2 J/D.
+
+    >>> round(largest_stable_step(0.002, Impedance(damping=5.0)), 6)
+    0.0008
+    """
+
+    def stable(step: float) -> bool:
+        return spectral_radius(step, inertia, plant, order) <= LARGEST_RADIUS
+
+    steps = np.geomspace(1e-9, 1.0, 181)
+    if not stable(float(steps[0])):
+        return 0.0
+    first = next((k for k, step in enumerate(steps) if not stable(float(step))), None)
+    if first is None:
+        return math.inf
+    low, high = float(steps[first - 1]), float(steps[first])
+    while high - low > 1e-9 * high:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return low
+
+
+@dataclass(frozen=True)
+class LoopStability:
+    """Whether explicit coupling is stable, from the latest step.
+
+    Attributes
+    ----------
+    step : float
+        Communication step [s].
+    inertia : float
+        Inertia of the cam as the shaft feels it [kg.m2]: step/step.domega_dtau.
+    plant : Impedance
+        Of the plant, at the beginning of the step.
+    order : int
+        Order of the torque's polynomial.
+    spectral_radius : float
+        Factor by which errors grow per step [1].
+    """
+
+    step: float
+    inertia: float
+    plant: Impedance
+    order: int
+    spectral_radius: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether errors do not grow, or less than e times in 1000 steps."""
+        return self.spectral_radius <= LARGEST_RADIUS
+
+    def __str__(self) -> str:
+        verdict = "stable" if self.stable else "unstable"
+        text = (
+            f"explicit coupling with a step of {self.step:g} s is {verdict}: errors change"
+            f" {self.spectral_radius:.4g} times per step, allowed is 1. The plant has stiffness"
+            f" {self.plant.stiffness:.4g} N.m/rad, damping {self.plant.damping:.4g} N.m.s/rad, inertia"
+            f" {self.plant.inertia:.4g} kg.m2; the cam has inertia {self.inertia:.4g} kg.m2, so damping times"
+            f" step.domega_dtau is {self.plant.damping * self.step / self.inertia:.4g}."
+        )
+        if self.stable:
+            return text
+        allowed = largest_stable_step(self.inertia, self.plant, self.order)
+        smaller = f"steps up to {allowed:.3g} s, or " if allowed > 0.0 else ""
+        return (
+            f"{text} What works: {smaller}step_implicit. Rotor inertia belongs into inertia.shaft, times the"
+            " square of the gear ratio (reflected_inertia)."
+        )
+
+
+def torque_polynomial(
+    plant: PlantTorque, begin: ShaftMotion, jerk: float, step: float, order: int
+) -> list[float]:
+    """The plant's torque over the step from the motion predicted by derivatives up to `order`: value, first
+    and second time derivative at the beginning of the step."""
+
+    def at(share: float) -> float:
+        s = share * step
+        if order == 1:
+            motion = ShaftMotion(
+                begin.time + s, begin.theta + s * begin.omega, begin.omega + s * begin.alpha, begin.alpha
+            )
+        else:
+            motion = ShaftMotion(
+                begin.time + s,
+                begin.theta + s * (begin.omega + s * begin.alpha / 2.0),
+                begin.omega + s * (begin.alpha + s * jerk / 2.0),
+                begin.alpha + s * jerk,
+            )
+        return plant(motion)
+
+    first = at(0.0)
+    if order == 0:
+        return [first, 0.0, 0.0]
+    last = at(1.0)
+    if order == 1:
+        return [first, (last - first) / step, 0.0]
+    middle = at(0.5)
+    return [
+        first,
+        (4.0 * middle - 3.0 * first - last) / step,
+        4.0 * (first - 2.0 * middle + last) / step**2,
+    ]
+
+
+def check_positive(name: str, value: float, unit: str) -> None:
+    if not 0.0 < value < math.inf:
+        raise CouplingError(f"{name} = {value} {unit}: allowed is a finite number > 0")
+
+
+def check_order(order: int) -> None:
+    if order not in (0, 1, 2):
+        raise CouplingError(f"order = {order}: allowed are 0 (held), 1 (straight line) and 2 (parabola)")

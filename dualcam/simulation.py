@@ -1,0 +1,240 @@
+"""The scenario of a design, run in the FMU: variables over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.errors import DesignError, DualcamError
+from dualcam.fmu import Fmu, Scalar
+from dualcam.library import fmu_path
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
+    from dualcam.study.scenario import Scenario, Step
+
+Array = NDArray[np.float64]
+
+DEFAULT_SAMPLES = 1000  # where the scenario gives no output interval
+MOST_SAMPLES = 2_000_000
+ENERGIES = (
+    "energy.work_in",
+    "energy.work_ext",
+    "energy.spring",
+    "energy.kinetic",
+    "energy.heat_cam1",
+    "energy.heat_cam2",
+    "energy.heat_damper",
+    "energy.heat_shaft",
+    "energy.heat_stop",
+    "energy.residual",
+)
+LOADS = ("torque_release", "torque_load", "spring.force", "cam1.reaction", "cam2.reaction", "mode")
+VARIABLES = {
+    "forward": ("tau", "F_ext", "theta", "omega", "alpha", "z", "v", *LOADS, "events", *ENERGIES),
+    "inverse": ("theta", "omega", "alpha", "F_ext", "tau", "z", "v", *LOADS, *ENERGIES),
+}
+FORMATS = (".csv", ".parquet")
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Variables of one run over time.
+
+    Attributes
+    ----------
+    names
+        Names of the n columns; the first is `time`.
+    values
+        Shape (samples, n), in the FMU's units; time in s.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+
+    def __getitem__(self, name: str) -> Array:
+        """One column, shape (samples,).
+
+        Raises
+        ------
+        DualcamError
+            For a name that is no column.
+        """
+        if name not in self.names:
+            raise DualcamError(f"the trajectory has no column {name!r}: allowed are {', '.join(self.names)}")
+        return self.values[:, self.names.index(name)]
+
+    def write(self, path: str | Path) -> None:
+        """Write all columns to a file: CSV with all digits, or Parquet, by the end of the name.
+
+        Raises
+        ------
+        DualcamError
+            For another ending than .csv or .parquet, or where pyarrow is missing for Parquet.
+        """
+        path = Path(path)
+        suffix = checked_format(path)
+        if suffix == ".csv":
+            rows = [",".join(map(repr, row)) for row in self.values.tolist()]
+            path.write_text("\n".join([",".join(self.names), *rows]) + "\n", encoding="utf-8")
+        else:
+            import pyarrow
+            from pyarrow import parquet
+
+            columns = {name: self.values[:, k] for k, name in enumerate(self.names)}
+            parquet.write_table(pyarrow.table(columns), path)
+
+
+def checked_format(path: Path) -> str:
+    """The ending of a file of results, if it can be written here.
+
+    Raises
+    ------
+    DualcamError
+        For another ending than .csv or .parquet, or where pyarrow is missing for Parquet.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise DualcamError(f"{path}: allowed are names that end in {' or '.join(FORMATS)}")
+    if suffix == ".parquet":
+        from importlib.util import find_spec
+
+        if find_spec("pyarrow") is None:
+            raise DualcamError(
+                f"{path}: Parquet needs pyarrow: pip install 'dualcam[study]', or write a .csv"
+            )
+    return suffix
+
+
+def simulate(
+    design: DesignFile,
+    variables: Sequence[str] = (),
+    *,
+    parameters: Mapping[str, Scalar] | None = None,
+    fmu: str | Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """Run the scenario of a design.
+
+    Parameters
+    ----------
+    design
+        A design with a scenario, from `read_design`.
+    variables
+        Names of numeric variables to record; none: inputs, outputs, torque band, reactions and energies.
+    parameters
+        Start values that replace those of the design, in the FMU's units.
+    fmu
+        Another FMU than the one of this package, such as an exported one.
+    progress
+        Called with the share of the time that is done, 0 to 1.
+
+    Returns
+    -------
+    Trajectory
+        Samples at every output interval [s] of the scenario, the start and the end included.
+
+    Raises
+    ------
+    DesignError
+        The design has no scenario.
+    FmuError
+        The FMU refuses a value or a step.
+
+    Examples
+    --------
+    >>> from dualcam.design_file import read_design, write_template
+    >>> _ = write_template("minimal", "my.toml")  # doctest: +SKIP
+    >>> simulate(read_design("my.toml"))["theta"].max()  # doctest: +SKIP
+    """
+    scenario = design.scenario
+    if scenario is None:
+        raise DesignError(
+            f"{design.path}: the file has no [scenario]: add one, such as\n"
+            "[scenario]\nstop = 1.0  # s\ninputs.tau = { time = [0.0, 0.5], value = [0.0, 5.0] }  # s, N.m"
+        )
+    if scenario.controller is not None:
+        raise DesignError(f"{design.path}: scenario.controller: only studies run controllers; leave it out")
+    times = sample_times(scenario.stop, design.output_interval)
+    names = tuple(variables) or VARIABLES[design.model]
+    with Fmu(fmu or fmu_path(design.model)) as handle:
+        recorder = _Recorder(handle, names)
+        steps = scenario.steps([float(time) for time in times], interpolates=True, fixed=False)
+        given = {**design.parameters, **(parameters or {}), **steps[0].values}
+        handle.start(given, tolerance=scenario.tolerance)
+        rows = [recorder.row(0.0)]
+        for step, due in zip(steps, _is_sample(steps, times), strict=True):
+            _make(handle, step)
+            if due:
+                rows.append(recorder.row(step.time + step.size))
+                if progress is not None:
+                    progress(min(1.0, (step.time + step.size) / scenario.stop))
+    return Trajectory(("time", *names), np.array(rows))
+
+
+def sample_times(stop: float, interval: float | None) -> Array:
+    """Times [s] of the samples: multiples of the output interval, and the end.
+
+    Raises
+    ------
+    DesignError
+        For an interval that is not above 0, or gives too many samples.
+    """
+    interval = stop / DEFAULT_SAMPLES if interval is None else interval
+    if not (math.isfinite(interval) and interval > 0.0):
+        raise DesignError(f"scenario.output_interval = {interval} s: allowed is a finite number above 0")
+    if stop / interval > MOST_SAMPLES:
+        raise DesignError(
+            f"scenario.output_interval = {interval:g} s gives {stop / interval:.3g} samples: allowed are up"
+            f" to {MOST_SAMPLES:,}, from {stop / MOST_SAMPLES:.3g} s on"
+        )
+    count = math.ceil(stop / interval * (1.0 - 1e-12))
+    return np.minimum(np.arange(count + 1) * interval, stop)
+
+
+def final_inputs(scenario: Scenario) -> dict[str, float]:
+    """Values of the inputs at the start of the scenario's last step."""
+    return dict(scenario.steps([], interpolates=True, fixed=False)[-1].values)
+
+
+class _Recorder:
+    """Reads the recorded variables of an instance."""
+
+    def __init__(self, handle: Fmu, names: Sequence[str]) -> None:
+        texts = [name for name in names if handle.variable(name).type == "String"]
+        if texts:
+            raise DualcamError(f"{', '.join(texts)} is a text: allowed are numeric variables")
+        self._handle = handle
+        self._real = [name for name in names if handle.variable(name).type in ("Real", "Float64")]
+        self._others = [name for name in names if name not in self._real]
+        self._group = handle.reals(*self._real)
+        order = [*self._real, *self._others]
+        self._places = [order.index(name) for name in names]
+
+    def row(self, time: float) -> list[float]:
+        read = [*self._group.read(), *(float(self._handle.get(name)) for name in self._others)]
+        return [time, *(read[k] for k in self._places)]
+
+
+def _is_sample(steps: Sequence[Step], times: Array) -> list[bool]:
+    """Whether each step ends at one of the sample times."""
+    ends = np.array([step.time + step.size for step in steps])
+    place = np.clip(np.searchsorted(times, ends), 1, len(times) - 1)
+    nearest = np.minimum(np.abs(times[place] - ends), np.abs(times[place - 1] - ends))
+    return list(nearest <= 1e-9 * times[-1])
+
+
+def _make(handle: Fmu, step: Step) -> None:
+    """One step with its inputs and their derivatives."""
+    inputs = handle.reals(*step.values)
+    inputs.values[:] = list(step.values.values())
+    inputs.write()
+    for (name, order), rate in step.rates.items():
+        handle.reals(name).write_derivatives(order, [rate])
+    handle.step(step.size)

@@ -1,0 +1,111 @@
+"""Packs the Python package `dualcam` and the FMUs into a wheel: a build backend (PEP 517) around setuptools.
+
+    python -m pip wheel --no-deps --wheel-dir dist .
+
+A wheel holds the FMUs of FMI 2.0 and FMI 3.0 for all platforms, so that an installation needs no compiler.
+An editable installation (`pip install -e .`) compiles nothing; its FMUs are those in build/.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+
+from setuptools import build_meta
+from setuptools.build_meta import (
+    build_editable,
+    build_sdist,
+    get_requires_for_build_editable,
+    get_requires_for_build_sdist,
+    prepare_metadata_for_build_editable,
+    prepare_metadata_for_build_wheel,
+)
+from setuptools.command.build import build
+from setuptools.command.build_py import build_py
+
+__all__ = [
+    "BuildIntoFolder",
+    "BuildPackageWithFmus",
+    "build_editable",
+    "build_sdist",
+    "build_wheel",
+    "get_requires_for_build_editable",
+    "get_requires_for_build_sdist",
+    "get_requires_for_build_wheel",
+    "prepare_metadata_for_build_editable",
+    "prepare_metadata_for_build_wheel",
+]
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+STAGING = ROOT / "build" / "package"  # what setuptools copies together before it packs
+FOLDER = Path("dualcam") / "fmus"  # of the FMUs in the wheel; dualcam/library.py looks there
+FIRST_DATE = "315532800"  # s since 1970: 1 January 1980, the earliest date in a zip file
+Settings = Mapping[str, str | list[str] | None] | None
+
+
+def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
+    """The packages that a build needs besides setuptools: those of the extra `build` in pyproject.toml."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [
+        *build_meta.get_requires_for_build_wheel(config_settings),
+        *project["optional-dependencies"]["build"],
+    ]
+
+
+def build_wheel(
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
+) -> str:
+    """Builds the FMUs and then the wheel; returns the name of the wheel.
+
+    The same sources give the same bytes: all files have one date and no permissions of this machine.
+    """
+    os.environ.setdefault("SOURCE_DATE_EPOCH", FIRST_DATE)
+    umask = os.umask(0o022)
+    try:
+        return build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
+    finally:
+        os.umask(umask)
+
+
+class BuildIntoFolder(build):
+    """setuptools' command `build`, with its folder inside build/ and empty at the start: setuptools itself
+    would pack files of an earlier build that the project no longer has."""
+
+    def initialize_options(self) -> None:
+        super().initialize_options()
+        self.build_base = str(STAGING)
+
+    def run(self) -> None:
+        shutil.rmtree(STAGING, ignore_errors=True)
+        super().run()
+
+
+class BuildPackageWithFmus(build_py):
+    """setuptools' command `build_py`, which copies the package, and then the FMUs."""
+
+    def run(self) -> None:
+        super().run()
+        if self.editable_mode:
+            return
+        package = Path(self.build_lib)
+        copy_fmus(package / FOLDER)
+        for file in package.rglob("*"):
+            if file.is_file():
+                file.chmod(0o644)
+
+
+def copy_fmus(folder: Path) -> None:
+    """Builds the FMUs for all platforms and copies them to `folder`/fmi2 and `folder`/fmi3."""
+    import build_fmu  # needs the packages of get_requires_for_build_wheel
+
+    with build_fmu.locked():
+        for version in build_fmu.ALL:
+            there = folder / f"fmi{version}"
+            there.mkdir(parents=True)
+            for model in build_fmu.MODELS:
+                fmu = build_fmu.dual_cam(model, check=False, version=version)
+                build_fmu.build(fmu, for_all=True)
+                shutil.copyfile(fmu.path, there / fmu.path.name)

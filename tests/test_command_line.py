@@ -1,0 +1,266 @@
+"""The command line, as a stranger uses it: files in, files and text out, exit codes."""
+
+import csv
+import json
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+from dualcam import Fmu
+from dualcam.cli import main
+from dualcam.cli.main import COMMANDS
+from dualcam.cli.new import TEMPLATES
+
+SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder, the working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def design(folder):
+    assert main(["new", "my.toml", "--from", "minimal"]) == 0
+    return folder / "my.toml"
+
+
+def spoken(capsys, *words, code=0):
+    """What a command prints; its exit code is `code`."""
+    capsys.readouterr()
+    assert main(list(words)) == code
+    return capsys.readouterr()
+
+
+def answer(capsys, *words, code=0):
+    """What a command prints with --json."""
+    return json.loads(spoken(capsys, *words, "--json", code=code).out)
+
+
+# ---- help, wrong use ----
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_shows_an_example(capsys, command):
+    text = spoken(capsys, command, "--help").out
+    assert "Example:" in text and f"dualcam {command}" in text
+
+
+def test_help_lists_all_commands_and_loads_none(capsys):
+    assert all(command in spoken(capsys, "--help").out for command in COMMANDS)
+    program = (
+        "import sys; from dualcam.cli import main; main(['--help']);"
+        "heavy = {'numpy', 'matplotlib', 'rich', 'pydantic', 'pint', 'control'} & set(sys.modules);"
+        "sys.exit(f'{heavy} loaded' if heavy else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    "words, mention",
+    [
+        (["chek", "my.toml"], "Did you mean 'check'?"),
+        (["check"], "DESIGN.toml"),
+        (["export", "my.toml"], "--output"),
+        (["export", "my.toml", "-o", "a.fmu", "--fmi", "1"], "'2', '3'"),
+        (["new", "my.toml", "--from", "bike"], "robot"),
+        (["band", "my.toml", "--points", "1"], "--points"),
+        (["simulate", "my.toml", "-o", "a.csv", "--speed", "3"], "--speed"),
+    ],
+)
+def test_wrong_use_has_exit_code_2_and_says_what_is_allowed(folder, capsys, words, mention):
+    assert mention in spoken(capsys, *words, code=2).err
+
+
+@pytest.mark.parametrize("command", ["check", "band", "simulate", "export", "report", "ssp"])
+def test_a_missing_design_is_named(folder, capsys, command):
+    ends = {"simulate": "csv", "export": "fmu", "report": "html", "ssp": "ssp"}
+    output = ["-o", f"out.{ends[command]}"] if command in ends else []
+    assert "absent.toml" in spoken(capsys, command, "absent.toml", *output, code=1).err
+    assert "absent.toml" in answer(capsys, command, "absent.toml", *output, code=1)["error"]
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    "command, name", [("simulate", "out.csv"), ("export", "A.fmu"), ("report", "r.html")]
+)
+def test_a_missing_folder_of_the_output_is_named_before_the_work(design, capsys, command, name):
+    said = spoken(capsys, command, "my.toml", "-o", f"no/such/{name}", code=1).err
+    assert "does not exist" in said and "no/such" in said
+
+
+def test_new_replaces_a_file_only_when_told(design, capsys):
+    design.write_text("mine")
+    assert "--force" in spoken(capsys, "new", "my.toml", code=1).err
+    assert design.read_text() == "mine"
+    spoken(capsys, "new", "my.toml", "--force")
+    assert tomllib.loads(design.read_text())
+
+
+# ---- from a template to an FMU ----
+
+
+@pytest.mark.parametrize("template", TEMPLATES)
+def test_each_template_is_checked_simulated_and_exported(folder, capsys, template):
+    spoken(capsys, "new", "my.toml", "--from", template)
+    verdict = answer(capsys, "check", "my.toml")
+    assert verdict["good"] and not [f for f in verdict["findings"] if f["severity"] == "error"]
+    assert "the design works" in spoken(capsys, "check", "my.toml").out
+    spoken(capsys, "simulate", "my.toml", "-o", "out.csv", "--plot", "out.png")
+    assert (folder / "out.png").read_bytes().startswith(b"\x89PNG")
+    with (folder / "out.csv").open() as file:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+    work = max(abs(row["energy.work_in"]) for row in rows) or max(row["energy.spring"] for row in rows)
+    assert work > 0.0
+    assert max(abs(row["energy.residual"]) for row in rows) <= 1e-6 * work  # the FMU's tolerance is 1e-9
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
+    assert not validate_fmu("MyCam.fmu")
+    found = answer(capsys, "simulate", "my.toml", "-o", "again.csv", "--fmu", "MyCam.fmu")
+    assert (folder / "again.csv").read_text() == (folder / "out.csv").read_text()
+    assert found["samples"] == len(rows)
+
+
+def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(design, capsys):
+    design.write_text(design.read_text().replace("friction = 0.14", "friction = 0.07", 1))
+    for fmi in ("2", "3"):
+        spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi)
+        info = answer(capsys, "info", f"My{fmi}.fmu")
+        assert (info["model"], info["fmi"][0]) == (f"My{fmi}", fmi)
+        start = {variable["name"]: variable["start"] for variable in info["variables"]}
+        assert start["cam1.friction"] == 0.07
+        with Fmu(f"My{fmi}.fmu") as fmu:
+            fmu.start()
+            assert fmu.real("cam1.friction") == 0.07
+
+
+def test_a_simulation_is_that_of_another_master(design, capsys):
+    """FMPy, which knows nothing of design files, plays the same torque through the FMU with 0.1 ms steps."""
+    text = design.read_text()
+    torque = "inputs.tau = { time = [0.0, 0.2], value = [0.0, 6.0] }"
+    scenario = f"[scenario]\nstop = 0.4\noutput_interval = 0.01\n{torque}\n"
+    design.write_text(text.partition("[scenario]")[0] + scenario)
+    spoken(capsys, "simulate", "my.toml", "-o", "out.csv", "--variables", "theta,omega,tau,mode")
+    found = np.genfromtxt("out.csv", delimiter=",", names=True)
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
+    signal = np.array([(0.0, 0.0), (0.2, 6.0), (0.4, 6.0)], dtype=[("time", float), ("tau", float)])
+    other = fmpy.simulate_fmu(
+        "MyCam.fmu", stop_time=0.4, output_interval=1e-4, input=signal, output=["theta"]
+    )
+    assert len(found) == 41
+    assert np.max(found["theta"]) > 0.1
+    # FMPy holds the torque over each step of 0.1 ms: the torque, and so the motion, lags by at most a step
+    lag = np.max(np.abs(found["theta"] - other["theta"][::100]))
+    assert lag <= 1e-4 * np.max(found["omega"])
+    coarse = spoken(capsys, "simulate", "my.toml", "-o", "one.csv", "--variables", "theta").out
+    assert "41 samples of 2 columns" in coarse
+
+
+def test_samples_do_not_depend_on_the_output_interval(design, capsys):
+    text = design.read_text().partition("[scenario]")[0]
+    columns = {}
+    for interval in (0.1, 0.001):
+        design.write_text(
+            f"{text}[scenario]\nstop = 0.5\noutput_interval = {interval}\n"
+            "[scenario.inputs]\ntau = { time = [0.0, 0.3, 0.3], value = [8.0, 8.0, 0.0] }\n"
+        )
+        spoken(capsys, "simulate", "my.toml", "-o", "out.csv")
+        columns[interval] = np.genfromtxt("out.csv", delimiter=",", names=True)
+    fine = columns[0.001][::100]
+    assert np.allclose(columns[0.1]["theta"], fine["theta"], rtol=0.0, atol=1e-11)
+    assert np.allclose(columns[0.1]["energyheat_cam1"], fine["energyheat_cam1"], rtol=0.0, atol=1e-10)
+
+
+# ---- the other commands ----
+
+
+def test_band_is_that_of_the_fmu(design, capsys):
+    found = answer(capsys, "band", "my.toml", "--points", "5", "--plot", "band.svg")
+    columns = found["columns"]
+    assert not found["self_locking"]
+    with Fmu("forward") as fmu:
+        for k, theta in enumerate(columns["theta_rad"]):
+            start = tomllib.loads(design.read_text())
+            given = {
+                f"{group}.{key}": value
+                for group in ("cam1", "cam2", "spring", "stop")
+                for key, value in start.get(group, {}).items()
+                if isinstance(value, float | int)
+            }
+            fmu.start({**given, "initial.theta": theta})
+            for name, column in (("torque_release", "release_N.m"), ("torque_load", "load_N.m")):
+                assert fmu.real(name) == pytest.approx(columns[column][k], rel=1e-11)
+    assert "Not self-locking" in spoken(capsys, "band", "my.toml", "-o", "band.csv").out
+    assert Path("band.csv").read_text().startswith("theta_deg,")
+
+
+def test_a_self_locking_design_is_called_so(design, capsys):
+    text = design.read_text().replace("friction = 0.14", "friction = 1.2", 1)
+    design.write_text(text)
+    assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml").out
+
+
+@pytest.mark.parametrize("fmu", ["forward", "inverse"])
+def test_info_lists_all_variables(capsys, fmu):
+    found = answer(capsys, "info", fmu)
+    with Fmu(fmu) as handle:
+        assert [variable["name"] for variable in found["variables"]] == handle.names
+    assert "spring.preload" in spoken(capsys, "info", fmu, "--variables", "spring").out
+    assert answer(capsys, "info", fmu, "--fmi", "3")["fmi"].startswith("3.")
+
+
+def test_a_report_is_one_file_with_its_pictures(design, capsys):
+    spoken(capsys, "report", "my.toml", "-o", "r.html")
+    page = Path("r.html").read_text()
+    for words in ("The design works", "Torque over the angle", "Reactions", "Energy balance", "Inputs"):
+        assert words in page
+    assert page.count("<svg") >= 3
+    assert "http" not in page.replace('="http://www.w3.org/', "")  # but for the names of SVG's namespaces
+    names = etree.HTML(page).xpath("//@id")
+    assert len(names) == len(set(names))
+    spoken(capsys, "report", "my.toml", "-o", "again.html")
+    assert Path("again.html").read_text() == page
+
+
+def test_a_report_on_a_design_that_does_not_work_says_why(design, capsys):
+    design.write_text(design.read_text().replace("friction = 0.14", "friction = 1.2", 1))
+    spoken(capsys, "report", "my.toml", "-o", "r.html")
+    assert "does not work" in Path("r.html").read_text()
+
+
+def test_a_study_begins_with_the_values_of_the_design(design, capsys):
+    text = design.read_text().partition("[scenario]")[0]
+    design.write_text(
+        f"{text}[scenario]\nstop = 1e-3\n[study]\nresults = ['torque_load']\n"
+        '[study.plan]\nkind = "grid"\n[study.plan.vary]\n'
+        '"spring.preload" = { from = 50.0, to = 150.0, count = 3 }\n'
+    )
+    words = ("study", "my.toml", "--out", "runs", "--workers", "0", "--format", "csv")
+    assert "3 runs" in spoken(capsys, *words).out
+    loads = {}
+    for file in Path("runs/my").glob("runs-*"):
+        with file.open() as lines:
+            loads |= {float(r["spring.preload"]): float(r["torque_load"]) for r in csv.DictReader(lines)}
+    assert set(loads) == {50.0, 100.0, 150.0}
+    assert loads[100.0] - loads[50.0] == pytest.approx(loads[150.0] - loads[100.0], rel=1e-9)
+
+
+def test_an_ssp_package_is_valid_and_holds_the_fmu(design, capsys):
+    spoken(capsys, "ssp", "my.toml", "-o", "MyCam.ssp")
+    kinds = {".ssd": "Description", ".ssv": "ParameterValues"}
+    with zipfile.ZipFile("MyCam.ssp") as archive:
+        assert "resources/MyCam.fmu" in archive.namelist()
+        for name in archive.namelist():
+            if Path(name).suffix in kinds:
+                schema = etree.parse(str(SCHEMAS / f"SystemStructure{kinds[Path(name).suffix]}.xsd"))
+                etree.XMLSchema(schema).assertValid(etree.fromstring(archive.read(name)))

@@ -1,0 +1,430 @@
+"""dualcam.coupling: bounds of stability in closed form, the warning where the loop of the FMU itself
+diverges, and Newton's answer against the whole system, in one FMU and by SciPy."""
+
+import csv
+import itertools
+import math
+import re
+import warnings
+
+import numpy as np
+import pytest
+from driver import ROOT, models
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from benchmarks import own_plant
+from dualcam import Fmu
+from dualcam.coupling import (
+    Impedance,
+    PlantCoupling,
+    ShaftMotion,
+    impedance_of,
+    largest_stable_step,
+    reflected_inertia,
+    spectral_radius,
+)
+from dualcam.errors import CouplingError, DualcamError, UnstableCouplingWarning
+from dualcam.systems.motor import AK80_6
+
+FORWARD = models["DualCamForward"].fmu
+J, H = 0.002, 1e-3
+# A cam without friction on a spring of 0 N.m/rad: an inertia that moves freely between the stops
+FREE = {
+    "cam1.friction": 0.0,
+    "cam2.friction": 0.0,
+    "spring.preload": 1e-9,
+    "spring.stiffness": 0.0,
+    "inertia.shaft": J,
+    "initial.theta": 0.7,
+}
+# Bounds of D h/J: |1 - x| of a held torque; 1 + trace + determinant = 2 - 3 x + x^2/2 of a straight line
+HELD, STRAIGHT = 2.0, 3.0 - math.sqrt(5.0)
+
+
+@pytest.fixture(scope="module")
+def fmu():
+    with Fmu(FORWARD) as made:
+        yield made
+
+
+# ---- bounds ----
+
+
+def test_reflected_inertia():
+    """The kinetic energy of the rotor is that of the inertia at the shaft."""
+    speed = 3.0
+    assert 0.5 * reflected_inertia(50.0, 6e-5) * speed**2 == pytest.approx(0.5 * 6e-5 * (50.0 * speed) ** 2)
+    assert reflected_inertia(AK80_6.gear, AK80_6.rotor_inertia) == AK80_6.inertia
+    for gear_ratio, inertia in ((math.nan, 1.0), (50.0, -1e-5), (50.0, math.inf)):
+        with pytest.raises(DualcamError, match=r"rotor_inertia = .* allowed"):
+            reflected_inertia(gear_ratio, inertia)
+
+
+@pytest.mark.parametrize("gain", [0.1, 0.9, 1.5, 1.99, 2.5, 60.0])
+def test_damping_held(gain):
+    """omega shrinks by 1 - D h/J per step; theta stays where it comes to."""
+    radius = spectral_radius(H, J, Impedance(damping=gain * J / H))
+    assert radius == pytest.approx(max(1.0, abs(1.0 - gain)), rel=1e-12)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.99, 1.01, 76.0])
+@pytest.mark.parametrize("step", [1e-6, H])
+def test_inertia_held(share, step):
+    """alpha is multiplied by -M/J per step, whatever the step is. 1: theta and omega stay."""
+    radius = spectral_radius(step, J, Impedance(inertia=share * J))
+    assert radius == pytest.approx(max(1.0, share), rel=1e-6)
+
+
+def test_spring_and_damper_held():
+    """Eigenvalues of the 2 x 2 map of theta and omega; a held spring alone always grows."""
+    for stiffness, damping in ((100.0, 0.0), (100.0, 1.0), (2000.0, 0.5), (3e4, 2.0)):
+        k, d = stiffness * H**2 / J, damping * H / J
+        trace, determinant = 2.0 - k / 2.0 - d, 1.0 + k / 2.0 - d
+        exact = np.abs(np.roots([1.0, -trace, determinant])).max()
+        assert spectral_radius(H, J, Impedance(stiffness, damping)) == pytest.approx(exact, rel=1e-9)
+    assert spectral_radius(H, J, Impedance(100.0)) > 1.0
+
+
+@pytest.mark.parametrize(("order", "bound"), [(0, HELD), (1, STRAIGHT)])
+def test_largest_stable_step_of_damping(order, bound):
+    damping = 5.0
+    found = largest_stable_step(J, Impedance(damping=damping), order)
+    assert found == pytest.approx(bound * J / damping, rel=2e-3)
+
+
+def test_largest_stable_step_at_the_ends():
+    assert largest_stable_step(J, Impedance()) == math.inf
+    assert largest_stable_step(J, Impedance(inertia=1.1 * J)) == 0.0
+
+
+def test_impedance_by_differences():
+    found = impedance_of(
+        lambda shaft: 3.0 - 2.0 * math.sin(shaft.theta) - 0.5 * shaft.omega**2 - 0.01 * shaft.alpha,
+        ShaftMotion(0.0, 0.4, 3.0, 50.0),
+    )
+    assert found == pytest.approx((2.0 * math.cos(0.4), 3.0, 0.01), rel=1e-6)
+
+
+# ---- the loop of the FMU itself ----
+
+
+def growth(fmu, plant, order):
+    """|omega| at the end of 300 steps over the largest of the first ten, and whether there was a warning."""
+    fmu.start({**FREE, "initial.omega": 1e-9})
+    coupling, speeds = PlantCoupling(fmu, plant), []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(300):
+            speeds.append(abs(coupling.step_explicit(H, order).motion.omega))
+            if speeds[-1] > 1e-3:
+                break
+    assert len(caught) <= 1
+    assert all(issubclass(one.category, UnstableCouplingWarning) for one in caught)
+    return speeds[-1] / max(speeds[:10]), bool(caught)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("kind", ["damping", "inertia", "both"])
+def test_warning_exactly_where_the_loop_diverges(fmu, order, kind):
+    """From 10 % below to 10 % above the bound, which is found by the spectral radius."""
+
+    def impedance(size):
+        return {
+            "damping": Impedance(damping=size * J / H),
+            "inertia": Impedance(inertia=size * J),
+            "both": Impedance(damping=0.3 * size * J / H, inertia=0.5 * size * J),
+        }[kind]
+
+    bound = brentq(lambda size: spectral_radius(H, J, impedance(size), order) - 1.0005, 0.05, 5.0)
+    if kind == "damping" and order < 2:
+        assert bound == pytest.approx((HELD, STRAIGHT)[order], rel=2e-3)
+    for share, diverges in ((0.5, False), (0.9, False), (1.1, True), (1.5, True)):
+        found = impedance(share * bound)
+
+        def plant(shaft, found=found):
+            return -found.damping * shaft.omega - found.inertia * shaft.alpha
+
+        ratio, warned = growth(fmu, plant, order)
+        assert (ratio > 100.0, warned) == (diverges, diverges), (share, ratio)
+
+
+def test_warning_has_numbers_and_what_works(fmu):
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4, "initial.omega": 2.0})
+    coupling = PlantCoupling(fmu, lambda shaft: 4.0 - 10.0 * (shaft.omega - 2.0))
+    with pytest.warns(UnstableCouplingWarning, match=r"damping 10 N.m.s/rad") as caught:
+        step = coupling.step_explicit(H)
+    text = str(caught[0].message)
+    allowed = float(text.split("steps up to ")[1].split()[0])
+    assert allowed == pytest.approx(2.0 * step.stability.inertia / 10.0, rel=2e-3)
+    assert step.stability.inertia == pytest.approx(J, rel=1e-2)
+    assert "step_implicit" in text and "inertia.shaft" in text
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4, "initial.omega": 2.0})
+    coupling = PlantCoupling(fmu, lambda shaft: 4.0 - 10.0 * (shaft.omega - 2.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(20):
+            assert coupling.step_explicit(0.9 * allowed).motion.omega == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("start", [{"initial.theta": 0.4}, {}, {"initial.theta": 1.3963}])
+def test_no_warning_at_rest(fmu, start):
+    """In stick and at both stops the torque moves nothing, so the loop is open."""
+    fmu.start(start)
+    hold = fmu.real("torque_release") if start else -1.0
+    hold = fmu.real("torque_load") + 1.0 if start.get("initial.theta") == 1.3963 else hold + 0.01
+    coupling = PlantCoupling(fmu, lambda shaft: hold - 1e3 * shaft.omega)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(5):
+            assert coupling.step_explicit(H).stability is None
+
+
+# ---- implicit coupling ----
+
+
+def test_constant_acceleration_is_the_monoliths(fmu):
+    """A spring of constant force: the acceleration is constant, and the mean acceleration is exact."""
+    rotor, torque, force = 0.15, 3.0, 100.0
+    constant = {"spring.preload": force, "spring.stiffness": 0.0}
+    fmu.start({**constant, "inertia.shaft": J})
+    coupling = PlantCoupling(fmu, lambda shaft: torque - rotor * shaft.alpha)
+    for _ in range(100):
+        step = coupling.step_implicit(H)
+    edge = 0.02 / 2.0 * 1.14 / 0.86 * force  # rho F of two helices of 45 deg
+    alpha = (torque - edge) / (J + rotor)
+    assert step.motion.omega == pytest.approx(0.1 * alpha, rel=1e-9)
+    assert step.motion.theta == pytest.approx(0.005 * alpha, rel=1e-9)
+    fmu.start({**constant, "inertia.shaft": J + rotor, "tau": torque})
+    fmu.step(0.1)
+    assert (step.motion.theta, step.motion.omega) == pytest.approx(
+        (fmu.real("theta"), fmu.real("omega")), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("weight", [0.5, 0.8, 1.0])
+def test_torque_is_the_plants_at_the_motion_of_the_step(fmu, weight):
+    """Nonlinear, and with stick, breakaway, slip and a stop inside."""
+
+    def plant(shaft):
+        return 8.0 * math.sin(9.0 * shaft.time) - 3.0 * shaft.omega**3 - shaft.theta**2 - 0.05 * shaft.alpha
+
+    fmu.start({"inertia.shaft": J, "stop.restitution": 0.3})
+    coupling, modes, h = PlantCoupling(fmu, plant), set(), 2e-3
+    for _ in range(300):
+        before = coupling.motion()
+        step = coupling.step_implicit(h, weight)
+        after = step.motion
+        modes.add(fmu.get("mode"))
+        theta, omega = (b + weight * (a - b) for a, b in zip(after[1:3], before[1:3], strict=True))
+        mean = ShaftMotion(before.time + weight * h, theta, omega, (after.omega - before.omega) / h)
+        assert step.torque == pytest.approx(plant(mean), rel=1e-8, abs=2e-9)
+        assert step.fmu_steps <= 40
+    assert {1, 2, 3, 4} <= modes
+
+
+def test_second_trial_is_exact_for_a_linear_plant(fmu):
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4, "initial.omega": 2.0, "tau": 4.0})
+    coupling = PlantCoupling(fmu, lambda shaft: 22.0 - 5.0 * shaft.omega - 20.0 * shaft.theta)
+    assert [coupling.step_implicit(H).fmu_steps for _ in range(5)] == [2] * 5
+
+
+def test_relay_holds_the_speed_at_zero(fmu):
+    """A plant that jumps: where the speed rests at the jump, the torque lies between its two values."""
+    fmu.start({**FREE, "initial.omega": 0.05})
+    coupling = PlantCoupling(fmu, lambda shaft: -math.copysign(1.0, shaft.omega))
+    for _ in range(5):
+        step = coupling.step_implicit(H, end_weight=1.0)
+    assert abs(step.motion.omega) < 1e-9 and abs(step.torque) < 1.0
+
+
+def test_stiff_damper_at_a_bouncing_stop(fmu):
+    """An impact makes the residual fall where the end of the step passes it: bisection."""
+    fmu.start({"stop.restitution": 0.9, "initial.theta": 1.2, "initial.omega": 15.0, "inertia.shaft": J})
+    coupling = PlantCoupling(fmu, lambda shaft: 12.0 - 0.2 * shaft.omega)
+    trials = [coupling.step_implicit(3e-3).fmu_steps for _ in range(200)]
+    assert max(trials) <= 60 and np.median(trials) <= 4
+    assert fmu.get("mode") == 5
+
+
+# ---- the motor of the benchmark, with stick, slip and both stops ----
+
+
+def scipy_truth(times):
+    """theta at times [s]: J theta'' = T(t) - D omega - rho_sigma (F0 + k z), stops that do not bounce."""
+    gain, inertia, damping = (
+        own_plant.CONSTANT / AK80_6.resistance,
+        own_plant.CAM + own_plant.ROTOR,
+        own_plant.DAMPING,
+    )
+    upper, now, theta = 1.3963, 0.0, 0.0
+    found = np.zeros(len(times))
+
+    def edge(angle, sign):
+        mu, r = 0.14, 0.02
+        return r / 2.0 * (1.0 + sign * mu) / (1.0 - sign * mu) * (50.0 + 50e3 * r / 2.0 * angle)
+
+    def torque(time):
+        return gain * own_plant.voltage(time)
+
+    while now < own_plant.DURATION:
+        # rest: until the torque leaves the band towards a side that is free
+        ways = [s for s in (1, -1) if (theta < upper if s > 0 else theta > 0.0)]
+        grid = np.linspace(now, own_plant.DURATION, 20_001)
+        starts = {}
+        for sign in ways:
+            beyond = [sign * (torque(t) - edge(theta, sign)) for t in grid]
+            if beyond[0] > 0.0:
+                starts[sign] = now
+            elif (k := int(np.argmax(np.array(beyond) > 0.0))) > 0:
+                starts[sign] = brentq(
+                    lambda t, s=sign, a=theta: torque(t) - edge(a, s), grid[k - 1], grid[k], xtol=1e-15
+                )
+        start = min(starts.values(), default=own_plant.DURATION)
+        found[(times >= now) & (times <= start)] = theta
+        if not starts:
+            break
+        sign = min(starts, key=starts.get)
+
+        def rates(t, y, sign=sign):
+            return [y[1], (torque(t) - damping * y[1] - edge(y[0], sign)) / inertia]
+
+        def rest(t, y, start=start):
+            return y[1] if t > start else 1.0
+
+        def stop(t, y, sign=sign):
+            return y[0] - (upper if sign > 0 else 0.0)
+
+        rest.terminal = stop.terminal = True
+        rest.direction, stop.direction = -sign, sign
+        # one small step by series, so that the speed at the start is not an event
+        small = 1e-7
+        jerk = (gain * (own_plant.voltage(start + small) - own_plant.voltage(start)) / small) / inertia
+        alpha = rates(start, [theta, 0.0])[1]
+        first = [
+            theta + alpha * small**2 / 2.0 + jerk * small**3 / 6.0,
+            alpha * small + jerk * small**2 / 2.0,
+        ]
+        solution = solve_ivp(
+            rates, (start + small, own_plant.DURATION), first, method="DOP853", rtol=1e-12, atol=1e-14,
+            events=(rest, stop), dense_output=True, max_step=1e-3,
+        )  # fmt: skip
+        now = solution.t[-1]
+        inside = (times > start + small) & (times <= now)
+        found[inside] = solution.sol(times[inside])[0]
+        theta = (upper if sign > 0 else 0.0) if len(solution.t_events[1]) else solution.y[0, -1]
+    return found
+
+
+@pytest.fixture(scope="module")
+def exact(fmu):
+    return own_plant.truth(fmu)
+
+
+def test_truth_is_scipys(exact):
+    every = 20
+    times = np.arange(0, len(exact), every) * own_plant.TRUTH_STEP
+    assert exact[::every, 0] == pytest.approx(scipy_truth(times), abs=1e-8)
+    assert exact[:, 0].max() == pytest.approx(1.3963, abs=1e-12) and exact[-1, 0] == 0.0
+
+
+def variant(name):
+    return next(one for one in own_plant.VARIANTS if one.name == name)
+
+
+@pytest.mark.parametrize(("name", "order", "bound"), [("f", 2, 1e-3), ("g", 2, 1e-5), ("h", 1, 1e-4)])
+def test_newton_converges_to_the_whole_system(fmu, exact, name, order, bound):
+    """Steps of 2 and 0.5 ms; largest error of the angle at 1 ms [rad]."""
+    errors = {}
+    for step in (0.5e-3, 1e-3, 2e-3):
+        made = own_plant.run(fmu, variant(name), step)
+        errors[step] = own_plant.error(made, exact, step)
+        assert not made.warned and made.fmu_steps < 2.1
+    assert errors[1e-3] < bound
+    assert math.log(errors[2e-3] / errors[0.5e-3], 4.0) == pytest.approx(order, abs=0.3)
+
+
+@pytest.mark.parametrize(("name", "step", "stable"), [
+    ("a", 1e-3, False), ("b", 0.5e-3, False), ("c", 1e-3, True), ("c", 2e-3, True), ("c", 4e-3, False),
+    ("d", 0.5e-3, True), ("d", 1e-3, False), ("e", 0.5e-3, True), ("e", 1e-3, False),
+])  # fmt: skip
+def test_motor_is_stable_where_nothing_is_warned_of(fmu, exact, name, step, stable):
+    made = own_plant.run(fmu, variant(name), step)
+    assert made.warned is not stable
+    assert (own_plant.error(made, exact, step) < 1e-4) is stable
+
+
+def test_benchmark_writes_what_it_measures(tmp_path, fmu):
+    exact, runs = own_plant.study(fmu, (own_plant.STEP,))
+    rows = own_plant.rows_of(exact, runs)
+    assert [row["warned"] for row in rows] == ["yes", "yes", "no", "yes", "yes", "no", "no", "no"]
+    facts = {name: "x" for name in ("command", "commit", "date", "machine", "versions")}
+    own_plant.picture(exact, runs, facts, tmp_path / "own_plant.png")
+    assert (tmp_path / "own_plant.png").stat().st_size > 10_000
+
+
+def test_table_of_the_page():
+    """Is that of the results: errors by variant and step, bold where there was a warning."""
+    with (ROOT / "benchmarks" / "results" / "own_plant.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    text = (ROOT / "docs" / "couple-own-plant.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\| ([a-h]) \| (.*?) \| (.*?) \| (.*) \|$", text, re.MULTILINE)
+    assert len(shown) == len(own_plant.VARIANTS)
+    for name, rotor, coupling, cells in shown:
+        mine = [row for row in rows if row["variant"] == name]
+        assert {(row["rotor"], row["coupling"]) for row in mine} == {(rotor.replace("`", ""), coupling)}
+        errors = [(row["theta max [rad]"], row["warned"]) for row in mine]
+        assert cells.split(" | ") == [f"**{e}**" if warned == "yes" else e for e, warned in errors]
+
+
+# ---- refusals ----
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda c: c.step_explicit(0.0), "size = 0.0 s: allowed"),
+        (lambda c: c.step_implicit(math.nan), "size = nan s: allowed"),
+        (lambda c: c.step_explicit(H, order=3), "order = 3: allowed"),
+        (lambda c: c.step_implicit(H, end_weight=0.4), "end_weight = 0.4: allowed"),
+        (lambda c: spectral_radius(H, -1.0, Impedance()), "inertia = -1.0"),
+    ],
+)
+def test_refused_arguments(fmu, call, text):
+    fmu.start()
+    with pytest.raises(CouplingError, match=text):
+        call(PlantCoupling(fmu, lambda shaft: 0.0))
+
+
+def counter():
+    """A plant that changes its state at each call."""
+    calls = itertools.count()
+    return lambda shaft: 0.01 * next(calls)
+
+
+def test_no_torque_within_the_trials(fmu, monkeypatch):
+    """Two trials do not do for a plant that is not linear."""
+    monkeypatch.setattr("dualcam.coupling.ITERATIONS", 2)
+    fmu.start({**FREE, "initial.omega": 2.0})
+    coupling = PlantCoupling(fmu, lambda shaft: -(shaft.omega**3))
+    before = coupling.motion()
+    with pytest.raises(CouplingError, match="no torque suits the plant within 2 trials"):
+        coupling.step_implicit(H)
+    assert coupling.motion() == before
+
+
+@pytest.mark.parametrize(
+    ("plant", "text"),
+    [
+        (counter(), "changes no state"),
+        (lambda shaft: math.nan, "the plant returns nan N.m at"),
+    ],
+)
+def test_refused_plant_leaves_the_fmu_as_it_was(fmu, plant, text):
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4, "initial.omega": 2.0})
+    coupling = PlantCoupling(fmu, plant)
+    before = coupling.motion()
+    with pytest.raises(CouplingError, match=text):
+        coupling.step_implicit(H)
+    assert coupling.motion() == before
+    assert PlantCoupling(fmu, lambda shaft: 6.0).step_implicit(H).motion.time == H
