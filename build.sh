@@ -29,8 +29,9 @@ usage: ./build.sh [command] [arguments]
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
-  figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md (seconds);
-           docs/figures/mechanism.py, docs/figures/architecture.py, docs/tools/variables_page.py; arguments go to all
+  figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md and the keys of
+           docs/design-file.md (seconds); docs/figures/mechanism.py, docs/figures/architecture.py,
+           docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
@@ -164,6 +165,7 @@ case $command in
         .venv/bin/python docs/figures/mechanism.py "$@"
         .venv/bin/python docs/figures/architecture.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
+        .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
     all)

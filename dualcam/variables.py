@@ -1,20 +1,19 @@
-"""The variables of the FMUs, from the modelDescription.xml inside: the one source of names and limits."""
+"""Parameters and inputs of this package's FMUs, from their modelDescription.xml: the source of all limits."""
 
 from __future__ import annotations
 
 import math
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from xml.etree import ElementTree
 
-from dualcam.errors import FmuError
+from dualcam import model_description
 from dualcam.library import fmu_path
+from dualcam.model_description import read_model_description
 
 MODELS = ("forward", "inverse")
-TYPES = {"Real": float, "Integer": int, "Boolean": bool, "String": str}
+KINDS = {"real": float, "integer": int, "boolean": bool, "string": str}
 
 Value = float | int | bool | str
 
@@ -55,40 +54,25 @@ class Variable:
         return f"{what} <= {self.greatest:.6g}" if high else f"a finite {what[2:]}"
 
 
-def _value(kind: type, text: str) -> Value:
-    return text == "true" if kind is bool else kind(text)
-
-
-def _variable(element: ElementTree.Element) -> Variable:
-    (content,) = (child for child in element if child.tag in TYPES)
-    kind = TYPES[content.tag]
-    unit = content.get("unit", "1" if kind is float else "")
-    return Variable(
-        element.get("name", ""),
-        kind,
-        element.get("causality", ""),
-        unit,
-        float(content.get("min", "-inf")),
-        float(content.get("max", "inf")),
-        _value(kind, content.get("start", "")),
-        element.get("description", ""),
-    )
-
-
 @cache
 def _variables(model: str) -> Mapping[str, Variable]:
-    path = fmu_path(model)
-    try:
-        with zipfile.ZipFile(path) as archive:
-            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    except (OSError, KeyError, zipfile.BadZipFile, ElementTree.ParseError) as error:
-        raise FmuError(f"{path} is no FMU with a modelDescription.xml: {error}") from error
-    found = [
-        _variable(element)
-        for element in root.iter("ScalarVariable")
-        if element.get("causality") in ("parameter", "input")
-    ]
+    read = read_model_description(fmu_path(model)).variables
+    found = [_variable(one) for one in read if one.causality in ("parameter", "input")]
     return MappingProxyType({variable.name: variable for variable in found})
+
+
+def _variable(read: model_description.Variable) -> Variable:
+    kind = KINDS[read.kind]
+    return Variable(
+        read.name,
+        kind,
+        read.causality,
+        read.unit or ("1" if kind is float else ""),
+        -math.inf if read.min is None else float(read.min),
+        math.inf if read.max is None else float(read.max),
+        "" if read.start is None else read.start,
+        read.description,
+    )
 
 
 def parameters_of(model: str) -> Mapping[str, Variable]:

@@ -2,14 +2,18 @@
 
 import json
 import math
+import re
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 from driver import ROOT, models
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dualcam import Fmu
+from dualcam.check import check_design
 from dualcam.design import Helix, Mechanism
 from dualcam.design_file import (
     TEMPLATES,
@@ -19,6 +23,7 @@ from dualcam.design_file import (
     write_template,
 )
 from dualcam.errors import DesignError, DualcamError
+from dualcam.library import fmu_path
 from dualcam.systems import car_door, elbow, knee
 from dualcam.variables import all_parameters, inputs_of, parameters_of
 
@@ -380,6 +385,29 @@ def test_templates_are_the_designs_of_the_systems(tmp_path):
         design = read_design(write_template(name, tmp_path / f"{name}.toml"))
         for parameter, value in plant.items():
             assert design.value(parameter) == pytest.approx(value, rel=2e-3), (name, parameter)
+
+
+def test_example_of_the_page(read):
+    """The example of docs/design-file.md is a good design, and the FMU runs its scenario."""
+    page = (ROOT / "docs" / "design-file.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    design = read(example)
+    assert check_design(design).good and check_design(design).findings == ()
+    with Fmu(fmu_path("forward")) as fmu:
+        tau = fmu.reals("tau")
+        fmu.start(design.parameters)
+        for k in range(100):
+            tau.values[0] = np.interp(0.01 * k, design.scenario.inputs["tau"].time, (0.0, 8.0, 0.0))
+            tau.write()
+            fmu.step(0.01)
+        assert fmu.real("peak.torque") > 7.9 and fmu.real("theta") < 0.2
+
+
+def test_errors_of_the_page(refusal):
+    page = " ".join((ROOT / "docs" / "design-file.md").read_text(encoding="utf-8").split())
+    text = refusal("[cam1]\nraduis = 0.02\nlead_angle = 45\n\n\n[cam2]\npreload = 3")
+    for line in text.splitlines()[1:]:
+        assert line.strip() in page
 
 
 # ---- schema ----

@@ -16,6 +16,12 @@ from dualcam.variables import all_parameters
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "design-file.md"
 SCHEMA = ROOT / "dualcam" / "design_file" / "design.schema.json"
+WORDS = {  # allowed values that the FMU's limits do not say
+    "cam1.profile": '1 or "helix", 2 or "ellipse", 3 or "table"',
+    "cam1.ellipse_curvature": "-1 or +1",
+    "cam1.table": "path of a file, in quotes",
+    "contacts": "1 or 2",
+}
 BEGIN, END = "<!-- keys: generated -->\n", "<!-- end of keys -->\n"
 
 
@@ -35,13 +41,14 @@ def rows() -> list[str]:
         unit = match[1] if (match := re.search(r" \[(.*)\]$", text)) else ""
         meaning = text.removesuffix(f" [{unit}]").replace("|", "or")
         start, allowed = "", ""
+        if key == "study":
+            continue
         if key in parameters:
             variable = parameters[key]
             value = variable.start
             start = str(value).lower() if isinstance(value, bool) else f"{value:.6g}" if value != "" else ""
-            allowed = variable.allowed().removesuffix(variable.in_unit)
-        name = key.replace("cam1.", "cam1.", 1)
-        found.append(f"| `{name}` | {unit} | {start} | {allowed} | {meaning} |")
+            allowed = WORDS.get(key) or variable.allowed().removesuffix(variable.in_unit)
+        found.append(f"| `{key}` | {unit} | {start} | {allowed} | {meaning} |")
     return found
 
 
