@@ -21,10 +21,10 @@ from case_studies.command_line import bullets, parse
 from dualcam import Fmu
 from dualcam.design.statics import sign_of, transfer
 from dualcam.systems import car_door
-from dualcam.systems.axis import LEDGER, CamAxis, follow
+from dualcam.systems.axis import LEDGER, CamAxis, simulate_closed_loop
 from dualcam.systems.car_door import (
     ATTITUDES,
-    BEYOND,
+    ATTITUDES_NOT_DESIGNED_FOR,
     BOTH,
     CLOSING_LIMIT,
     DURATION,
@@ -45,8 +45,8 @@ from dualcam.systems.car_door import (
     break_even,
     design,
     handle_force,
-    held_share,
     plain_door,
+    share_of_angles_held,
     weight,
 )
 from dualcam.systems.current_loop import CONTROL_PERIOD as STEP
@@ -82,7 +82,7 @@ def close_by_hand(axis: CamAxis, cam: DoorCam, attitude: str, hand: np.ndarray) 
 
     The stop takes all the energy that the door has there, so the stop's heat gives the speed.
     """
-    axis.start(car_door.plant(cam), MOTION.end)
+    axis.start(car_door.plant_parameters(cam), MOTION.end)
     states = np.empty((len(hand), 2))
     for k, torque in enumerate(hand.tolist()):
         axis.step(-torque, weight(attitude), STEP)
@@ -122,19 +122,23 @@ def doors() -> dict[str, DoorCam]:
 
 def motor_cycle(axis: CamAxis, cam: DoorCam, attitude: str) -> MotorCycle:
     """The motor opens, holds and closes the door."""
-    axis.start(car_door.plant(cam), MOTION.start)
+    axis.start(car_door.plant_parameters(cam), MOTION.start)
     controller, loop = car_door.controller(cam, attitude), CurrentLoop(MOTOR)
-    return MotorCycle(follow(axis, weight(attitude), controller, loop, car_door.plan(), mean_speed=True))
+    return MotorCycle(
+        simulate_closed_loop(
+            axis, weight(attitude), controller, loop, car_door.reference_motion(), mean_speed=True
+        )
+    )
 
 
 def run(path: str | Path) -> Results:
     """All runs with the FMU at that path."""
     kinds = doors()
     with Fmu(path) as fmu:
-        axis = car_door.axis(fmu)
+        axis = car_door.door_axis(fmu)
         cycles = {
             (attitude, name): motor_cycle(axis, kinds[name], attitude)
-            for attitude in ATTITUDES | BEYOND
+            for attitude in ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR
             for name in (BARE, CAM)
         }
         slams = {
@@ -186,11 +190,11 @@ def findings(results: Results) -> str:
     hardest = PUSHES[-1]
     kept_up = max(results.hands[attitude, CAM].latch_speed for attitude in ATTITUDES)
     fastest = max(float(np.max(-results.hands[attitude, CAM].speed)) for attitude in ATTITUDES)
-    greasy = replace(hold, cam=hold.cam.with_friction(0.9))
+    greasy = replace(hold, cam=hold.cam.with_friction_scaled(0.9))
     slam = results.slams[NOSE_UP, CAM, hardest]
     helps = [
-        f"Let go anywhere in the five attitudes the door stays ({100 * held_share(hold):.0f} % of all"
-        f" angles), with the motor off. The plain door, let go nose up at {end}, hits the latch with"
+        f"Let go anywhere in the five attitudes the door stays ({100 * share_of_angles_held(hold):.0f} % of"
+        f" all angles), with the motor off. The plain door, let go nose up at {end}, hits the latch with"
         f" {results.let_go[BARE].latch_speed:.2f} rad/s.",
         f"Held open nose up the plain door takes {bare.hold_power:.1f} W without end, the cam's"
         f" {cam.hold_power:.1f} W. After {pays_off(results, NOSE_UP):.0f} s of holding the cam has saved"
@@ -208,17 +212,18 @@ def findings(results: Results) -> str:
         f" {pays_off(results, LEVEL) / 60:.0f} min of holding. To save energy on short stops, leave the cam"
         " out.",
         f"Holding on every slope makes the door heavy on level ground: {handle_force(hold, [LEVEL]):.0f} N at"
-        f" the handle instead of {handle_force(hold.scaled(0.0), [LEVEL]):.0f} N, and up to"
+        f" the handle instead of {handle_force(hold.with_spring_force(0.0), [LEVEL]):.0f} N, and up to"
         f" {handle_force(hold, list(ATTITUDES)):.0f} N on a slope instead of"
-        f" {handle_force(hold.scaled(0.0), list(ATTITUDES)):.0f} N. Half the spring's force takes"
-        f" {handle_force(hold.scaled(0.5), [LEVEL]):.0f} N and holds at"
-        f" {100 * held_share(hold.scaled(0.5)):.0f} % of the angles.",
+        f" {handle_force(hold.with_spring_force(0.0), list(ATTITUDES)):.0f} N. Half the spring's force takes"
+        f" {handle_force(hold.with_spring_force(0.5), [LEVEL]):.0f} N and holds at"
+        f" {100 * share_of_angles_held(hold.with_spring_force(0.5)):.0f} % of the angles.",
         "The weight changes its sign with the slope, so the spring can carry little of it: the middle of the"
         f" band is {0.5 * sum(hold.band(OPEN)):.1f} N.m, the weight on level ground"
         f" {weight(LEVEL).torque(OPEN):.1f} to {weight(LEVEL).torque(0.0):.1f} N.m. The cam is a brake first"
         " and a spring second.",
-        f"The design lives on its friction: with 10 % less, {100 * held_share(greasy):.1f} % of the angles"
-        f" hold. Nose and door side up at once, it is {100 * held_share(hold, [BOTH]):.0f} %; at {end} the"
+        f"The design lives on its friction: with 10 % less, {100 * share_of_angles_held(greasy):.1f} % of the"
+        " angles hold. Nose and door side up at once, it is"
+        f" {100 * share_of_angles_held(hold, [BOTH]):.0f} %; at {end} the"
         f" motor then adds what is missing, {beyond.hold_power:.2f} W instead of"
         f" {results.cycles[BOTH, BARE].hold_power:.1f} W.",
         f"The slam puts {slam.pin_load / 1e3:.1f} kN on each pin, slow closing"
@@ -292,7 +297,7 @@ def _draw_band(axes: Axes) -> None:
 def _draw_trade_off(axes: Axes) -> None:
     hold = design()
     shares = np.linspace(0.0, 1.3, 27)
-    held = [held_share(hold.scaled(share), points=200) for share in shares]
+    held = [share_of_angles_held(hold.with_spring_force(share), points=200) for share in shares]
     axes.plot(
         100 * shares, 100 * np.array(held), color="k", lw=2, label="holds, share of angles in 5 attitudes"
     )
@@ -305,7 +310,7 @@ def _draw_trade_off(axes: Axes) -> None:
     force = axes.twinx()
     force.plot([], [], color="k", lw=2, label="holds, share of angles in 5 attitudes")
     for attitudes, style, name in (([LEVEL], "-", "level"), (list(ATTITUDES), "--", "worst of 5 attitudes")):
-        forces = [handle_force(hold.scaled(share), attitudes) for share in shares]
+        forces = [handle_force(hold.with_spring_force(share), attitudes) for share in shares]
         force.plot(100 * shares, forces, color="tab:red", ls=style, label=f"force at the handle, {name}")
     force.set_ylabel("largest force at the handle [N]", color="tab:red")
     force.set_ylim(0.0, 115.0)

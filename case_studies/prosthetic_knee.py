@@ -49,7 +49,7 @@ def run(path: str | Path) -> Results:
     with Fmu(path) as fmu:
         for walker, cadence in product((DESIGN_WALKER, CHECK_WALKER), CADENCES):
             motion, impedance = knee.swing(walker, cadence), knee.impedance(knee.inertia(walker))
-            mechanism = cam.with_valve(cadence).parameters()
+            mechanism = cam.with_damping_scaled(cadence).parameters()
             results[walker.name, cadence, BARE] = knee.simulate(fmu, motion, NO_CAM, impedance)
             results[walker.name, cadence, CAM] = knee.simulate(fmu, motion, mechanism, impedance)
             results[walker.name, cadence, PASSIVE] = knee.simulate(fmu, motion, mechanism, None)
@@ -108,9 +108,9 @@ def exact_table() -> list[str]:
     for walker in (DESIGN_WALKER, CHECK_WALKER):
         for cadence in CADENCES:
             motion = knee.swing(walker, cadence)
-            best, damped = knee.best_valve(cam, motion), cam.with_valve(cadence)
+            best, damped = knee.best_damping_scale(cam, motion), cam.with_damping_scaled(cadence)
             rest = knee.residual_torque(damped, motion)
-            cams = (damped, cam, cam.with_valve(best), rolling.with_valve(cadence))
+            cams = (damped, cam, cam.with_damping_scaled(best), rolling.with_damping_scaled(cadence))
             proportional, fixed, optimal, slippery = (knee.residual_share(one, motion) for one in cams)
             lines.append(
                 f"{walker.name:14s} {cadence:7.1f} {proportional:6.2f} {fixed:5.2f}"
@@ -130,7 +130,8 @@ def stiffness_table(stiffness: dict[tuple[float, str], KneeSwing]) -> list[str]:
         lines.append(
             f"  {frequency:.0f} Hz, {stiff:5.2f} N.m/deg:"
             f" error {bare.rms_error:.2f} / {cam.rms_error:.2f} deg,"
-            f" heat {bare.heat:.2f} / {cam.heat:.2f} J, drawn {bare.drawn:.2f} / {cam.drawn:.2f} J,"
+            f" heat {bare.heat:.2f} / {cam.heat:.2f} J,"
+            f" drawn {bare.energy_drawn:.2f} / {cam.energy_drawn:.2f} J,"
             f" impact {bare.impact_speed:.0f} / {cam.impact_speed:.0f} deg/s"
         )
     return lines
@@ -151,10 +152,11 @@ def findings(results: Results) -> str:
     free = bare.before_impact  # ticks before the impact
     helps = [
         f"At the self-selected cadence it takes {100 * (1 - cam.heat / bare.heat):.0f} % off the motor's heat"
-        f" ({bare.heat:.2f} to {cam.heat:.2f} J) and {100 * (1 - cam.drawn / bare.drawn):.0f} % off what the"
-        f" motor draws ({bare.drawn:.2f} to {cam.drawn:.2f} J). Peak power falls from {bare.peak_power:.0f}"
-        f" to {cam.peak_power:.0f} W, peak torque from {bare.largest_torque:.1f} to"
-        f" {cam.largest_torque:.1f} N.m.",
+        f" ({bare.heat:.2f} to {cam.heat:.2f} J) and"
+        f" {100 * (1 - cam.energy_drawn / bare.energy_drawn):.0f} % off what the"
+        f" motor draws ({bare.energy_drawn:.2f} to {cam.energy_drawn:.2f} J)."
+        f" Peak power falls from {bare.peak_power:.0f} to {cam.peak_power:.0f} W,"
+        f" peak torque from {bare.largest_torque:.1f} to {cam.largest_torque:.1f} N.m.",
         f"The shank meets the stop with {cam.impact_speed:.0f} deg/s instead of {bare.impact_speed:.0f}, and"
         f" follows the measured angle with {cam.rms_error:.2f} deg RMS instead of {bare.rms_error:.2f}.",
         f"With the motor off, the cam alone swings the shank through to {passive.rms_error:.1f} deg RMS and"
@@ -165,8 +167,8 @@ def findings(results: Results) -> str:
     ]
     hurts = [
         "Swing is braking, and a motor can give braking energy back. If drive and battery took all of it, the"
-        f" motor without the cam would gain {-bare.net:.2f} J per swing; with the cam it costs"
-        f" {cam.net:.2f} J, because {cam.cam_heat:.1f} J become heat in damper and grooves.",
+        f" motor without the cam would gain {-bare.net_energy:.2f} J per swing; with the cam it costs"
+        f" {cam.net_energy:.2f} J, because {cam.cam_heat:.1f} J become heat in damper and grooves.",
         "Without the cam the peaks are the motor's answer to the impact: until then it needs"
         f" {np.max(bare.power[free]):.0f} W and {np.max(bare.record.peak_torque[free]):.1f} N.m. With"
         " the cam the peak comes after full extension, where the measured knee bends again: a way the cam"
@@ -176,9 +178,9 @@ def findings(results: Results) -> str:
         "A controller that knew the swing beforehand would save little peak torque with the cam:"
         f" {np.abs(motion.demand).max():.0f} N.m without, {np.abs(rest).max():.0f} N.m with it. Its heat"
         f" would still fall, from {exact_heat(motion.demand):.1f} to {exact_heat(rest):.1f} J.",
-        f"At the fast cadence the motor draws more with the cam ({fast_cam.drawn:.1f} against"
-        f" {fast_bare.drawn:.1f} J), though it stays cooler: most is drawn to start extension, for which the"
-        " spring is then too weak. The second subject shows the same.",
+        f"At the fast cadence the motor draws more with the cam ({fast_cam.energy_drawn:.1f} against"
+        f" {fast_bare.energy_drawn:.1f} J), though it stays cooler: most is drawn to start extension, for"
+        " which the spring is then too weak. The second subject shows the same.",
         f"The motor can be off at one cadence only: at the slow one the shank hits the stop with"
         f" {slow_passive.impact_speed:.0f} deg/s, at the fast one it is still bent {late:.0f} deg too far at"
         " heel strike.",

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from case_studies.command_line import parse
 from dualcam import Fmu
 from dualcam.systems import elbow
-from dualcam.systems.axis import CamAxis, follow
+from dualcam.systems.axis import CamAxis, simulate_closed_loop
 from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
 from dualcam.systems.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
 from dualcam.systems.motor import AK80_6
@@ -38,9 +38,11 @@ def run(path: str | Path) -> Cycles:
     with Fmu(path) as fmu:
         axis = CamAxis(fmu)
         for payload, joint, helix, friction in [*cases, (DESIGN_PAYLOAD, NAIVE, cam, 0.0)]:
-            axis.start(elbow.plant(helix, payload), MOTION.start)
+            axis.start(elbow.plant_parameters(helix, payload), MOTION.start)
             controller, loop = elbow.controller(helix, payload, friction), CurrentLoop(AK80_6)
-            record = follow(axis, elbow.weight(payload), controller, loop, elbow.plan())
+            record = simulate_closed_loop(
+                axis, elbow.weight(payload), controller, loop, elbow.reference_motion()
+            )
             cycles[payload, joint] = Cycle(payload, joint, record)
     return cycles
 

@@ -50,17 +50,47 @@ def to_nonlinear_io_system(
     States are theta [rad] and omega [rad/s], in both kinds of system. Their initial values belong to the
     simulation: `initial.theta` and `initial.omega` have no effect.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
-    inputs       out of tau [N.m], F_ext [N]; None: both. An input left out keeps its value of `parameters`,
-                 or 0
-    outputs      None: theta, omega, z [m], v [m/s]; else any outputs or locals of the FMU that follow from
-                 states and inputs (`mode`, `torque_load`, `spring.force`, ...; not the accounts `energy.*`,
-                 `peak.*`). python-control allows no dot in a name: `spring.force` becomes `spring_force`
-    parameters   start values of the FMU
-    period       a number [s]: a sampled system from co-simulation, with inputs held over the period. Prefer
-                 this kind: the FMU locates stick, slip, stops and bounces within a period, to its accuracy.
-                 None: a continuous system from model exchange, for solvers without event location; see below
+    Parameters
+    ----------
+    source : str, Path, Fmu or ContinuousFmu
+        "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
+        last start).
+    inputs : str or sequence of str, optional
+        Out of tau [N.m], F_ext [N]. None: both. An input left out keeps its value of `parameters`, or 0.
+    outputs : str or sequence of str, optional
+        None: theta, omega, z [m], v [m/s]. Else any outputs or locals of the FMU that follow from states and
+        inputs (`mode`, `torque_load`, `spring.force`, ...), but not the accounts `energy.*`, `peak.*`.
+        python-control allows no dot in a name: `spring.force` becomes `spring_force`.
+    parameters : mapping of str to float, int, bool or str, optional
+        Start values of the FMU.
+    period : float, optional
+        Period [s] of a sampled system, from co-simulation, with inputs held over the period. Prefer this
+        kind: the FMU locates stick, slip, stops and bounces within a period, to its accuracy. None: a
+        continuous system, from model exchange, for solvers without event location; see Notes.
+    rest_speed : float
+        Speed [rad/s], > 0, below which the continuous system can rest; see Notes.
+    rest_time : float
+        Time constant [s], > 0, with which the speed decays at rest; see Notes.
+    name : str
+        Name of the system.
 
+    Returns
+    -------
+    control.NonlinearIOSystem
+        With named signals.
+
+    Raises
+    ------
+    FmuError
+        An unknown name, a bad period, a file that is no such FMU, or a value that the FMU refuses (with the
+        FMU's message).
+
+    See Also
+    --------
+    linearize : The linear model about an operating point.
+
+    Notes
+    -----
     The state is theta and omega alone. The FMU's mode is decided anew at each call: slip by the sign of
     omega, and at omega = 0 slip or stick by the torque. There is no other memory, with one exception. Where a
     contact locks (lead angle below atan(friction)) several slip modes can be consistent, and a motion in the
@@ -73,16 +103,25 @@ def to_nonlinear_io_system(
     locate events. Their error estimate sees a right-hand side that jumps, so events are smeared by the
     solver's tolerance. Give input_output_response a `max_step` in `solve_ivp_kwargs` no longer than the
     shortest motion of interest, and tolerances as small as the result needs. A solver never hits a speed of
-    exactly zero, so rest has a width: below `rest_speed` [rad/s] the FMU decides by torque, as at omega = 0.
-    If the cam sticks, omega decays with the time constant `rest_time` [s], and the angle creeps by at most
+    exactly zero, so rest has a width: below `rest_speed` the FMU decides by torque, as at omega = 0. If the
+    cam sticks, omega decays with the time constant `rest_time`, and the angle creeps by at most
     rest_speed * rest_time (1e-6 rad) per stop. In motion into an end stop the angle stands still, and omega
     decays within about 1e-4 s. Bounces are impulses: stop.restitution > 0 is refused.
 
     control.linearize of the continuous system is `dualcam.linearize`: exact, and an error at stick. For the
     sampled system it is python-control's own, by differences of whole steps.
 
-    Raises FmuError (a ValueError) for unknown names, a bad period, a file that is no such FMU, and all values
-    that the FMU refuses, with the FMU's message."""
+    Source of the equations: docs/mechanism.md, sections 3 and 6.
+
+    Examples
+    --------
+    >>> import control, dualcam, numpy as np
+    >>> cam = dualcam.to_nonlinear_io_system("forward", "tau", ["theta", "omega"], period=1e-3)
+    >>> time = np.arange(0.0, 0.2, 1e-3)  # s
+    >>> response = control.input_output_response(cam, time, np.full(200, 3.0), [0.0, 0.0])
+    >>> [round(theta, 4) for theta in response.outputs[0, [0, 20, -1]].tolist()]  # rad, under 3 N.m
+    [0.0, 0.209, 0.6854]
+    """
     names_in = selected_names(inputs, INPUTS, "input")
     if period is None:
         if not (rest_speed > 0.0 and rest_time > 0.0):

@@ -138,7 +138,7 @@ class RepeatedStart:
     ...         runs.start([torque])
     ...         fmu.step(0.05)
     ...         print(round(fmu.real("theta"), 4))  # rad
-    0.1455
+    0.1453
     0.4713
     """
 

@@ -186,15 +186,26 @@ class Handle:
         >>> from dualcam import Fmu
         >>> with Fmu("forward") as fmu:
         ...     fmu.start({"tau": 5.0})
-        ...     fmu.get("torque_load"), fmu.get("mode"), fmu.get("ledger")
-        (0.6627906976744188, 2, True)
+        ...     fmu.get("tau"), fmu.get("mode"), fmu.get("ledger")  # mode 2: loading
+        (5.0, 2, True)
         """
         variable = self.variable(name)
         self._instance.require_calls_allowed()
         return self._instance.get(variable)
 
     def real(self, name: str) -> float:
-        """The value of one real variable, as `get`."""
+        """The value of one real variable, as `get`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        float
+            The value, in the variable's unit.
+        """
         self.variable(name, "real")
         return float(self.get(name))
 

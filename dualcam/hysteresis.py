@@ -21,26 +21,54 @@ PHASES = 4096  # per cycle: kinks at turning points make an error of the harmoni
 
 
 class CamHysteresis(control.DescribingFunctionNonlinearity):
-    """In slow motion, without effect of inertia and damping, the cam is a play operator from torque to angle,
+    """The cam's friction hysteresis, for control.describing_function_response.
+
+    An instance gives the deviation of theta [rad] from `theta`, as a function of the deviation of tau [N.m]
+    from a bias: control.describing_function_response(H, hysteresis, A), with H from theta to -tau.
+
+    Parameters
+    ----------
+    source : str, Path, Fmu or ContinuousFmu
+        "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
+        last start).
+    theta : float
+        Mean angle of the oscillation [rad], between the stops.
+    tau : float, optional
+        Bias of the torque [N.m]: the mean angle then depends on the amplitude. None: for each amplitude the
+        bias that keeps the mean angle at `theta`, as integral action in the loop does.
+    parameters : mapping of str to float, int, bool or str, optional
+        Start values of the FMU (spring, grooves, friction, stops, F_ext; inertia has no effect).
+
+    Raises
+    ------
+    OperatingPointError
+        theta is no play of tau: `theta` not between the stops, a contact that locks, a spring so soft that
+        the cam snaps through.
+    FmuError
+        A value that the FMU refuses.
+
+    Notes
+    -----
+    In slow motion, without effect of inertia and damping, the cam is a play operator from torque to angle,
 
         theta' > 0 only where tau = T_load(theta),    theta' < 0 only where tau = T_release(theta),
 
     between its end stops. Its edges are not parallel: the band widens as the spring is compressed. Both edges
-    are read from the FMU. An instance gives the deviation of theta [rad] from `theta`, as a function of the
-    deviation of tau [N.m] from a bias, for control.describing_function_response(H, hysteresis, A), with H
-    from theta to -tau.
-
-    theta        mean angle of the oscillation [rad]
-    tau          bias of the torque [N.m]: the mean angle then depends on the amplitude. None: for each
-                 amplitude the bias that keeps the mean angle at `theta`, as integral action in the loop does
-    parameters   start values of the FMU (spring, grooves, friction, stops, F_ext; inertia has no effect)
+    are read from the FMU (docs/mechanism.md, section 3).
 
     The prediction holds for a loop that is a low-pass, so that the angle's third harmonic hardly returns as
     torque. The oscillation must be slow against sqrt(dT/dtheta/J), the cam's natural frequency
     (`natural_frequency`).
 
-    Raises OperatingPointError (a ValueError) where theta is no play of tau: `theta` not between the stops, a
-    contact that locks, a spring so soft that the cam snaps through."""
+    Examples
+    --------
+    >>> import dualcam
+    >>> hysteresis = dualcam.CamHysteresis("forward", theta=0.5)
+    >>> round(hysteresis.dead_band, 3)  # N.m
+    0.857
+    >>> hysteresis.describing_function(0.5)  # inside the dead band nothing moves
+    0j
+    """
 
     def __init__(
         self,
@@ -79,7 +107,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         self._angle = theta  # rad, present angle, for __call__
 
     def band(self, theta: float) -> tuple[float, float]:
-        """T_release and T_load [N.m] at theta [rad]."""
+        """Edges of the stick band.
+
+        Parameters
+        ----------
+        theta : float
+            Angle [rad].
+
+        Returns
+        -------
+        tuple of float
+            T_release and T_load [N.m].
+        """
         return float(self._release(theta)), float(self._load(theta))
 
     @property
@@ -89,7 +128,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         return 0.5 * (load - release)
 
     def natural_frequency(self, inertia: float) -> float:
-        """rad/s of small oscillations while loading, with `inertia` [kg.m2] felt at the shaft."""
+        """Natural frequency of small oscillations while loading, sqrt(dT_load/dtheta / inertia).
+
+        Parameters
+        ----------
+        inertia : float
+            Inertia felt at the shaft [kg.m2].
+
+        Returns
+        -------
+        float
+            Angular frequency [rad/s].
+        """
         return math.sqrt(float(self._load(self.theta, 1)) / inertia)
 
     # ---- as a function of time ----
@@ -115,8 +165,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
     # ---- in a cycle ----
 
     def cycle(self, amplitude: float, bias: float) -> tuple[Array, Array]:
-        """Torque [N.m] and angle [rad] over one steady cycle tau = bias + amplitude sin(phase), at PHASES
-        phases from 0 on, shape (PHASES,) each."""
+        """One steady cycle under tau = bias + amplitude sin(phase).
+
+        Parameters
+        ----------
+        amplitude, bias : float
+            Of the torque [N.m].
+
+        Returns
+        -------
+        tuple of ndarray, shape (4096,) each
+            Torque [N.m] and angle [rad] at equal phases from 0 on.
+        """
         phase = 2.0 * np.pi / PHASES * np.arange(PHASES)
         tau = bias + amplitude * np.sin(phase)
         top = self._angle_at_edge(bias + amplitude, True)
@@ -132,7 +192,18 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         return tau, theta
 
     def bias_at(self, amplitude: float) -> float:
-        """The bias [N.m] of cycles of that amplitude: as given, or the one with the mean angle `theta`."""
+        """The bias of cycles of an amplitude: as given, or the one with the mean angle `theta`.
+
+        Parameters
+        ----------
+        amplitude : float
+            Of the torque [N.m].
+
+        Returns
+        -------
+        float
+            Bias of the torque [N.m].
+        """
         if self.bias is not None:
             return self.bias
         release, load = self.band(self.theta)
@@ -147,10 +218,25 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         )
 
     def describing_function(self, A: float) -> complex:
-        """First harmonic of the angle over that of the torque at amplitude A [N.m] > 0, rad/N.m; 0 in the
-        dead band."""
+        """First harmonic of the angle over that of the torque.
+
+        Parameters
+        ----------
+        A : float
+            Amplitude of the torque [N.m], >= 0.
+
+        Returns
+        -------
+        complex
+            [rad/(N.m)]; 0 in the dead band.
+
+        Raises
+        ------
+        OperatingPointError
+            A negative amplitude.
+        """
         if not A >= 0.0:
-            raise ValueError(f"amplitude A = {A}: allowed is >= 0")
+            raise OperatingPointError(f"amplitude A = {A}: allowed is >= 0")
         if A == 0.0 or (self.bias is None and self.dead_band >= A):
             return 0j
         theta = self.cycle(A, self.bias_at(A))[1]

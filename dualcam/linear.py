@@ -41,14 +41,30 @@ class OperatingPointError(FmuError):
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """The point of a linear model. The model's states, inputs and outputs are deviations from this point."""
+    """The point of a linear model. The model's states, inputs and outputs are deviations from this point.
 
-    theta: float  # rad
-    omega: float  # rad/s
-    tau: float  # N.m
-    F_ext: float  # N
-    alpha: float  # rad/s2; where it is not zero, deviations are from a motion, not from an equilibrium
-    mode: int  # 1 stick, 2 loading, 3 releasing
+    Attributes
+    ----------
+    theta : float
+        Angle [rad].
+    omega : float
+        Speed [rad/s].
+    tau : float
+        Torque [N.m].
+    F_ext : float
+        Axial force [N].
+    alpha : float
+        Acceleration [rad/s2]. Where it is not zero, deviations are from a motion, not from an equilibrium.
+    mode : int
+        1 stick, 2 loading, 3 releasing.
+    """
+
+    theta: float
+    omega: float
+    tau: float
+    F_ext: float
+    alpha: float
+    mode: int
 
 
 def linearize(
@@ -69,25 +85,59 @@ def linearize(
     With x = (theta, omega) [rad, rad/s], u out of (tau [N.m], F_ext [N]) and y out of theta, omega, z [m],
     v [m/s], all as deviations:  x' = A x + B u,  y = C x + D u.  A is (2, 2); D is zero.
 
-    source       path of DualCamForward.fmu, or a handle (then with the parameters of its last start)
-    theta, omega the operating point [rad, rad/s]; the sign of omega is the direction of slip
-    tau          torque at the point [N.m]; None: the torque that keeps omega constant (alpha = 0)
-    F_ext        axial force at the point [N]; None: that of `parameters`, else 0
-    at_rest      for omega = 0, where slip or stick depends on the torque:
-                 "loading", "releasing": slip at its beginning in that direction, at that edge of the stick
-                 band. Design controllers for moves in that direction with this model.
-                 "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the band.
-                 None: tau decides. For slip from rest the model of that slip; for stick an error.
-    inputs, outputs   names, in order; None: all
-    parameters   start values of the FMU
-    period       None: continuous; else the model at multiples of `period` [s] under inputs held over each:
-                 control.sample_system of the continuous one. While the mode lasts, the sampled model is exact
-                 for linear slip (helices, linear spring and damper), else right to first order in the period.
+    Parameters
+    ----------
+    source : str, Path, Fmu or ContinuousFmu
+        "forward", the path of a forward FMU (FMI 2.0 or 3.0), or a handle (then with the parameters of its
+        last start).
+    theta : float
+        Angle of the operating point [rad], between the stops.
+    omega : float
+        Speed of the operating point [rad/s]. Its sign is the direction of slip.
+    tau : float, optional
+        Torque at the point [N.m]. None: the torque that keeps omega constant (alpha = 0).
+    F_ext : float, optional
+        Axial force at the point [N]. None: that of `parameters`, else 0.
+    at_rest : {"loading", "releasing", "frozen"}, optional
+        For omega = 0, where slip or stick depends on the torque.
+        "loading", "releasing": slip at its beginning in that direction, at that edge of the stick band.
+        Design controllers for moves in that direction with this model.
+        "frozen": stick. Nothing moves, A = 0 and B = 0, while tau is inside the band.
+        None: tau decides. For slip from rest the model of that slip; for stick an error.
+    inputs, outputs : str or sequence of str, optional
+        Names, in order. None: all.
+    parameters : mapping of str to float, int, bool or str, optional
+        Start values of the FMU.
+    period : float, optional
+        None: continuous. Else the model at multiples of `period` [s] under inputs held over each period:
+        control.sample_system of the continuous one. While the mode lasts, the sampled model is exact for
+        linear slip (helices, linear spring and damper), else right to first order in the period.
 
-    Returns a control.StateSpace with named signals, and the OperatingPoint as its attribute
-    `operating_point`. Raises OperatingPointError where no such model exists (at rest without `at_rest`, on a
-    stop, wedged, outside the stops), FmuError for values that the FMU refuses (without inertia the speed is
-    no state) and unknown names. Both are ValueErrors."""
+    Returns
+    -------
+    control.StateSpace
+        With named signals, and the OperatingPoint as its attribute `operating_point`.
+
+    Raises
+    ------
+    OperatingPointError
+        No such model exists: at rest without `at_rest`, on a stop, wedged, outside the stops.
+    FmuError
+        An unknown name, or a value that the FMU refuses (without inertia the speed is no state).
+
+    Notes
+    -----
+    Source of the equations: docs/mechanism.md, section 6; the derivatives are the FMU's own, analytic ones.
+
+    Examples
+    --------
+    >>> import dualcam
+    >>> model = dualcam.linearize("forward", theta=0.4, at_rest="loading", inputs="tau", outputs="theta")
+    >>> model.A.round(1).tolist()  # 1/s, 1/s2
+    [[0.0, 1.0], [-3314.0, 0.0]]
+    >>> round(model.operating_point.tau, 3)  # N.m, the load edge of the stick band
+    3.314
+    """
     names_in, names_out = selected_names(inputs, INPUTS, "input"), selected_names(outputs, OUTPUTS, "output")
     sampling = None if period is None else checked_period(period)
     cam = CamAtState(source, parameters)

@@ -210,27 +210,22 @@ def parse_model_description(content: str | bytes) -> ModelDescription:
     """
     try:
         root = ElementTree.fromstring(content)
-        return _parsed(root)
     except ElementTree.ParseError as error:
         raise FmuError(f"no valid {XML}: {error}") from error
+    if root.tag != "fmiModelDescription":
+        raise FmuError(f"no valid {XML}: it is a <{root.tag}>, allowed is <fmiModelDescription>")
+    version = root.get("fmiVersion", "")
+    if version != "2.0" and not version.startswith("3."):
+        raise FmuError(f"the FMU is of FMI {version or '(fmiVersion is missing)'}: allowed are 2.0 and 3.0")
+    try:
+        return _parsed(root, version)
     except KeyError as error:
         raise FmuError(f"no valid {XML}: attribute {error} is missing") from error
-    except _VersionError:
-        raise
     except (ValueError, OverflowError) as error:  # of a number, or an FmuError of this file
         raise FmuError(f"no valid {XML}: {error}") from error
 
 
-class _VersionError(FmuError):
-    """An FMU of a version that this package does not read."""
-
-
-def _parsed(root: ElementTree.Element) -> ModelDescription:
-    if root.tag != "fmiModelDescription":
-        raise FmuError(f"the document is a <{root.tag}>, allowed is <fmiModelDescription>")
-    version = root.attrib["fmiVersion"]
-    if version != "2.0" and not version.startswith("3."):
-        raise _VersionError(f"the FMU is of FMI {version}: allowed are 2.0 and 3.0")
+def _parsed(root: ElementTree.Element, version: str) -> ModelDescription:
     read = _read_2 if version == "2.0" else _read_3
     token = "guid" if version == "2.0" else "instantiationToken"
     types = _declared_types(root)

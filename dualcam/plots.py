@@ -30,7 +30,6 @@ ENERGY_LABELS = {
     "energy.heat_damper": "heat, damper",
     "energy.heat_stop": "heat, stops",
 }
-MODES = {1: "stick", 2: "loading", 3: "releasing", 4: "lower stop", 5: "upper stop", 6: "wedged"}
 
 
 def figure(rows: int, height: float) -> tuple[Figure, list[Axes]]:
@@ -70,12 +69,12 @@ def draw_band(axes: Axes, band: TorqueBand) -> None:
     axes.legend(fontsize=8)
 
 
-def plot_strength(mechanism: Mechanism, pin: Pin | None, lower: float = 0.0, points: int = 181) -> Figure:
+def plot_strength(mechanism: Mechanism, pin: Pin | None, points: int = 181) -> Figure:
     """Reaction of each contact over the angle and, with a pin, the contact pressure."""
     from dualcam.design import Pin as AnyPin
     from dualcam.design.strength import strength
 
-    found = strength(mechanism, pin or AnyPin(1e-3, 1e-2), np.linspace(lower, mechanism.upper, points))
+    found = strength(mechanism, pin or AnyPin(1e-3, 1e-2), mechanism.angles(points))
     picture, axes = figure(2 if pin else 1, 2.6)
     angle = np.degrees(found.theta)
     for i, colour in enumerate((BLUE, ORANGE)):

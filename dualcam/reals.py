@@ -37,7 +37,7 @@ class Reals:
     ...     fmu.step(0.1)
     ...     theta, z = outputs.read()
     >>> round(theta, 4), round(z, 4)  # rad, m
-    (0.8125, 0.0081)
+    (0.9179, 0.0092)
     """
 
     def __init__(self, instance: Instance, names: Sequence[str], references: References) -> None:

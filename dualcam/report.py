@@ -129,9 +129,8 @@ def _findings(verdict: Verdict) -> str:
 def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
     """Torque band, reactions and, where there is a scenario, the simulation."""
     mechanism = design.mechanism()
-    lower = float(design.parameters.get("stop.lower", 0.0))
-    band = torque_band(mechanism, 361, lower)
-    sections = [_band(design, band), _strength(design, mechanism, lower)]
+    band = torque_band(mechanism, 361)
+    sections = [_band(design, band), _strength(design, mechanism)]
     if verdict.good and design.scenario is not None:
         sections.append(_simulation(simulate(design), band))
     return sections
@@ -158,11 +157,11 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
     )
 
 
-def _strength(design: DesignFile, mechanism: Mechanism, lower: float) -> str:
+def _strength(design: DesignFile, mechanism: Mechanism) -> str:
     text = "The larger reaction of slow loading and releasing, per contact."
     if design.pin is None:
         text += " A section [pin] in the design file adds the contact pressure."
-    picture = plot_strength(mechanism, design.pin, lower)
+    picture = plot_strength(mechanism, design.pin)
     return f"<h2>Reactions</h2>\n<p>{text}</p>\n" + _picture(picture, "Reactions over the angle")
 
 

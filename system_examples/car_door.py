@@ -45,8 +45,18 @@ from matplotlib.figure import Figure
 
 from dualcam import Fmu
 from dualcam.systems import car_door
-from dualcam.systems.axis import follow
-from dualcam.systems.car_door import ATTITUDES, BEYOND, BOTH, LEVEL, MOTION, MOTOR, NOSE_UP, OPEN, MotorCycle
+from dualcam.systems.axis import simulate_closed_loop
+from dualcam.systems.car_door import (
+    ATTITUDES,
+    ATTITUDES_NOT_DESIGNED_FOR,
+    BOTH,
+    LEVEL,
+    MOTION,
+    MOTOR,
+    NOSE_UP,
+    OPEN,
+    MotorCycle,
+)
 from dualcam.systems.current_loop import CurrentLoop
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
@@ -63,13 +73,15 @@ def run(path: str | Path) -> Results:
     """The motor opens, holds and closes both doors in all attitudes, with the FMU at that path."""
     results = {}
     with Fmu(path) as fmu:
-        axis = car_door.axis(fmu)
-        for attitude in ATTITUDES | BEYOND:
+        axis = car_door.door_axis(fmu)
+        for attitude in ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR:
             for door, cam in ((BARE, car_door.plain_door()), (CAM, car_door.design())):
-                axis.start(car_door.plant(cam), angle=MOTION.start)
+                axis.start(car_door.plant_parameters(cam), angle=MOTION.start)
                 controller = car_door.controller(cam, attitude)
                 load, loop = car_door.weight(attitude), CurrentLoop(MOTOR)
-                record = follow(axis, load, controller, loop, car_door.plan(), mean_speed=True)
+                record = simulate_closed_loop(
+                    axis, load, controller, loop, car_door.reference_motion(), mean_speed=True
+                )
                 results[attitude, door] = MotorCycle(record)
     return results
 
@@ -80,7 +92,7 @@ def run(path: str | Path) -> Results:
 def design_table() -> list[str]:
     """The load and the cam's design."""
     door = car_door.design()
-    closing, opening = car_door.extremes()
+    closing, opening = car_door.extreme_weight_torques()
     closes, opens = door.band(OPEN)
     lead, friction_angle = math.degrees(door.cam.lead_angle[0]), math.degrees(math.atan(car_door.FRICTION))
     return [
@@ -102,10 +114,10 @@ def trade_off_table() -> list[str]:
         " force     (5 attitudes)       at once        level      any of the five",
     ]
     for share in SPRING_SHARES:
-        door = car_door.design().scaled(share)
+        door = car_door.design().with_spring_force(share)
         lines.append(
-            f"{100 * share:5.0f} % {100 * car_door.held_share(door):15.1f} %"
-            f" {100 * car_door.held_share(door, [BOTH]):14.1f} %"
+            f"{100 * share:5.0f} % {100 * car_door.share_of_angles_held(door):15.1f} %"
+            f" {100 * car_door.share_of_angles_held(door, [BOTH]):14.1f} %"
             f" {car_door.handle_force(door, [LEVEL]):12.1f}"
             f" {car_door.handle_force(door, list(ATTITUDES)):15.1f}"
         )
@@ -127,7 +139,7 @@ def result_table(results: Results) -> list[str]:
         lines.append(
             f"{attitude:17s} {door:10s} {cycle.move_energy:6.1f} {cycle.hold_power:6.2f}"
             f" {record.heat:6.1f} {record.friction_heat:8.1f} {record.ledger['heat_damper'][-1]:6.1f}"
-            f" {100 * cycle.off_share:3.0f} {record.largest_torque:7.1f} {1e3 * record.max_error:6.2f}"
+            f" {100 * cycle.motor_off_share:3.0f} {record.largest_torque:7.1f} {1e3 * record.max_error:6.2f}"
             + ("" if pays_off is None else f" {pays_off:7.0f}")
         )
     return lines

@@ -67,7 +67,7 @@ def run(path: str | Path) -> Results:
             impedance = knee.impedance(knee.inertia(walker))
             for cadence in CADENCES:
                 motion = knee.swing(walker, cadence)
-                mechanism = cam.with_valve(cadence).parameters()
+                mechanism = cam.with_damping_scaled(cadence).parameters()
                 for joint in JOINTS:
                     parameters = NO_CAM if joint == BARE else mechanism
                     controller = None if joint == PASSIVE else impedance
@@ -107,7 +107,8 @@ def result_table(results: Results) -> list[str]:
         motor = ""
         if joint != PASSIVE:
             motor = (
-                f"{swing.heat:7.2f} {swing.drawn:6.2f} {swing.returned:6.2f} {swing.net:6.2f}"
+                f"{swing.heat:7.2f} {swing.energy_drawn:6.2f} {swing.energy_returned:6.2f}"
+                f" {swing.net_energy:6.2f}"
                 f" {swing.peak_power:7.0f} {swing.largest_torque:7.1f}"
             )
         impact = f"{swing.impact_speed:.0f}" if swing.impact_speed > 0.0 else "none"

@@ -38,7 +38,7 @@ from matplotlib.figure import Figure
 
 from dualcam import Fmu
 from dualcam.systems import elbow
-from dualcam.systems.axis import CamAxis, follow
+from dualcam.systems.axis import CamAxis, simulate_closed_loop
 from dualcam.systems.current_loop import CurrentLoop
 from dualcam.systems.elbow import DESIGN_PAYLOAD, MOTION, NO_CAM, RANGE, Cycle
 from dualcam.systems.motor import AK80_6
@@ -57,9 +57,11 @@ def simulate(fmu: Fmu, payload: float, joint: str) -> Cycle:
     cam = NO_CAM if joint == BARE else elbow.design_cam()
     friction = 0.0 if joint == NAIVE else elbow.FRICTION_BELIEVED
     axis = CamAxis(fmu)
-    axis.start(elbow.plant(cam, payload), angle=MOTION.start)
+    axis.start(elbow.plant_parameters(cam, payload), angle=MOTION.start)
     controller = elbow.controller(cam, payload, friction)
-    record = follow(axis, elbow.weight(payload), controller, CurrentLoop(AK80_6), elbow.plan())
+    record = simulate_closed_loop(
+        axis, elbow.weight(payload), controller, CurrentLoop(AK80_6), elbow.reference_motion()
+    )
     return Cycle(payload, joint, record)
 
 
@@ -83,7 +85,7 @@ def design_table() -> list[str]:
     lines = [
         f"Spring for {DESIGN_PAYLOAD} kg: preload {cam.preload:.0f} N,"
         f" stiffness {cam.stiffness / 1e3:.1f} kN/m, stroke {cam.dz_dtheta * RANGE * 1e3:.1f} mm",
-        f"Efficiency {cam.efficiency:.4f}; stick band +-{100 * cam.half_band:.1f} % of its middle,"
+        f"Efficiency {cam.efficiency:.4f}; stick band +-{100 * cam.relative_half_band:.1f} % of its middle,"
         f" {release:.1f} to {load:.1f} N.m with the arm horizontal",
         "Gravity is concave in the angle, the middle straight: they differ by up to"
         f" {100 * np.max(np.abs(carried / middle - 1.0)):.1f} %",
@@ -137,12 +139,13 @@ def findings(results: dict[tuple[float, str], Cycle]) -> list[str]:
     ]
     hurts = [
         f"Friction turns {cam.friction_heat:.2f} J per cycle into heat, whatever the payload; the area of the"
-        f" band over the travel is {elbow.cycle_friction(helix):.2f} J. The arm's weight gives and takes"
+        f" band over the travel is {elbow.friction_heat_of_slow_cycle(helix):.2f} J."
+        " The arm's weight gives and takes"
         f" {load.energy(MOTION.start) - load.energy(MOTION.end):.1f} J."
         " Without the cam, in this model, only the motor loses energy.",
-        f"Moving costs {100 * helix.half_band:.1f} % of the carried torque, in both directions."
+        f"Moving costs {100 * helix.relative_half_band:.1f} % of the carried torque, in both directions."
         " Moving slowly, the motor runs cooler with the cam only where gravity is above"
-        f" {50 * (1 + helix.half_band**2):.0f} % of the band's middle.",
+        f" {50 * (1 + helix.relative_half_band**2):.0f} % of the band's middle.",
         "Empty, the arm is too light for this spring: the motor must press it down. The peak torque rises"
         f" from {empty_bare.largest_torque:.1f} to {empty_cam.largest_torque:.1f} N.m, and holding the"
         f" lowered arm takes {empty_cam.hold_current:.1f} A.",

@@ -22,7 +22,7 @@ PAGE = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
 FMU = ROOT / "build" / "DualCamForward.fmu"
 STEP = 1e-3  # s, control period
 BARE, CAM, UNDAMPED = report.BARE, report.CAM, report.UNDAMPED
-ATTITUDES = car_door.ATTITUDES | car_door.BEYOND
+ATTITUDES = car_door.ATTITUDES | car_door.ATTITUDES_NOT_DESIGNED_FOR
 
 
 @pytest.fixture(scope="module")
@@ -123,9 +123,9 @@ def edges(angle, friction=car_door.FRICTION):
 
 def test_band_is_that_of_the_statics_and_of_the_fmu(slave):
     hold = car_door.design()
-    door = car_door.axis(slave)
+    door = car_door.door_axis(slave)
     for angle in (0.0, 0.5, car_door.OPEN):
-        door.start(car_door.plant(hold), angle)
+        door.start(car_door.plant_parameters(hold), angle)
         closes, opens = -RATIO * slave.get("torque_load"), -RATIO * slave.get("torque_release")
         assert hold.band(angle) == pytest.approx((closes, opens), rel=1e-12)
         assert hold.band(angle) == pytest.approx(edges(angle), rel=1e-12)
@@ -135,7 +135,7 @@ def test_design_is_what_its_formulas_ask_for():
     closes, opens = car_door.design().band(car_door.OPEN)
     assert closes == pytest.approx(-1.1 * 36.1709, abs=1e-4)  # the source's largest torques, nose up and down
     assert opens == pytest.approx(1.1 * 27.5381, abs=1e-4)
-    assert car_door.extremes() == pytest.approx((36.1709, 27.5381), abs=5e-5)
+    assert car_door.extreme_weight_torques() == pytest.approx((36.1709, 27.5381), abs=5e-5)
     lead = car_door.design().cam.lead_angle[0]
     assert 0.0 < lead < math.atan(car_door.FRICTION)  # locks itself: the weight changes its sign
 
@@ -187,11 +187,11 @@ def test_a_damper_on_the_releasing_side_makes_a_locked_cam_faster(slave):
 
 def test_holds_where_let_go(slave):
     """1000 angles in each of five attitudes: untouched after 10 s."""
-    door, hold = car_door.axis(slave), car_door.design()
+    door, hold = car_door.door_axis(slave), car_door.design()
     for attitude in car_door.ATTITUDES:
         load = car_door.weight(attitude)
         for angle in np.linspace(0.0, car_door.OPEN, 1000):
-            door.start(car_door.plant(hold), angle)
+            door.start(car_door.plant_parameters(hold), angle)
             before = door.angle
             door.step(0.0, load, size=10.0)
             assert door.angle == before
@@ -199,31 +199,37 @@ def test_holds_where_let_go(slave):
 
 
 def test_moves_where_the_table_says_it_does_not_hold(slave):
-    door, half = car_door.axis(slave), car_door.design().scaled(0.5)
+    door, half = car_door.door_axis(slave), car_door.design().with_spring_force(0.5)
     angles = np.linspace(0.01, car_door.OPEN - 0.01, 100)  # off the stops, which hold too
     stays = 0
     for attitude in car_door.ATTITUDES:
         load = car_door.weight(attitude)
         for angle in angles:
-            door.start(car_door.plant(half), angle)
+            door.start(car_door.plant_parameters(half), angle)
             door.step(0.0, load, STEP)
             closes, opens = (0.5 * edge for edge in edges(angle))
             assert (door.speed == 0.0) == (closes < load.torque(angle) < opens)
             stays += door.speed == 0.0
     share = stays / (len(angles) * len(car_door.ATTITUDES))
-    assert car_door.held_share(half) == pytest.approx(share, abs=0.02)
+    assert car_door.share_of_angles_held(half) == pytest.approx(share, abs=0.02)
 
 
 def test_trade_off():
     hold = car_door.design()
-    shares = [car_door.held_share(hold.scaled(share), points=200) for share in example.SPRING_SHARES]
-    forces = [car_door.handle_force(hold.scaled(share), [car_door.LEVEL]) for share in example.SPRING_SHARES]
+    shares = [
+        car_door.share_of_angles_held(hold.with_spring_force(share), points=200)
+        for share in example.SPRING_SHARES
+    ]
+    forces = [
+        car_door.handle_force(hold.with_spring_force(share), [car_door.LEVEL])
+        for share in example.SPRING_SHARES
+    ]
     assert shares == sorted(shares)
     assert forces == sorted(forces)
     assert (shares[0], shares[-1]) == (0.0, 1.0)
     # Without the cam the hand works against the weight alone, at most 6.429 N.m on level ground (source).
     assert forces[0] == pytest.approx(6.429 / car_door.HANDLE, rel=1e-4)
-    assert car_door.held_share(hold, [car_door.BOTH]) < 1.0
+    assert car_door.share_of_angles_held(hold, [car_door.BOTH]) < 1.0
 
 
 # ---- closed by hand ----
@@ -327,9 +333,9 @@ def test_cam_stays_between_pushes(results):
 
 def test_pin_loads(results, slave):
     """Friction resists slow closing with half the spring on each cam, two pins each."""
-    door, hold = car_door.axis(slave), car_door.design()
+    door, hold = car_door.door_axis(slave), car_door.design()
     level = car_door.weight(car_door.LEVEL)
-    door.start(car_door.plant(hold), 0.001)
+    door.start(car_door.plant_parameters(hold), 0.001)
     door.step(hold.band(0.0)[0] - level.torque(0.0) - 0.1, level, STEP)
     assert door.largest_pin_force() == pytest.approx(report.slow_pin_load(hold), rel=1e-3)
     axial = hold.cam.preload * (1.0 + car_door.SPRING_RISE)
@@ -394,10 +400,10 @@ def test_motor_is_off_while_the_cam_holds(results):
     hold_ticks = slice(round((MOTION.move + 0.05) / STEP), round(7.0 / STEP))
     for (attitude, name), cycle in results.cycles.items():
         if name == BARE or attitude == car_door.BOTH:
-            assert not np.any(cycle.off[hold_ticks])
+            assert not np.any(cycle.motor_off[hold_ticks])
             continue
-        assert np.all(cycle.off[hold_ticks])
-        assert cycle.off_share > 0.99 * MOTION.dwell / car_door.DURATION
+        assert np.all(cycle.motor_off[hold_ticks])
+        assert cycle.motor_off_share > 0.99 * MOTION.dwell / car_door.DURATION
         assert np.sum(np.abs(cycle.record.supply_energy[hold_ticks])) < 1e-12
         assert np.ptp(cycle.record.angle[hold_ticks]) == 0.0
 
@@ -447,14 +453,14 @@ def test_table_of_the_page(results):
             f"{cycle.move_energy:.0f} J",
             f"{cycle.record.friction_heat:.0f} J",
         ]
-        measured += [f"{100 * cycle.off_share:.0f} %"]
+        measured += [f"{100 * cycle.motor_off_share:.0f} %"]
         measured += [f"{report.pays_off(results, attitude):.0f} s" if name == CAM else ""]
         assert [cell.strip() for cell in cells.split("|")] == measured
 
 
 def test_text_of_the_page(results):
     """So do the figures between the tables."""
-    hold, half = car_door.design(), car_door.design().scaled(0.5)
+    hold, half = car_door.design(), car_door.design().with_spring_force(0.5)
     moves = [
         results.cycles[attitude, CAM].move_energy / results.cycles[attitude, BARE].move_energy
         for attitude in ATTITUDES
@@ -466,9 +472,9 @@ def test_text_of_the_page(results):
         f"with at most {fastest:.1f} rad/s, where the plain door slams with {plain:.1f}.",
         f"moving takes {min(moves):.0f} to {max(moves):.0f} times the energy",
         f"needs {car_door.handle_force(hold, [car_door.LEVEL]):.0f} N at the handle instead of"
-        f" {car_door.handle_force(hold.scaled(0.0), [car_door.LEVEL]):.0f}.",
+        f" {car_door.handle_force(hold.with_spring_force(0.0), [car_door.LEVEL]):.0f}.",
         f"needs {car_door.handle_force(half, [car_door.LEVEL]):.0f} N and holds at"
-        f" {100 * car_door.held_share(half):.0f} % of the angles",
+        f" {100 * car_door.share_of_angles_held(half):.0f} % of the angles",
     ):
         assert phrase in text
 

@@ -297,7 +297,7 @@ CASES = {
     "no preload, releasing, rough groove 2": (lambda t: 0.9 * np.sin(t), BARE, "releasing",
                                               {"groove2": Helix(0.03, math.pi / 3), "friction": (0.05, 0.3)}),
     "samples": ((ANGLES, 1.5 + 0.5 * np.sin(2 * ANGLES)), LINEAR, "loading", {"groove2": HELIX}),
-    "kink": (lambda t: 1 + abs(t - 0.5), LINEAR, "loading", {"groove2": HELIX, "breaks": [0.5]}),
+    "kink": (lambda t: 1 + abs(t - 0.5), LINEAR, "loading", {"groove2": HELIX, "kinks": [0.5]}),
 }  # fmt: skip
 
 
@@ -324,7 +324,7 @@ def test_groove_runs_in_the_fmu(inverse, forward, tmp_path, name):
     found = read_at(forward, parameters, angles[few], edge)[0]
     assert np.abs((found - wanted[few]) / scale[few]).max() < 1e-6
     assert np.abs(design.error(angles)).max() < 1e-6
-    assert design.worst <= 1e-7
+    assert design.largest_error <= 1e-7
 
 
 def random_task(number):
@@ -471,7 +471,8 @@ BAD = {
     "contacts": (lambda t: 1.0, LINEAR, "loading", {"contacts": 3}, "contacts = 3: allowed are 1 and 2"),
     "tolerance": (lambda t: 1.0, LINEAR, "loading", {"tolerance": math.nan}, "tolerance = nan: allowed"),
     "groove 2": (lambda t: 1.0, LINEAR, "loading", {"groove2": "helix"}, "groove2 = 'helix': allowed"),
-    "a number": (2.0, LINEAR, "loading", {}, "allowed is a function .* or samples"),
+    "a word": ("2.0", LINEAR, "loading", {}, "'2.0': allowed is a number .* a function .* or samples"),
+    "infinite": (math.inf, LINEAR, "loading", {}, "torque inf N.m: allowed is a finite"),
     "complex": (lambda t: 1j + t, LINEAR, "loading", {}, "the function fails .* allowed"),
     "fails": (lambda t: 1 / 0, LINEAR, "loading", {}, "the function fails .*division by zero.* allowed"),
     "other shape": (lambda t: np.ones(7), LINEAR, "loading", {}, "the function fails .* allowed"),

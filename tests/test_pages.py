@@ -91,6 +91,14 @@ def test_design_block(run_block, capsys):
     assert [float(word) for word in capsys.readouterr().out.split()] == pytest.approx([said, said], abs=5e-5)
 
 
+def test_summary_of_a_design_is_the_pages(run_block, capsys):
+    (block,) = blocks_of("docs/use-grooves.md", "summary")
+    run_block(block)
+    printed = capsys.readouterr().out
+    shown = re.findall(r"^    ((?:slow|efficiency|not self).*)$", TEXTS["docs/use-grooves.md"], re.MULTILINE)
+    assert len(shown) == 3 and all(line in printed for line in shown)
+
+
 # ---- the robot joint ----
 
 

@@ -115,7 +115,9 @@ def test_design_is_a_minimum(cam):
 
 def test_valve_in_proportion_to_cadence_is_the_best_setting(cam):
     for cadence in example.CADENCES:
-        assert knee.best_valve(cam, knee.swing(WALKERS[0], cadence)) == pytest.approx(cadence, rel=0.02)
+        assert knee.best_damping_scale(cam, knee.swing(WALKERS[0], cadence)) == pytest.approx(
+            cadence, rel=0.02
+        )
 
 
 def test_exact_following_takes_the_demand():
@@ -233,15 +235,15 @@ def test_supply_pays_for_heat_and_work(results):
     """To what it costs to take a tick's first speed for its mean, and to the winding's last energy."""
     for (_, _, joint), result in results.items():
         if joint == PASSIVE:
-            assert result.drawn == result.returned == result.heat == 0.0
+            assert result.energy_drawn == result.energy_returned == result.heat == 0.0
             continue
         way = np.diff(result.record.angle, prepend=result.motion.angle[0])
         change = np.diff(result.record.speed, prepend=result.motion.speed[0])
         work = np.sum(result.record.motor_torque * way)
         slack = PERIOD * np.sum(np.abs(result.record.motor_torque * change))
         slack += 0.5 * MOTOR.inductance * (MOTOR.peak_torque / MOTOR.output_constant) ** 2
-        assert result.net == pytest.approx(result.heat + work, abs=slack)
-        assert slack < 0.06 * (result.drawn + result.returned)
+        assert result.net_energy == pytest.approx(result.heat + work, abs=slack)
+        assert slack < 0.06 * (result.energy_drawn + result.energy_returned)
 
 
 def test_impact_is_the_speed_just_before(results):
@@ -281,7 +283,7 @@ def test_angle_error_is_within_its_bound(results):
 def test_cam_saves_at_the_design_point(results):
     bare, cam = results[FIRST, 1.0, BARE], results[FIRST, 1.0, CAM]
     assert cam.heat < 0.4 * bare.heat
-    assert cam.drawn < 0.8 * bare.drawn
+    assert cam.energy_drawn < 0.8 * bare.energy_drawn
     assert cam.peak_power < 0.6 * bare.peak_power
     assert cam.largest_torque < 0.6 * bare.largest_torque
     assert cam.impact_speed < 0.1 * bare.impact_speed
@@ -303,7 +305,7 @@ def test_softer_and_stiffer_impedances():
         assert cam.heat < 0.4 * bare.heat
         assert cam.rms_error < bare.rms_error
         assert cam.impact_speed < 0.2 * bare.impact_speed
-        saved.append(1.0 - cam.drawn / bare.drawn)
+        saved.append(1.0 - cam.energy_drawn / bare.energy_drawn)
     impacts = [runs[frequency, BARE].impact_speed for frequency in report.FREQUENCIES]
     assert impacts == sorted(impacts, reverse=True)
     assert saved == sorted(saved, reverse=True)  # the stiffer, the less
@@ -312,8 +314,8 @@ def test_softer_and_stiffer_impedances():
 def test_where_the_cam_does_not_help(results):
     for walker in (FIRST, SECOND):
         for cadence in example.CADENCES:
-            assert results[walker, cadence, CAM].net > results[walker, cadence, BARE].net
-        assert results[walker, 1.2, CAM].drawn > results[walker, 1.2, BARE].drawn
+            assert results[walker, cadence, CAM].net_energy > results[walker, cadence, BARE].net_energy
+        assert results[walker, 1.2, CAM].energy_drawn > results[walker, 1.2, BARE].energy_drawn
     bare = results[FIRST, 1.0, BARE]
     assert np.max(bare.record.peak_torque[bare.before_impact]) < 0.75 * bare.largest_torque
 
@@ -333,7 +335,7 @@ def test_page_says_what_the_example_prints(results):
     for subject, rate, joint, cells in rows:
         walker = WALKERS[subject == "second"]
         result = results[walker.name, round(int(rate) * walker.stride / 60.0, 1), joint]
-        figures = (result.rms_error, result.heat, result.drawn, result.net, result.peak_power)
+        figures = (result.rms_error, result.heat, result.energy_drawn, result.net_energy, result.peak_power)
         for cell, value in zip(
             cells.split(" | "), (*figures, result.largest_torque, result.impact_speed), strict=True
         ):

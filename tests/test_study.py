@@ -38,7 +38,7 @@ from study_cases import (
 import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
-from dualcam.study import History, Plan, Scenario, Vary, load, plots, read
+from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
 from dualcam.study.execution import DIED
 from dualcam.study.runner import Runner
 from dualcam.study.store import RECORD
@@ -90,7 +90,7 @@ def test_sobol_sequence_is_scipys():
 @pytest.mark.parametrize("kind", ["grid", "latin", "sobol", "indices", "table"])
 def test_rows_do_not_depend_on_how_they_are_cut(kind):
     vary = {"a": Vary(1.0, 2.0, count=4), "b": Vary(3.0, 4.0, count=4)}
-    plan = Plan(kind, vary, runs=16, table=np.random.default_rng(1).random((30, 2)), same={"c": "b"})
+    plan = Plan(kind, vary, runs=16, table=np.random.default_rng(1).random((30, 2)), same_as={"c": "b"})
     whole = plan.rows(0, plan.count)
     assert whole.shape == (plan.count, 3)
     assert np.array_equal(whole[:, 2], whole[:, 1])
@@ -240,7 +240,9 @@ def test_the_inverse_fmu_follows_a_motion():
         "omega": History(derivative_of="theta"),
         "alpha": History(derivative_of="omega"),
     }
-    plan = Plan("grid", {"cam1.friction": Vary(0.05, 0.2, count=4)}, same={"cam2.friction": "cam1.friction"})
+    plan = Plan(
+        "grid", {"cam1.friction": Vary(0.05, 0.2, count=4)}, same_as={"cam2.friction": "cam1.friction"}
+    )
     one = study(plan, Scenario(1.0, inputs), ["tau@0.3", "tau@0.8"], INVERSE)
     spline = CubicSpline(motion.time, motion.value, bc_type="clamped")
     for mu, row in zip(np.linspace(0.05, 0.2, 4), runs_of(one).values, strict=True):
@@ -307,7 +309,9 @@ def test_memory_does_not_grow_with_the_runs(tmp_path):
     def look():
         seen.append(int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize())
 
-    study(Plan("latin", DESIGN, runs=100_000)).make(tmp_path, 0, form="csv", chunk=1000, each=look)
+    study(Plan("latin", DESIGN, runs=100_000)).run_to_files(
+        tmp_path, 0, file_format="csv", runs_per_file=1000, on_file_written=look
+    )
     assert len(seen) == 100
     assert max(seen[-20:]) - max(seen[10:30]) < 2**20
 
@@ -364,7 +368,9 @@ def test_progress_tells_rate_and_time_left(tmp_path):
 
     text = io.StringIO()
     console = Console(file=text, force_terminal=True, width=120)
-    study(STARTS, closed(slow, 0.1, 0.02), ["theta"]).make(tmp_path, 0, chunk=1, console=console)
+    study(STARTS, closed(slow, 0.1, 0.02), ["theta"]).run_to_files(
+        tmp_path, 0, runs_per_file=1, console=console
+    )
     said = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text.getvalue())
     assert re.search(r"[3-7] of 10 runs, 0 failed [\d.,]+ runs/s 0:00:0\d", said)
     assert "10 of 10 runs, 0 failed" in said
@@ -395,11 +401,13 @@ FORMATS = ["csv", pytest.param("parquet", marks=without_pyarrow)]
 def test_an_interrupted_study_goes_on_where_it_was(tmp_path, form):
     one = study()
     with pytest.raises(Stop):
-        one.make(tmp_path, workers=0, form=form, chunk=10, each=after(3, stop))
+        one.run_to_files(
+            tmp_path, workers=0, file_format=form, runs_per_file=10, on_file_written=after(3, stop)
+        )
     made = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs-*")}
     assert len(made) == 3
     (tmp_path / "runs-000000030.unfinished").write_bytes(b"half a chunk")
-    table = one.run(tmp_path, workers=0, form="csv", chunk=7)
+    table = one.run(tmp_path, workers=0, file_format="csv", runs_per_file=7)
     assert all(path.stat().st_mtime_ns == when for path, when in made.items())
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
     assert set(table["message"]) == {""}
@@ -407,14 +415,14 @@ def test_an_interrupted_study_goes_on_where_it_was(tmp_path, form):
 
 def test_processes_make_the_same_runs(tmp_path):
     one = study()
-    one.run(tmp_path, workers=2, chunk=5)
+    one.run(tmp_path, workers=2, runs_per_file=5)
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
 def test_an_interrupted_study_of_processes_ends_at_once_and_goes_on(tmp_path):
     one = study()
     with pytest.raises(Stop):
-        one.make(tmp_path, workers=2, chunk=2, each=after(2, stop))
+        one.run_to_files(tmp_path, workers=2, runs_per_file=2, on_file_written=after(2, stop))
     assert len(list(tmp_path.glob("runs-*"))) == 2
     one.run(tmp_path, workers=0)
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
@@ -422,7 +430,7 @@ def test_an_interrupted_study_of_processes_ends_at_once_and_goes_on(tmp_path):
 
 def test_a_run_that_kills_its_process_is_a_failed_row(tmp_path):
     one = study(STARTS, closed(deadly), ["theta"])
-    table = one.run(tmp_path, workers=1, chunk=2)
+    table = one.run(tmp_path, workers=1, runs_per_file=2)
     every_run_once(tmp_path, one)
     assert dict(enumerate(table["message"])) == dict.fromkeys(range(10), "") | {3: DIED}
     assert np.sum(np.isfinite(table["theta"])) == 9
@@ -440,8 +448,8 @@ def test_another_study_in_the_folder_is_refused(tmp_path):
 def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with refused("pyarrow", "csv"):
-        study().run(tmp_path, workers=0, form="parquet")
-    study().run(tmp_path, workers=0, form="csv")
+        study().run(tmp_path, workers=0, file_format="parquet")
+    study().run(tmp_path, workers=0, file_format="csv")
     every_run_once(tmp_path, study())
 
 
@@ -451,7 +459,7 @@ def test_a_full_disk_loses_nothing(tmp_path):
     fill = after(3, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1])))
     try:
         with refused("cannot write", "kept"):
-            one.make(tmp_path, workers=0, form="csv", chunk=10, each=fill)
+            one.run_to_files(tmp_path, workers=0, file_format="csv", runs_per_file=10, on_file_written=fill)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert len(list(tmp_path.iterdir())) == 4
@@ -471,7 +479,7 @@ def test_a_cluster_whose_worker_is_killed_loses_no_run(tmp_path):
     ) as cluster:
         worker = next(iter(cluster.workers.values()))
         kill = after(2, lambda: os.kill(worker.pid, signal.SIGKILL))
-        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=3, each=kill)
+        one.run_to_files(tmp_path, scheduler=cluster.scheduler_address, runs_per_file=3, on_file_written=kill)
     found = every_run_once(tmp_path, one)
     still = study(plan, Scenario(0.1, {"tau": History([0.0], [8.0])}), ["theta", "energy.work_in"])
     assert np.allclose(found, runs_of(still).values, rtol=1e-12)
@@ -485,9 +493,9 @@ def test_a_run_that_kills_its_worker_is_a_failed_row(tmp_path):
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
     ):
-        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=2)
+        one.run_to_files(tmp_path, scheduler=cluster.scheduler_address, runs_per_file=2)
     every_run_once(tmp_path, one)
-    table = read(tmp_path)
+    table = read_results(tmp_path)
     assert list(table["message"][table["message"] != ""]) == [DIED]
 
 
@@ -499,9 +507,14 @@ def test_a_cluster_that_goes_away_is_told_and_nothing_is_lost(tmp_path, monkeypa
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         refused("does not answer any more", "kept"),
     ):
-        one.make(tmp_path, scheduler=cluster.scheduler_address, chunk=3, each=after(2, cluster.close))
+        one.run_to_files(
+            tmp_path,
+            scheduler=cluster.scheduler_address,
+            runs_per_file=3,
+            on_file_written=after(2, cluster.close),
+        )
     assert len(list(tmp_path.glob("runs-*"))) >= 2
-    one.make(tmp_path, workers=0)
+    one.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, one)
 
 
@@ -527,7 +540,7 @@ def test_a_scheduler_that_does_not_answer_is_told(tmp_path, monkeypatch):
         (lambda: Plan("latin", {"a": Vary(2.0, 1.0)}, runs=3), ["a:", "below"]),
         (lambda: Plan("latin", {"a": Vary(-1.0, 1.0, log=True)}, runs=3), ["logarithmic"]),
         (lambda: Plan("indices", DESIGN, runs=100), ["power of 2"]),
-        (lambda: Plan("latin", DESIGN, runs=4, same={"b": "c"}), ["the same as c"]),
+        (lambda: Plan("latin", DESIGN, runs=4, same_as={"b": "c"}), ["the same as c"]),
         (lambda: Plan("table", {"a": Vary()}, table=[[math.nan]]), ["finite"]),
         (lambda: Scenario(0.0), ["stop"]),
         (lambda: Scenario(1.0, {"tau": History([1.0, 0.0], [0.0, 1.0])}), ["tau", "increase"]),
@@ -620,7 +633,7 @@ def test_pictures_of_what_is_constant_logarithmic_or_failed(tmp_path):
         plots.check(each)
         table = each.run(folder, workers=0)
         assert not np.any(table["energy.heat_damper"] > 0.0)
-    assert 0 < np.sum(read(tmp_path / "one")["message"] != "") < 40
+    assert 0 < np.sum(read_results(tmp_path / "one")["message"] != "") < 40
     plots.draw(studies, tmp_path / "all.png")
     assert (tmp_path / "all.png").read_bytes().startswith(b"\x89PNG")
 
@@ -646,9 +659,9 @@ def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_numbe
         process.send_signal(signal_number)
         process.communicate(timeout=20)  # waits for the pipes, which the workers have too
     assert process.returncode == code
-    one, made = load(plan), set((out / "small").glob("runs-*.csv"))
+    one, made = read_study(plan), set((out / "small").glob("runs-*.csv"))
     assert 5 <= len(made) < 4 * 32768 / 200
-    one.make(out / "small", workers=0)
+    one.run_to_files(out / "small", workers=0)
     assert np.array_equal(every_run_once(out / "small", one), runs_of(one).values)
 
 
@@ -678,7 +691,7 @@ def test_the_command_says_what_is_wrong(tmp_path, capsys, old, new, mentions):
     "plan", sorted((ROOT / "system_examples/study").glob("*.toml")), ids=lambda path: path.stem
 )
 def test_the_examples_can_be_run(plan):
-    one = load(plan)
+    one = read_study(plan)
     plots.check(one)
     assert not runs_of(one, one.plan.rows(0, 2000)).messages
     assert json.dumps(one.facts())

@@ -23,7 +23,7 @@ from study_cases import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, 
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError
-from dualcam.study import Controller, Plan, Scenario, Study, Vary, execution, load, read
+from dualcam.study import Controller, Plan, Scenario, Study, Vary, execution, read_results, read_study
 from dualcam.study.execution import DIED
 from dualcam.study.store import RECORD
 
@@ -84,7 +84,7 @@ def test_any_other_fmu(tmp_path, decay):
     }
     results = ["x@0.25", "x@0.5", "law", "resets"]
     one = Study(decay, Plan("grid", vary), Scenario(0.5, step=0.125), results)
-    one.run(tmp_path, workers=1, chunk=10)
+    one.run(tmp_path, workers=1, runs_per_file=10)
     found = every_run_once(tmp_path, one)
     for row, (x0, rate, law, frozen) in zip(found, one.plan.rows(0, one.plan.count), strict=True):
         for time_at, x in zip((0.25, 0.5), row, strict=False):
@@ -194,20 +194,24 @@ def test_an_fmu_that_is_none_to_run(tmp_path, make, mentions):
         ("from = 0.6, to = 0.9", "values = []", ["cam1.lead_angle", "at least one"]),
         ("from = 0.6, to = 0.9", "values = [0.6, inf]", ["cam1.lead_angle", "inf", "finite"]),
         ("from = 0.6, to = 0.9", "values = [0.6], to = 0.9", ["cam1.lead_angle", "to", "values"]),
-        ('same = "cam1.friction"', 'same = "cam1.friction", to = 1', ["cam2.friction", "to", "same"]),
+        ('same_as = "cam1.friction"', 'same_as = "cam1.friction", to = 1', ["cam2.friction", "to", "same"]),
         ('cam1.lead_angle" = {{', 'cam1.lead_angel" = {{', ["cam1.lead_angel", "cam1.lead_angle"]),
         ("time = [0.0, 0.05, 0.05]", "time = 0.0", ["tau", "time = 0.0", "list"]),
         ("time = [0.0, 0.05, 0.05]", "time = [0.0, 0.05]", ["tau", "3 values at 2 times"]),
         ("inputs.tau", "inputs.tua", ["tua", "tau"]),
         ('x = "cam1.lead_angle"', "x = 3", ["plot map", "x = 3", "text"]),
         ('of = ["efficiency"]', "of = []", ["plot sobol", "at least one"]),
-        ('of = ["efficiency"]', 'of = ["efficiency"]\nkeep = 1', ["plot sobol", "keep"]),
+        ('of = ["efficiency"]', 'of = ["efficiency"]\nhighlight = 1', ["plot sobol", "highlight"]),
         ('y = "theta"', 'y = "theta"\nbest = "max"', ["plot pareto", "best = 'max'", "max, min"]),
-        ('kind = "parallel"', 'kind = "parallel"\nkeep = 7', ["plot parallel", "keep = 7", "at most 1"]),
+        (
+            'kind = "parallel"',
+            'kind = "parallel"\nhighlight = 7',
+            ["plot parallel", "highlight = 7", "at most 1"],
+        ),
         ('kind = "sobol"', 'kind = ["sobol"]', ["['sobol']", "allowed are map, sobol"]),
         ("stop = 0.1", "stop = 0.1\nstep = 0", ["step = 0", "above 0"]),
         ("stop = 0.1", "stop = inf", ["stop = inf", "finite"]),
-        ("stop = 0.1", 'stop = 0.1\ncontroller.make = "os:none"', ["controller", "lacks", "period"]),
+        ("stop = 0.1", 'stop = 0.1\ncontroller.create_law = "os:none"', ["controller", "lacks", "period"]),
     ],
 )
 def test_a_slip_in_a_plan_is_named_before_anything_is_made(tmp_path, capsys, old, new, mentions):
@@ -304,7 +308,7 @@ def test_slips_in_python(wrong, mentions):
 def test_damaged_results_are_told_and_made_again(tmp_path, form):
     pytest.importorskip("pyarrow") if form == "parquet" else None
     one = study()
-    one.run(tmp_path, workers=0, form=form, chunk=16)
+    one.run(tmp_path, workers=0, file_format=form, runs_per_file=16)
     paths = sorted(tmp_path.glob("runs-*"))
     good = [path.read_bytes() for path in paths]
     flipped = bytearray(good[2])
@@ -312,8 +316,8 @@ def test_damaged_results_are_told_and_made_again(tmp_path, form):
     for path, content in zip(paths, (good[0][:-20], b"", flipped), strict=False):
         path.write_bytes(content)
     with refused("damaged", paths[0].name, "again"):
-        read(tmp_path)
-    one.make(tmp_path, workers=0)
+        read_results(tmp_path)
+    one.run_to_files(tmp_path, workers=0)
     assert [path.read_bytes() for path in paths] == good
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
@@ -322,7 +326,7 @@ def test_other_files_in_the_folder_do_no_harm(tmp_path):
     one = study()
     for name in ("runs-000000000.csv", "runs-notes-1.csv", "runs-000000000.unfinished", "notes.parquet"):
         (tmp_path / name).write_text("something else")
-    one.make(tmp_path, workers=0)
+    one.run_to_files(tmp_path, workers=0)
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
@@ -346,17 +350,17 @@ def test_a_study_of_which_nothing_was_made_holds_no_folder(tmp_path):
     """Such as one whose scheduler did not answer."""
     one, other = study(), study(results=["theta"])
     with refused("no Dask scheduler"):
-        one.make(tmp_path, scheduler="tcp://")
-    other.make(tmp_path, workers=0)
+        one.run_to_files(tmp_path, scheduler="tcp://")
+    other.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, other)
 
 
 def test_a_grid_of_given_values_goes_on(tmp_path):
     """A range that is not given is NaN, which equals nothing."""
     one = study(Plan("grid", {"contacts": Vary(values=(1, 2)), "cam1.friction": Vary(0.1, 0.2, count=4)}))
-    one.make(tmp_path, workers=0, chunk=3)
+    one.run_to_files(tmp_path, workers=0, runs_per_file=3)
     next(tmp_path.glob("runs-000000003-*")).unlink()
-    one.make(tmp_path, workers=0)
+    one.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, one)
 
 
@@ -374,12 +378,12 @@ def test_two_studies_at_once_in_one_folder(tmp_path):
         while not list(out.glob("small/runs-*")):
             assert first.poll() is None
             time.sleep(0.005)
-        one = load(plan)
+        one = read_study(plan)
         with refused("another process", "wait"):
-            one.make(out / "small", workers=0)
+            one.run_to_files(out / "small", workers=0)
         assert first.poll() is None
         first.send_signal(signal.SIGKILL)
-    one.make(out / "small", workers=0, each=lambda: None)
+    one.run_to_files(out / "small", workers=0, on_file_written=lambda: None)
     every_run_once(out / "small", one)
 
 
@@ -419,7 +423,7 @@ def murderous():
 
 def test_workers_that_die_of_every_run(tmp_path):
     one = study(Plan("latin", DESIGN, runs=3), closed(murderous), ["theta"])
-    table = one.run(tmp_path, workers=2, chunk=2)
+    table = one.run(tmp_path, workers=2, runs_per_file=2)
     every_run_once(tmp_path, one)
     assert list(table["message"]) == [DIED] * 3
 
@@ -461,14 +465,14 @@ def test_an_interruption_anywhere_ends_a_study_of_processes(tmp_path, monkeypatc
     Path(tempfile.tempdir).mkdir()
     one = study(Plan("latin", DESIGN, runs=16))
     with Interruption(execution.__file__) as quiet:
-        one.make(tmp_path / "whole", workers=2, chunk=2)
+        one.run_to_files(tmp_path / "whole", workers=2, runs_per_file=2)
     assert quiet.lines > 500
     for number, place in enumerate(np.random.default_rng(7).integers(1, quiet.lines, 10)):
         before, out = set(multiprocessing.active_children()), tmp_path / f"out{number}"
         with suppress(KeyboardInterrupt), Interruption(execution.__file__, place):
-            one.make(out, workers=2, chunk=2)
+            one.run_to_files(out, workers=2, runs_per_file=2)
         assert ended(set(multiprocessing.active_children()) - before)
-        one.make(out, workers=0)
+        one.run_to_files(out, workers=0)
         assert np.array_equal(every_run_once(out, one), every_run_once(tmp_path / "whole", one))
     assert not list(Path(tempfile.tempdir).iterdir())
 
@@ -483,7 +487,7 @@ def test_processes_killed_at_any_moment_lose_no_run(tmp_path):
             for process in multiprocessing.active_children():
                 process.kill()
 
-    one.make(tmp_path, workers=2, chunk=8, each=kill)
+    one.run_to_files(tmp_path, workers=2, runs_per_file=8, on_file_written=kill)
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 
 
@@ -495,7 +499,7 @@ def cluster(**more):
 def test_a_cluster_without_workers_is_told(tmp_path, monkeypatch):
     monkeypatch.setattr("dualcam.study.execution.NO_WORKERS_FOR", 1)
     with cluster(n_workers=0) as empty, refused("has no workers", "same command"):
-        study().make(tmp_path, scheduler=empty.scheduler_address)
+        study().run_to_files(tmp_path, scheduler=empty.scheduler_address)
     assert not list(tmp_path.glob("runs-*"))
 
 
@@ -510,13 +514,15 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
             dying.scale(0)
 
     with cluster(n_workers=2) as dying, refused("has no workers", "kept"):
-        one.make(tmp_path, scheduler=dying.scheduler_address, chunk=3, each=dismiss)
+        one.run_to_files(
+            tmp_path, scheduler=dying.scheduler_address, runs_per_file=3, on_file_written=dismiss
+        )
     assert 2 <= len(list(tmp_path.glob("runs-*"))) < 20
-    one.make(tmp_path, workers=0)
+    one.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, one)
 
 
 def test_workers_without_the_package_are_told(tmp_path):
     absent = "import sys; sys.modules['dualcam.study.runner'] = None"
     with cluster(n_workers=1, preload=absent) as bare, refused("cannot take", "dualcam"):
-        study().make(tmp_path, scheduler=bare.scheduler_address)
+        study().run_to_files(tmp_path, scheduler=bare.scheduler_address)

@@ -74,12 +74,12 @@ def memory(runs: int) -> tuple[float, float, float]:
     seen: list[float] = []
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        whole.make(
+        whole.run_to_files(
             folder,
             workers=0,
-            form="csv",
-            chunk=max(runs // 100, 1),
-            each=lambda: seen.append(resident_bytes() / 2**20),
+            file_format="csv",
+            runs_per_file=max(runs // 100, 1),
+            on_file_written=lambda: seen.append(resident_bytes() / 2**20),
         )
     tenth = len(seen) // 10
     return max(seen[tenth : 2 * tenth]), max(seen[-tenth:]), runs / (time.perf_counter() - start)

@@ -51,9 +51,8 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
         if path is not None:
             require_folder_of(path)
     design = read_design(design_file)
-    mechanism, lower = design.mechanism(), float(design.parameters.get("stop.lower", 0.0))
-    band = torque_band(mechanism, points, lower)
-    fine = torque_band(mechanism, max(points, 361), lower)
+    mechanism = design.mechanism()
+    band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))
     rows = _rows(band)
     if output is not None:
         lines = [",".join(HEADS), *(",".join(map(repr, row)) for row in rows.tolist())]

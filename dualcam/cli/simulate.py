@@ -86,5 +86,5 @@ def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
         raise DualcamError(
             f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
         )
-    band = torque_band(design.mechanism(), 361, float(design.parameters.get("stop.lower", 0.0)))
+    band = torque_band(design.mechanism(), 361)
     save(plot_simulation(trajectory, band, design.name), path)

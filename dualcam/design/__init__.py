@@ -2,6 +2,8 @@
 
     optimum, efficiency, efficiency_map     lead angles and friction
     synthesize                              groove for a wanted torque over angle, as the FMU's table
+    propose_spring                          spring with which a wanted torque is possible
+    design_groove, TorqueCurve              the same from a file with a torque to a file with the groove
     Mechanism, Spring                       torque of slow motion, reactions, curvature of a pair of grooves
     torque_band                             torque band and efficiency over the whole range
     Helix, Ellipse, Table                   groove laws
@@ -11,8 +13,10 @@ Everything here is slow motion without damper, external force and inertia, in SI
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
 """
 
+from dualcam.design.design import Design
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
 from dualcam.design.mechanism import Mechanism, Spring
+from dualcam.design.proposal import SpringProposal
 from dualcam.design.statics import (
     DesignError,
     EfficiencyMap,
@@ -23,8 +27,9 @@ from dualcam.design.statics import (
     optimum,
 )
 from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, hertz_pressure
-from dualcam.design.synthesis import Design, synthesize
+from dualcam.design.synthesis import propose_spring, synthesize
 from dualcam.design.torque_band import TorqueBand, torque_band
+from dualcam.design.workflow import TorqueCurve, design_groove
 
 __all__ = [
     "Assessment",
@@ -40,15 +45,19 @@ __all__ = [
     "Optimum",
     "Pin",
     "Spring",
+    "SpringProposal",
     "Table",
     "TorqueBand",
+    "TorqueCurve",
     "assess",
     "band_factors",
     "curvature",
+    "design_groove",
     "efficiency",
     "efficiency_map",
     "hertz_pressure",
     "optimum",
+    "propose_spring",
     "synthesize",
     "torque_band",
 ]

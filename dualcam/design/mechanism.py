@@ -21,7 +21,22 @@ END_SLACK = 1e-12  # of an angle: a groove may end that much before a stop, as i
 
 @dataclass(frozen=True)
 class Spring:
-    """F_s(z) = preload + stiffness z + stiffness2 z^2 + stiffness3 z^3 [N, N/m, N/m2, N/m3]."""
+    """The spring: F_s(z) = preload + stiffness z + stiffness2 z^2 + stiffness3 z^3.
+
+    Parameters
+    ----------
+    preload : float
+        Force at z = 0 [N].
+    stiffness, stiffness2, stiffness3 : float
+        Coefficients [N/m, N/m2, N/m3].
+
+    Examples
+    --------
+    >>> from dualcam.design import Spring
+    >>> spring = Spring(preload=50.0, stiffness=5e4)
+    >>> float(spring.force(0.01))  # N, at 10 mm
+    550.0
+    """
 
     preload: float
     stiffness: float
@@ -35,35 +50,103 @@ class Spring:
         warn_units({"stiffness": ("spring.stiffness", self.stiffness)})
 
     def force(self, z: ArrayLike) -> Array:
-        """N, at z [m]."""
+        """The force.
+
+        Parameters
+        ----------
+        z : array_like
+            Compression [m].
+
+        Returns
+        -------
+        ndarray
+            Force [N], of the shape of `z`.
+        """
         z = np.asarray(z, dtype=float)
         return self.preload + z * (self.stiffness + z * (self.stiffness2 + z * self.stiffness3))
 
     def energy(self, z: ArrayLike) -> Array:
-        """J, from z = 0 to z [m]."""
+        """The energy stored from z = 0 on.
+
+        Parameters
+        ----------
+        z : array_like
+            Compression [m].
+
+        Returns
+        -------
+        ndarray
+            Energy [J], of the shape of `z`.
+        """
         z = np.asarray(z, dtype=float)
         thirds = self.stiffness2 / 3.0 + z * self.stiffness3 / 4.0
         return z * (self.preload + z * (0.5 * self.stiffness + z * thirds))
 
     def parameters(self) -> dict[str, float]:
-        """The FMU's parameters."""
+        """The FMU's parameters: a dict of start values."""
         names = ("preload", "stiffness", "stiffness2", "stiffness3")
         return {f"spring.{name}": getattr(self, name) for name in names}
 
 
 class Configuration(NamedTuple):
-    """Position of the pin at given theta; pairs have shape (2, ...)."""
+    """Position of the pin at given theta.
 
-    psi: Array  # rad: gamma and phi = theta - gamma
-    z: Array  # m
-    slope: Array  # m/rad: a_i at psi_i
-    d2z_dpsi2: Array  # m/rad^2: g_i'' at psi_i
+    Attributes
+    ----------
+    psi : ndarray, shape (2, ...)
+        Angles gamma and phi = theta - gamma along the grooves [rad].
+    z : ndarray
+        Lift [m].
+    slope : ndarray, shape (2, ...)
+        a_i = dz/dpsi at psi_i [m/rad].
+    d2z_dpsi2 : ndarray, shape (2, ...)
+        g_i'' at psi_i [m/rad2].
+    """
+
+    psi: Array
+    z: Array
+    slope: Array
+    d2z_dpsi2: Array
 
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Grooves, friction, spring and range [lower, upper] of cam 2's angle [rad]; `contacts` share each
-    load."""
+    """A pair of grooves with friction and a spring: geometry and torque of slow motion.
+
+    Parameters
+    ----------
+    grooves : tuple of Groove
+        Groove laws of cam 1 and cam 2.
+    friction : tuple of float
+        Coefficients of friction mu_1, mu_2 [1].
+    spring : Spring
+        The spring on the follower.
+    upper : float
+        Upper end of cam 2's angle theta [rad].
+    contacts : {1, 2}
+        Follower ends that share each load.
+    lower : float
+        Lower end of the angle [rad], 0 or less.
+
+    Raises
+    ------
+    DesignError
+        A value that no mechanism has, such as another number of contacts.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, sections 2 and 3.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dualcam.design import Helix, Mechanism, Spring
+    >>> groove = Helix(radius=0.02, lead_angle=math.pi / 4)
+    >>> cam = Mechanism((groove, groove), (0.14, 0.14), Spring(50.0, 5e4), upper=1.3963)
+    >>> release, load = cam.band(0.5)
+    >>> round(float(release), 4), round(float(load), 4)  # N.m
+    (2.2632, 3.9767)
+    """
 
     grooves: tuple[Groove, Groove]
     friction: tuple[float, float]
@@ -90,7 +173,18 @@ class Mechanism:
         return self.grooves[0].radius, self.grooves[1].radius
 
     def angles(self, points: int = POINTS) -> Array:
-        """Angles evenly over the range [rad]."""
+        """Angles evenly over the range.
+
+        Parameters
+        ----------
+        points : int
+            How many.
+
+        Returns
+        -------
+        ndarray, shape (points,)
+            theta [rad].
+        """
         return np.linspace(self.lower, self.upper, points)
 
     def reach(self) -> tuple[float, float]:
@@ -122,7 +216,17 @@ class Mechanism:
         return below <= 0.0 <= above
 
     def configuration(self, theta: ArrayLike) -> Configuration:
-        """Geometry at theta [rad]: the root gamma of g_1(gamma) = g_2(theta - gamma)."""
+        """Geometry: the root gamma of g_1(gamma) = g_2(theta - gamma).
+
+        Parameters
+        ----------
+        theta : array_like
+            Angle of cam 2 [rad].
+
+        Returns
+        -------
+        Configuration
+        """
         theta = np.asarray(theta, dtype=float)
         first, second = self.grooves
         gamma = 0.5 * theta if first is second else _meeting(first, second, theta)
@@ -134,21 +238,59 @@ class Mechanism:
         )
 
     def torque(self, theta: ArrayLike, direction: str) -> Array:
-        """The torque of slow motion [N.m], "loading", "releasing" or "frictionless": rho_sigma F_s, both
-        contacts on the flanks that support the spring."""
+        """The torque of slow motion: rho_sigma F_s, both contacts on the flanks that support the spring.
+
+        Parameters
+        ----------
+        theta : array_like
+            Angle of cam 2 [rad].
+        direction : {"loading", "releasing", "frictionless"}
+
+        Returns
+        -------
+        ndarray
+            Torque [N.m], of the shape of `theta`.
+
+        Raises
+        ------
+        DesignError
+            Another direction.
+        """
         configuration = self.configuration(theta)
         rho = transfer(configuration.slope, self.friction, self.radius, sign_of(direction)).rho
         return np.asarray(rho * self.spring.force(configuration.z))
 
     def band(self, theta: ArrayLike) -> tuple[Array, Array]:
-        """The FMU's `torque_release` and `torque_load` [N.m]; F_s must be > 0."""
+        """The edges of the stick band, the FMU's `torque_release` and `torque_load`. F_s must be > 0.
+
+        Parameters
+        ----------
+        theta : array_like
+            Angle of cam 2 [rad].
+
+        Returns
+        -------
+        tuple of ndarray
+            T_release and T_load [N.m], of the shape of `theta`.
+        """
         configuration = self.configuration(theta)
         (release, load), _ = band(configuration.slope, self.friction, self.radius)
         force = self.spring.force(configuration.z)
         return release * force, load * force
 
     def curvature(self, theta: ArrayLike) -> Array:
-        """Of both unwrapped grooves where the pin is [1/m], shape (2, ...)."""
+        """Curvature of both unwrapped grooves where the pin is.
+
+        Parameters
+        ----------
+        theta : array_like
+            Angle of cam 2 [rad].
+
+        Returns
+        -------
+        ndarray, shape (2, ...)
+            Curvature [1/m].
+        """
         psi = self.configuration(theta).psi
         return np.stack([curvature(groove, psi[i]) for i, groove in enumerate(self.grooves)])
 
@@ -159,7 +301,18 @@ class Mechanism:
         return found | {f"cam{i}.friction": mu for i, mu in enumerate(self.friction, 1)}
 
     def parameters(self, directory: str | Path) -> dict[str, float | int | str]:
-        """The FMU's parameters; tables are written to `directory`, as `groove1.csv` and `groove2.csv`."""
+        """The FMU's parameters.
+
+        Parameters
+        ----------
+        directory : str or Path
+            Where tables are written, as `groove1.csv` and `groove2.csv`.
+
+        Returns
+        -------
+        dict of str to float, int or str
+            Start values for `Fmu.start`.
+        """
         found: dict[str, float | int | str] = {**self.parameters_without_tables()}
         for i, groove in enumerate(self.grooves, 1):
             if isinstance(groove, Table):
@@ -197,7 +350,26 @@ def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
 
 
 def check_pair(name: str, values: Sequence[float], low: float) -> tuple[float, float]:
-    """Two finite numbers from `low` on."""
+    """Two finite numbers from `low` on.
+
+    Parameters
+    ----------
+    name : str
+        What the numbers are, for the message.
+    values : sequence of float, shape (2,)
+        The numbers.
+    low : float
+        The least allowed value.
+
+    Returns
+    -------
+    tuple of float
+
+    Raises
+    ------
+    DesignError
+        Not two finite numbers from `low` on.
+    """
     try:
         pair = tuple(float(value) for value in values)
     except (TypeError, ValueError):

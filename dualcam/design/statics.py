@@ -31,7 +31,28 @@ DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
 
 
 def sign_of(direction: str) -> int:
-    """sigma: +1 loading, -1 releasing, 0 without friction."""
+    """The sign sigma of a direction.
+
+    Parameters
+    ----------
+    direction : {"loading", "releasing", "frictionless"}
+
+    Returns
+    -------
+    int
+        +1 loading, -1 releasing, 0 without friction.
+
+    Raises
+    ------
+    DesignError
+        Another direction.
+
+    Examples
+    --------
+    >>> from dualcam.design.statics import sign_of
+    >>> sign_of("releasing")
+    -1
+    """
     if direction not in DIRECTIONS:
         raise DesignError(f"direction {direction!r}: allowed are {', '.join(DIRECTIONS)}")
     return DIRECTIONS[direction]
@@ -39,21 +60,56 @@ def sign_of(direction: str) -> int:
 
 @dataclass(frozen=True)
 class Transfer:
-    """Torque and reactions per newton of the axial force F, for one choice of flanks."""
+    """Torque and reactions per newton of the axial force F, for one choice of flanks.
 
-    rho: Array  # m: torque
-    reaction: Array  # 1, shape (2, ...): normal force of all contacts in each groove
-    regular: NDArray[np.bool_]  # both reactions have the signs of their flanks, none is infinite
+    Attributes
+    ----------
+    rho : ndarray
+        Torque over F [m].
+    reaction : ndarray, shape (2, ...)
+        Normal force of all contacts in each groove over F [1].
+    regular : ndarray of bool
+        Whether both reactions have the signs of their flanks, and none is infinite.
+    """
+
+    rho: Array
+    reaction: Array
+    regular: NDArray[np.bool_]
 
 
 def transfer(
     slope: Pair, friction: Pair, radius: Pair, sign: int, flank: tuple[int, int] = (1, 1)
 ) -> Transfer:
-    """Torque and reactions per newton of F by the formulas at the head of this file, also where they have no
-    meaning (see Transfer.regular).
+    """Torque and reactions per newton of the axial force F.
 
-    sign    +1 loading, -1 releasing, 0 without friction
-    flank   by groove: +1 the pin bears on the flank that supports F, -1 on the other flank
+    Parameters
+    ----------
+    slope : pair of array_like
+        Slopes a_i = dz/dpsi of both grooves [m/rad].
+    friction : pair of array_like
+        Coefficients of friction mu_i [1].
+    radius : pair of array_like
+        Radii r_i [m].
+    sign : {1, -1, 0}
+        +1 loading, -1 releasing, 0 without friction.
+    flank : tuple of int
+        By groove: +1 the pin bears on the flank that supports F, -1 on the other flank.
+
+    Returns
+    -------
+    Transfer
+        By the formulas at the head of this file, also where they have no meaning: see `Transfer.regular`.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 3.
+
+    Examples
+    --------
+    >>> from dualcam.design.statics import transfer
+    >>> found = transfer((0.02, 0.02), (0.14, 0.14), (0.02, 0.02), sign=1)  # two helices of 45 deg
+    >>> round(float(found.rho), 6)  # m: (1 + mu)/(1 - mu) r/2
+    0.013256
     """
     parts = np.broadcast_arrays(
         *(np.asarray(one, float) for pair in (slope, friction, radius) for one in pair)
@@ -70,15 +126,56 @@ def transfer(
 
 
 def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Array]:
-    """T_release/F and T_load/F [m]. T_load is +inf where no torque loads; T_release is <= 0 where a contact
-    locks itself (lambda_i <= atan mu_i), -inf where both are wedged."""
+    """The edges of the stick band over the axial force F.
+
+    Parameters
+    ----------
+    slope : pair of array_like
+        Slopes a_i = dz/dpsi of both grooves [m/rad].
+    friction : pair of array_like
+        Coefficients of friction mu_i [1].
+    radius : pair of array_like
+        Radii r_i [m].
+
+    Returns
+    -------
+    tuple of ndarray
+        T_release/F and T_load/F [m]. T_load is +inf where no torque loads. T_release is <= 0 where a contact
+        locks itself (lambda_i <= atan mu_i), -inf where both are wedged.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 3.
+
+    Examples
+    --------
+    >>> from dualcam.design import band_factors
+    >>> release, load = band_factors((0.02, 0.02), (0.14, 0.14), (0.02, 0.02))  # two helices of 45 deg
+    >>> round(float(release), 6), round(float(load), 6)  # m
+    (0.007544, 0.013256)
+    """
     (release, load), _ = band(slope, friction, radius)
     return release, load
 
 
 def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """The factors of band_factors, and the reactions per newton of F that belong to them, shape (2, ...)
-    each."""
+    """The edges of the stick band over the axial force F, with the reactions there.
+
+    Parameters
+    ----------
+    slope : pair of array_like
+        Slopes a_i = dz/dpsi of both grooves [m/rad].
+    friction : pair of array_like
+        Coefficients of friction mu_i [1].
+    radius : pair of array_like
+        Radii r_i [m].
+
+    Returns
+    -------
+    tuple of tuple of ndarray
+        The factors (release, load) of `band_factors` [m], and the normal forces over F that belong to them
+        [1], shape (2, ...) each.
+    """
     loading = transfer(slope, friction, radius, 1)
     load = np.where(loading.regular, loading.rho, np.inf)
     push = np.where(loading.regular, loading.reaction, np.inf)
@@ -92,8 +189,38 @@ def band(slope: Pair, friction: Pair, radius: Pair) -> tuple[tuple[Array, Array]
 
 
 def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> Array:
-    """eta = T_release/T_load at the same z, by lead angles [rad]; <= 0 where a contact locks itself, -inf or
-    nan where the mechanism is wedged. Only the ratio of the radii counts."""
+    """The efficiency eta = T_release/T_load at the same z.
+
+    Parameters
+    ----------
+    lead_angle : pair of array_like
+        Lead angles lambda_i [rad].
+    friction : pair of array_like
+        Coefficients of friction mu_i [1], >= 0.
+    radius : pair of array_like
+        Radii r_i [m], > 0. Only the ratio of the radii counts.
+
+    Returns
+    -------
+    ndarray
+        eta; <= 0 where a contact locks itself, -inf or nan where the mechanism is wedged.
+
+    Raises
+    ------
+    DesignError
+        A coefficient of friction or a radius outside its range.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 8.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dualcam.design import efficiency
+    >>> round(float(efficiency((math.pi / 4, math.pi / 4), (0.14, 0.14))), 4)  # ((1 - mu)/(1 + mu))^2
+    0.5691
+    """
     for name, pair, good in (
         ("friction", friction, lambda values: values >= 0.0),
         ("radius", radius, lambda values: values > 0.0),
@@ -110,22 +237,60 @@ def efficiency(lead_angle: Pair, friction: Pair, radius: Pair = (1.0, 1.0)) -> A
 
 @dataclass(frozen=True)
 class Optimum:
-    """The pair of lead angles with the best efficiency."""
+    """The pair of lead angles with the best efficiency.
 
-    lead_angle: tuple[float, float]  # rad
+    Attributes
+    ----------
+    lead_angle : tuple of float
+        lambda_1 and lambda_2 [rad].
+    efficiency : float
+        The best efficiency.
+    friction : float
+        mu_e: two equal contacts with this coefficient would have the same efficiency.
+    """
+
+    lead_angle: tuple[float, float]
     efficiency: float
-    friction: float  # mu_e: two equal contacts with it would do as well
+    friction: float
 
 
 def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> Optimum:
-    """The best lead angles, in closed form:
+    """The best lead angles, in closed form.
+
+    Parameters
+    ----------
+    friction : sequence of float, shape (2,)
+        Coefficients of friction mu_1, mu_2 [1], both > 0 or both 0.
+    radius : sequence of float, shape (2,)
+        Radii r_1, r_2 [m], > 0. Only the ratio of the radii counts.
+
+    Returns
+    -------
+    Optimum
+
+    Raises
+    ------
+    DesignError
+        There is no optimum. With mu_e >= 1 the spring drives nothing back. With one friction zero eta only
+        tends to 1 as lambda_i tend to 0 and 90 deg.
+
+    Notes
+    -----
+    For every load, and for mu_1 = mu_2 also for all radii (45 deg):
 
         mu_e^2 = (mu_1/r_1 + mu_2/r_2)/(1/(mu_1 r_1) + 1/(mu_2 r_2))
         tan lambda_i = mu_i/mu_e     eta = ((1 - mu_e)/(1 + mu_e))^2
 
-    for every load, and for mu_1 = mu_2 also for all radii: 45 deg. DesignError where there is none: with
-    mu_e >= 1 the spring drives nothing back, with one friction zero eta only tends to 1 as lambda_i tend to 0
-    and 90 deg."""
+    Source: docs/mechanism.md, section 8.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dualcam.design import optimum
+    >>> best = optimum((0.14, 0.10))
+    >>> [round(math.degrees(angle), 2) for angle in best.lead_angle], round(best.efficiency, 4)  # deg, 1
+    ([49.8, 40.2], 0.6216)
+    """
     for name, pair in (("friction", friction), ("radius", radius)):
         if np.shape(pair) != (2,):
             raise DesignError(f"{name} = {pair!r}: allowed are two numbers")
@@ -152,16 +317,36 @@ def optimum(friction: Sequence[float], radius: Sequence[float] = (1.0, 1.0)) -> 
 
 @dataclass(frozen=True)
 class EfficiencyMap:
-    """Efficiency over both lead angles."""
+    """Efficiency over both lead angles.
 
-    lead_angle: Array  # rad, shape (n,), of both axes
-    efficiency: Array  # shape (n, n): [i, j] at lambda_1 = lead_angle[j], lambda_2 = lead_angle[i]
+    Attributes
+    ----------
+    lead_angle : ndarray, shape (n,)
+        Lead angles of both axes [rad].
+    efficiency : ndarray, shape (n, n)
+        [i, j] at lambda_1 = lead_angle[j], lambda_2 = lead_angle[i].
+    friction, radius : tuple of float
+        Coefficients of friction [1] and radii [m].
+    """
+
+    lead_angle: Array
+    efficiency: Array
     friction: tuple[float, float]
     radius: tuple[float, float]
 
     def draw(self, axes: Axes) -> QuadContourSet:
-        """Contours with the optimum; grey where the spring cannot drive the mechanism back. What it returns
-        is for `figure.colorbar`."""
+        """Contours with the optimum; grey where the spring cannot drive the mechanism back.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes
+            Where the map is drawn.
+
+        Returns
+        -------
+        matplotlib.contour.QuadContourSet
+            For `figure.colorbar`.
+        """
         degrees = np.degrees(self.lead_angle)
         driven = np.ma.masked_where(~(self.efficiency > 0.0), self.efficiency)
         axes.set_facecolor("0.85")
@@ -186,7 +371,33 @@ class EfficiencyMap:
 def efficiency_map(
     friction: tuple[float, float], radius: tuple[float, float] = (1.0, 1.0), points: int = 201
 ) -> EfficiencyMap:
-    """Over all lead angles, 0 and 90 deg left out."""
+    """The efficiency over all lead angles, 0 and 90 deg left out.
+
+    Parameters
+    ----------
+    friction : tuple of float
+        Coefficients of friction mu_1, mu_2 [1], >= 0.
+    radius : tuple of float
+        Radii r_1, r_2 [m], > 0. Only the ratio of the radii counts.
+    points : int
+        Lead angles on each axis, >= 2.
+
+    Returns
+    -------
+    EfficiencyMap
+
+    Raises
+    ------
+    DesignError
+        An argument outside its range.
+
+    Examples
+    --------
+    >>> from dualcam.design import efficiency_map
+    >>> chart = efficiency_map((0.14, 0.14), points=89)  # every degree
+    >>> round(float(chart.efficiency[44, 44]), 4)  # at 45 deg, 45 deg
+    0.5691
+    """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
     angle = np.linspace(0.0, 0.5 * np.pi, points + 2)[1:-1]

@@ -1,85 +1,24 @@
-"""The inverse problem: the groove that makes a given spring give a wanted torque over the angle.
-
-While cam 2 turns slowly in direction sigma, T = rho_sigma(a_1, a_2) F_s(z). At each theta the angle phi gives
-z = g_2(phi) and a_2 = g_2'(phi) of groove 2, and with z the rho = T/F_s that groove 1 must provide:
-
-    kappa_1 = 1/rho - kappa_2     tan lambda_1 = (1 - sigma mu_1 r_1 kappa_1)/(r_1 kappa_1 + sigma mu_1)
-
-With q = rho kappa_1 = 1 - rho kappa_2 it stays finite for T = 0: a_1 = r_1 N/D, N = rho - sigma mu_1 r_1 q,
-D = r_1 q + sigma mu_1 rho. Groove 1 exists while N >= 0 (level) and D > 0 (upright); releasing,
-T >= 0 keeps both lead angles at least at the angle of friction. The one differential equation that is left is
-the kinematics,
-
-    dphi/dtheta = a_1/(a_1 + a_2) = r_1 N/(r_1 N + a_2 D),     phi(0) = 0,     gamma = theta - phi.
-
-With both grooves equal gamma = phi = theta/2 and a_1 = a_2 = a. Then kappa_1 + kappa_2 = 1/rho is a quadratic
-equation for a, of which the larger root is meant, and dz/dtheta = a/2.
-
-Without preload F_s(0) = 0: then T(0) = 0 is needed, and dT/dtheta > 0 there. T/F_s tends to a limit that the
-groove itself decides: with z = c theta, c = a_1 a_2/(a_1 + a_2), T'(0) = rho(a_1, a_2) k c is solved for
-a_1(0). The solution is followed from a very small angle on; an error there dies out, since too much z makes
-T/F_s, hence the slope, too small.
-
-The table. Its samples are found by halving: where the FMU's curve through the samples misses the wanted
-torque by more than the tolerance, the samples are set twice as close.
-"""
+"""From a wanted torque to a groove: `synthesize`, and the spring that a torque needs: `propose_spring`."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-from scipy.integrate import OdeSolution, solve_ivp
-from scipy.optimize import brentq
-
-from dualcam.design.grooves import Ellipse, Groove, Helix, Table
-from dualcam.design.mechanism import Mechanism, Spring, check_pair
-from dualcam.design.statics import Array, DesignError, sign_of, transfer
-from dualcam.design.torque import Torque, wanted_torque
+from dualcam.design.design import Design
+from dualcam.design.groove_equation import GrooveProblem, groove_problem
+from dualcam.design.grooves import Groove
+from dualcam.design.mechanism import Spring
+from dualcam.design.proposal import VARIED, SpringProposal, propose, with_proposals
+from dualcam.design.statics import DesignError
+from dualcam.design.tabulation import tabulate
+from dualcam.design.torque import WantedTorque
 from dualcam.unit_guards import warn_units
 
 TOLERANCE = 1e-7  # of the torque of the finished table
-SMALL = 1e-3  # share of the largest torque below which errors are relative to that share of it
-SOLVER = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-18, "dense_output": True}
-STEPS = 200  # at least, so that the solver's dense output is as exact as its steps
-FIRST = 1e-7  # share of the range at which a spring without preload is started
-FIRST_INTERVALS = 48
-CLOSEST = 1e-9  # rad between samples; closer ones would have slopes of rounding errors
-MOST_SAMPLES = 20_000
-
-
-@dataclass(frozen=True, eq=False)
-class Design:
-    """A groove for the wanted torque."""
-
-    mechanism: Mechanism  # with the table as groove 1, or as both
-    direction: str
-    wanted: Torque
-    worst: float  # largest relative error of the torque found between the samples
-    worst_at: float  # rad, theta of it
-
-    @property
-    def table(self) -> Table:
-        """The sampled groove."""
-        groove = self.mechanism.grooves[0]
-        assert isinstance(groove, Table)
-        return groove
-
-    def torque(self, theta: ArrayLike) -> Array:
-        """Torque of the table [N.m] at theta [rad] in the wanted direction, as in the FMU."""
-        return self.mechanism.torque(theta, self.direction)
-
-    def error(self, theta: ArrayLike) -> Array:
-        """(given - wanted)/wanted at theta [rad]; torques below 1/1000 of the largest count as that much."""
-        theta = np.asarray(theta, dtype=float)
-        return (self.torque(theta) - self.wanted(theta)) / _scale(self.wanted, theta, self.mechanism.upper)
 
 
 def synthesize(
-    torque: Torque | tuple[ArrayLike, ArrayLike],
+    torque: WantedTorque,
     upper: float,
     spring: Spring,
     *,
@@ -88,369 +27,150 @@ def synthesize(
     friction: Sequence[float] = (0.14, 0.14),
     radius: float = 0.02,
     contacts: int = 2,
-    breaks: Sequence[float] = (),
+    kinks: Sequence[float] = (),
     tolerance: float = TOLERANCE,
 ) -> Design:
-    """Groove 1 on the radius [m] so that slow motion through theta in [0, upper] takes (direction "loading")
-    or gives ("releasing") that torque [N.m], all friction included; "frictionless": the torque is that of the
-    same mechanism without friction, which then lies between the two edges.
+    """The groove that makes a given spring give a wanted torque in slow motion.
 
-    `torque` is a function of an array of theta [rad], or samples (theta, torque), which a cubic spline joins.
-    `breaks` are angles at which it has a kink. `groove2` is given, or both grooves become equal.
-    The torque is that of spring and friction: no F_ext, damper, mass or shaft damping. Whether the mechanism
-    can also move the other way is for `assess` to say; the FMU refuses one that jams when loading.
+    Parameters
+    ----------
+    torque : float, function or tuple of two array_like
+        Wanted torque. A number: the same torque [N.m] at each angle. A function of an array of theta [rad].
+        Samples (theta, torque) [rad, N.m], which a cubic spline joins.
+    upper : float
+        End of the range of theta [rad], which begins at 0.
+    spring : Spring
+        Force of the spring over z.
+    direction : {"loading", "releasing", "frictionless"}
+        The torque is that of slow loading or that of slow releasing, friction included; or that of the same
+        grooves without friction, which lies between the two.
+    groove2 : Helix, Ellipse, Table or None
+        Groove of cam 2. None: both grooves become equal.
+    friction : sequence of two floats
+        Friction coefficients of both contacts [1].
+    radius : float
+        Radius of cam 1 [m].
+    contacts : {1, 2}
+        Number of pin ends that share the load.
+    kinks : sequence of float
+        Angles at which the torque has a kink [rad].
+    tolerance : float
+        Largest allowed relative error of the torque [1].
 
-    DesignError, with angle, value and what is allowed, where no groove gives that torque."""
-    if not 0.0 < tolerance < 1.0:
-        raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
+    Returns
+    -------
+    Design
+        The groove as a table for the FMU. `Design.summary()` says what friction does to it.
+
+    Raises
+    ------
+    DesignError
+        Where no groove gives that torque: the message has the angle, the value, what is allowed, and a
+        preload or a stiffness that works, if there is one.
+
+    Warns
+    -----
+    UnitWarning
+        If `upper` is above 2 pi, which looks like degrees.
+
+    Notes
+    -----
+    The torque is that of spring and friction: no external force, damper, mass or shaft damping. The FMU
+    refuses a mechanism that jams when loading; `assess` finds that. The equations are in groove_equation.py.
+
+    Examples
+    --------
+    A constant torque from a linear spring:
+
+    >>> design = synthesize(5.0, 1.2, Spring(preload=400.0, stiffness=10e3))
+    >>> design.torque([0.0, 0.6, 1.2]).round(4)
+    array([5., 5., 5.])
+    """
     problem = _problem(
-        torque, upper, spring, direction, groove2, check_pair("friction", friction, 0.0), radius, breaks
+        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
     )
-    return _tabulate(problem, problem.solve(), contacts, tolerance)
+    try:
+        solution = problem.solve()
+    except DesignError as error:
+        raise with_proposals(error, problem, contacts, tolerance) from None
+    return tabulate(problem, solution, contacts, tolerance)
 
 
-@dataclass(frozen=True)
-class _Problem:
-    """The wanted torque and everything given, with the differential equation of the state."""
+def propose_spring(
+    torque: WantedTorque,
+    upper: float,
+    spring: Spring,
+    *,
+    vary: str = "preload",
+    direction: str = "loading",
+    groove2: Groove | None = None,
+    friction: Sequence[float] = (0.14, 0.14),
+    radius: float = 0.02,
+    contacts: int = 2,
+    kinks: Sequence[float] = (),
+    tolerance: float = TOLERANCE,
+) -> SpringProposal:
+    """A spring with which `synthesize` gives the wanted torque.
 
-    wanted: Torque
-    upper: float
-    spring: Spring
-    direction: str
-    groove2: Groove | None  # None: both equal
-    friction: tuple[float, float]
-    radius: tuple[float, float]
-    breaks: tuple[float, ...]  # inside the range, in order
+    Parameters
+    ----------
+    torque, upper, direction, groove2, friction, radius, contacts, kinks, tolerance
+        As in `synthesize`.
+    spring : Spring
+        The spring to change.
+    vary : {"preload", "stiffness", "both"}
+        What may be changed. "both": a new preload and a new stiffness, with which the force doubles over
+        about the range.
 
-    @property
-    def acting(self) -> tuple[float, float]:
-        """sigma mu_i"""
-        sign = sign_of(self.direction)
-        return sign * self.friction[0], sign * self.friction[1]
+    Returns
+    -------
+    SpringProposal
+        Of the springs that work, the one whose groove has lead angles nearest to 45 deg, where friction costs
+        least. `SpringProposal.spring` goes into `synthesize`.
 
-    # ---- the state is phi, or z where both grooves are equal ----
+    Raises
+    ------
+    DesignError
+        If no such spring is found, or an argument is not allowed.
 
-    def height(self, state: Array) -> Array:
-        """z [m] at this state."""
-        return state if self.groove2 is None else self.groove2.at(state).z
+    Examples
+    --------
+    A constant torque needs a preload:
 
-    def rate(self, theta: ArrayLike, state: ArrayLike) -> Array:
-        """Derivative of the state by theta. Where no groove gives the torque, the derivative is that of the
-        nearest groove, level or upright, so that a trial step of the solver beyond the end does no harm."""
-        top, bottom, a2 = self.slope_fraction(np.asarray(theta), np.asarray(state))
-        top, bottom = np.maximum(top, 0.0), np.maximum(bottom, 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            if self.groove2 is None:
-                return np.minimum(0.5 * top / bottom, 1e3 * max(self.radius))
-            return np.where(top + a2 * bottom > 0.0, top / (top + a2 * bottom), 1.0)
-
-    def slope_fraction(self, theta: Array, state: Array) -> tuple[Array, Array, Array]:
-        """a_1 as top/bottom [m/rad], both >= 0 where a groove gives the torque, and a_2."""
-        force = np.maximum(self.spring.force(self.height(state)), 1e-300)
-        rho = self.wanted(theta) / force
-        (m1, m2), (r1, r2) = self.acting, self.radius
-        if self.groove2 is None:
-            return (*_equal_slope(rho, m1, m2, r1), np.zeros(()))
-        a2 = self.groove2.at(state).slope
-        n2 = a2 + m2 * r2
-        with np.errstate(divide="ignore", invalid="ignore"):
-            q = np.where(rho == 0.0, 1.0, 1.0 - rho * (r2 - m2 * a2) / (r2 * n2))
-        q = np.where((n2 > 0.0) | (rho == 0.0), q, -1e30)  # groove 2 locks itself
-        return r1 * (rho - m1 * r1 * q), r1 * q + m1 * rho, a2
-
-    # ---- its solution ----
-
-    def solve(self) -> _Solution:
-        """The state over theta, integrated to rounding and then checked. DesignError where no groove gives
-        the torque."""
-        theta, state = self.start()
-        spans = []
-        for end in (*(b for b in self.breaks if b > theta), self.upper):
-            solution = solve_ivp(
-                lambda t, y: [float(self.rate(t, y[0]))],
-                (theta, end),
-                [state],
-                # without preload the solution varies on the scale of theta itself
-                first_step=theta if theta == FIRST * self.upper else None,
-                max_step=self.upper / STEPS,
-                **SOLVER,
-            )
-            if not solution.success:
-                raise DesignError(f"{self.where(solution.t[-1])}: {solution.message}")
-            spans.append((theta, solution.sol))
-            theta, state = end, float(solution.y[0, -1])
-        found = _Solution(spans)
-        self.check(found)
-        return found
-
-    def start(self) -> tuple[float, float]:
-        """theta [rad] and state at the beginning. DesignError for a preload that does not suit the torque."""
-        wanted, force = float(self.wanted(np.zeros(()))), self.spring.preload
-        if force < 0.0 or not math.isfinite(force):
-            raise DesignError(f"spring.preload = {force:g} N: allowed is >= 0, the spring must push at z = 0")
-        if force > 0.0:
-            return 0.0, 0.0
-        if abs(wanted) > 1e-12 * self.largest():
-            raise DesignError(
-                f"torque {wanted:.6g} N.m at theta = 0 with spring.preload = 0: without preload there is no"
-                " force at z = 0, and the torque must begin at 0 there, or there must be a preload > 0"
-            )
-        small = FIRST * self.upper
-        rise = float(self.wanted(np.asarray(small))) / small
-        a1 = self.slope_without_preload(rise)
-        a2 = a1 if self.groove2 is None else float(self.groove2.at(0.0).slope)
-        return small, small * (0.5 * a1 if self.groove2 is None else a1 / (a1 + a2))
-
-    def slope_without_preload(self, rise: float) -> float:
-        """a_1 at theta = 0 from rise = dT/dtheta = rho k c."""
-        a2 = None if self.groove2 is None else float(self.groove2.at(0.0).slope)
-        if a2 is not None and self.locks(a2):
-            raise DesignError(f"{self.where(0.0)}: {self.locks(a2)}")
-
-        def excess(log: float) -> float:
-            a = (math.exp(log), math.exp(log) if a2 is None else a2)
-            found = transfer(a, self.acting, self.radius, 1)
-            c = a[0] * a[1] / (a[0] + a[1])
-            return float(found.rho) * self.spring.stiffness * c - rise if found.regular else math.inf
-
-        # from the level, or from the friction angle of releasing, to 89.99 deg or to where it jams
-        level = max(0.0, -self.acting[0] if a2 is not None else -min(self.acting)) * self.radius[0]
-        low = math.log(level * (1.0 + 1e-9) + 1e-9 * self.radius[0])
-        ends = np.linspace(low, math.log(1e4 * self.radius[0]), 400)
-        values = np.array([excess(log) for log in ends])
-        regular = np.isfinite(values)
-        last = int(np.argmin(regular)) - 1 if not regular.all() else len(ends) - 1
-        if last < 1 or not values[0] <= 0.0 <= values[last]:
-            highest = float(values[last] + rise) if last >= 0 else 0.0
-            raise DesignError(
-                f"torque rises with {rise:.6g} N.m/rad at theta = 0 with spring.preload = 0: with"
-                f" {self.spring.stiffness:g} N/m allowed is {values[0] + rise:.6g} to {highest:.6g} N.m/rad"
-            )
-        return math.exp(brentq(excess, low, ends[last], xtol=1e-15))
-
-    def largest(self) -> float:
-        """Largest magnitude of the wanted torque [N.m]."""
-        return float(np.max(np.abs(self.wanted(np.linspace(0.0, self.upper, 400)))))
-
-    # ---- check of the solution ----
-
-    def check(self, solution: _Solution) -> None:
-        """DesignError at the first angle where no groove gives the torque."""
-        theta = solution.sample_angles()
-        bad = np.array([self.obstacle(t, solution) is not None for t in theta])
-        if not bad.any():
-            return
-        first = int(np.argmax(bad))
-        low, high = float(theta[max(first - 1, 0)]), float(theta[first])
-        while high - low > 1e-9 * self.upper:
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if self.obstacle(middle, solution) else (middle, high)
-        raise DesignError(self.obstacle(high, solution) or self.obstacle(float(theta[first]), solution))
-
-    def obstacle(self, theta: float, solution: _Solution) -> str | None:
-        """The reason why no groove gives the torque at theta [rad], or None."""
-        state = solution(np.asarray(theta))
-        z = float(self.height(state))
-        force, wanted = float(self.spring.force(z)), float(self.wanted(np.asarray(theta)))
-        location = self.where(theta)
-        if not force > 0.0:
-            return (
-                f"{location}: spring force {force:.6g} N at z = {z:.6g} m: it must be > 0 to give"
-                f" {wanted:.6g} N.m"
-            )
-        if self.groove2 is not None:
-            low, high = self.groove2.range
-            if not low <= float(state) <= high:
-                return (
-                    f"{location}: groove 2 ends: it is needed at phi = {float(state):.6g} rad, allowed is"
-                    f" {low:.6g} to {high:.6g}"
-                )
-        top, bottom, _ = self.slope_fraction(np.asarray(theta), state)
-        slack = 1e-13 * max(self.radius)
-        if self.groove2 is None and wanted == 0.0 and float(top) <= slack * float(bottom):
-            return (
-                f"{location}: torque 0: two equal grooves would be level there and leave the pin loose; it"
-                " must be > 0"
-            )
-        if wanted >= 0.0 and float(top) >= -slack * abs(float(bottom)) and float(bottom) > 0.0:
-            return None
-        return f"{location}: {self.limits(state, force, wanted)}"
-
-    def limits(self, state: Array, force: float, wanted: float) -> str:
-        """A message with the torques that a groove can give at this state and spring force [N]."""
-        (m1, m2), (r1, r2) = self.acting, self.radius
-        verb = {1: "while loading", -1: "while releasing", 0: "without friction"}[sign_of(self.direction)]
-        equal = self.groove2 is None
-        if self.groove2 is not None:
-            a2 = float(self.groove2.at(state).slope)
-            if locked := self.locks(a2):
-                return locked
-            second = (r2 - m2 * a2) / (r2 * (a2 + m2 * r2))
-        # 1/rho with groove 1 (or both) level or, releasing, at the friction angle, and upright
-        level = 1.0 / (r1 * m1) if m1 > 0.0 else math.inf
-        upright = -m1 / r1
-        if equal:
-            level += 1.0 / (r2 * m2) if m2 > 0.0 else math.inf
-            upright += -m2 / r2
-        else:
-            level, upright = level + second, upright + second
-        if level <= 0.0:
-            return (
-                f"no torque loads: with friction {self.friction[0]:g} and {self.friction[1]:g} the contacts"
-                " jam whatever groove 1 is"
-            )
-        lowest = force / level
-        highest = force / upright if upright > 0.0 else math.inf
-        what = "negative" if wanted < 0.0 else "too low" if wanted < lowest else "too high"
-        which = "both grooves" if equal else "groove 1"
-        return (
-            f"torque {wanted:.6g} N.m {verb} is {what}: with the spring's {force:.6g} N allowed is"
-            f" {lowest:.6g} to {highest:.6g} N.m ({which} from level to upright)"
+    >>> proposal = propose_spring(5.0, 1.2, Spring(preload=0.0, stiffness=10e3))
+    >>> synthesize(5.0, 1.2, proposal.spring).torque(0.0).round(4)
+    np.float64(5.0)
+    """
+    if vary not in VARIED:
+        raise DesignError(f"vary = {vary!r}: allowed are {', '.join(VARIED)}")
+    problem = _problem(
+        torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
+    )
+    found = propose(problem, vary, contacts, tolerance)
+    if found is None:
+        others = " and ".join(repr(other) for other in VARIED if other != vary)
+        raise DesignError(
+            f"vary = {vary!r}: no spring of that kind gives the torque from theta = 0 to {upper:g} rad; vary"
+            f" = {others} are left to try, or another groove2, direction or radius"
         )
-
-    def locks(self, a2: float) -> str:
-        """In words, if groove 2 locks itself with that slope; empty if not."""
-        m2, r2 = self.acting[1], self.radius[1]
-        if a2 + m2 * r2 > 0.0:
-            return ""
-        return (
-            f"groove 2 locks itself, {self.direction}: its lead angle {math.atan(a2 / r2):.6g} rad must be"
-            f" above {math.atan(-m2):.6g} rad, the angle of friction"
-        )
-
-    def where(self, theta: float) -> str:
-        """The angle in messages."""
-        return f"theta = {float(theta):.9g} rad"
-
-
-@dataclass(frozen=True)
-class _Solution:
-    """The state over theta."""
-
-    spans: list[tuple[float, OdeSolution]]  # from theta [rad] on
-
-    def __call__(self, theta: Array) -> Array:
-        theta = np.asarray(theta, dtype=float)
-        found = np.zeros(theta.shape)
-        begin, first = self.spans[0]
-        if begin > 0.0:  # without preload: straight from 0
-            found = theta / begin * float(first(np.asarray(begin))[0])
-        for begin, solution in self.spans:
-            inside = theta >= begin
-            if inside.any():
-                found = np.where(
-                    inside, solution(np.where(inside, theta, begin).ravel())[0].reshape(theta.shape), found
-                )
-        return found
-
-    def sample_angles(self) -> Array:
-        """Angles [rad], eight in each step of the solver, at which the solution is checked."""
-        steps = np.concatenate([solution.ts for _, solution in self.spans])
-        steps = np.unique(steps)
-        share = np.linspace(0.0, 1.0, 8, endpoint=False)
-        return np.append((steps[:-1, None] + share * np.diff(steps)[:, None]).ravel(), steps[-1])
-
-
-def _equal_slope(rho: Array, m1: float, m2: float, r: float) -> tuple[Array, Array]:
-    """top and bottom of the slope a = r s of two equal grooves, from rho (kappa_1 + kappa_2) = 1:
-    (r + rho M) s^2 + (r M + 2 rho (P - 1)) s + r P - rho M = 0 with M = m1 + m2, P = m1 m2, m_i = sigma mu_i.
-    Its larger root is the one with both s + m_i > 0."""
-    M, P = m1 + m2, m1 * m2
-    A, B, C = r + rho * M, r * M + 2.0 * rho * (P - 1.0), r * P - rho * M
-    root = np.sqrt(np.maximum(B * B - 4.0 * A * C, 0.0))
-    # no cancellation where B > 0
-    return r * np.where(B > 0.0, -2.0 * C, root - B), np.where(B > 0.0, B + root, 2.0 * A)
-
-
-# ---- preparation ----
+    return found
 
 
 def _problem(
-    torque: Torque | tuple[ArrayLike, ArrayLike],
+    torque: WantedTorque,
     upper: float,
     spring: Spring,
     direction: str,
     groove2: Groove | None,
-    friction: tuple[float, float],
+    friction: Sequence[float],
     radius: float,
-    breaks: Sequence[float],
-) -> _Problem:
-    sign_of(direction)
-    for name, value in (("upper", upper), ("radius", radius)):
-        if not 0.0 < value < math.inf:
-            raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
-    warn_units({"upper": ("stop.upper", upper)}, stacklevel=5)
-    _check_spring(spring)
-    angles = np.linspace(0.0, upper, 400)
-    wanted = wanted_torque(torque, angles)
-    if not (finite := np.isfinite(wanted(angles))).all():
-        angle = angles[int(np.argmin(finite))]
-        raise DesignError(f"theta = {angle:.6g} rad: torque {wanted(angle)}: allowed are finite numbers")
-    if not wanted(angles).any():
-        raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: it must be > 0 somewhere")
-    if groove2 is not None and not isinstance(groove2, Helix | Ellipse | Table):
-        raise DesignError(f"groove2 = {groove2!r}: allowed are a Helix, an Ellipse, a Table or None")
-    inside = tuple(sorted({float(b) for b in breaks if 0.0 < b < upper}))
-    radii = (radius, radius if groove2 is None else groove2.radius)
-    return _Problem(wanted, float(upper), spring, direction, groove2, friction, radii, inside)
-
-
-def _check_spring(spring: Spring) -> None:
-    """DesignError for values that the FMU refuses; the preload is checked where the design starts."""
-    for name, value in spring.parameters().items():
-        least = 0.0 if name == "spring.stiffness" else -math.inf
-        if not (math.isfinite(value) and value >= least):
-            what = "number >= 0" if least == 0.0 else "number"
-            raise DesignError(f"{name} = {value}: allowed is a finite {what}")
-
-
-# ---- the table ----
-
-
-def _scale(wanted: Torque, theta: Array, upper: float) -> Array:
-    """Torque [N.m] to which errors are relative."""
-    largest = np.max(np.abs(wanted(np.linspace(0.0, upper, 400))))
-    return np.maximum(np.abs(wanted(theta)), SMALL * largest)
-
-
-def _tabulate(problem: _Problem, solution: _Solution, contacts: int, tolerance: float) -> Design:
-    """The design whose table has samples close enough that its curve gives the torque to the tolerance.
-    DesignError if no table does."""
-    theta = np.unique([*np.linspace(0.0, problem.upper, FIRST_INTERVALS + 1), *problem.breaks])
-    while True:
-        design, error = _attempt(problem, solution, theta, contacts)
-        if design.worst <= tolerance:
-            return design
-        close = np.diff(design.table.psi) < CLOSEST
-        coarse = error > tolerance
-        # a sample's slope comes from two intervals on either side
-        for _ in range(2):
-            coarse |= np.append(coarse[1:], False) | np.insert(coarse[:-1], 0, False)
-        if len(theta) > MOST_SAMPLES or (close[: len(coarse)] & coarse).any():
-            raise DesignError(
-                f"{problem.where(design.worst_at)}: no table gives the torque there to {tolerance:g}, at"
-                f" {len(theta)} samples it is missed by {design.worst:.3g}: the torque must be continuous,"
-                " its kinks must be given as breaks, and the grooves must not get near level or upright"
-            )
-        theta = np.sort(np.append(theta, 0.5 * (theta[:-1] + theta[1:])[coarse]))
-
-
-def _attempt(problem: _Problem, solution: _Solution, theta: Array, contacts: int) -> tuple[Design, Array]:
-    """The design with samples at theta, and the largest error in each interval between them."""
-    state = solution(theta)
-    psi, z = (0.5 * theta, state) if problem.groove2 is None else (theta - state, problem.height(state))
-    # slightly beyond the upper stop, so that rounding does not put the stop behind the groove's end
-    psi, z = np.append(psi[:-1], psi[-1] * (1.0 + 1e-13)), np.maximum.accumulate(z)
-    table = Table(problem.radius[0], psi, z)
-    second: Groove = table if problem.groove2 is None else problem.groove2
-    mechanism = Mechanism((table, second), problem.friction, problem.spring, problem.upper, contacts)
-    share = np.array([0.0, 0.12, 0.31, 0.5, 0.69, 0.88])
-    angles = theta[:-1, None] + share * np.diff(theta)[:, None]
-    angles = np.append(angles.ravel(), theta[-1])
-    design = Design(mechanism, problem.direction, problem.wanted, 0.0, 0.0)
-    error = np.abs(design.error(angles))
-    worst = int(np.argmax(error))
-    found = Design(mechanism, problem.direction, problem.wanted, float(error[worst]), float(angles[worst]))
-    each = np.maximum(error[:-1].reshape(-1, len(share)).max(axis=1), 0.0)
-    each[-1] = max(each[-1], error[-1])
-    return found, each
+    kinks: Sequence[float],
+    contacts: int,
+    tolerance: float,
+) -> GrooveProblem:
+    if not 0.0 < tolerance < 1.0:
+        raise DesignError(f"tolerance = {tolerance}: allowed is a number > 0, below 1")
+    if contacts not in (1, 2):
+        raise DesignError(f"contacts = {contacts!r}: allowed are 1 and 2")
+    warn_units({"upper": ("stop.upper", upper)}, stacklevel=4)
+    return groove_problem(torque, upper, spring, direction, groove2, friction, radius, kinks)

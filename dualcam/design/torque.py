@@ -1,8 +1,10 @@
-"""The wanted torque as a function of arrays, from a function or from samples."""
+"""The wanted torque as a function of arrays, from a number, a function or samples."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,13 +13,47 @@ from scipy.interpolate import CubicSpline
 from dualcam.design.statics import Array, DesignError
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
+WantedTorque = float | Torque | tuple[ArrayLike, ArrayLike]
 
 
-def wanted_torque(torque: Torque | tuple[ArrayLike, ArrayLike], angles: Array) -> Torque:
-    """`torque` [N.m] over theta [rad] in the range of `angles`, which begin at 0: a function, or samples
-    (theta, torque) of shape (n,), n >= 4, which a cubic spline joins. DesignError for a function that fails
-    at `angles`, and for samples that are no numbers or do not cover the range."""
-    return _function(torque, angles) if callable(torque) else _samples(torque, float(angles[-1]))
+def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
+    """The wanted torque as a function that takes arrays.
+
+    Parameters
+    ----------
+    torque : float, function or tuple of two array_like
+        A number: the same torque [N.m] at each angle. A function of theta [rad], for arrays or for one angle
+        at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins.
+    angles : ndarray, shape (m,)
+        Angles [rad] of the range, from 0 to its end, at which a function is tried.
+
+    Returns
+    -------
+    function
+        Torque [N.m] at an array of theta [rad], of the shape of that array.
+
+    Raises
+    ------
+    DesignError
+        For a number that is not finite, a function that fails at `angles`, and samples that are no numbers,
+        do not increase, or do not cover the range.
+
+    Examples
+    --------
+    >>> wanted_torque(5.0, np.linspace(0.0, 1.4, 50))(np.array([0.2, 0.7]))
+    array([5., 5.])
+    """
+    if isinstance(torque, Real) and not isinstance(torque, bool):
+        return _constant(float(torque))
+    if callable(torque):
+        return _function(torque, angles)
+    return _samples(torque, float(angles[-1]))  # type: ignore[arg-type]
+
+
+def _constant(value: float) -> Torque:
+    if not math.isfinite(value):
+        raise DesignError(f"torque {value} N.m: allowed is a finite number")
+    return lambda theta: np.full(np.shape(theta), value)
 
 
 def _function(torque: Torque, angles: Array) -> Torque:
@@ -49,10 +85,11 @@ def _function(torque: Torque, angles: Array) -> Torque:
 def _samples(torque: tuple[ArrayLike, ArrayLike], upper: float) -> Torque:
     """A spline through samples (theta, torque)."""
     try:
-        theta, value = (np.asarray(each, dtype=float) for each in torque)
+        theta, value = (np.asarray(samples, dtype=float) for samples in torque)
     except (TypeError, ValueError):
         raise DesignError(
-            "torque: allowed is a function of theta [rad], or samples: (theta, torque), two arrays of numbers"
+            f"torque = {torque!r:.60}: allowed is a number [N.m], a function of theta [rad], or samples"
+            " (theta, torque), two arrays of numbers"
         ) from None
     return _spline(theta, value, upper)
 

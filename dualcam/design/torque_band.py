@@ -26,6 +26,8 @@ class TorqueBand:
         `load`: friction jams the mechanism.
     efficiency
         Torque given back over torque to load, at the same angle; below 0 where the mechanism locks itself.
+    frictionless
+        Torque of the same grooves without friction [N.m].
     lead_angle
         Of both grooves at the pin [rad], shape (2, n).
     """
@@ -35,6 +37,7 @@ class TorqueBand:
     release: Array
     load: Array
     efficiency: Array
+    frictionless: Array
     lead_angle: Array
 
     @property
@@ -42,9 +45,42 @@ class TorqueBand:
         """Whether the spring cannot drive the cam back at some angle."""
         return bool((self.efficiency <= 0.0).any())
 
+    @property
+    def jams(self) -> bool:
+        """Whether no torque loads the mechanism at some angle. The FMU refuses such a mechanism."""
+        return bool(np.isinf(self.load).any())
 
-def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> TorqueBand:
-    """The torque band at `points` angles evenly from `lower` to the mechanism's upper stop [rad].
+    def __str__(self) -> str:
+        lines = [
+            f"slow loading takes {span(self.load)} N.m, slow releasing gives {span(self.release)} N.m back,"
+            f" without friction both are {span(self.frictionless)} N.m",
+            f"efficiency (releasing over loading) {span(self.efficiency)}",
+        ]
+        if self.self_locking:
+            locked = self.theta[self.efficiency <= 0.0]
+            lines.append(
+                f"self-locking between theta = {locked[0]:.4g} and {locked[-1]:.4g} rad: the spring does not"
+                " drive the cam back there"
+            )
+        else:
+            lines.append("not self-locking: the spring drives the cam back at each angle")
+        if self.jams:
+            at = self.theta[np.isinf(self.load)][0]
+            lines.append(f"jams when loading from theta = {at:.4g} rad on: the FMU refuses this mechanism")
+        return "\n".join(lines)
+
+
+def span(values: Array) -> str:
+    """Least and largest value in words; gaps do not count."""
+    known = values[~np.isnan(values)]
+    if not len(known):
+        return "unknown"
+    low, high = (f"{float(end):.4g}" for end in (known.min(), known.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def torque_band(mechanism: Mechanism, points: int = 181) -> TorqueBand:
+    """The torque band at `points` angles evenly over the mechanism's range.
 
     Parameters
     ----------
@@ -52,8 +88,6 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
         Grooves, friction, spring and range.
     points
         Number of angles, 2 or more.
-    lower
-        Lowest angle [rad].
 
     Raises
     ------
@@ -62,7 +96,7 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
     """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
-    theta = np.linspace(lower, mechanism.upper, points)
+    theta = mechanism.angles(points)
     configuration = mechanism.configuration(theta)
     (release_arm, load_arm), _ = band(configuration.slope, mechanism.friction, mechanism.radius)
     force = mechanism.spring.force(configuration.z)
@@ -70,4 +104,5 @@ def torque_band(mechanism: Mechanism, points: int = 181, lower: float = 0.0) -> 
         efficiency = np.where(np.isfinite(load_arm), release_arm / load_arm, np.nan)
         release, load = release_arm * force, load_arm * force
     lead = np.arctan(configuration.slope / np.array(mechanism.radius)[:, None])
-    return TorqueBand(theta, configuration.z, release, load, efficiency, lead)
+    frictionless = mechanism.torque(theta, "frictionless")
+    return TorqueBand(theta, configuration.z, release, load, efficiency, frictionless, lead)

@@ -17,11 +17,21 @@ Everything goes through FMI alone: it works with any FMU of that kind. `dualcam 
 on the command line.
 """
 
-from dualcam.study.description import load
+from dualcam.study.description import read_study
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
 from dualcam.study.scenario import Controller, History, Scenario
-from dualcam.study.store import read
+from dualcam.study.store import read_results
 from dualcam.study.study import Study
 
-__all__ = ["Controller", "History", "Plan", "Scenario", "Study", "StudyError", "Vary", "load", "read"]
+__all__ = [
+    "Controller",
+    "History",
+    "Plan",
+    "Scenario",
+    "Study",
+    "StudyError",
+    "Vary",
+    "read_results",
+    "read_study",
+]

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from dualcam.study.description import load
+from dualcam.study.description import read_study
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read
+from dualcam.study.store import read_results
 from dualcam.study.study import Study, say
 
 
@@ -54,7 +54,7 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
     """
     from dualcam.study import plots
 
-    studies = [(load(plan), settings.folder / plan.stem) for plan in plans]
+    studies = [(read_study(plan), settings.folder / plan.stem) for plan in plans]
     if len({folder for _, folder in studies}) < len(studies):
         raise StudyError("two plans of the same name would share a folder: rename one")
     for study, _ in studies:
@@ -64,7 +64,7 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
     for study, folder in studies:
         say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
         begun = time.perf_counter()
-        study.make(
+        study.run_to_files(
             folder,
             settings.workers,
             settings.scheduler,
@@ -89,7 +89,7 @@ def _draw(studies: list[tuple[Study, Path]], path: Path, console: Console) -> No
 
 
 def _tell(study: Study, folder: Path, seconds: float, console: Console) -> None:
-    messages = read(folder, ["message"])["message"]
+    messages = read_results(folder, ["message"])["message"]
     failed = messages[messages != ""]
     say(console, f"{len(messages):,} runs in {folder}, {seconds:.1f} s now")
     if len(failed):

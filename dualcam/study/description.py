@@ -29,10 +29,10 @@ PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT
 VARY = {"from": NUMBER, "to": NUMBER, "count": WHOLE, "log": SWITCH, "values": VALUE.listed()}
 SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
 HISTORY = {"time": NUMBER.listed(), "value": NUMBER.listed(), "shape": TEXT, "derivative_of": TEXT}
-CONTROLLER = {"make": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": TEXT.listed()}
+CONTROLLER = {"create_law": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": TEXT.listed()}
 
 
-def load(path: str | Path) -> Study:
+def read_study(path: str | Path) -> Study:
     """The study that a TOML file describes.
 
     Parameters
@@ -99,13 +99,13 @@ def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:
         return Plan.from_csv(folder / table["table"])
     entries(content, "plan", PLAN, ("kind",))
     varied = table.get("vary", {})
-    same = {
-        name: entries(each, f"plan: {name}", {"same": TEXT})["same"]
+    same_as = {
+        name: entries(each, f"plan: {name}", {"same_as": TEXT})["same_as"]
         for name, each in varied.items()
-        if TABLE.suits(each) and "same" in each
+        if TABLE.suits(each) and "same_as" in each
     }
-    vary = {name: _vary(name, each) for name, each in varied.items() if name not in same}
-    return Plan(table["kind"], vary, table.get("runs", 0), table.get("seed", 0), same=same)
+    vary = {name: _vary(name, each) for name, each in varied.items() if name not in same_as}
+    return Plan(table["kind"], vary, table.get("runs", 0), table.get("seed", 0), same_as=same_as)
 
 
 def _vary(name: str, content: Mapping[str, Any]) -> Vary:
@@ -129,11 +129,11 @@ def _scenario(content: Mapping[str, Any]) -> Scenario:
 
 def _controller(content: Mapping[str, Any]) -> Controller:
     table = entries(content, "controller", CONTROLLER, CONTROLLER)
-    module, _, function = table["make"].partition(":")
+    module, _, function = table["create_law"].partition(":")
     try:
-        make = getattr(importlib.import_module(module), function)
+        create_law = getattr(importlib.import_module(module), function)
     except (ImportError, AttributeError, ValueError) as error:
         raise StudyError(
-            f"controller: make = {table['make']!r}: allowed is module:function: {error}"
+            f"controller: create_law = {table['create_law']!r}: allowed is module:function: {error}"
         ) from error
-    return Controller(make, table["period"], table["reads"], table["writes"])
+    return Controller(create_law, table["period"], table["reads"], table["writes"])

@@ -85,14 +85,14 @@ class Plan:
     indices  what Sobol's indices need: `runs` (a power of 2) times (variables + 2) runs, as Saltelli puts
              them: all of A, all of B, then for each variable all of A with B's column of that variable
     table    the rows of `table`, shape (runs, variables), in the order of `vary`'s names
-    `same` gives variables the value of another one in every run."""
+    `same_as` gives variables the value of another one in every run."""
 
     kind: str
     vary: Mapping[str, Vary] = field(default_factory=dict)
     runs: int = 0
     seed: int = 0
     table: ArrayLike | None = None
-    same: Mapping[str, str] = field(default_factory=dict)
+    same_as: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -110,7 +110,7 @@ class Plan:
             for name, vary in self.vary.items():
                 if problem := vary.problem(self.kind == "grid"):
                     raise StudyError(f"plan: {name}: {problem}")
-        for name, other in self.same.items():
+        for name, other in self.same_as.items():
             if name in self.vary or other not in self.vary:
                 raise StudyError(
                     f"plan: {name} the same as {other}: allowed is one that varies, for one that does not"
@@ -150,7 +150,7 @@ class Plan:
 
     @property
     def names(self) -> list[str]:
-        return [*self.vary, *self.same]
+        return [*self.vary, *self.same_as]
 
     @cached_property
     def count(self) -> int:
@@ -167,11 +167,11 @@ class Plan:
             found = dict(zip(self.vary, ends, strict=False))
         else:
             found = {name: vary.limits() for name, vary in self.vary.items()}
-        return found | {name: found[other] for name, other in self.same.items()}
+        return found | {name: found[other] for name, other in self.same_as.items()}
 
     def is_whole(self, name: str) -> bool:
         """Whether that variable gets whole numbers only."""
-        source = self.same.get(name, name)
+        source = self.same_as.get(name, name)
         if self.kind == "table":
             values = self._rows[:, list(self.vary).index(source)]
         else:
@@ -191,7 +191,7 @@ class Plan:
             shares = self._mixed(numbers) if self.kind == "indices" else self._shares[numbers]
             columns = [vary.at(share) for vary, share in zip(self.vary.values(), shares.T, strict=True)]
         by_name = dict(zip(self.vary, columns, strict=True))
-        return np.column_stack([*columns, *(by_name[other] for other in self.same.values())])
+        return np.column_stack([*columns, *(by_name[other] for other in self.same_as.values())])
 
     @cached_property
     def _rows(self) -> Array:
@@ -234,7 +234,7 @@ class Plan:
             "runs": self.runs,
             "seed": self.seed,
             "table": table,
-            "same": dict(self.same),
+            "same_as": dict(self.same_as),
         }
 
 

@@ -6,8 +6,8 @@ A plot is a table with `kind` and, for that kind:
                                  no grid, means over hexagons
     sobol     of = [...]         first and total indices of results, of a plan of kind "indices"
     pareto    x, y, best, color  results against each other; best = ["max", "min"]: what is wanted of x and y
-    parallel  axes, color, keep  a line for each run over these columns; the share `keep` (0.1) of the runs
-                                 with the highest color is drawn over the rest
+    parallel  axes, color,       a line for each run over these columns; the share `highlight` (0.1) of the
+              highlight          runs with the highest color is drawn over the rest
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from dualcam.fmu import Array, Fmu
 from dualcam.study.entries import NUMBER, TEXT, Kind, entries
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read
+from dualcam.study.store import read_results
 from dualcam.study.study import Study
 
 DPI = 90
@@ -47,9 +47,9 @@ KINDS = {
     "map": {"x": TEXT, "y": TEXT, "z": TEXT},
     "sobol": {"of": NAMES},
     "pareto": {"x": TEXT, "y": TEXT, "best": BEST, "color": TEXT},
-    "parallel": {"axes": NAMES, "color": TEXT, "keep": SHARE},
+    "parallel": {"axes": NAMES, "color": TEXT, "highlight": SHARE},
 }
-OPTIONAL = {"title", "keep", "color", "best"}
+OPTIONAL = {"title", "highlight", "color", "best"}
 
 
 def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
@@ -108,7 +108,9 @@ def _columns(plot: Mapping[str, Any]) -> list[str]:
 
 
 def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -> None:
-    columns = {name: np.asarray(values, float) for name, values in read(folder, _columns(plot)).items()}
+    columns = {
+        name: np.asarray(values, float) for name, values in read_results(folder, _columns(plot)).items()
+    }
     with Fmu(study.path) as fmu:
         labels = {name: _label(fmu, name) for name in columns}
     if plot["kind"] == "sobol":
@@ -158,7 +160,7 @@ def _map(
 
 def _is_log(study: Study, name: str) -> bool:
     """Whether it varies evenly in the logarithm."""
-    vary = study.plan.vary.get(study.plan.same.get(name, name))
+    vary = study.plan.vary.get(study.plan.same_as.get(name, name))
     return vary is not None and vary.log
 
 
@@ -289,7 +291,7 @@ def _parallel(
     crowded = len(names) > 10
     shade = columns[plot["color"]] if "color" in plot else columns[names[-1]]
     ranks = np.argsort(np.argsort(shade)) / max(len(shade) - 1, 1)
-    chosen = ranks >= 1.0 - plot.get("keep", 0.1)
+    chosen = ranks >= 1.0 - plot.get("highlight", 0.1)
     styles: tuple[tuple[NDArray[np.intp], dict[str, Any]], ...] = (
         (np.flatnonzero(~chosen), {"colors": "0.8", "alpha": 0.3}),
         (np.flatnonzero(chosen), {"cmap": "viridis", "alpha": 0.6}),

@@ -230,7 +230,7 @@ class Runner:
     # ---- the controller ----
 
     def _control_start(self, control: Controller) -> int:
-        self._law = control.make()
+        self._law = control.create_law()
         return 0
 
     def _control(self, time: float) -> int:

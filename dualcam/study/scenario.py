@@ -77,10 +77,11 @@ class History:
 @dataclass(frozen=True)
 class Controller:
     """A closed loop: every `period` [s] the reals `reads` are read, the law is asked for those named in
-    `writes`, and these are held. `make` gives a new law, (time, values read) -> values to write, for each
-    run; it must be a function of a module that the workers can import."""
+    `writes`, and these are held. `create_law` gives a new law for each run. The law is a function of time [s]
+    and of the values read, and returns the values to write. `create_law` must be a function of a module that
+    the workers can import."""
 
-    make: Callable[[], Law]
+    create_law: Callable[[], Law]
     period: float
     reads: Sequence[str]
     writes: Sequence[str]
@@ -121,9 +122,9 @@ class Scenario:
             self._laws(name)
         control = self.controller
         if control is not None:
-            if not hasattr(control.make, "__qualname__"):
+            if not hasattr(control.create_law, "__qualname__"):
                 raise StudyError(
-                    f"scenario: the controller is made by {control.make!r}: allowed is a function of a module"
+                    f"scenario: create_law = {control.create_law!r}: allowed is a function of a module"
                 )
             if not (math.isfinite(control.period) and control.period > 0.0):
                 raise StudyError(f"scenario: period = {control.period}: allowed is a finite number above 0")

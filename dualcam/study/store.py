@@ -39,7 +39,7 @@ class Store:
     """The folder of one study."""
 
     def __init__(
-        self, folder: str | Path, facts: dict[str, Any], runs: int, chunk: int, form: str | None
+        self, folder: str | Path, facts: dict[str, Any], runs: int, chunk: int, file_format: str | None
     ) -> None:
         """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
         there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
@@ -47,19 +47,19 @@ class Store:
         self.runs = runs
         self.damaged: dict[int, Path] = {}  # by their first run, found by `missing`
         facts = json.loads(json.dumps(facts))  # as it is read back
-        form = form or default_format()
-        if form not in FORMATS:
-            raise StudyError(f"format {form!r}: allowed are {', '.join(FORMATS)}")
+        file_format = file_format or default_format()
+        if file_format not in FORMATS:
+            raise StudyError(f"file_format = {file_format!r}: allowed are {', '.join(FORMATS)}")
         begun = _record(self.folder)
-        _check_writer(begun["format"] if begun else form)  # before the folder is made
+        _check_writer(begun["format"] if begun else file_format)  # before the folder is made
         self._lock = self._locked()
         try:
             begun = _record(self.folder)  # another process may have been there before the lock
-            begun = self._begin(begun, {"study": facts, "runs": runs, "chunk": chunk, "format": form})
+            begun = self._begin(begun, {"study": facts, "runs": runs, "chunk": chunk, "format": file_format})
         except StudyError:
             self.close()
             raise
-        self.chunk, self.form = int(begun["chunk"]), str(begun["format"])
+        self.chunk, self.file_format = int(begun["chunk"]), str(begun["format"])
 
     def _begin(self, begun: dict[str, Any] | None, wanted: dict[str, Any]) -> dict[str, Any]:
         """The record that holds: the one that is there, if runs are."""
@@ -109,7 +109,7 @@ class Store:
         return [runs for runs in chunks if not self._holds(runs)]
 
     def _holds(self, runs: range) -> bool:
-        for path in self.folder.glob(f"runs-{runs.start:09d}-*.{self.form}"):
+        for path in self.folder.glob(f"runs-{runs.start:09d}-*.{self.file_format}"):
             try:
                 _content(path)
             except StudyError:
@@ -124,7 +124,7 @@ class Store:
         """One chunk. StudyError if it cannot be written; what was written before it stays."""
         messages = [block.messages.get(place, "") for place in range(len(runs))]
         columns = [*rows.T, *block.values.T]
-        if self.form == "parquet":
+        if self.file_format == "parquet":
             content = _parquet(["run", *names, *results, "message"], [np.array(runs), *columns, messages])
         else:
             content = _csv(
@@ -132,7 +132,7 @@ class Store:
             )
         if runs.start in self.damaged:
             self.damaged.pop(runs.start).unlink(missing_ok=True)
-        self._write(self.folder / f"runs-{runs.start:09d}-{_checksum(content)}.{self.form}", content)
+        self._write(self.folder / f"runs-{runs.start:09d}-{_checksum(content)}.{self.file_format}", content)
 
     def _make_folder(self) -> None:
         try:
@@ -158,9 +158,9 @@ class Store:
             ) from error
 
 
-def _check_writer(form: str) -> None:
+def _check_writer(file_format: str) -> None:
     """StudyError if what writes this format is not installed."""
-    if form == "parquet":
+    if file_format == "parquet":
         _pyarrow()
 
 
@@ -214,7 +214,7 @@ def _differing(begun: dict[str, Any], facts: dict[str, Any], where: str = "") ->
     return found
 
 
-def read(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
+def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
     """Columns of a study by name, all if none are named, in the order of the runs; `run` is the run's number,
     `message` why it failed, if it did."""
     folder = Path(folder)

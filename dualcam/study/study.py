@@ -22,7 +22,7 @@ from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Job, check
 from dualcam.study.scenario import Scenario
-from dualcam.study.store import Column, Store, read
+from dualcam.study.store import Column, Store, read_results
 
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
 CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end does not wait for one worker
@@ -57,38 +57,42 @@ class Study:
         folder: str | Path,
         workers: int | None = None,
         scheduler: str | None = None,
-        form: str | None = None,
-        chunk: int | None = None,
+        file_format: str | None = None,
+        runs_per_file: int | None = None,
         console: Console | None = None,
     ) -> dict[str, Column]:
         """Makes the runs that `folder` does not hold yet, and reads all of them.
 
         `workers`: processes of this machine (0: in this one; None: as many as it has processors);
-        `scheduler`: the address of a Dask scheduler, to be used instead. `form`: parquet (the default if
-        pyarrow is there) or csv. `console`: shows progress there. StudyError if the study is wrong or
-        cannot go on."""
-        self.make(folder, workers, scheduler, form, chunk, console)
-        return read(folder)
+        `scheduler`: the address of a Dask scheduler, to be used instead. `file_format`: "parquet" (the
+        default if pyarrow is there) or "csv". `runs_per_file`: at most, in a file of results. `console`:
+        shows progress there. StudyError if the study is wrong or cannot go on."""
+        self.run_to_files(folder, workers, scheduler, file_format, runs_per_file, console)
+        return read_results(folder)
 
-    def make(
+    def run_to_files(
         self,
         folder: str | Path,
         workers: int | None = None,
         scheduler: str | None = None,
-        form: str | None = None,
-        chunk: int | None = None,
+        file_format: str | None = None,
+        runs_per_file: int | None = None,
         console: Console | None = None,
-        each: Callable[[], None] = lambda: None,
+        on_file_written: Callable[[], None] = lambda: None,
     ) -> None:
-        """As `run`, without reading the results back. `each` is called after every chunk that is written."""
-        for name, number, least in (("workers", workers, 0), ("chunk", chunk, 1)):
+        """As `run`, without reading the results back. `on_file_written` is called after every file of
+        results."""
+        for name, number, least in (("workers", workers, 0), ("runs_per_file", runs_per_file, 1)):
             if number is not None and number < least:
                 raise StudyError(f"{name} = {number}: allowed is {least} or more")
         job = self.job()
         runner = check(job, self.plan)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        size = chunk or min(CHUNK_MAX, math.ceil(self.plan.count / CHUNKS_MIN))
-        with closing(runner), closing(Store(folder, self.facts(), self.plan.count, size, form)) as store:
+        size = runs_per_file or min(CHUNK_MAX, math.ceil(self.plan.count / CHUNKS_MIN))
+        with (
+            closing(runner),
+            closing(Store(folder, self.facts(), self.plan.count, size, file_format)) as store,
+        ):
             missing = store.missing()
             if console and store.damaged:
                 names = ", ".join(path.name for path in store.damaged.values())
@@ -106,13 +110,15 @@ class Study:
                     rows = self.plan.rows(runs.start, runs.stop)
                     store.write(runs, self.plan.names, rows, self.results, block)
                     advance(len(runs), len(block.messages))
-                    each()
+                    on_file_written()
 
     def facts(self) -> dict[str, Any]:
         """What makes two studies the same: their results could be mixed."""
         scenario = asdict(self.scenario)
         if control := self.scenario.controller:
-            scenario["controller"] |= {"make": f"{control.make.__module__}.{control.make.__qualname__}"}
+            scenario["controller"] |= {
+                "create_law": f"{control.create_law.__module__}.{control.create_law.__qualname__}"
+            }
         return {
             "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),

@@ -3,7 +3,7 @@
 with Fmu("build/DualCamForward.fmu") as fmu:
     axis = CamAxis(fmu)
     axis.start({"inertia.shaft": 0.2, **cam.parameters()}, angle=0.1)
-    record = follow(axis, load, controller, CurrentLoop(motor), motion.sample(time))
+    record = simulate_closed_loop(axis, load, controller, CurrentLoop(motor), motion.sample(time))
 """
 
 from __future__ import annotations
@@ -33,10 +33,15 @@ class Load(Protocol):
 
 
 class Controller(Protocol):
-    """A controller that follows a plan."""
+    """A controller that follows a reference motion."""
 
     def torque(
-        self, angle: float, speed: float, now: tuple[float, float], then: tuple[float, float], /
+        self,
+        angle: float,
+        speed: float,
+        reference: tuple[float, float],
+        next_reference: tuple[float, float],
+        /,
     ) -> float:
         """Motor torque [N.m] for the coming period, from the state [rad, rad/s] and the planned (angle,
         speed) at the beginning and at the end of the period."""
@@ -216,7 +221,7 @@ class Recorder:
         self._ledger[self._count] = axis.ledger()
         self._count += 1
 
-    def finished(self, reference: Array) -> Record:
+    def record(self, reference: Array) -> Record:
         """The run, with the planned angle [rad] at the ends of the periods, shape (n,)."""
         wall_time = clock.perf_counter() - self._begin
         return Record(
@@ -237,25 +242,25 @@ class Recorder:
         )
 
 
-def follow(
+def simulate_closed_loop(
     axis: CamAxis,
     load: Load,
     controller: Controller,
     current_loop: CurrentLoop,
-    plan: tuple[Array, Array],
+    reference: tuple[Array, Array],
     *,
     mean_speed: bool = False,
 ) -> Record:
-    """Run the closed loop from the axis' present state along a plan.
+    """Run the closed loop from the axis' present state along a reference motion.
 
-    plan         angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the
+    reference    angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the
                  last one, shape (n + 1,) each
     mean_speed   the current loop gets the measured speed plus half the planned change, the period's mean.
                  With the measured speed alone, energies from the supply are off by O(period).
 
     FmuError where the FMU refuses a step.
     """
-    angles, speeds = plan
+    angles, speeds = reference
     planned = list(zip(angles.tolist(), speeds.tolist(), strict=True))
     period = current_loop.control_period
     recorder = Recorder(len(planned) - 1, period)
@@ -265,4 +270,4 @@ def follow(
         motor = current_loop.run(command, speed + 0.5 * (then[1] - now[1]) if mean_speed else speed)
         load_torque = axis.step(motor.torque, load, period)
         recorder.add(axis, command, motor, load_torque, angle)
-    return recorder.finished(angles[1:])
+    return recorder.record(angles[1:])

@@ -47,7 +47,7 @@ ATTITUDES = {
     SIDE_UP: (0.0, ROLL),
     SIDE_DOWN: (0.0, -ROLL),
 }
-BEYOND = {BOTH: (PITCH, ROLL)}  # not designed for
+ATTITUDES_NOT_DESIGNED_FOR = {BOTH: (PITCH, ROLL)}  # not designed for
 
 RATIO = 2.0  # cam's angle per door's angle: 134 deg, less than the 180 deg between the two pins
 RADIUS = 0.04  # m, both cams
@@ -72,7 +72,9 @@ REST_MARGIN = 0.01  # share of the band kept between a held weight and the band'
 @cache
 def weight(attitude: str, mass: float = MASS) -> GravityLoad:
     """The weight of the door, `mass` [kg], about its hinge with the car parked in this attitude."""
-    return hinged_load(mass, HINGE, CENTRE, vertical_in_car(*(ATTITUDES | BEYOND)[attitude]))
+    return hinged_load(
+        mass, HINGE, CENTRE, vertical_in_car(*(ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR)[attitude])
+    )
 
 
 def hinge_tilt() -> float:
@@ -82,7 +84,7 @@ def hinge_tilt() -> float:
 
 
 @cache
-def extremes() -> tuple[float, float]:
+def extreme_weight_torques() -> tuple[float, float]:
     """Largest closing and largest opening torque of the weight [N.m] over all angles and design attitudes."""
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
@@ -117,7 +119,7 @@ class DoorCam:
             return closes - self.damping * speed**2
         return opens if speed > 0.0 else 0.0
 
-    def scaled(self, share: float) -> DoorCam:
+    def with_spring_force(self, share: float) -> DoorCam:
         """With `share` of the spring's force."""
         spring = replace(self.cam, preload=share * self.cam.preload, stiffness=share * self.cam.stiffness)
         return replace(self, cam=spring)
@@ -143,7 +145,7 @@ def design() -> DoorCam:
     damper       one-way orifice, D = q v^2: with a hand that keeps pushing with 60 N on the worst slope, the
                  door settles at CLOSING_LIMIT
     """
-    closing, opening = extremes()
+    closing, opening = extreme_weight_torques()
     sine = math.sin(2.0 * math.atan(FRICTION)) * (closing - opening) / (closing + opening)
     lead = 0.5 * math.asin(sine)
     cam = HelicalCam(radius=(RADIUS, RADIUS), lead_angle=(lead, lead), friction=(FRICTION, FRICTION))
@@ -159,7 +161,9 @@ def plain_door() -> DoorCam:
     return DoorCam(replace(design().cam, friction=(0.0, 0.0), preload=0.0, stiffness=0.0))
 
 
-def held_share(cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000) -> float:
+def share_of_angles_held(
+    cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000
+) -> float:
     """Share of `points` angles in these attitudes at which the door stays where it is let go."""
     held = 0
     for attitude in attitudes:
@@ -184,12 +188,12 @@ def handle_force(cam: DoorCam, attitudes: Sequence[str]) -> float:
 # ---- the plant and its motor ----
 
 
-def axis(fmu: Fmu) -> CamAxis:
+def door_axis(fmu: Fmu) -> CamAxis:
     """The FMU as the door: its angle and speed are those about the hinge."""
     return CamAxis(fmu, ratio=-RATIO, offset=OPEN)
 
 
-def plant(cam: DoorCam) -> dict[str, float]:
+def plant_parameters(cam: DoorCam) -> dict[str, float]:
     """Start values of the FMU for the door with this cam."""
     return {
         **cam.parameters(),
@@ -199,9 +203,9 @@ def plant(cam: DoorCam) -> dict[str, float]:
     }
 
 
-def believed(cam: DoorCam) -> DoorCam:
+def cam_in_controller(cam: DoorCam) -> DoorCam:
     """The cam as the controller believes it."""
-    return replace(cam, cam=cam.cam.with_friction(FRICTION_BELIEVED))
+    return replace(cam, cam=cam.cam.with_friction_scaled(FRICTION_BELIEVED))
 
 
 def controller(cam: DoorCam, attitude: str) -> SpeedController:
@@ -209,8 +213,8 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
     return SpeedController(
         inertia=INERTIA,
         load=weight(attitude, MASS_BELIEVED * MASS),
-        hold=believed(cam),
-        limit=MOTOR.peak_torque,
+        cam=cam_in_controller(cam),
+        torque_limit=MOTOR.peak_torque,
         bandwidth=BANDWIDTH,
         rest_speed=REST_SPEED,
         rest_margin=REST_MARGIN,
@@ -218,7 +222,7 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
     )
 
 
-def plan() -> tuple[Array, Array]:
+def reference_motion() -> tuple[Array, Array]:
     """Planned angle [rad] and speed [rad/s] at the control periods' ends: open, hold, close."""
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
@@ -248,14 +252,14 @@ class MotorCycle:
         return self.record.net_energy - self.hold_power * MOTION.dwell
 
     @property
-    def off(self) -> np.ndarray:
+    def motor_off(self) -> np.ndarray:
         """Whether the motor is switched off, by control period: bool, shape (n,)."""
         return self.record.command == 0.0
 
     @property
-    def off_share(self) -> float:
+    def motor_off_share(self) -> float:
         """Share of the cycle with the motor switched off."""
-        return float(np.mean(self.off))
+        return float(np.mean(self.motor_off))
 
 
 def break_even(plain: MotorCycle, cam: MotorCycle) -> float:

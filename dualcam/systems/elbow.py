@@ -59,7 +59,7 @@ def design_cam() -> HelicalCam:
     return fit_spring(HELIX, weight(DESIGN_PAYLOAD).torque, 0.0, RANGE)
 
 
-def plant(cam: HelicalCam, payload: float) -> dict[str, float | int]:
+def plant_parameters(cam: HelicalCam, payload: float) -> dict[str, float | int]:
     """Start values of the FMU for the joint with this cam and `payload` [kg]."""
     return {
         **cam.parameters(),
@@ -77,15 +77,15 @@ def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIE
     return PositionController(
         inertia=inertia(told),
         load=weight(told),
-        cam=cam.with_friction(friction),
-        limit=AK80_6.peak_torque,
+        cam=cam.with_friction_scaled(friction),
+        torque_limit=AK80_6.peak_torque,
         gains=lqi_gains(BANDWIDTH, CONTROL_PERIOD),
         rest=REST,
         period=CONTROL_PERIOD,
     )
 
 
-def plan() -> tuple[Array, Array]:
+def reference_motion() -> tuple[Array, Array]:
     """Planned angle [rad] and speed [rad/s] at the control periods' ends, all cycles."""
     periods = round(CYCLES * MOTION.period / CONTROL_PERIOD)
     return MOTION.sample(CONTROL_PERIOD * np.arange(periods + 1))
@@ -96,7 +96,7 @@ def horizontal_torque(payload: float) -> float:
     return weight(payload).torque(0.5 * math.pi - LEAN)
 
 
-def cycle_friction(cam: HelicalCam) -> float:
+def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
     """Friction heat of a slow cycle over the motion's travel [J]: the area between T_load and T_release."""
     middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
     release, load = cam.band(middle)
@@ -105,21 +105,21 @@ def cycle_friction(cam: HelicalCam) -> float:
 
 @dataclass(frozen=True)
 class Cycle:
-    """Figures of the last cycle of a run, `whole` being the run from the start."""
+    """Figures of the last cycle of a run, `full_record` being the run from the start."""
 
     payload: float  # kg
     joint: str
-    whole: Record
+    full_record: Record
 
     @cached_property
     def record(self) -> Record:
         """The last cycle."""
-        return self.whole.last(MOTION.period)
+        return self.full_record.last(MOTION.period)
 
     @property
     def moving(self) -> np.ndarray:
         """Whether the plan moves, by control period of the last cycle: bool, shape (n,)."""
-        return np.diff(plan()[0])[-len(self.record.time) :] != 0.0
+        return np.diff(reference_motion()[0])[-len(self.record.time) :] != 0.0
 
     @property
     def lifts(self) -> bool:

@@ -51,9 +51,9 @@ class EllipticalCam:
         against, along = (transfer(*pairs, sign).rho for sign in (1, -1))
         return force * np.where(omega * force > 0.0, against, along)
 
-    def with_valve(self, setting: float) -> EllipticalCam:
-        """The same cam with its damping times `setting`."""
-        return replace(self, release_damping=self.release_damping * setting)
+    def with_damping_scaled(self, factor: float) -> EllipticalCam:
+        """The same cam with its damping times `factor`."""
+        return replace(self, release_damping=self.release_damping * factor)
 
     def parameters(self) -> dict[str, float]:
         """The same mechanism as start values of the FMU."""

@@ -61,7 +61,7 @@ class HelicalCam:
         return self.release_arm / self.load_arm
 
     @property
-    def half_band(self) -> float:
+    def relative_half_band(self) -> float:
         """Half width of the stick band over its middle."""
         return (1.0 - self.efficiency) / (1.0 + self.efficiency)
 
@@ -75,9 +75,9 @@ class HelicalCam:
         release, load = self.band(theta)
         return load if direction > 0.0 else release
 
-    def with_friction(self, share: float) -> HelicalCam:
-        """The same cam with `share` of the friction, as a controller with that error believes it."""
-        return replace(self, friction=(share * self.friction[0], share * self.friction[1]))
+    def with_friction_scaled(self, factor: float) -> HelicalCam:
+        """The same cam with `factor` times the friction, as in a controller with that error."""
+        return replace(self, friction=(factor * self.friction[0], factor * self.friction[1]))
 
     def parameters(self) -> dict[str, float]:
         """The same mechanism as start values of the FMU."""

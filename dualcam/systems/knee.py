@@ -89,11 +89,11 @@ def design_cam(friction: float = FRICTION) -> EllipticalCam:
     return cam(found.x)
 
 
-def best_valve(cam: EllipticalCam, motion: Swing) -> float:
+def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
     """The damping, over that of `cam`, with the least residual torque."""
 
     def cost(setting: float) -> float:
-        return residual_share(cam.with_valve(setting), motion)
+        return residual_share(cam.with_damping_scaled(setting), motion)
 
     return float(minimize_scalar(cost, bounds=(0.2, 5.0), method="bounded").x)
 
@@ -106,7 +106,7 @@ def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance
     return Impedance.tuned(inertia, frequency, DAMPING_RATIO)
 
 
-def plant(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
+def plant_parameters(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
     """Start values of the FMU for the knee with the cam of these start values."""
     return {**cam, "inertia.shaft": inertia(walker), "stop.lower": 0.0, "stop.upper": RANGE}
 
@@ -119,7 +119,7 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
     """
     walker, pendulum, period = motion.walker, motion.walker.pendulum, motion.period
     axis = CamAxis(fmu)
-    axis.start(plant(cam, walker), float(motion.angle[0]), float(motion.speed[0]))
+    axis.start(plant_parameters(cam, walker), float(motion.angle[0]), float(motion.speed[0]))
     current_loop = CurrentLoop(MOTOR, CURRENT_BANDWIDTH, CURRENT_RATE, period)
     planned = list(zip(motion.angle.tolist(), motion.speed.tolist(), strict=True))
     recorder = Recorder(len(planned) - 1, period)
@@ -137,7 +137,7 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
         _, *derivatives = pendulum.drive(hinge, knee, speed, axis.acceleration())
         axis.advance(period, tuple(derivatives))
         recorder.add(axis, command, motor, value, angle)
-    return KneeSwing(motion, inertia(walker), recorder.finished(motion.angle[1:]))
+    return KneeSwing(motion, inertia(walker), recorder.record(motion.angle[1:]))
 
 
 @dataclass(frozen=True)
@@ -159,19 +159,19 @@ class KneeSwing:
         return self.record.heat
 
     @property
-    def drawn(self) -> float:
+    def energy_drawn(self) -> float:
         """Energy drawn from the supply, energy that the motor gives back not deducted [J]."""
         return float(np.sum(np.maximum(self.record.supply_energy, 0.0)))
 
     @property
-    def returned(self) -> float:
+    def energy_returned(self) -> float:
         """Energy that the motor gives back to the supply [J]."""
         return float(np.sum(np.maximum(-self.record.supply_energy, 0.0)))
 
     @property
-    def net(self) -> float:
+    def net_energy(self) -> float:
         """Energy from a supply that takes all energy back [J]."""
-        return self.drawn - self.returned
+        return self.energy_drawn - self.energy_returned
 
     @property
     def power(self) -> Array:

@@ -70,17 +70,17 @@ class PositionController:
         inertia: float,
         load: GravityLoad,
         cam: HelicalCam,
-        limit: float,
+        torque_limit: float,
         gains: Gains,
         rest: RestLimits,
         period: float,
     ) -> None:
-        """Model of the joint: `inertia` [kg.m2], `load`, `cam`. `limit` [N.m] of the motor's torque at the
+        """Model of the joint: `inertia` [kg.m2], `load`, `cam`. `torque_limit` [N.m] of the motor at the
         output, `period` [s] of the controller."""
         self.inertia = inertia
         self.load = load
         self.cam = cam
-        self.limit = limit
+        self.torque_limit = torque_limit
         self.gains = gains
         self.rest = rest
         self.period = period
@@ -88,24 +88,25 @@ class PositionController:
         self.resting = False
 
     def torque(
-        self, angle: float, speed: float, now: tuple[float, float], then: tuple[float, float]
+        self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
         """Motor torque [N.m] for the coming period.
 
-        angle, speed   of the joint [rad, rad/s]
-        now, then      planned (angle, speed) at the beginning and at the end of the period [rad, rad/s]
+        angle, speed     of the joint [rad, rad/s]
+        reference        planned (angle, speed) at the beginning of the period [rad, rad/s]
+        next_reference   planned (angle, speed) at the end of the period
         """
-        error, rate = angle - now[0], speed - now[1]
-        advance = then[0] - now[0]
+        error, rate = angle - reference[0], speed - reference[1]
+        advance = next_reference[0] - reference[0]
         if self._may_rest(error, speed, advance, angle):
             self.integral = 0.0
             return self._rest_torque(angle)
         feedback = self.gains.angle * error + self.gains.speed * rate + self.gains.integral * self.integral
-        acceleration = (then[1] - now[1]) / self.period - feedback
-        middle = now[0] + 0.5 * advance
+        acceleration = (next_reference[1] - reference[1]) / self.period - feedback
+        middle = reference[0] + 0.5 * advance
         direction = advance if advance != 0.0 else -error  # the plan rests: towards the target
         wanted = self.inertia * acceleration + self.cam.torque(middle, direction) - self.load.torque(middle)
-        torque = min(max(wanted, -self.limit), self.limit)
+        torque = min(max(wanted, -self.torque_limit), self.torque_limit)
         if torque == wanted:  # at a limit the integral stands still, else it would wind up
             self.integral += error * self.period
         return torque

@@ -9,7 +9,7 @@ from dualcam.systems.gravity import GravityLoad
 from dualcam.systems.helical_cam import holding_torque
 
 
-class Hold(Protocol):
+class HoldingCam(Protocol):
     """A cam that holds a load, by the load's angle [rad] and as torque about the load's axis [N.m]."""
 
     def band(self, angle: float) -> tuple[float, float]:
@@ -29,46 +29,46 @@ class SpeedController:
         self,
         inertia: float,
         load: GravityLoad,
-        hold: Hold,
-        limit: float,
+        cam: HoldingCam,
+        torque_limit: float,
         bandwidth: float,
         rest_speed: float,
         rest_margin: float,
         period: float,
     ) -> None:
-        """Model of the plant: `inertia` [kg.m2], `load`, `hold`.
+        """Model of the plant: `inertia` [kg.m2], `load`, `cam`.
 
-        limit         of the motor's torque [N.m]
+        torque_limit  of the motor's torque [N.m]
         bandwidth     of both poles, critically damped [Hz]
         rest_speed    below it the load may rest [rad/s]
         rest_margin   share of the stick band between a held load and the band's edge
         period        of the controller [s]
         """
-        self.inertia, self.load, self.hold, self.limit = inertia, load, hold, limit
+        self.inertia, self.load, self.cam, self.torque_limit = inertia, load, cam, torque_limit
         self.rest_speed, self.rest_margin, self.period = rest_speed, rest_margin, period
         w = 2.0 * math.pi * bandwidth
         self.proportional, self.integral = 2.0 * w, w**2  # 1/s, 1/s2: s^2 + Kp s + Ki = (s + w)^2
         self.distance = 0.0  # rad, integral of the error of the speed
 
     def torque(
-        self, angle: float, speed: float, now: tuple[float, float], then: tuple[float, float]
+        self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
         """Motor torque [N.m] for the coming period.
 
-        angle, speed   of the load [rad, rad/s]
-        now, then      planned (angle, speed) at the beginning and at the end of the period; the angle is not
-                       used
+        angle, speed     of the load [rad, rad/s]
+        reference        planned (angle, speed) at the beginning of the period; the angle is not used
+        next_reference   planned (angle, speed) at the end of the period
         """
         weight = self.load.torque(angle)
-        low, high = self.hold.band(angle)
-        if now[1] == then[1] == 0.0 and abs(speed) < self.rest_speed and high > low:
+        low, high = self.cam.band(angle)
+        if reference[1] == next_reference[1] == 0.0 and abs(speed) < self.rest_speed and high > low:
             self.distance = 0.0
             return holding_torque((low, high), weight, self.rest_margin * (high - low))
-        mean = 0.5 * (now[1] + then[1])
-        acceleration = (then[1] - now[1]) / self.period
-        acceleration += self.proportional * (now[1] - speed) + self.integral * self.distance
-        wanted = self.inertia * acceleration + self.hold.torque(angle, mean) - weight
-        torque = min(max(wanted, -self.limit), self.limit)
+        mean = 0.5 * (reference[1] + next_reference[1])
+        acceleration = (next_reference[1] - reference[1]) / self.period
+        acceleration += self.proportional * (reference[1] - speed) + self.integral * self.distance
+        wanted = self.inertia * acceleration + self.cam.torque(angle, mean) - weight
+        torque = min(max(wanted, -self.torque_limit), self.torque_limit)
         if torque == wanted:  # at a limit the integral stands still, else it would wind up
             self.distance += (mean - speed) * self.period
         return torque

@@ -73,7 +73,7 @@ def model_values(controller: PositionController | SpeedController) -> dict[str, 
     return {
         "tick": controller.period,
         "inertia": controller.inertia,
-        "limit": controller.limit,
+        "limit": controller.torque_limit,
         "load.moment": load.moment,
         "load.lean": load.lean,
         "load.gravity": load.gravity,

@@ -18,7 +18,7 @@ import numpy as np
 from dualcam import Fmu
 from dualcam.ssp import Component
 from dualcam.systems import car_door, elbow, knee
-from dualcam.systems.axis import CamAxis, Record, follow
+from dualcam.systems.axis import CamAxis, Record, simulate_closed_loop
 from dualcam.systems.current_loop import CONTROL_PERIOD, CURRENT_RATE, CurrentLoop
 from dualcam.systems.gait import DESIGN_WALKER
 from dualcam.systems.motor import AK80_6
@@ -141,7 +141,7 @@ def elbow_example() -> Example:
         "initial.theta": begin,
     }
     components = (
-        cam_component(elbow.plant(cam, payload), begin),
+        cam_component(elbow.plant_parameters(cam, payload), begin),
         Component("controller", parts.JOINT_CONTROLLER.path, start),
         motor_component(AK80_6, load.torque(begin)),
         weight_component(load, begin),
@@ -149,8 +149,10 @@ def elbow_example() -> Example:
 
     def python(fmu: Fmu) -> Record:
         axis = CamAxis(fmu)
-        axis.start(elbow.plant(cam, payload), begin)
-        return follow(axis, load, elbow.controller(cam, payload), CurrentLoop(AK80_6), elbow.plan())
+        axis.start(elbow.plant_parameters(cam, payload), begin)
+        return simulate_closed_loop(
+            axis, load, elbow.controller(cam, payload), CurrentLoop(AK80_6), elbow.reference_motion()
+        )
 
     duration = elbow.CYCLES * elbow.MOTION.period
     text = "elbow of a robot that moves 1.5 kg to and fro, with the cam"
@@ -162,7 +164,7 @@ def door_example() -> Example:
     """The car door's motor cycle, nose up, with the cam."""
     cam, load, ratio = car_door.design(), car_door.weight(car_door.NOSE_UP), -car_door.RATIO
     controller = car_door.controller(cam, car_door.NOSE_UP)
-    believed = car_door.believed(cam)
+    believed = car_door.cam_in_controller(cam)
     theta = ratio * (car_door.MOTION.start - car_door.OPEN)
     start = {
         **model_values(controller),
@@ -178,17 +180,19 @@ def door_example() -> Example:
         "initial.theta": theta,
     }
     components = (
-        cam_component(car_door.plant(cam), theta),
+        cam_component(car_door.plant_parameters(cam), theta),
         Component("controller", parts.DOOR_CONTROLLER.path, start),
         motor_component(car_door.MOTOR, load.torque(car_door.MOTION.start), ratio),
         weight_component(load, theta, ratio, car_door.OPEN),
     )
 
     def python(fmu: Fmu) -> Record:
-        axis, loop = car_door.axis(fmu), CurrentLoop(car_door.MOTOR)
-        axis.start(car_door.plant(cam), car_door.MOTION.start)
+        axis, loop = car_door.door_axis(fmu), CurrentLoop(car_door.MOTOR)
+        axis.start(car_door.plant_parameters(cam), car_door.MOTION.start)
         controller = car_door.controller(cam, car_door.NOSE_UP)
-        return follow(axis, load, controller, loop, car_door.plan(), mean_speed=True)
+        return simulate_closed_loop(
+            axis, load, controller, loop, car_door.reference_motion(), mean_speed=True
+        )
 
     text = "side door of a car that is parked nose up, opened, held and closed by its motor, with the cam"
     system = ExampleSystem("car_door", text, components, CONNECTIONS, STEP, car_door.DURATION)
@@ -227,7 +231,7 @@ def knee_example() -> Example:
     }
     drive, _, _ = pendulum.drive(motion.hinge[0], state["initial.theta"] + motion.extension)
     components = (
-        cam_component(knee.plant(cam, walker), *state.values()),
+        cam_component(knee.plant_parameters(cam, walker), *state.values()),
         Component("controller", parts.KNEE_CONTROLLER.path, controller),
         motor_component(knee.MOTOR, drive),
         Component("load", parts.SHANK_LOAD.path, load),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from driver import models
 
-from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, read
+from dualcam.study import Controller, History, Plan, Scenario, Study, StudyError, Vary, read_results
 from dualcam.study.runner import Runner
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
@@ -48,7 +48,7 @@ def closed(make, stop=0.05, period=1e-3):
 
 
 def every_run_once(folder, one):
-    table = read(folder)
+    table = read_results(folder)
     assert np.array_equal(table["run"], np.arange(one.plan.count))
     rows = np.column_stack([table[name] for name in one.plan.names])
     assert np.array_equal(rows, one.plan.rows(0, one.plan.count))
@@ -64,7 +64,7 @@ runs = 64
 [plan.vary]
 "cam1.lead_angle" = {{ from = 0.6, to = 0.9 }}
 "cam1.friction" = {{ from = 0.1, to = 0.2 }}
-"cam2.friction" = {{ same = "cam1.friction" }}
+"cam2.friction" = {{ same_as = "cam1.friction" }}
 [scenario]
 stop = 0.1
 inputs.tau = {{ time = [0.0, 0.05, 0.05], value = [8.0, 8.0, 0.0] }}

@@ -1,0 +1,115 @@
+"""`dualcam design`: the groove that makes a wanted torque."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.output import print_json, refuse_to_overwrite, require_folder_of, say
+from dualcam.errors import DesignError
+
+if TYPE_CHECKING:
+    from dualcam.design import Design
+    from dualcam.design_file import DesignFile
+
+GROOVE2 = ("equal", "given")
+
+
+@click.command(
+    "design",
+    epilog=example(
+        "dualcam design my.toml --torque 5 -o groove.csv",
+        "dualcam design my.toml --torque torque.csv --direction releasing -o groove.csv",
+    ),
+)
+@design_file
+@output_file("CSV file for the table of the groove.")
+@click.option(
+    "--torque",
+    required=True,
+    metavar="N.m|FILE.csv",
+    help="Wanted torque: a number in N.m, or a CSV file with columns such as theta_deg,torque_Nm.",
+)
+@click.option(
+    "--direction",
+    type=click.Choice(["loading", "releasing", "frictionless"]),
+    default="loading",
+    show_default=True,
+    help="In which direction the mechanism makes this torque.",
+)
+@click.option(
+    "--groove2",
+    type=click.Choice(GROOVE2),
+    default="equal",
+    show_default=True,
+    help="equal: both grooves become the same. given: groove 2 is that of the design file.",
+)
+@click.option("--force", is_flag=True, help="Replace an existing table.")
+@as_json
+def command(
+    design_file: Path,
+    output: Path,
+    torque: str,
+    direction: str,
+    groove2: str,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Find the groove that makes a wanted torque, all friction included.
+
+    Spring, friction, radius and the upper stop are those of the design file. The command writes the table of
+    the groove and prints the lines that put the table into the design file.
+    """
+    from dualcam.design_file import read_design
+
+    require_folder_of(output)
+    refuse_to_overwrite(output, force)
+    found = _designed(read_design(design_file), torque, direction, groove2 == "given")
+    found.table.write(output)
+    cams = (1,) if groove2 == "given" else (1, 2)
+    if as_json:
+        band = found.torque_band()
+        print_json(
+            {
+                "table": output,
+                "cams": cams,
+                "samples": len(found.table.psi),
+                "largest_error": found.largest_error,
+                "self_locking": band.self_locking,
+                "jams": band.jams,
+            }
+        )
+        return
+    say(found.summary())
+    say(f"{output} written. Put these lines into {design_file}:")
+    for cam in cams:
+        say(f'[cam{cam}]\nprofile = "table"\ntable = "{output.as_posix()}"')
+
+
+def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bool) -> Design:
+    from dualcam.design import design_groove
+
+    mechanism = design.mechanism()
+    try:
+        wanted: float | Path = float(torque)
+    except ValueError:
+        wanted = Path(torque)
+    radius1, radius2 = mechanism.radius
+    if not keeps_groove2 and radius1 != radius2:
+        raise DesignError(
+            f"cam1.radius = {radius1:g} m, cam2.radius = {radius2:g} m: equal grooves need equal radii; or"
+            " give --groove2 given"
+        )
+    return design_groove(
+        wanted,
+        mechanism.spring,
+        mechanism.upper,
+        direction=direction,
+        groove2=mechanism.grooves[1] if keeps_groove2 else None,
+        friction=mechanism.friction,
+        radius=radius1,
+        contacts=mechanism.contacts,
+    )

@@ -1,0 +1,103 @@
+"""dualcam.design.workflow: torque curves as people have them, and the groove table that comes out."""
+
+import math
+
+import numpy as np
+import pytest
+
+from dualcam.design import DesignError, Helix, Spring, Table, synthesize
+from dualcam.design.workflow import TorqueCurve, design_groove
+
+SPRING = Spring(400.0, 10e3)
+DEGREES = np.linspace(0.0, 70.0, 15)
+TORQUE = 4.0 + np.sin(np.radians(DEGREES))
+
+
+def write(path, header, rows, sign=",", decimal=".", bom=""):
+    lines = [sign.join(repr(float(value)).replace(".", decimal) for value in row) for row in rows]
+    path.write_text(bom + "\n".join([header, *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+FILES = {
+    "degrees": ("theta_deg,torque_Nm", np.stack([DEGREES, TORQUE], 1), {}),
+    "radians": ("angle [rad],torque [N.m]", np.stack([np.radians(DEGREES), TORQUE], 1), {}),
+    "semicolons, decimal commas, BOM": (
+        "Winkel (°);Moment (N·mm)",
+        np.stack([DEGREES, 1e3 * TORQUE], 1),
+        {"sign": ";", "decimal": ",", "bom": "\ufeff"},
+    ),
+    "tabs": ("theta_rad\ttorque_mNm", np.stack([np.radians(DEGREES), 1e3 * TORQUE], 1), {"sign": "\t"}),
+    "other order, other columns": (
+        "time_s,torque / Nm,force_N,theta / deg",
+        np.stack([DEGREES, TORQUE, DEGREES, DEGREES], 1),
+        {},
+    ),
+    "blank in the unit": ("theta [deg],torque [N m]", np.stack([DEGREES, TORQUE], 1), {}),
+    "kilonewtons": ("theta [degrees],torque [kN.m]", np.stack([DEGREES, 1e-3 * TORQUE], 1), {}),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_curve_in_si_units(tmp_path, name):
+    header, rows, options = FILES[name]
+    curve = TorqueCurve.read(write(tmp_path / "torque.csv", header, rows, **options))
+    assert curve.theta == pytest.approx(np.radians(DEGREES), rel=1e-14)
+    assert curve.torque == pytest.approx(TORQUE, rel=1e-14)
+    assert f"angles read as {curve.angle_unit}" in str(curve) and "to 1.222 rad" in str(curve)
+
+
+def test_groove_from_a_file(tmp_path):
+    """Is that of the samples; the table that is written is the groove."""
+    path = write(tmp_path / "torque.csv", "theta_deg,torque_Nm", np.stack([DEGREES, TORQUE], 1))
+    design = design_groove(path, SPRING, table=tmp_path / "groove.csv", groove2=Helix(0.02, 0.8))
+    same = synthesize(
+        (np.radians(DEGREES), TORQUE), float(np.radians(70.0)), SPRING, groove2=Helix(0.02, 0.8)
+    )
+    assert (design.table.z == same.table.z).all()
+    assert design.mechanism.upper == pytest.approx(math.radians(70.0), rel=1e-15)
+    assert design.torque(np.radians(DEGREES)) == pytest.approx(TORQUE, rel=1e-6)
+    written = Table.read(tmp_path / "groove.csv", 0.02)
+    assert (written.psi == design.table.psi).all() and (written.z == design.table.z).all()
+    shorter = design_groove(path, SPRING, 1.0, groove2=Helix(0.02, 0.8))
+    assert shorter.mechanism.upper == 1.0
+
+
+def test_groove_from_a_number(tmp_path):
+    design = design_groove(5.0, SPRING, 1.2, direction="releasing", friction=(0.1, 0.1), contacts=1)
+    assert design.torque([0.0, 1.2]) == pytest.approx(5.0, rel=1e-6)
+    assert design.direction == "releasing" and design.mechanism.contacts == 1
+    with pytest.raises(DesignError, match=r"torque = 5.0 N.m without upper: allowed is the end"):
+        design_groove(5.0, SPRING)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "No such file"),
+        ("", "is empty"),
+        (
+            "theta,torque\n0,1\n",
+            r"header 'theta, torque' has 0 columns with a unit of angle.*such as theta_deg",
+        ),
+        ("theta_deg,torque\n0,1\n", "0 columns with a unit of torque.*torque_Nm; units are N.m, N.mm"),
+        ("theta_deg,gamma_deg,torque_Nm\n0,0,1\n", "2 columns with a unit of angle"),
+        ("theta_deg,torque_Nm\n0,1\n1,x\n", "line 3: 'x' in column 2: allowed is a number"),
+        ("theta_deg,torque_Nm\n0,1\n1\n", "line 3: '' in column 2"),
+        ("theta_deg,torque_Nm\n", "no samples"),
+        ("theta_deg,torque_Nm\n0,1\n1,1\n", "n >= 4"),
+        ("theta_deg,torque_Nm\n0,1\n1,1\n2,nan\n3,1\n", "finite"),
+    ],
+)
+def test_refused_files(tmp_path, text, message):
+    path = tmp_path / "torque.csv"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(DesignError, match=message):
+        design_groove(path, SPRING)
+
+
+def test_file_that_is_no_text(tmp_path):
+    (tmp_path / "torque.csv").write_bytes(b"\xff\xfe\x00\x01")
+    with pytest.raises(DesignError, match=r"torque file .* allowed is a readable CSV file"):
+        design_groove(tmp_path / "torque.csv", SPRING)
