@@ -51,8 +51,9 @@ def swap_warning(design: DesignFile) -> Finding | None:
     return Finding(WARNING, "cam1", None, text, kind="swapped")
 
 
-def troubles(design: DesignFile) -> list[Trouble]:
-    """All errors, and warnings about the geometry, of a design."""
+def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
+    """All errors, and warnings about the geometry, of a design. Without `locate` in less time, the angles in
+    the texts being those of a coarse grid."""
     if early := _stops(design):
         return early
     try:
@@ -60,7 +61,7 @@ def troubles(design: DesignFile) -> list[Trouble]:
     except DesignError as error:
         return [_impossible(design, error)]
     limits = design.limits or Limits()
-    _, failures = examine(mechanism, design.pin, limits)
+    _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
     more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (_solid_length, _start, _imposed)
     return [*found, *(trouble for rule in more for trouble in rule(design, mechanism))]

@@ -171,7 +171,7 @@ def _search(design: DesignFile, finding: Finding, remedy: Remedy, strict: bool) 
 
     def works(value: float) -> bool:
         try:
-            left = troubles(with_value(design, remedy.key, value))
+            left = troubles(with_value(design, remedy.key, value), locate=False)
         except DualcamError:
             return False
         found = {trouble.finding.kind for trouble in left}
