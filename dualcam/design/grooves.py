@@ -301,7 +301,16 @@ class Table:
 
         Examples
         --------
-        >>> Table.read("groove.csv", radius=0.02, units=("deg", "mm"), delimiter=";", decimal=",")
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> from dualcam.design import Table
+        >>> lines = ["psi [deg];z [mm]", "0;0", "20;4,1", "40;8,6", "60;13,5"]
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = Path(folder) / "groove.csv"
+        ...     _ = path.write_text("\\n".join(lines))
+        ...     table = Table.read(path, radius=0.02, delimiter=";", decimal=",")
+        >>> table.z.tolist()  # m
+        [0.0, 0.0041, 0.0086, 0.0135]
         """
         file = read_groove(path, units, delimiter, decimal)
         try:

@@ -230,7 +230,12 @@ def assess(
 
     Examples
     --------
-    >>> assess(mechanism, Pin(radius=0.003, width=0.008)).require()
+    >>> import math
+    >>> from dualcam.design import Helix, Mechanism, Pin, Spring, assess
+    >>> groove = Helix(radius=0.02, lead_angle=math.pi / 4)
+    >>> cam = Mechanism((groove, groove), (0.14, 0.14), Spring(50.0, 5e4), upper=1.3963)
+    >>> assess(cam, Pin(radius=0.003, width=0.008)).good
+    True
     """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")
