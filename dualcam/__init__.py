@@ -5,6 +5,10 @@
     to_nonlinear_io_system      the forward FMU as a control.NonlinearIOSystem, continuous or sampled
     linearize                   its linear model about an operating point, a control.StateSpace
     CamHysteresis               its friction hysteresis for describing function analysis
+    read_design, check_design   a design from a TOML file, and whether the design works
+    simulate, export_fmu        its scenario over time, and an FMU with its values
+    write_report, export_ssp    a page about the design, and an SSP package
+    PlantCoupling               an own plant in Python on the FMU
     dualcam.design              best lead angles, and grooves that give a wanted torque
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
     dualcam.study               parameter studies
@@ -18,10 +22,36 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from dualcam import design, study, systems
+    from dualcam import (
+        check,
+        coupling,
+        design,
+        design_file,
+        export,
+        plots,
+        report,
+        simulation,
+        ssp,
+        study,
+        systems,
+    )
     from dualcam.bridge import to_nonlinear_io_system
+    from dualcam.check import Verdict, check_design
     from dualcam.continuous_fmu import ContinuousFmu
-    from dualcam.errors import DesignError, DualcamError, FmuError, UnitWarning, UnknownVariableError
+    from dualcam.coupling import PlantCoupling
+    from dualcam.design_file import DesignFile, DesignFileError, read_design
+    from dualcam.errors import (
+        CouplingError,
+        DesignError,
+        DualcamError,
+        DualcamWarning,
+        ExportError,
+        FmuError,
+        UnitWarning,
+        UnknownVariableError,
+        UnstableCouplingWarning,
+    )
+    from dualcam.export import export_fmu
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
     from dualcam.hysteresis import CamHysteresis
@@ -29,6 +59,9 @@ if TYPE_CHECKING:
     from dualcam.linear import OperatingPoint, OperatingPointError, linearize
     from dualcam.model_description import ModelDescription, Variable, read_model_description
     from dualcam.reals import Reals
+    from dualcam.report import write_report
+    from dualcam.simulation import Trajectory, simulate
+    from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
 
     __version__: str
@@ -36,61 +69,111 @@ if TYPE_CHECKING:
 __all__ = [
     "CamHysteresis",
     "ContinuousFmu",
+    "CouplingError",
     "DesignError",
+    "DesignFile",
+    "DesignFileError",
     "DualcamError",
+    "DualcamWarning",
+    "ExportError",
     "Fmu",
     "FmuError",
     "FmuState",
     "ModelDescription",
     "OperatingPoint",
     "OperatingPointError",
+    "PlantCoupling",
     "Reals",
     "RepeatedStart",
     "StudyError",
+    "Trajectory",
     "UnitWarning",
     "UnknownVariableError",
+    "UnstableCouplingWarning",
     "Variable",
+    "Verdict",
     "__version__",
+    "check",
+    "check_design",
+    "coupling",
     "design",
+    "design_file",
+    "export",
+    "export_fmu",
+    "export_ssp",
     "fmu_path",
     "linearize",
+    "plots",
+    "read_design",
     "read_model_description",
+    "report",
+    "simulate",
+    "simulation",
+    "ssp",
     "study",
     "systems",
     "to_nonlinear_io_system",
+    "write_report",
 ]
 
 _MODULE_OF = {
     "CamHysteresis": "hysteresis",
     "ContinuousFmu": "continuous_fmu",
+    "CouplingError": "errors",
     "DesignError": "errors",
+    "DesignFile": "design_file",
+    "DesignFileError": "design_file",
     "DualcamError": "errors",
+    "DualcamWarning": "errors",
+    "ExportError": "errors",
     "Fmu": "fmu",
     "FmuError": "errors",
     "FmuState": "handle",
     "ModelDescription": "model_description",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",
+    "PlantCoupling": "coupling",
     "Reals": "reals",
     "RepeatedStart": "fmu",
     "StudyError": "study.problem",
+    "Trajectory": "simulation",
     "UnitWarning": "errors",
     "UnknownVariableError": "errors",
+    "UnstableCouplingWarning": "errors",
     "Variable": "model_description",
+    "Verdict": "check",
     "__version__": "version",
+    "check_design": "check",
+    "export_fmu": "export",
+    "export_ssp": "ssp",
     "fmu_path": "library",
     "linearize": "linear",
+    "read_design": "design_file",
     "read_model_description": "model_description",
+    "simulate": "simulation",
     "to_nonlinear_io_system": "bridge",
+    "write_report": "report",
 }
-_SUBPACKAGES = ("design", "study", "systems")
+_MODULES = (
+    "check",
+    "coupling",
+    "design",
+    "design_file",
+    "export",
+    "plots",
+    "report",
+    "simulation",
+    "ssp",
+    "study",
+    "systems",
+)
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
 
     def __getattr__(name: str) -> object:
         from importlib import import_module
 
-        if name in _SUBPACKAGES:
+        if name in _MODULES:
             return import_module(f"dualcam.{name}")
         if name not in _MODULE_OF:
             raise AttributeError(f"module 'dualcam' has no attribute {name!r}; it has {', '.join(__all__)}")

@@ -63,9 +63,9 @@ def write_report(design: DesignFile, path: str | Path) -> Path:
 
     Parameters
     ----------
-    design
+    design : DesignFile
         The design, from `read_design`. Without a scenario the report has no simulation.
-    path
+    path : str or Path
         The HTML file.
 
     Returns
@@ -76,7 +76,16 @@ def write_report(design: DesignFile, path: str | Path) -> Path:
     Raises
     ------
     DualcamError
-        The file cannot be written. A design that does not work is no error: the report says why.
+        For another ending than .html. A design that does not work is no error: the report says why.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     write_report(design, Path(folder) / "my_report.html").name
+    'my_report.html'
     """
     path = Path(path)
     if path.suffix.lower() not in (".html", ".htm"):

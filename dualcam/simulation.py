@@ -49,17 +49,26 @@ class Trajectory:
 
     Attributes
     ----------
-    names
+    names : tuple of str
         Names of the n columns; the first is `time`.
-    values
-        Shape (samples, n), in the FMU's units; time in s.
+    values : ndarray, shape (samples, n)
+        In the FMU's units; time in s.
     """
 
     names: tuple[str, ...]
     values: Array
 
     def __getitem__(self, name: str) -> Array:
-        """One column, shape (samples,).
+        """One column.
+
+        Parameters
+        ----------
+        name : str
+            Name of the column.
+
+        Returns
+        -------
+        ndarray, shape (samples,)
 
         Raises
         ------
@@ -72,6 +81,11 @@ class Trajectory:
 
     def write(self, path: str | Path) -> None:
         """Write all columns to a file: CSV with all digits, or Parquet, by the end of the name.
+
+        Parameters
+        ----------
+        path : str or Path
+            A name that ends in .csv or .parquet.
 
         Raises
         ------
@@ -124,15 +138,15 @@ def simulate(
 
     Parameters
     ----------
-    design
+    design : DesignFile
         A design with a scenario, from `read_design`.
-    variables
+    variables : sequence of str
         Names of numeric variables to record; none: inputs, outputs, torque band, reactions and energies.
-    parameters
+    parameters : mapping, optional
         Start values that replace those of the design, in the FMU's units.
-    fmu
+    fmu : str or Path, optional
         Another FMU than the one of this package, such as an exported one.
-    progress
+    progress : function, optional
         Called with the share of the time that is done, 0 to 1.
 
     Returns
@@ -149,9 +163,14 @@ def simulate(
 
     Examples
     --------
+    >>> import tempfile
+    >>> from pathlib import Path
     >>> from dualcam.design_file import read_design, write_template
-    >>> _ = write_template("minimal", "my.toml")  # doctest: +SKIP
-    >>> simulate(read_design("my.toml"))["theta"].max()  # doctest: +SKIP
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    >>> trajectory = simulate(design, ["theta", "tau"])
+    >>> float(trajectory["theta"].max())  # rad, the upper stop
+    1.3962634015954636
     """
     scenario = design.scenario
     if scenario is None:
@@ -207,11 +226,11 @@ class _Recorder:
     """Reads the recorded variables of an instance."""
 
     def __init__(self, handle: Fmu, names: Sequence[str]) -> None:
-        texts = [name for name in names if handle.variable(name).type == "String"]
+        texts = [name for name in names if handle.variable(name).kind == "string"]
         if texts:
             raise DualcamError(f"{', '.join(texts)} is a text: allowed are numeric variables")
         self._handle = handle
-        self._real = [name for name in names if handle.variable(name).type in ("Real", "Float64")]
+        self._real = [name for name in names if handle.variable(name).kind == "real"]
         self._others = [name for name in names if name not in self._real]
         self._group = handle.reals(*self._real)
         order = [*self._real, *self._others]

@@ -257,11 +257,11 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
 
     Parameters
     ----------
-    design
+    design : DesignFile
         The design, from `read_design`.
-    path
+    path : str or Path
         The package, a name that ends in .ssp.
-    step
+    step : float
         Communication step [s] that the package proposes.
 
     Returns
@@ -273,6 +273,15 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     ------
     DesignError
         For another ending than .ssp, or a design that the FMU refuses.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     export_ssp(design, Path(folder) / "MyCam.ssp").name
+    'MyCam.ssp'
     """
     from dualcam.export import export_fmu
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -201,6 +202,14 @@ def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) ->
             f" millimetres; {highest:.6g} mm is {highest / 1e3:.6g} m"
         )
     return [text for text in found if text]
+
+
+@contextmanager
+def units_checked_before() -> Iterator[None]:
+    """No UnitWarning inside this context: the user's own values are checked before, and warned of once."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitWarning)
+        yield
 
 
 def warn_units(values: Mapping[str, tuple[str, object]], stacklevel: int = 4) -> None:

@@ -14,10 +14,16 @@ MODULES = (
     *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
+    *("dualcam.simulation", "dualcam.report", "dualcam.ssp", "dualcam.export", "dualcam.check.verdict"),
+    *("dualcam.design_file.reader", "dualcam.design_file.design", "dualcam.coupling", "dualcam.plant"),
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque")
-RETURNED = ("FmuState", "ModelDescription", "OperatingPoint", "Variable")  # by functions: users make none
+# Results of functions: users make none.
+RETURNED = (
+    *("FmuState", "ModelDescription", "OperatingPoint", "Variable"),
+    *("DesignFile", "Trajectory", "Verdict"),
+)
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)
 ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)
 

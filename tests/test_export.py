@@ -529,7 +529,7 @@ def test_refused_places(tmp_path):
     refused(ExportError, "project's own FMU", design, fmu_path("forward"))
     refused(ExportError, "project's own FMU", design, fmu_path("inverse", 3), fmi=3)
     refused(FmuError, r"fmi=1\): allowed are 2 \(FMI 2.0\) and 3", design, tmp_path / "MyCam.fmu", fmi=1)
-    refused(FmuError, "model 'backward': allowed are", design, tmp_path / "a.fmu", model="backward")
+    refused(FmuError, "kind='backward'.: allowed are", design, tmp_path / "a.fmu", model="backward")
     assert list(tmp_path.iterdir()) == [folder]
 
 

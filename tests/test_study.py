@@ -642,7 +642,18 @@ def test_pictures_of_what_is_constant_logarithmic_or_failed(tmp_path):
 def test_a_killed_command_leaves_no_processes_and_goes_on(tmp_path, signal_number, code):
     plan, out = tmp_path / "small.toml", tmp_path / "out"
     plan.write_text(PLAN.replace("runs = 64", "runs = 32768").format(fmu=FORWARD))  # some seconds
-    words = ["study", str(plan), "--out", str(out), "--workers", "2", "--format", "csv", "--chunk", "200"]
+    words = [
+        "study",
+        str(plan),
+        "--out",
+        str(out),
+        "--workers",
+        "2",
+        "--format",
+        "csv",
+        "--runs-per-file",
+        "200",
+    ]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "dualcam", *words]
     with subprocess.Popen(

@@ -241,7 +241,7 @@ def test_a_slip_on_the_command_line(tmp_path, capsys, words, mentions):
 
 
 @pytest.mark.parametrize(
-    "words", [["--workers", "-1"], ["--chunk", "0"], ["--format", "xlsx"], ["--speed", "9"]]
+    "words", [["--workers", "-1"], ["--runs-per-file", "0"], ["--format", "xlsx"], ["--speed", "9"]]
 )
 def test_an_option_out_of_range_is_wrong_use(tmp_path, capsys, words):
     plan = tmp_path / "small.toml"
@@ -368,7 +368,18 @@ def test_two_studies_at_once_in_one_folder(tmp_path):
     """The second is refused, also if both are the same; it goes on when the first has been killed."""
     plan, out = tmp_path / "small.toml", tmp_path / "out"
     plan.write_text(PLAN.replace("runs = 64", "runs = 65536").format(fmu=FORWARD))
-    words = ["study", str(plan), "--out", str(out), "--workers", "1", "--format", "csv", "--chunk", "200"]
+    words = [
+        "study",
+        str(plan),
+        "--out",
+        str(out),
+        "--workers",
+        "1",
+        "--format",
+        "csv",
+        "--runs-per-file",
+        "200",
+    ]
     with subprocess.Popen(
         [sys.executable, "-m", "dualcam", *words],
         stdout=subprocess.DEVNULL,

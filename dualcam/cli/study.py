@@ -35,7 +35,7 @@ FORMATS = ("parquet", "csv")
 @click.option(
     "--figure", type=FILE, help="One picture of all plots. Default: one per plan, beside the results."
 )
-@click.option("--chunk", type=click.IntRange(1), help="Runs in a file of results.")
+@click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
 def command(
     plans: tuple[Path, ...],
     out: Path,
@@ -43,7 +43,7 @@ def command(
     scheduler: str | None,
     file_format: str | None,
     figure: Path | None,
-    chunk: int | None,
+    runs_per_file: int | None,
 ) -> None:
     """Make all runs of a plan and draw the results.
 
@@ -53,4 +53,4 @@ def command(
 
     from dualcam.study.command import Settings, run
 
-    run(plans, Settings(out, workers, scheduler, file_format, figure, chunk), Console())
+    run(plans, Settings(out, workers, scheduler, file_format, figure, runs_per_file), Console())

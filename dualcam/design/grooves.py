@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from dualcam.design.groove_files import HEADER, read_groove
 from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
-from dualcam.unit_guards import table_warnings, unit_warning, warn_units
+from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
 
 VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from
@@ -304,18 +304,17 @@ class Table:
         >>> import tempfile
         >>> from pathlib import Path
         >>> from dualcam.design import Table
-        >>> lines = ["psi [deg];z [mm]", "0;0", "20;4,1", "40;8,6", "60;13,5"]
+        >>> lines = ["psi [deg];z [mm]", "0;0", "20;4,2", "40;8,6", "60;13,5"]
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     path = Path(folder) / "groove.csv"
         ...     _ = path.write_text("\\n".join(lines))
         ...     table = Table.read(path, radius=0.02, delimiter=";", decimal=",")
         >>> table.z.tolist()  # m
-        [0.0, 0.0041, 0.0086, 0.0135]
+        [0.0, 0.0042, 0.0086, 0.0135]
         """
         file = read_groove(path, units, delimiter, decimal)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UnitWarning)
+            with units_checked_before():
                 table = cls(radius, file.psi, file.z, file.notes)
         except DesignError as error:
             raise DesignError(f"{path}: {error}") from None

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dualcam.design_file.findings import Finding
-from dualcam.errors import DesignError, UnitWarning
+from dualcam.errors import DesignError
+from dualcam.unit_guards import units_checked_before
 from dualcam.variables import Value, all_parameters, parameters_of
 
 if TYPE_CHECKING:
@@ -114,8 +114,7 @@ class DesignFile:
         """
         from dualcam.design import Mechanism, Spring
 
-        with warnings.catch_warnings():  # the design's own warnings have them
-            warnings.simplefilter("ignore", UnitWarning)
+        with units_checked_before():  # the design's own warnings have them
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),
                 (self.value("cam1.friction"), self.value("cam2.friction")),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Findin
 from dualcam.design_file.grooves import fmu_table
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
-from dualcam.errors import DualcamError, UnitWarning
-from dualcam.unit_guards import table_warnings, unit_warning
+from dualcam.errors import DualcamError
+from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.variables import all_parameters, inputs_of
 
 ANY_INPUT = ("F_ext",)  # inputs of both models
@@ -80,8 +79,7 @@ class _Reading:
     def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
         """What `make` gives; None, and an error at the key, if it is refused."""
         try:
-            with warnings.catch_warnings():  # the design's own warnings have them
-                warnings.simplefilter("ignore", UnitWarning)
+            with units_checked_before():  # the design's own warnings have them
                 return make()
         except DualcamError as error:
             self.refuse(key, None, f"[{key}] {error}")

@@ -32,7 +32,7 @@ class Settings:
         "parquet" or "csv"; None: parquet where pyarrow is installed.
     figure
         One picture of all plots; None: one for each plan, beside its results.
-    chunk
+    runs_per_file
         Runs in a file of results.
     """
 
@@ -41,7 +41,7 @@ class Settings:
     scheduler: str | None = None
     file_format: str | None = None
     figure: Path | None = None
-    chunk: int | None = None
+    runs_per_file: int | None = None
 
 
 def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
@@ -69,7 +69,7 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
             settings.workers,
             settings.scheduler,
             settings.file_format,
-            settings.chunk,
+            settings.runs_per_file,
             console=console,
         )
         _tell(study, folder, time.perf_counter() - begun, console)
