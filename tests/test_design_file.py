@@ -374,9 +374,9 @@ def test_templates(tmp_path, name):
 def plants():
     """The designs of dualcam.systems."""
     return {
-        "robot": elbow.plant(elbow.design_cam(), elbow.DESIGN_PAYLOAD),
-        "knee": knee.plant(knee.design_cam().parameters(), knee.DESIGN_WALKER),
-        "door": car_door.plant(car_door.design()),
+        "robot": elbow.plant_parameters(elbow.design_cam(), elbow.DESIGN_PAYLOAD),
+        "knee": knee.plant_parameters(knee.design_cam().parameters(), knee.DESIGN_WALKER),
+        "door": car_door.plant_parameters(car_door.design()),
     }
 
 

@@ -14,6 +14,8 @@ MODULES = (
     *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
+    *("dualcam.design_file.reader", "dualcam.design_file.templates.template", "dualcam.check.verdict"),
+    "dualcam.unit_guards",
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque")

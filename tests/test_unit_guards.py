@@ -115,9 +115,9 @@ def test_lead_angle_of_a_table():
 
 def test_designs_of_the_systems_get_no_warning(tmp_path):
     plants = (
-        elbow.plant(elbow.design_cam(), elbow.DESIGN_PAYLOAD),
-        knee.plant(knee.design_cam().parameters(), knee.DESIGN_WALKER),
-        car_door.plant(car_door.design()),
+        elbow.plant_parameters(elbow.design_cam(), elbow.DESIGN_PAYLOAD),
+        knee.plant_parameters(knee.design_cam().parameters(), knee.DESIGN_WALKER),
+        car_door.plant_parameters(car_door.design()),
     )
     for plant in plants:
         assert unit_warnings(plant) == []
@@ -126,12 +126,12 @@ def test_designs_of_the_systems_get_no_warning(tmp_path):
 
 
 def test_studies_get_no_warning():
-    from dualcam.study.description import load
+    from dualcam.study.description import read_study
 
     plans = sorted((ROOT / "system_examples" / "study").glob("*.toml"))
     assert plans
     for path in plans:
-        study = load(path)
+        study = read_study(path)
         ends = [value for pair in study.plan.limits().values() for value in pair]
         names = [name for name in study.plan.limits() for _ in range(2)]
         assert unit_warnings(study.parameters) == []

@@ -220,12 +220,20 @@ class Table:
 
         Examples
         --------
-        >>> Table.read("groove.csv", radius=0.02, units=("deg", "mm"), delimiter=";", decimal=",")
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = Path(folder) / "groove.csv"
+        ...     _ = file.write_text("psi [deg];z [mm]\\n0;0\\n20;4,5\\n40;9,8\\n60;16\\n")
+        ...     table = Table.read(file, radius=0.02)
+        >>> table.notes[1]
+        'the decimal sign is a comma'
+        >>> float(table.z[1])
+        0.0045
         """
         file = read_groove(path, units, delimiter, decimal)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UnitWarning)
+            with warnings.catch_warnings(action="ignore", category=UnitWarning):
                 table = cls(radius, file.psi, file.z, file.notes)
         except DesignError as error:
             raise DesignError(f"{path}: {error}") from None

@@ -161,7 +161,11 @@ def assess(
 
     Examples
     --------
-    >>> assess(mechanism, Pin(radius=0.003, width=0.008)).require()
+    >>> from dualcam.design import Helix, Mechanism, Pin, Spring, assess
+    >>> groove = Helix(radius=0.02, lead_angle=0.8)
+    >>> mechanism = Mechanism((groove, groove), (0.1, 0.1), Spring(50.0, 50e3), upper=1.3)
+    >>> assess(mechanism, Pin(radius=0.003, width=0.008)).good
+    True
     """
     if points < 2:
         raise DesignError(f"points = {points}: allowed is 2 or more")

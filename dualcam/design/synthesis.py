@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 from dualcam.design.design import Design
@@ -12,6 +13,7 @@ from dualcam.design.proposal import VARIED, SpringProposal, propose, with_propos
 from dualcam.design.statics import DesignError
 from dualcam.design.tabulation import tabulate
 from dualcam.design.torque import WantedTorque
+from dualcam.errors import UnitWarning
 from dualcam.unit_guards import warn_units
 
 TOLERANCE = 1e-7  # of the torque of the finished table
@@ -89,11 +91,12 @@ def synthesize(
     problem = _problem(
         torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
     )
-    try:
-        solution = problem.solve()
-    except DesignError as error:
-        raise with_proposals(error, problem, contacts, tolerance) from None
-    return tabulate(problem, solution, contacts, tolerance)
+    with warnings.catch_warnings(action="ignore", category=UnitWarning):  # of the trials
+        try:
+            solution = problem.solve()
+        except DesignError as error:
+            raise with_proposals(error, problem, contacts, tolerance) from None
+        return tabulate(problem, solution, contacts, tolerance)
 
 
 def propose_spring(
@@ -146,7 +149,8 @@ def propose_spring(
     problem = _problem(
         torque, upper, spring, direction, groove2, friction, radius, kinks, contacts, tolerance
     )
-    found = propose(problem, vary, contacts, tolerance)
+    with warnings.catch_warnings(action="ignore", category=UnitWarning):  # of the trials
+        found = propose(problem, vary, contacts, tolerance)
     if found is None:
         others = " and ".join(repr(other) for other in VARIED if other != vary)
         raise DesignError(

@@ -114,8 +114,7 @@ class DesignFile:
         """
         from dualcam.design import Mechanism, Spring
 
-        with warnings.catch_warnings():  # the design's own warnings have them
-            warnings.simplefilter("ignore", UnitWarning)
+        with warnings.catch_warnings(action="ignore", category=UnitWarning):
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),
                 (self.value("cam1.friction"), self.value("cam2.friction")),

@@ -40,7 +40,10 @@ def read_design(path: str | Path) -> DesignFile:
 
     Examples
     --------
-    >>> design = read_design("my.toml")
+    >>> import tempfile
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
     >>> design.parameters["cam1.radius"]
     0.02
     """
@@ -80,8 +83,7 @@ class _Reading:
     def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
         """What `make` gives; None, and an error at the key, if it is refused."""
         try:
-            with warnings.catch_warnings():  # the design's own warnings have them
-                warnings.simplefilter("ignore", UnitWarning)
+            with warnings.catch_warnings(action="ignore", category=UnitWarning):
                 return make()
         except DualcamError as error:
             self.refuse(key, None, f"[{key}] {error}")
