@@ -285,6 +285,7 @@ def test_what_was_called_good():
             wrong()
 
 
+@pytest.mark.filterwarnings("ignore::dualcam.errors.UnitWarning")  # beyond the limits
 def test_limits_of_the_fmu():
     """Values that the FMU's modelDescription.xml does not allow."""
     large = Mechanism((Helix(0.02, 0.7),) * 2, (11.0, 0.0), Spring(50, 5e4), 1.0)

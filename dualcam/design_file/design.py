@@ -114,6 +114,7 @@ class DesignFile:
         """
         from dualcam.design import Mechanism, Spring
 
+        # the attribute `warnings` has these warnings, with their lines
         with warnings.catch_warnings(action="ignore", category=UnitWarning):
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),

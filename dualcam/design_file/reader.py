@@ -83,6 +83,7 @@ class _Reading:
     def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
         """What `make` gives; None, and an error at the key, if it is refused."""
         try:
+            # the findings of the file have these warnings, with their lines
             with warnings.catch_warnings(action="ignore", category=UnitWarning):
                 return make()
         except DualcamError as error:
