@@ -47,6 +47,7 @@ from dualcam.plant import (
     LoopStability,
     PlantTorque,
     ShaftMotion,
+    cam_of_step,
     check_order,
     check_positive,
     impedance_of,
@@ -63,6 +64,7 @@ __all__ = [
     "PlantCoupling",
     "PlantTorque",
     "ShaftMotion",
+    "cam_of_step",
     "impedance_of",
     "largest_stable_step",
     "reflected_inertia",
@@ -283,13 +285,14 @@ class PlantCoupling:
         self.fmu.step(size)
 
     def _stability(self, begin: ShaftMotion, size: float, order: int) -> LoopStability | None:
-        """Of the latest step. None where the cam did not slide throughout: dtheta_dtau of an inertia that
-        slides is domega_dtau size/2."""
-        dtheta, domega = self._sensitivity.read()
-        if not (domega > 0.0 and 0.45 < dtheta / (domega * size) < 0.6):
+        """Of the latest step. None where the cam did not slide throughout."""
+        cam = cam_of_step(size, *self._sensitivity.read())
+        if cam is None:
             return None
-        inertia, plant = size / domega, impedance_of(self._plant_torque, begin)
-        return LoopStability(size, inertia, plant, order, spectral_radius(size, inertia, plant, order))
+        inertia, damping = cam
+        plant = impedance_of(self._plant_torque, begin)
+        radius = spectral_radius(size, inertia, plant, order, damping)
+        return LoopStability(size, inertia, plant, order, radius, damping)
 
 
 class _Bracket:

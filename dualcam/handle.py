@@ -390,6 +390,8 @@ def _suitable(variable: Variable, value: object) -> Scalar:
         raise FmuError(f"{variable.name} = {value!r}: allowed is a number ({variable.type})") from None
     if variable.kind != "integer":
         return number
+    if isinstance(value, int):  # a float does not hold all integers of 64 bits
+        return value
     if not (math.isfinite(number) and number == int(number)):
         raise FmuError(f"{variable.name} = {value!r}: allowed are whole numbers")
     return int(number)

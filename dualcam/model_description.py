@@ -214,9 +214,11 @@ def parse_model_description(content: str | bytes) -> ModelDescription:
         raise FmuError(f"no valid {XML}: {error}") from error
     if root.tag != "fmiModelDescription":
         raise FmuError(f"no valid {XML}: it is a <{root.tag}>, allowed is <fmiModelDescription>")
-    version = root.get("fmiVersion", "")
+    version = root.get("fmiVersion")
+    if version is None:
+        raise FmuError(f"no valid {XML}: attribute 'fmiVersion' is missing")
     if version != "2.0" and not version.startswith("3."):
-        raise FmuError(f"the FMU is of FMI {version or '(fmiVersion is missing)'}: allowed are 2.0 and 3.0")
+        raise FmuError(f"the FMU is of FMI {version}: allowed are 2.0 and 3.0")
     try:
         return _parsed(root, version)
     except KeyError as error:

@@ -12,10 +12,16 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from dualcam.errors import CouplingError, DualcamError
 
+Array = NDArray[np.float64]
+
 LARGEST_RADIUS = 1.001  # of stable coupling: errors that grow less than e times in 1000 steps
+LEAST_RATIO = 0.5001  # of the interface Jacobian, from which on damping of the cam is told from rounding
+LARGEST_DAMPING = 50.0  # B h/J that is told from a cam without inertia
 DIFFERENCE = 1e-6  # rad, rad/s, rad/s2, and relative: shift of the motion for the plant's derivatives
 
 
@@ -124,7 +130,9 @@ def impedance_of(plant: PlantTorque, motion: ShaftMotion) -> Impedance:
     return Impedance(slope("theta"), slope("omega"), slope("alpha"))
 
 
-def spectral_radius(step: float, inertia: float, plant: Impedance, order: int = 0) -> float:
+def spectral_radius(
+    step: float, inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0
+) -> float:
     """Factor by which errors grow per step of explicit coupling, in the long run.
 
     Parameters
@@ -132,11 +140,13 @@ def spectral_radius(step: float, inertia: float, plant: Impedance, order: int = 
     step : float
         Communication step h [s].
     inertia : float
-        Inertia J of the cam as the shaft feels it while it slides [kg.m2]: h/step.domega_dtau.
+        Inertia J of the cam as the shaft feels it while it slides [kg.m2].
     plant : Impedance
         Of the plant at the shaft.
     order : int
         0: the torque is held over the step; 1, 2: the torque is a straight line, a parabola.
+    cam_damping : float
+        Viscous damping B of the cam itself, as the shaft feels it [N.m.s/rad].
 
     Returns
     -------
@@ -146,9 +156,9 @@ def spectral_radius(step: float, inertia: float, plant: Impedance, order: int = 
     Notes
     -----
     The loop is that of `PlantCoupling.step_explicit` with tau = -K theta - D omega - M alpha and
-    J alpha = tau. Its state is theta, omega, alpha and the slope of alpha. The cam's own spring is left out,
-    so the step must be short compared with the period of the cam's own oscillation. Friction that takes
-    energy out of the loop is left out too.
+    J alpha = tau - B omega. Its state is theta, omega, alpha and the slope of alpha. The cam's own spring is
+    left out, so the step must be short compared with the period of the cam's own oscillation. Friction that
+    takes energy out of the loop is left out too.
 
     Examples
     --------
@@ -160,28 +170,96 @@ def spectral_radius(step: float, inertia: float, plant: Impedance, order: int = 
     check_positive("step", step, "s")
     check_positive("inertia", inertia, "kg.m2")
     check_order(order)
+    if not 0.0 <= cam_damping < math.inf:
+        raise CouplingError(f"cam_damping = {cam_damping} N.m.s/rad: allowed is a finite number >= 0")
+    propagator = _propagator(step, inertia, cam_damping)
 
     def torque(motion: ShaftMotion) -> float:
         return -plant.stiffness * motion.theta - plant.damping * motion.omega - plant.inertia * motion.alpha
 
     def next_state(theta: float, omega: float, alpha: float, jerk: float) -> list[float]:
-        value, slope, bend = torque_polynomial(
-            torque, ShaftMotion(0.0, theta, omega, alpha), jerk, step, order
-        )
-        impulse = step * (value + step * (slope / 2.0 + step * bend / 6.0))
-        moved = step**2 * (value / 2.0 + step * (slope / 6.0 + step * bend / 24.0))
-        return [
-            theta + step * omega + moved / inertia,
-            omega + impulse / inertia,
-            (value + step * (slope + step * bend / 2.0)) / inertia,
-            (slope + step * bend) / inertia,
-        ]
+        begin = ShaftMotion(0.0, theta, omega, alpha)
+        inputs = torque_polynomial(torque, begin, jerk, step, order)
+        theta, omega, tau, slope, _ = propagator @ [theta, omega, *inputs]
+        alpha = (tau - cam_damping * omega) / inertia
+        return [theta, omega, alpha, (slope - cam_damping * alpha) / inertia]
 
     matrix = np.array([next_state(*row) for row in np.eye(4).tolist()]).T
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
-def largest_stable_step(inertia: float, plant: Impedance, order: int = 0) -> float:
+def _propagator(step: float, inertia: float, damping: float) -> Array:
+    """Maps theta, omega, tau, its slope and bend to those at the end of the step, J omega' = tau - B omega.
+
+    With x = B h/J and phi_k = sum of (-x)^n/(n + k)!, the integral of exp(-B (h - s)/J) s^k/k! over the step
+    is h^(k + 1) phi_(k + 1)."""
+    phi = _phi(damping * step / inertia)
+    gain, powers = step / inertia, step ** np.arange(3)
+    return np.array(
+        [
+            [1.0, step * phi[1], *(step * gain * powers * phi[2:])],
+            [0.0, phi[0], *(gain * powers * phi[1:4])],
+            [0.0, 0.0, 1.0, step, step**2 / 2.0],
+            [0.0, 0.0, 0.0, 1.0, step],
+            [0.0, 0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def _phi(x: float) -> Array:
+    """phi_0 to phi_4 at x >= 0: the series of phi_4 where x is small, else phi_(k + 1) = (1/k! - phi_k)/x."""
+    found = np.array([math.exp(-x), 0.0, 0.0, 0.0, 0.0])
+    if x < 1.0:
+        found[4] = math.fsum((-x) ** n / math.factorial(n + 4) for n in range(16))
+        for k in (3, 2, 1):
+            found[k] = 1.0 / math.factorial(k) - x * found[k + 1]
+        return found
+    for k in range(4):
+        found[k + 1] = (1.0 / math.factorial(k) - found[k]) / x
+    return found
+
+
+def cam_of_step(step: float, dtheta_dtau: float, domega_dtau: float) -> tuple[float, float] | None:
+    """Inertia J and viscous damping B of the cam as the shaft feels them, from the interface Jacobian of a
+    step.
+
+    Parameters
+    ----------
+    step : float
+        Communication step h [s].
+    dtheta_dtau, domega_dtau : float
+        `step.dtheta_dtau` [rad/(N.m)] and `step.domega_dtau` [rad/(N.m.s)] after that step.
+
+    Returns
+    -------
+    tuple of two floats, or None
+        J [kg.m2] and B [N.m.s/rad]. None where the cam did not slide throughout the step.
+
+    Notes
+    -----
+    With x = B h/J an inertia with damping has domega_dtau = (1 - exp(-x))/B and
+    dtheta_dtau/(h domega_dtau) = (x - 1 + exp(-x))/(x (1 - exp(-x))), which rises from 1/2 to 1.
+
+    Examples
+    --------
+    >>> cam_of_step(1e-3, 0.25e-3, 0.5)
+    (0.002, 0.0)
+    """
+    ratio = dtheta_dtau / (step * domega_dtau) if domega_dtau > 0.0 else 0.0
+    if not 0.45 < ratio < 1.05:  # 0.45: the cam's own spring makes the ratio a little less than 1/2
+        return None
+    if ratio <= LEAST_RATIO:
+        return step / domega_dtau, 0.0
+
+    def excess(x: float) -> float:
+        return (x - 1.0 + math.exp(-x)) / (x * -math.expm1(-x)) - ratio
+
+    x = LARGEST_DAMPING if excess(LARGEST_DAMPING) <= 0.0 else brentq(excess, 1e-3, LARGEST_DAMPING)
+    damping = -math.expm1(-x) / domega_dtau
+    return damping * step / x, damping
+
+
+def largest_stable_step(inertia: float, plant: Impedance, order: int = 0, cam_damping: float = 0.0) -> float:
     """Communication step [s] up to which explicit coupling is stable.
 
     Parameters
@@ -190,7 +268,7 @@ def largest_stable_step(inertia: float, plant: Impedance, order: int = 0) -> flo
         Inertia J of the cam as the shaft feels it [kg.m2].
     plant : Impedance
         Of the plant at the shaft.
-    order : int
+    order, cam_damping
         As in `spectral_radius`.
 
     Returns
@@ -207,7 +285,7 @@ def largest_stable_step(inertia: float, plant: Impedance, order: int = 0) -> flo
     """
 
     def stable(step: float) -> bool:
-        return spectral_radius(step, inertia, plant, order) <= LARGEST_RADIUS
+        return spectral_radius(step, inertia, plant, order, cam_damping) <= LARGEST_RADIUS
 
     steps = np.geomspace(1e-9, 1.0, 181)
     if not stable(float(steps[0])):
@@ -230,8 +308,8 @@ class LoopStability:
     ----------
     step : float
         Communication step [s].
-    inertia : float
-        Inertia of the cam as the shaft feels it [kg.m2]: step/step.domega_dtau.
+    inertia, cam_damping : float
+        Inertia [kg.m2] and viscous damping [N.m.s/rad] of the cam as the shaft feels them.
     plant : Impedance
         Of the plant, at the beginning of the step.
     order : int
@@ -245,6 +323,7 @@ class LoopStability:
     plant: Impedance
     order: int
     spectral_radius: float
+    cam_damping: float = 0.0
 
     @property
     def stable(self) -> bool:
@@ -257,12 +336,14 @@ class LoopStability:
             f"explicit coupling with a step of {self.step:g} s is {verdict}: errors change"
             f" {self.spectral_radius:.4g} times per step, allowed is 1. The plant has stiffness"
             f" {self.plant.stiffness:.4g} N.m/rad, damping {self.plant.damping:.4g} N.m.s/rad, inertia"
-            f" {self.plant.inertia:.4g} kg.m2; the cam has inertia {self.inertia:.4g} kg.m2, so damping times"
-            f" step.domega_dtau is {self.plant.damping * self.step / self.inertia:.4g}."
+            f" {self.plant.inertia:.4g} kg.m2. The cam has inertia {self.inertia:.4g} kg.m2 and"
+            f" viscous damping {self.cam_damping:.4g} N.m.s/rad."
         )
         if self.stable:
             return text
-        allowed = largest_stable_step(self.inertia, self.plant, self.order)
+        without_inertia = self.cam_damping * self.step >= 0.99 * LARGEST_DAMPING * self.inertia
+        allowed = largest_stable_step(self.inertia, self.plant, self.order, self.cam_damping)
+        allowed = 0.0 if without_inertia else allowed  # then the step does not matter
         smaller = f"steps up to {allowed:.3g} s, or " if allowed > 0.0 else ""
         return (
             f"{text} What works: {smaller}step_implicit. Rotor inertia belongs into inertia.shaft, times the"

@@ -195,7 +195,7 @@ def replaced(old, new, text=EVERYTHING_2):
         ("", "no valid modelDescription.xml"),
         ("<fmiModelDescription", "no valid modelDescription.xml"),
         ("<other/>", "<other>"),
-        ("<fmiModelDescription/>", "fmiVersion is missing"),
+        ("<fmiModelDescription/>", "'fmiVersion' is missing"),
         (replaced('fmiVersion="2.0"', 'fmiVersion="1.0"'), "FMI 1.0: allowed are 2.0 and 3.0"),
         (replaced(' guid="{1}"', ""), "'guid' is missing"),
         (replaced('start="0.5"', 'start="half"'), "variable a: start = 'half' is no real number"),

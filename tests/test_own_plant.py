@@ -19,6 +19,7 @@ from dualcam.coupling import (
     Impedance,
     PlantCoupling,
     ShaftMotion,
+    cam_of_step,
     impedance_of,
     largest_stable_step,
     reflected_inertia,
@@ -147,6 +148,43 @@ def test_warning_exactly_where_the_loop_diverges(fmu, order, kind):
 
         ratio, warned = growth(fmu, plant, order)
         assert (ratio > 100.0, warned) == (diverges, diverges), (share, ratio)
+
+
+VISCOUS = {"initial.theta": 0.7, "inertia.shaft": 0.0, "cam1.friction": 0.0, "cam2.friction": 0.0,
+           "spring.preload": 1e-9, "spring.stiffness": 0.0, "shaft.damping": 0.5}  # fmt: skip
+
+
+@pytest.mark.parametrize(("share", "diverges"), [(0.5, False), (0.95, False), (1.05, True), (3.0, True)])
+def test_cam_without_inertia(fmu, share, diverges):
+    """Its speed is tau/B: an error of omega is multiplied by -D/B per step, whatever the step is."""
+    fmu.start({**VISCOUS, "tau": 1e-6})
+    coupling, speeds = PlantCoupling(fmu, lambda shaft: 1e-9 - share * 0.5 * shaft.omega), []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(60):
+            step = coupling.step_explicit(H)
+            speeds.append(abs(step.motion.omega))
+            if speeds[-1] > 1e-3:
+                break
+    assert step.stability.cam_damping == pytest.approx(0.5, rel=0.03)
+    assert (speeds[-1] > speeds[0]) is diverges
+    assert bool(caught) is diverges
+    if diverges:
+        assert "steps up to" not in str(caught[0].message)
+
+
+@pytest.mark.parametrize("x", [0.01, 0.3, 1.0, 3.0, 20.0])
+def test_cam_from_its_step(fmu, x):
+    """J and B of an inertia with a damper, told from one step; an error of omega is multiplied by
+    e^-x - (1 - e^-x) D/B if the torque is held."""
+    damping = x * J / H
+    fmu.start({**FREE, "shaft.damping": damping, "tau": 1e-3})
+    fmu.step(H)
+    found = cam_of_step(H, fmu.real("step.dtheta_dtau"), fmu.real("step.domega_dtau"))
+    assert found == pytest.approx((J, damping), rel=1e-6)
+    share = (1.0 + math.exp(-x)) / -math.expm1(-x)  # D/B at which e^-x - (1 - e^-x) D/B = -1
+    radius = spectral_radius(H, J, Impedance(damping=1.1 * share * damping), cam_damping=damping)
+    assert radius == pytest.approx(1.1 * (1.0 + math.exp(-x)) - math.exp(-x), rel=1e-9)
 
 
 def test_warning_has_numbers_and_what_works(fmu):

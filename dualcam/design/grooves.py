@@ -26,11 +26,21 @@ STENCIL = 5  # samples that a table's slope at a sample comes from
 
 
 class Point(NamedTuple):
-    """A groove law at one angle or at many, arrays of the shape of psi."""
+    """A groove law at one angle or at many.
 
-    z: Array  # m
-    slope: Array  # dz/dpsi, m/rad
-    d2z_dpsi2: Array  # m/rad^2
+    Attributes
+    ----------
+    z : ndarray
+        Height [m], of the shape of psi.
+    slope : ndarray
+        dz/dpsi [m/rad].
+    d2z_dpsi2 : ndarray
+        Second derivative [m/rad2].
+    """
+
+    z: Array
+    slope: Array
+    d2z_dpsi2: Array
 
 
 class Groove(Protocol):
@@ -50,8 +60,26 @@ class Groove(Protocol):
 
 
 def curvature(groove: Groove, psi: ArrayLike) -> Array:
-    """Of the unwrapped path of the pin's centre [1/m], + where the groove steepens:
-    (g''/r^2)/(1 + (g'/r)^2)^(3/2)."""
+    """Curvature of the unwrapped path of the pin's centre: (g''/r^2)/(1 + (g'/r)^2)^(3/2).
+
+    Parameters
+    ----------
+    groove : Groove
+        The groove law z = g(psi) on a cam of radius r.
+    psi : array_like
+        Angle of the pin along the groove [rad].
+
+    Returns
+    -------
+    ndarray
+        Curvature [1/m], + where the groove steepens, of the shape of `psi`.
+
+    Examples
+    --------
+    >>> from dualcam.design import Helix, curvature
+    >>> float(curvature(Helix(radius=0.02, lead_angle=0.7854), 0.3))  # a helix unwraps to a straight line
+    0.0
+    """
     point, r = groove.at(psi), groove.radius
     return point.d2z_dpsi2 / r**2 / (1.0 + (point.slope / r) ** 2) ** 1.5
 
@@ -73,7 +101,32 @@ def _check_lead_angle(value: float) -> None:
 
 @dataclass(frozen=True)
 class Helix:
-    """Constant lead angle [rad]."""
+    """A groove of constant lead angle: z = r tan(lambda) psi.
+
+    Parameters
+    ----------
+    radius : float
+        Radius r of the cam [m], > 0.
+    lead_angle : float
+        Lead angle lambda [rad], from 0 to less than pi/2.
+
+    Raises
+    ------
+    DesignError
+        A value outside its range.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 2.
+
+    Examples
+    --------
+    >>> import math
+    >>> from dualcam.design import Helix
+    >>> groove = Helix(radius=0.02, lead_angle=math.radians(45))
+    >>> round(float(groove.at(0.5).z), 6)  # m, at psi = 0.5 rad
+    0.01
+    """
 
     radius: float
     lead_angle: float
@@ -98,8 +151,36 @@ class Helix:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """An arc of an ellipse with semi-axes a (along the circumference) and b (along z) [m] that starts at a
-    lead angle [rad] and steepens (bending = +1) or flattens (-1)."""
+    """A groove that unwraps to an arc of an ellipse.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the cam [m], > 0.
+    lead_angle : float
+        Lead angle at psi = 0 [rad], from 0 to less than pi/2.
+    a, b : float
+        Semi-axes along the circumference and along z [m], > 0.
+    bending : {1, -1}
+        +1: the groove steepens. -1: the groove flattens. The FMU's `ellipse_curvature`.
+
+    Raises
+    ------
+    DesignError
+        A value outside its range.
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 2.
+
+    Examples
+    --------
+    >>> from dualcam.design import Ellipse
+    >>> groove = Ellipse(radius=0.02, lead_angle=0.6, a=0.05, b=0.05)
+    >>> low, high = groove.range  # rad, where the law holds
+    >>> low < 0.0 < 1.0 < high
+    True
+    """
 
     radius: float
     lead_angle: float
@@ -222,14 +303,14 @@ class Table:
         --------
         >>> import tempfile
         >>> from pathlib import Path
+        >>> from dualcam.design import Table
+        >>> lines = ["psi [deg];z [mm]", "0;0", "20;4,1", "40;8,6", "60;13,5"]
         >>> with tempfile.TemporaryDirectory() as folder:
-        ...     file = Path(folder) / "groove.csv"
-        ...     _ = file.write_text("psi [deg];z [mm]\\n0;0\\n20;4,5\\n40;9,8\\n60;16\\n")
-        ...     table = Table.read(file, radius=0.02)
-        >>> table.notes[1]
-        'the decimal sign is a comma'
-        >>> float(table.z[1])
-        0.0045
+        ...     path = Path(folder) / "groove.csv"
+        ...     _ = path.write_text("\\n".join(lines))
+        ...     table = Table.read(path, radius=0.02, delimiter=";", decimal=",")
+        >>> table.z.tolist()  # m
+        [0.0, 0.0041, 0.0086, 0.0135]
         """
         file = read_groove(path, units, delimiter, decimal)
         try:

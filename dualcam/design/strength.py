@@ -33,11 +33,35 @@ LEVEL = 1e-9  # rad: a lead angle up to this counts as level, as in the FMU
 
 @dataclass(frozen=True)
 class Pin:
-    """A pin and the flanks that it bears on; steel unless said otherwise."""
+    """A pin and the flanks that it bears on; steel unless said otherwise.
 
-    radius: float  # m
-    width: float  # m, of the flank along the pin
-    modulus: float = 210e9  # Pa, of the pin
+    Parameters
+    ----------
+    radius : float
+        Radius of the pin [m], > 0.
+    width : float
+        Width of the flank along the pin [m], > 0.
+    modulus, cam_modulus : float
+        Young's moduli of pin and cam [Pa], > 0.
+    poisson, cam_poisson : float
+        Poisson's ratios of pin and cam [1], 0 to 0.5.
+
+    Raises
+    ------
+    DesignError
+        A value outside its range.
+
+    Examples
+    --------
+    >>> from dualcam.design import Pin
+    >>> pin = Pin(radius=0.003, width=0.008)
+    >>> f"{pin.contact_modulus:.4g}"  # Pa
+    '1.154e+11'
+    """
+
+    radius: float
+    width: float
+    modulus: float = 210e9
     poisson: float = 0.3
     cam_modulus: float = 210e9
     cam_poisson: float = 0.3
@@ -59,8 +83,32 @@ class Pin:
 
 
 def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Largest pressure [Pa] under a normal force [N] on the flank below a path of that signed curvature
-    [1/m]; for the flank above change the curvature's sign. Infinite where the flank is undercut."""
+    """Largest pressure of the line contact between pin and flank, by Hertz.
+
+    Parameters
+    ----------
+    load : array_like
+        Normal force of one contact [N].
+    pin : Pin
+    curvature : array_like
+        Signed curvature of the path of the pin's centre [1/m], for the flank below the path. For the flank
+        above change the sign.
+
+    Returns
+    -------
+    ndarray
+        Pressure [Pa]; infinite where the flank is undercut.
+
+    Notes
+    -----
+    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2.
+
+    Examples
+    --------
+    >>> from dualcam.design import Pin, hertz_pressure
+    >>> round(float(hertz_pressure(400.0, Pin(radius=0.003, width=0.008))) / 1e6)  # MPa
+    782
+    """
     radius = pin.radius * (1.0 + pin.radius * np.asarray(curvature, dtype=float))
     with np.errstate(divide="ignore", invalid="ignore"):
         square = np.asarray(load, dtype=float) / pin.width * pin.contact_modulus / (math.pi * radius)
@@ -69,11 +117,32 @@ def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Arr
 
 @dataclass(frozen=True)
 class Limits:
-    """Allowed values."""
+    """Allowed values.
 
-    lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))  # rad
-    pressure: float = 1.5e9  # Pa
-    self_locking: bool = False  # whether a contact may lock itself
+    Parameters
+    ----------
+    lead_angle : tuple of float
+        Least and greatest lead angle [rad].
+    pressure : float
+        Greatest contact pressure [Pa].
+    self_locking : bool
+        Whether a contact may lock itself.
+
+    Raises
+    ------
+    DesignError
+        Lead angles that do not grow inside [0, pi/2], or no pressure.
+
+    Examples
+    --------
+    >>> from dualcam.design import Limits
+    >>> Limits(pressure=1.2e9).self_locking
+    False
+    """
+
+    lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))
+    pressure: float = 1.5e9
+    self_locking: bool = False
 
     def __post_init__(self) -> None:
         low, high = self.lead_angle
@@ -161,10 +230,11 @@ def assess(
 
     Examples
     --------
+    >>> import math
     >>> from dualcam.design import Helix, Mechanism, Pin, Spring, assess
-    >>> groove = Helix(radius=0.02, lead_angle=0.8)
-    >>> mechanism = Mechanism((groove, groove), (0.1, 0.1), Spring(50.0, 50e3), upper=1.3)
-    >>> assess(mechanism, Pin(radius=0.003, width=0.008)).good
+    >>> groove = Helix(radius=0.02, lead_angle=math.pi / 4)
+    >>> cam = Mechanism((groove, groove), (0.14, 0.14), Spring(50.0, 5e4), upper=1.3963)
+    >>> assess(cam, Pin(radius=0.003, width=0.008)).good
     True
     """
     if points < 2:

@@ -1,4 +1,4 @@
-"""Parameter studies: many runs of one FMI 2.0 co-simulation FMU, tens of thousands per second and core.
+"""Parameter studies: many runs of one co-simulation FMU, tens of thousands per second and core.
 
 A study is a plan (which values), a scenario (what is done to the mechanism) and results (what is read, and
 when):
@@ -6,15 +6,15 @@ when):
     from dualcam.study import History, Plan, Scenario, Study, Vary
 
     study = Study(
-        "build/DualCamForward.fmu",
+        "forward",
         Plan("sobol", {"cam1.lead_angle": Vary(0.5, 1.1), "cam2.lead_angle": Vary(0.5, 1.1)}, runs=4096),
         Scenario(0.4, {"tau": History([0.0, 0.2, 0.2, 0.4], [0.0, 8.0, 0.0, 0.0])}),
         ["efficiency", "energy.heat_cam1", "theta@0.2"],
     )
     table = study.run("build/study/sobol")
 
-Everything goes through FMI alone: it works with any FMU of that kind. `dualcam study plan.toml` is the same
-on the command line.
+Everything goes through FMI alone: it works with any FMU of FMI 2.0 or FMI 3.0. `dualcam study
+plan.toml` is the same on the command line.
 """
 
 from dualcam.study.description import read_study
