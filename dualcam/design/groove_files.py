@@ -18,7 +18,7 @@ from dualcam.design.statics import Array, DesignError
 
 HEADER = "psi_rad,z_m"
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3, "turn": 2.0 * math.pi}  # rad
-LENGTHS = {"m": 1.0, "mm": 1e3, "cm": 1e2, "um": 1e6, "in": 1.0 / 0.0254}  # in one metre
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}  # m
 WORDS = {  # of a header, in small letters
     **{word: "rad" for word in ("rad", "radian", "radians")},
     **{word: "deg" for word in ("deg", "degree", "degrees", "°")},
@@ -155,7 +155,7 @@ def _parsed(
         notes.append("the decimal sign is a comma")
     samples = np.array([_sample(line, separator, comma) for line in numbers])
     found = units or _units(header, notes)
-    psi, z = samples[:, 0] * ANGLES[found[0]], samples[:, 1] / LENGTHS[found[1]]
+    psi, z = samples[:, 0] * ANGLES[found[0]], samples[:, 1] * LENGTHS[found[1]]
     _check_order(numbers, samples)
     return GrooveFile(psi, z, found, tuple(notes), found == ("rad", "m") and _is_exact(text))
 
