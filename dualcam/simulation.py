@@ -185,7 +185,7 @@ def simulate(
     with Fmu(fmu or fmu_path(design.model)) as handle:
         recorder = _Recorder(handle, names)
         steps = scenario.steps([float(time) for time in times], interpolates=True, fixed=False)
-        given = {**design.parameters, **(parameters or {}), **steps[0].values}
+        given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}
         handle.start(given, tolerance=scenario.tolerance)
         rows = [recorder.row(0.0)]
         for step, due in zip(steps, _is_sample(steps, times), strict=True):

@@ -8,6 +8,7 @@ import pytest
 
 from dualcam import Fmu, FmuError
 from dualcam.check import check_design
+from dualcam.check.rules import troubles
 from dualcam.check.search import nearest_working, round_away
 from dualcam.check.values import with_value
 from dualcam.design import (
@@ -23,6 +24,7 @@ from dualcam.design import (
 )
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.library import fmu_path
+from dualcam.variables import all_parameters
 
 
 @pytest.fixture
@@ -283,6 +285,7 @@ def test_what_was_called_good():
             wrong()
 
 
+@pytest.mark.filterwarnings("ignore::dualcam.errors.UnitWarning")  # beyond the limits
 def test_limits_of_the_fmu():
     """Values that the FMU's modelDescription.xml does not allow."""
     large = Mechanism((Helix(0.02, 0.7),) * 2, (11.0, 0.0), Spring(50, 5e4), 1.0)
@@ -297,3 +300,48 @@ def test_limits_of_the_fmu():
 def test_without_a_pin_there_is_no_pressure():
     report = assess(Mechanism((Helix(0.02, 0.7),) * 2, (0.1, 0.1), Spring(50, 5e4), 1.0), None)
     assert report.good and np.isnan(report.pressure).all()
+
+
+# ---- any design gets a verdict ----
+
+
+def random_text(rng):
+    """Parameters anywhere in their limits, some with spring lengths and pin."""
+    known = {name: v for name, v in all_parameters().items() if not name.endswith("table")}
+
+    def value(variable):
+        if variable.kind is bool:
+            return "true"
+        if variable.kind is int:
+            return str(int(rng.choice([variable.least, min(variable.greatest, 2)])))  # no table
+        low, high = max(variable.least, -1e12), min(variable.greatest, 1e12)
+        near = variable.start * rng.uniform(0.3, 2.0)
+        far = variable.start * 10.0 ** rng.uniform(-3.0, 3.0)
+        return repr(float(np.clip(rng.choice([low, high, near, near, far, 1e-300, 0.0]), low, high)))
+
+    names = rng.choice(list(known), rng.integers(1, 6), replace=False)
+    lines = [f"{name} = {value(known[name])}" for name in names]
+    if rng.random() < 0.3:
+        lines.append(f"spring.free_length = {rng.uniform(0.05, 0.1)}\nspring.solid_length = 0.04")
+    if rng.random() < 0.3:
+        lines.append(f"pin.radius = {10 ** rng.uniform(-4, -1)}\npin.width = {10 ** rng.uniform(-4, -1)}")
+    return "\n".join(lines)
+
+
+def test_any_design_gets_a_verdict_and_every_proposal_cures_its_finding(design):
+    rng = np.random.default_rng(5)
+    proposals = 0
+    for _ in range(40):
+        text = random_text(rng)
+        one = design(text)
+        verdict = check_design(one)
+        json.dumps(verdict.to_json(), allow_nan=False)
+        assert verdict.good == (verdict.starts and not verdict.errors)
+        assert verdict.starts or verdict.errors, text
+        for finding in verdict.findings:
+            if finding.nearest is None:
+                continue
+            proposals += 1
+            left = troubles(with_value(one, finding.change, finding.nearest))
+            assert finding.kind not in {trouble.finding.kind for trouble in left}, (text, finding)
+    assert proposals > 5

@@ -368,6 +368,7 @@ def random_task(number):
     return wanted, upper, spring, ("loading", "releasing", "frictionless")[number % 3], options
 
 
+@pytest.mark.filterwarnings("ignore::dualcam.errors.UnitWarning")  # random sizes
 def test_random_torques_run_in_the_fmu_or_are_refused(inverse, tmp_path):
     """As above for random ones. A refusal names the place, and a torque that cannot be there."""
     made = 0

@@ -14,8 +14,15 @@ MODULES = (
     *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
-    *("dualcam.simulation", "dualcam.report", "dualcam.ssp", "dualcam.export", "dualcam.check.verdict"),
+    *(
+        "dualcam.simulation",
+        "dualcam.report",
+        "dualcam.ssp",
+        "dualcam.export.exporter",
+        "dualcam.check.verdict",
+    ),
     *("dualcam.design_file.reader", "dualcam.design_file.design", "dualcam.coupling", "dualcam.plant"),
+    *("dualcam.design_file.templates.template", "dualcam.unit_guards"),
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque")

@@ -20,7 +20,7 @@ from exported_fmus import FACTORY, HELIX, IDENTIFIERS, Design, Exported, factory
 from fmpy.validation import validate_fmu
 
 from dualcam import Fmu
-from dualcam.errors import DualcamError, FmuError
+from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
 from dualcam.library import fmu_path
 
@@ -547,7 +547,7 @@ def test_refused_designs(tmp_path):
         ({"cam1.profile": 3, "cam1.table": missing}, "none.csv"),
         ({"cam1.table": missing}, "cam1.table = .*none.csv"),
         ({"cam1.radius": "wide"}, "allowed is a number"),
-        ({"shaft.stiffness": 100.0}, "no variable"),
+        ({"shaft.stifness": 100.0}, "no variable"),
     ):
         refused(DualcamError, words, Design(parameters), path)
     assert path.read_bytes() == b"older"
@@ -578,3 +578,13 @@ def test_an_fmu_that_fails_in_its_reference_run_is_refused(tmp_path, monkeypatch
     monkeypatch.setattr(Fmu, "step", fail)
     refused(ExportError, "reference run at 0 s: no step is possible", Design(HELIX), tmp_path / "MyCam.fmu")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_parameter_of_the_other_model_is_left_out_with_a_warning(tmp_path):
+    design = Design({"shaft.stiffness": 100.0, "cam1.friction": 0.1})
+    with pytest.warns(DualcamWarning, match=r"shaft.stiffness = 100.0: left out, the forward model"):
+        export_fmu(design, tmp_path / "A.fmu")
+    export_fmu(design, tmp_path / "B.fmu", model="inverse")
+    with Fmu(tmp_path / "B.fmu") as fmu:
+        fmu.start()
+        assert fmu.real("shaft.stiffness") == 100.0

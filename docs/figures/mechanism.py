@@ -45,8 +45,7 @@ SPRING_LOAD = Spring(50.0, 50e3)  # N, N/m: the default spring
 
 def mechanism_drawn() -> Mechanism:
     """The mechanism of the first picture; lengths in mm."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UnitWarning)  # millimetres are meant
+    with warnings.catch_warnings(action="ignore", category=UnitWarning):  # millimetres are meant
         one, two = (Helix(r, lead) for r, lead in zip(RADIUS, LEAD, strict=True))
     return Mechanism((one, two), (FRICTION, FRICTION), SPRING_LOAD, THETA)
 

@@ -92,7 +92,11 @@ def check_design(design: DesignFile) -> Verdict:
 
     Examples
     --------
-    >>> verdict = check_design(read_design("my.toml"))
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     verdict = check_design(read_design(write_template("robot", Path(folder) / "my.toml")))
     >>> verdict.good
     True
     """

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,8 @@ import numpy as np
 from dualcam.design.statics import Array, DesignError
 
 HEADER = "psi_rad,z_m"
-ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3, "turn": 2.0 * math.pi}
-LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
+ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3, "turn": 2.0 * math.pi}  # rad
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}  # m
 WORDS = {  # of a header, in small letters
     **{word: "rad" for word in ("rad", "radian", "radians")},
     **{word: "deg" for word in ("deg", "degree", "degrees", "°")},
@@ -155,9 +156,15 @@ def _parsed(
         notes.append("the decimal sign is a comma")
     samples = np.array([_sample(line, separator, comma) for line in numbers])
     found = units or _units(header, notes)
-    psi, z = samples[:, 0] * ANGLES[found[0]], samples[:, 1] * LENGTHS[found[1]]
+    psi, z = samples[:, 0] * ANGLES[found[0]], _metres(samples[:, 1], found[1])
     _check_order(numbers, samples)
     return GrooveFile(psi, z, found, tuple(notes), found == ("rad", "m") and _is_exact(text))
+
+
+def _metres(values: Array, unit: str) -> Array:
+    """Lengths in metres, rounded once: 4.1 mm is 0.0041 m to the last digit."""
+    factor = Decimal(str(LENGTHS[unit]))
+    return np.array([float(Decimal(repr(value)) * factor) for value in values.tolist()])
 
 
 def _is_exact(text: str) -> bool:

@@ -80,7 +80,18 @@ class DesignFile:
         return self.path.stem
 
     def value(self, name: str) -> Any:  # noqa: ANN401
-        """A parameter's value: that of the file, or else the FMU's default."""
+        """A parameter's value: that of the file, or else the FMU's default.
+
+        Parameters
+        ----------
+        name : str
+            Name of the FMU's parameter.
+
+        Returns
+        -------
+        float, int, bool or str
+            In the FMU's unit.
+        """
         return self.parameters.get(name, all_parameters()[name].start)
 
     def parameters_for(self, model: str | None = None) -> dict[str, Value]:
@@ -114,7 +125,7 @@ class DesignFile:
         """
         from dualcam.design import Mechanism, Spring
 
-        with units_checked_before():  # the design's own warnings have them
+        with units_checked_before():  # the findings of the file have these warnings, with their lines
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),
                 (self.value("cam1.friction"), self.value("cam2.friction")),

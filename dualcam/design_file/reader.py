@@ -39,7 +39,10 @@ def read_design(path: str | Path) -> DesignFile:
 
     Examples
     --------
-    >>> design = read_design("my.toml")
+    >>> import tempfile
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
     >>> design.parameters["cam1.radius"]
     0.02
     """
@@ -79,7 +82,7 @@ class _Reading:
     def attempt(self, key: str, make: Callable[[], Any]) -> Any:  # noqa: ANN401
         """What `make` gives; None, and an error at the key, if it is refused."""
         try:
-            with units_checked_before():  # the design's own warnings have them
+            with units_checked_before():  # the findings of the file have these warnings, with their lines
                 return make()
         except DualcamError as error:
             self.refuse(key, None, f"[{key}] {error}")

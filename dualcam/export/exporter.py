@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Protocol
 
-from dualcam.errors import ExportError
+from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.archive import DESCRIPTION, read_members, write_members
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, Scalar, typed
@@ -24,6 +24,7 @@ from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
+from dualcam.variables import all_parameters, inputs_of, parameters_of
 
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
@@ -97,22 +98,25 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
 
     Examples
     --------
-    >>> from dualcam.design_file import read_design
-    >>> export_fmu(read_design("my.toml"), "MyCam.fmu", fmi=3)  # doctest: +SKIP
+    >>> from dualcam.design_file import read_design, write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     export_fmu(design, Path(folder) / "MyCam.fmu", fmi=3).name
+    'MyCam.fmu'
     """
     target = target_path(path)
     model = design.model if model is None else model
     original = fmu_path(model, fmi)
     if target.resolve().parent == original.parent and target.stem in MODELS.values():
         raise ExportError(f"{target} is the project's own FMU: choose another folder or name")
-    renamed = START_INPUTS if model == "inverse" else {}
-    parameters = {renamed.get(name, name): value for name, value in design.parameters.items()}
+    parameters = _parameters_of_model(design, model)
     with Fmu(fmu_path(model)) as fmu:
         fmu.start(parameters)  # refuses unknown names, values out of range, and a design that jams
     plan = _plan(design.name, target.stem, model, parameters)
     if plan.identifier != plan.name:
         warnings.warn(
             f"{plan.name!r} is no C identifier: the binaries in the FMU are named {plan.identifier!r}",
+            DualcamWarning,
             stacklevel=2,
         )
     curves = slow_motion_curves(parameters)
@@ -125,6 +129,20 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     except OSError as error:
         raise ExportError(f"{target} cannot be written: {error}") from error
     return target
+
+
+def _parameters_of_model(design: Design, model: str) -> dict[str, Scalar]:
+    """The design's parameters by their names in this model, without those that only the other model has."""
+    renamed = START_INPUTS if model == "inverse" else {}
+    given = {renamed.get(name, name): value for name, value in design.parameters.items()}
+    known = {**parameters_of(model), **inputs_of(model)}
+    absent = [name for name in given if name not in known and name in all_parameters()]
+    if absent:
+        what = ", ".join(f"{name} = {given[name]}" for name in absent)
+        warnings.warn(
+            f"{what}: left out, the {model} model has no such parameter", DualcamWarning, stacklevel=3
+        )
+    return {name: value for name, value in given.items() if name not in absent}
 
 
 def _plan(design: str, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:

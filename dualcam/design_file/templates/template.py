@@ -39,7 +39,11 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
 
     Examples
     --------
-    >>> write_template("robot", "my.toml")
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = write_template("robot", Path(folder) / "my.toml")
+    >>> path.name
+    'my.toml'
     """
     if name not in TEMPLATES:
         raise DesignError(f"template {name!r}: allowed are {', '.join(TEMPLATES)}")
