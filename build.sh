@@ -33,6 +33,7 @@ usage: ./build.sh [command] [arguments]
            docs/design-file.md (seconds); docs/figures/mechanism.py, docs/figures/architecture.py,
            docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
+  firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
@@ -152,6 +153,7 @@ case $command in
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
+    firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
     study)

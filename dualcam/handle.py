@@ -22,9 +22,11 @@ from dualcam.instance import START_FAILED, Instance, References, Use
 from dualcam.library import source_path
 from dualcam.model_description import Interface, Kind, Scalar, Variable, read_model_description
 from dualcam.reals import Array, Reals, vector_of
+from dualcam.unit_guards import warn_units
 
 INSTANCES: dict[int, type[Instance]] = {2: Fmi2Instance, 3: Fmi3Instance}
 DOUBLES = ("Real", "Float64")  # types of variables that a group can hold
+OWN_NAMES = {"cam1.lead_angle", "cam2.lead_angle", "spring.stiffness"}  # only the dual cam's FMUs have all
 NAMES_LISTED = 12  # most names in a message about an unknown variable
 
 
@@ -62,6 +64,7 @@ class Handle:
         self._variables = {variable.name: variable for variable in self.description.variables}
         self._instance = INSTANCES[version](self.path, self.description, self._use)
         self._close = weakref.finalize(self, self._instance.free)
+        self._is_dual_cam = set(self._variables) >= OWN_NAMES
         self._is_new = True
         self.parameters: dict[str, Scalar] = {}
         self.time = 0.0
@@ -97,6 +100,8 @@ class Handle:
             instance.reset()
         self._is_new = False
         instance.refuse_calls(START_FAILED)
+        if self._is_dual_cam:
+            warn_units({name: (name, value) for name, value in parameters.items()}, stacklevel=4)
         for name, value in parameters.items():
             self._set(name, value)
         instance.enter_initialization(tolerance, time)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from dualcam.errors import DesignError, DualcamError
 from dualcam.fmu import Fmu, Scalar
 from dualcam.library import fmu_path
+from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -182,7 +183,7 @@ def simulate(
         raise DesignError(f"{design.path}: scenario.controller: only studies run controllers; leave it out")
     times = sample_times(scenario.stop, design.output_interval)
     names = tuple(variables) or VARIABLES[design.model]
-    with Fmu(fmu or fmu_path(design.model)) as handle:
+    with Fmu(fmu or fmu_path(design.model)) as handle, units_checked_before():
         recorder = _Recorder(handle, names)
         steps = scenario.steps([float(time) for time in times], interpolates=True, fixed=False)
         given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}

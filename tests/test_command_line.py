@@ -264,3 +264,15 @@ def test_an_ssp_package_is_valid_and_holds_the_fmu(design, capsys):
             if Path(name).suffix in kinds:
                 schema = etree.parse(str(SCHEMAS / f"SystemStructure{kinds[Path(name).suffix]}.xsd"))
                 etree.XMLSchema(schema).assertValid(etree.fromstring(archive.read(name)))
+
+
+def test_warnings_of_a_design_go_to_the_error_output(design, capsys):
+    design.write_text(design.read_text().replace('stiffness = "50 N/mm"', "stiffness = 50"))
+    for words in (
+        ["band", "my.toml"],
+        ["simulate", "my.toml", "-o", "out.csv"],
+        ["report", "my.toml", "-o", "r.html"],
+    ):
+        said = spoken(capsys, *words)
+        assert said.err.count("this looks like N/mm; 50 N/mm is 50000 N/m") == 1
+        assert "looks like" not in said.out

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from driver import ROOT
 
+from dualcam import Fmu
 from dualcam.design import Ellipse, Helix, Limits, Mechanism, Pin, Spring, Table, synthesize
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DesignError, UnitWarning
@@ -138,3 +139,17 @@ def test_studies_get_no_warning():
         assert [
             text for name, end in zip(names, ends, strict=True) for text in unit_warnings({name: end})
         ] == []
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_start_of_the_fmu_warns(fmi):
+    def start():
+        with Fmu("forward", fmi=fmi) as fmu:
+            fmu.start({"cam1.radius": 18, "stop.upper": 75.0, "spring.stiffness": 32.0})
+
+    found = caught(start)
+    assert [text.partition(":")[0] for text in found] == [
+        "cam1.radius = 18 m",
+        "stop.upper = 75 rad",
+        "spring.stiffness = 32 N/m",
+    ]

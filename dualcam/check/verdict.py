@@ -14,7 +14,7 @@ from dualcam.design_file import DesignFile, Finding
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import DualcamError, FmuError
 from dualcam.library import fmu_path
-from dualcam.unit_guards import unit_warning
+from dualcam.unit_guards import unit_warning, units_checked_before
 from dualcam.variables import all_parameters, inputs_of
 
 PIN_UNITS = {"pin.radius": "m", "pin.width": "m"}
@@ -116,7 +116,7 @@ def start_refusal(design: DesignFile) -> str:
     """The FMU's message if the FMU does not start with the design's parameters, else an empty text."""
     from dualcam.fmu import Fmu
 
-    with Fmu(fmu_path(design.model)) as fmu:
+    with Fmu(fmu_path(design.model)) as fmu, units_checked_before():
         try:
             fmu.start(design.parameters_for() | _first_inputs(design))
         except FmuError as error:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dualcam.cli.design_argument import open_design
 from dualcam.cli.options import as_json, design_file, example, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, require_folder_of, say
 from dualcam.errors import DesignError
@@ -63,11 +64,10 @@ def command(
     Spring, friction, radius and the upper stop are those of the design file. The command writes the table of
     the groove and prints the lines that put the table into the design file.
     """
-    from dualcam.design_file import read_design
 
     require_folder_of(output)
     refuse_to_overwrite(output, force)
-    found = _designed(read_design(design_file), torque, direction, groove2 == "given")
+    found = _designed(open_design(design_file), torque, direction, groove2 == "given")
     found.table.write(output)
     cams = (1,) if groove2 == "given" else (1, 2)
     if as_json:

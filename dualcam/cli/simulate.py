@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from dualcam.cli.design_argument import open_design
 from dualcam.cli.options import FILE, as_json, design_file, example, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
@@ -35,14 +36,13 @@ def command(
 
     The file's [scenario] says how long, and which torque (or which motion) acts.
     """
-    from dualcam.design_file import read_design
     from dualcam.simulation import checked_format
 
     checked_format(output)
     for path in (output, plot):
         if path is not None:
             require_folder_of(path)
-    design = read_design(design_file)
+    design = open_design(design_file)
     names = [name.strip() for name in variables.split(",") if name.strip()]
     trajectory = _run(design, names, fmu, as_json)
     trajectory.write(output)

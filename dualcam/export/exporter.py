@@ -24,6 +24,7 @@ from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
+from dualcam.unit_guards import units_checked_before
 from dualcam.variables import all_parameters, inputs_of, parameters_of
 
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
@@ -110,7 +111,7 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     if target.resolve().parent == original.parent and target.stem in MODELS.values():
         raise ExportError(f"{target} is the project's own FMU: choose another folder or name")
     parameters = _parameters_of_model(design, model)
-    with Fmu(fmu_path(model)) as fmu:
+    with Fmu(fmu_path(model)) as fmu, units_checked_before():
         fmu.start(parameters)  # refuses unknown names, values out of range, and a design that jams
     plan = _plan(design.name, target.stem, model, parameters)
     if plan.identifier != plan.name:
