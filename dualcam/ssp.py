@@ -242,7 +242,7 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3) -> System:
     step
         Communication step [s] that the package proposes.
     """
-    values: dict[str, Value] = {k: v for k, v in design.parameters.items() if not isinstance(v, str)}
+    values: dict[str, Value] = {k: v for k, v in design.parameters_for().items() if not isinstance(v, str)}
     cam = Component("cam", fmu, values)
     ports = tuple(f"cam.{name}" for name, (kind, _) in cam.variables.items() if kind in ("input", "output"))
     duration = 1.0 if design.scenario is None else design.scenario.stop

@@ -264,3 +264,32 @@ def test_an_ssp_package_is_valid_and_holds_the_fmu(design, capsys):
             if Path(name).suffix in kinds:
                 schema = etree.parse(str(SCHEMAS / f"SystemStructure{kinds[Path(name).suffix]}.xsd"))
                 etree.XMLSchema(schema).assertValid(etree.fromstring(archive.read(name)))
+
+
+def packaged(path):
+    """Start values of the FMU in a package, by the name of the variable."""
+    with zipfile.ZipFile(path) as archive:
+        values = etree.fromstring(archive.read("resources/cam.ssv"))
+    return {p.get("name"): p[0].get("value") for p in values.iter("{*}Parameter")}
+
+
+def test_an_ssp_package_has_only_the_parameters_of_its_model(folder, capsys):
+    """The forward FMU has no shaft.stiffness, the inverse FMU no initial.theta."""
+    common = "[shaft]\nstiffness = 100.0\n[initial]\ntheta = 0.3\n[scenario]\nstop = 0.1\n"
+    for name, torque_or_angle in (("f", "inputs.tau = 3.0"), ("i", "inputs.theta = 0.3")):
+        Path(f"{name}.toml").write_text(f"{common}{torque_or_angle}\n", encoding="utf-8")
+        spoken(capsys, "ssp", f"{name}.toml", "-o", f"{name}.ssp")
+    assert packaged("f.ssp") == {"initial.theta": "0.3"}
+    assert packaged("i.ssp") == {"shaft.stiffness": "100.0"}
+
+
+@pytest.mark.parametrize("lower, upper, start", [(0.1, 1.2, 0.1), (-1.2, -0.1, -0.1)])
+def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder, capsys, lower, upper, start):
+    stops = f"[spring]\npreload = 700\n[stop]\nlower = {lower}\nupper = {upper}\n"
+    scenario = f"[scenario]\nstop = 0.1\ninputs.theta = {0.5 * (lower + upper)}\n"
+    Path("my.toml").write_text(stops + scenario, encoding="utf-8")
+    assert answer(capsys, "check", "my.toml")["good"]
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
+    with Fmu("MyCam.fmu") as fmu:
+        fmu.start()
+        assert fmu.real("theta") == start
