@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import as_json, design_file, example, fmi_version, output_file
+from dualcam.cli.options import as_json, design_file, example, fmi_version, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -29,11 +29,10 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
     sources. No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves:
     the binaries hold the start values. Change the design file and export again.
     """
-    from dualcam.design_file import read_design
     from dualcam.export import export_fmu
 
     require_folder_of(output)
-    design = read_design(design_file)
+    design = open_design(design_file)
     written = export_fmu(design, output, int(fmi), model)
     size = written.stat().st_size
     if as_json:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -19,11 +19,10 @@ def command(design_file: Path, output: Path, as_json: bool) -> None:
 
     The page holds its pictures and needs no network.
     """
-    from dualcam.design_file import read_design
     from dualcam.report import write_report
 
     require_folder_of(output)
-    written = write_report(read_design(design_file), output)
+    written = write_report(open_design(design_file), output)
     if as_json:
         print_json({"report": written})
         return

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -27,11 +27,10 @@ def command(design_file: Path, output: Path, step: float, as_json: bool) -> None
     The package has one component, `cam`, its parameters in a parameter set, and the ports of the cam as
     connectors of the system. Masters that read SSP run the package as it is, or as a part of a bigger system.
     """
-    from dualcam.design_file import read_design
     from dualcam.ssp import export_ssp
 
     require_folder_of(output)
-    written = export_ssp(read_design(design_file), output, step)
+    written = export_ssp(open_design(design_file), output, step)
     if as_json:
         print_json({"ssp": written, "step": step})
         return
