@@ -8,6 +8,7 @@ applies the sets of a name, libcosim the first of each component.
 from __future__ import annotations
 
 import io
+import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
@@ -272,7 +273,9 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     Raises
     ------
     DesignError
-        For another ending than .ssp, or a design that the FMU refuses.
+        For another ending than .ssp, a missing folder, or a step that is no number > 0.
+    FmuError
+        The FMU refuses the design.
 
     Examples
     --------
@@ -286,8 +289,12 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     from dualcam.export import export_fmu
 
     path = Path(path)
-    if path.suffix != ".ssp":
+    if path.suffix.lower() != ".ssp":
         raise DesignError(f"{path}: allowed are names that end in .ssp")
+    if not 0.0 < step < math.inf:
+        raise DesignError(f"step = {step} s: allowed is a finite number > 0")
+    if not path.absolute().parent.is_dir():
+        raise DesignError(f"{path}: the folder does not exist: make the folder, or choose another")
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
         return design_system(design, fmu, step).save(path)

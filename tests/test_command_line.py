@@ -15,7 +15,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from dualcam import Fmu, fmu_path
+from dualcam import DesignError, Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
 from dualcam.cli.main import COMMANDS
 from dualcam.cli.new import TEMPLATES
@@ -290,6 +290,15 @@ def test_an_ssp_package_has_only_the_parameters_of_its_model(folder, capsys):
         spoken(capsys, "ssp", f"{name}.toml", "-o", f"{name}.ssp")
     assert packaged("f.ssp") == {"initial.theta": "0.3"}
     assert packaged("i.ssp") == {"shaft.stiffness": "100.0"}
+
+
+@pytest.mark.parametrize(
+    "path, step, mention",
+    [("a.zip", 1e-3, "end in .ssp"), ("a.ssp", -1.0, "step = -1.0 s"), ("no/a.ssp", 1e-3, "folder")],
+)
+def test_an_ssp_package_that_cannot_be_is_refused(design, path, step, mention):
+    with pytest.raises(DesignError, match=mention):
+        export_ssp(read_design(design), path, step)
 
 
 @pytest.mark.parametrize("lower, upper, start", [(0.1, 1.2, 0.1), (-1.2, -0.1, -0.1)])
