@@ -20,8 +20,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import fmpy
+import install  # the folder masters is on PYTHONPATH, see build.sh
 import numpy as np
-import players  # the folder masters is on PYTHONPATH, see build.sh
+import players
 from scenes import PROFILE
 
 from benchmarks.harness import results as harness
@@ -31,6 +32,7 @@ from dualcam.errors import DualcamError
 
 STARTS = 7  # of `dualcam --help`
 MEBIBYTE = 1024.0**2
+SWING, SAMPLES = 0.5, 50  # s, and samples of theta
 LARGEST = 8  # packages shown with their sizes
 COMMANDS = {
     "new": ["new", "my.toml", "--from", "robot"],
@@ -69,7 +71,7 @@ def wheel() -> Path:
     return found[0]
 
 
-def install(folder: Path) -> tuple[Environment, float]:
+def new_environment(folder: Path) -> tuple[Environment, float]:
     """A new environment with the wheel, and the seconds that this takes."""
     begin = time.perf_counter()
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
@@ -121,6 +123,27 @@ def differences(environment: Environment) -> dict[str, float]:
     return found | {"MyCam.fmu in ecos": float(np.max(np.abs(by_ecos - expected)))}
 
 
+def package_differences(environment: Environment) -> dict[str, float]:
+    """The same for the SSP package of a design that swings back from 1 rad without torque."""
+    text = (environment.work / "my.toml").read_text(encoding="utf-8").partition("[scenario]")[0]
+    text = text.replace("theta = 0.0", "theta = 1.0")
+    scenario = f"[scenario]\nstop = {SWING}\noutput_interval = {SWING / SAMPLES}\n"
+    (environment.work / "swing.toml").write_text(text + scenario, encoding="utf-8")
+    environment.run("dualcam", "simulate", "swing.toml", "-o", "swing.csv", "--variables", "theta")
+    environment.run("dualcam", "ssp", "swing.toml", "-o", "swing.ssp")
+    expected = np.genfromtxt(environment.work / "swing.csv", delimiter=",", names=True)["theta"][1:]
+    package, found = environment.work / "swing.ssp", {}
+    for master, host in (("ecos", "ecospy"), ("libcosim", "libcosimpy")):
+        venv = install.package(host, *(["tbb"] if master == "ecos" else []))
+        file = environment.work / f"swing.{master}"
+        words = [package, "start", "0.001", SAMPLES, round(SWING / SAMPLES / 1e-3), file, "cam.theta"]
+        program = [venv / "bin/python", players.HOSTS / f"{master}_ssp.py", *map(str, words)]
+        players.insist(program, environment.work, LD_LIBRARY_PATH=str(venv / "lib"))
+        apart = np.abs(players.read(file)["cam.theta"] - expected)
+        found[f"SSP package in {master}"] = float(np.max(apart))
+    return found
+
+
 def row(
     what: str, seconds: float | None = None, size: float | None = None, apart: float | None = None
 ) -> dict[str, str]:
@@ -130,7 +153,7 @@ def row(
 
 def measure() -> list[dict[str, str]]:
     with tempfile.TemporaryDirectory() as scratch:
-        environment, seconds = install(Path(scratch) / "environment")
+        environment, seconds = new_environment(Path(scratch) / "environment")
         rows = [row("install the wheel", seconds, size_of(environment.folder))]
         rows += [row(f"of this: {name}", None, size) for name, size in largest_packages(environment.folder)]
         starts = [environment.run("dualcam", "--help") for _ in range(STARTS)]
@@ -138,7 +161,8 @@ def measure() -> list[dict[str, str]]:
         rows += [row(f"dualcam {what}", environment.run("dualcam", *w)) for what, w in COMMANDS.items()]
         total = sum(float(one["time [s]"]) for one in rows if one["time [s]"])
         rows.append(row("all of the above", total))
-        rows += [row(what, None, None, apart) for what, apart in differences(environment).items()]
+        apart = differences(environment) | package_differences(environment)
+        rows += [row(what, None, None, value) for what, value in apart.items()]
     return rows
 
 

@@ -39,7 +39,7 @@ import math
 import warnings
 from dataclasses import dataclass
 
-from dualcam.errors import CouplingError, DualcamError, UnstableCouplingWarning
+from dualcam.errors import CouplingError, UnstableCouplingWarning
 from dualcam.fmu import Fmu
 from dualcam.plant import (
     DIFFERENCE,
@@ -71,6 +71,7 @@ __all__ = [
     "spectral_radius",
 ]
 
+STEP_SENSITIVITIES = ("step.dtheta_dtau", "step.domega_dtau")
 ITERATIONS = 100  # most trial steps of one implicit step; bisection alone needs about 60
 TOLERANCE = 1e-9  # N.m, and relative, of the torque of an implicit step
 
@@ -106,8 +107,13 @@ class PlantCoupling:
     fmu : Fmu
         The forward FMU, started.
     plant : function of ShaftMotion
-        Torque of the plant on the shaft [N.m]. It is called several times per step, so it must not change the
-        plant's own states. Change those after the step, from the step's result.
+        Torque of the plant on the shaft [N.m]. The function is called several times per step, so the function
+        must not change the plant's own states. Change those after the step, from the step's result.
+
+    Raises
+    ------
+    CouplingError
+        `fmu` is not the forward FMU, whose input is the torque.
 
     Notes
     -----
@@ -117,7 +123,7 @@ class PlantCoupling:
     Examples
     --------
     >>> from dualcam import Fmu
-    >>> with Fmu("build/DualCamForward.fmu") as fmu:
+    >>> with Fmu("forward") as fmu:
     ...     fmu.start({"inertia.shaft": 0.15})
     ...     coupling = PlantCoupling(fmu, lambda shaft: 6.0 - 0.5 * shaft.omega)
     ...     result = coupling.step_implicit(1e-3)
@@ -126,12 +132,18 @@ class PlantCoupling:
     """
 
     def __init__(self, fmu: Fmu, plant: PlantTorque) -> None:
+        lacking = [name for name in ("tau", *STEP_SENSITIVITIES) if name not in fmu.names]
+        if lacking or fmu.variable("tau").causality != "input":
+            raise CouplingError(
+                f"{fmu.path} is no plant with input tau and step.domega_dtau: allowed is the forward FMU,"
+                ' Fmu("forward")'
+            )
         self.fmu = fmu
         self.plant = plant
         self._tau = fmu.reals("tau")
         self._motion = fmu.reals("theta", "omega", "alpha")
         self._speed = fmu.reals("omega")
-        self._sensitivity = fmu.reals("step.dtheta_dtau", "step.domega_dtau")
+        self._sensitivity = fmu.reals(*STEP_SENSITIVITIES)
         self._warned = False
         self._checked = False
 
@@ -224,7 +236,7 @@ class PlantCoupling:
                 if abs(residual) <= allowed or bracket.width <= 1e-4 * allowed:
                     return CoupledStep(torque, end, trial)
                 torque = bracket.next_trial(torque, residual, slope)
-        except DualcamError:
+        except BaseException:  # also what the plant itself raises
             self.fmu.restore_state(state)
             raise
         self.fmu.restore_state(state)
@@ -271,9 +283,15 @@ class PlantCoupling:
         return begin
 
     def _plant_torque(self, motion: ShaftMotion) -> float:
-        torque = float(self.plant(motion))
+        returned = self.plant(motion)
+        try:
+            torque = float(returned)
+        except (TypeError, ValueError):
+            torque = math.nan
         if not math.isfinite(torque):
-            raise CouplingError(f"the plant returns {torque} N.m at {motion}: allowed is a finite number")
+            raise CouplingError(
+                f"the plant returns {returned!r} at {motion}: allowed is a finite number [N.m]"
+            )
         return torque
 
     def _advance(self, size: float, polynomial: list[float]) -> None:

@@ -15,6 +15,7 @@ An instance must not be used from two threads at once; instances share nothing.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from ctypes import ArgumentError
 
 from numpy.typing import ArrayLike
 
@@ -105,7 +106,10 @@ class Fmu(Handle):
             No run has begun, or the FMU refuses the step.
         """
         instance = self._instance
-        status = instance.do_step(instance.component, self.time, size, *instance.step_end)
+        try:
+            status = instance.do_step(instance.component, self.time, size, *instance.step_end)
+        except ArgumentError:
+            raise FmuError(f"size = {size!r}: allowed is a number > 0, in s") from None
         if status > OK_OR_WARNING:
             instance.check(status, instance.DO_STEP)
         self.time += size

@@ -356,7 +356,7 @@ class Handle:
         FmuError
             The state is of another instance.
         """
-        if state._instance is not self._instance:
+        if not isinstance(state, FmuState) or state._instance is not self._instance:
             raise FmuError("this state is of another instance: allowed are those that this one gave")
         self._instance.restore_state(state._address)
         self._instance.allow_calls()
@@ -384,7 +384,7 @@ def _suitable(variable: Variable, value: object) -> Scalar:
             raise FmuError(f"{variable.name} = {value!r}: allowed is text")
         return value
     if variable.kind == "boolean":
-        if value not in (0, 1):
+        if not np.isscalar(value) or value not in (0, 1):
             raise FmuError(f"{variable.name} = {value!r}: allowed are True and False")
         return bool(value)
     try:

@@ -143,8 +143,13 @@ def save(picture: Figure, path: str | Path) -> None:
     DualcamError
         For a format that matplotlib cannot write.
     """
-    path = Path(path)
-    allowed = picture.canvas.get_supported_filetypes()
-    if path.suffix.lower().lstrip(".") not in allowed:
-        raise DualcamError(f"{path}: allowed are names that end in .png, .svg or .pdf")
+    check_picture(path)
     picture.savefig(path, dpi=150)
+
+
+def check_picture(path: str | Path) -> None:
+    """DualcamError unless matplotlib can write a picture of this name."""
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    if Path(path).suffix.lower().lstrip(".") not in FigureCanvasBase.get_supported_filetypes():
+        raise DualcamError(f"{path}: allowed are names that end in .png, .svg or .pdf")

@@ -16,6 +16,7 @@ import numpy as np
 import dualcam
 from dualcam.check import Verdict, check_design
 from dualcam.design import TorqueBand, torque_band
+from dualcam.design.torque_band import span
 from dualcam.errors import DualcamError
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.simulation import ENERGIES, Trajectory, simulate
@@ -146,14 +147,10 @@ def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
 
 
 def _band(design: DesignFile, band: TorqueBand) -> str:
-    share = 100.0 * band.efficiency
     rows = [
-        ("largest torque to load", f"{_largest(band.load):.4g} N.m"),
-        ("largest torque given back", f"{_largest(band.release):.4g} N.m"),
-        (
-            "efficiency: given back over loaded",
-            f"{np.nanmin(share):.3g} to {np.nanmax(share):.3g} %",
-        ),
+        ("torque to load", "infinite: the mechanism jams" if band.jams else f"{span(band.load)} N.m"),
+        ("torque given back", f"{span(band.release)} N.m"),
+        ("efficiency: given back over loaded", f"{span(100.0 * band.efficiency)} %"),
         ("self-locking", "yes: the spring cannot turn the cam back" if band.self_locking else "no"),
         ("range of theta", f"{np.degrees(band.theta[0]):.4g} to {np.degrees(band.theta[-1]):.4g} deg"),
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
@@ -199,11 +196,6 @@ def _value(value: Scalar) -> str:
         if isinstance(value, float)
         else str(value)
     )
-
-
-def _largest(values: np.ndarray) -> float:
-    finite = values[np.isfinite(values)]
-    return float(finite.max()) if len(finite) else float("nan")
 
 
 def _table(heads: tuple[str, str], rows: list[tuple[str, str]]) -> str:

@@ -18,7 +18,7 @@ from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
-    from dualcam.study.scenario import Scenario, Step
+    from dualcam.study.scenario import Step
 
 Array = NDArray[np.float64]
 
@@ -182,8 +182,9 @@ def simulate(
     if scenario.controller is not None:
         raise DesignError(f"{design.path}: scenario.controller: only studies run controllers; leave it out")
     times = sample_times(scenario.stop, design.output_interval)
-    names = tuple(variables) or VARIABLES[design.model]
+    names = ((variables,) if isinstance(variables, str) else tuple(variables)) or VARIABLES[design.model]
     with Fmu(fmu or fmu_path(design.model)) as handle, units_checked_before():
+        _check_inputs(design, handle)
         recorder = _Recorder(handle, names)
         steps = scenario.steps([float(time) for time in times], interpolates=True, fixed=False)
         given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}
@@ -218,9 +219,15 @@ def sample_times(stop: float, interval: float | None) -> Array:
     return np.minimum(np.arange(count + 1) * interval, stop)
 
 
-def final_inputs(scenario: Scenario) -> dict[str, float]:
-    """Values of the inputs at the start of the scenario's last step."""
-    return dict(scenario.steps([], interpolates=True, fixed=False)[-1].values)
+def _check_inputs(design: DesignFile, handle: Fmu) -> None:
+    """DesignError if the FMU lacks an input that the scenario drives, as an FMU of the other model does."""
+    assert design.scenario is not None
+    inputs = [variable.name for variable in handle.description.variables if variable.causality == "input"]
+    if absent := [name for name in design.scenario.inputs if name not in inputs]:
+        raise DesignError(
+            f"{handle.path} has no input {', '.join(absent)}, which the [scenario] of {design.path} gives:"
+            f" allowed is an FMU of the {design.model} model; the inputs of this FMU are {', '.join(inputs)}"
+        )
 
 
 class _Recorder:

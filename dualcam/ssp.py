@@ -8,6 +8,7 @@ applies the sets of a name, libcosim the first of each component.
 from __future__ import annotations
 
 import io
+import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
@@ -189,10 +190,23 @@ def structure(system: System) -> ET.Element:
         )
         connectors = add(element, "ssd:Connectors")
         for name, (kind, _) in component.variables.items():
-            if f"{component.name}.{name}" in connected or kind == "output" or name in component.values:
+            is_open = kind == "output" or (kind == "input" and not system.connections)
+            if f"{component.name}.{name}" in connected or is_open or name in component.values:
                 units |= add_connector(connectors, component, name)
         bindings = add(element, "ssd:ParameterBindings")
         add(bindings, "ssd:ParameterBinding", source=f"resources/{component.name}.ssv")
+    if system.connections or system.ports:  # the schema allows no empty element
+        add_connections(content, system)
+    add_units(root, "ssd", units)
+    experiment = add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.duration))
+    annotations = add(experiment, "ssd:Annotations")
+    annotation = add(annotations, "ssc:Annotation", type="com.opensimulationplatform")  # libcosim's
+    add(add(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(system.step))
+    return root
+
+
+def add_connections(content: ET.Element, system: System) -> None:
+    """The connections between components, and those of the system's own connectors."""
     connections = add(content, "ssd:Connections")
     for output, reader in system.connections:
         ends = dict(zip(("startElement", "startConnector"), split(output), strict=True))
@@ -203,12 +217,6 @@ def structure(system: System) -> ET.Element:
         side, other = ("end", "start") if causality_of(system, port) == "input" else ("start", "end")
         ends = {f"{side}Element": owner, f"{side}Connector": variable, f"{other}Connector": variable}
         add(connections, "ssd:Connection", **ends)
-    add_units(root, "ssd", units)
-    experiment = add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.duration))
-    annotations = add(experiment, "ssd:Annotations")
-    annotation = add(annotations, "ssc:Annotation", type="com.opensimulationplatform")  # libcosim's
-    add(add(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(system.step))
-    return root
 
 
 def parameters(component: Component) -> ET.Element:
@@ -230,7 +238,7 @@ def parameters(component: Component) -> ET.Element:
     return root
 
 
-def design_system(design: DesignFile, fmu: Path, step: float = 1e-3) -> System:
+def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool = False) -> System:
     """The system with one component "cam": an exported FMU with the design's numbers as start values.
 
     Parameters
@@ -241,19 +249,23 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3) -> System:
         The exported FMU, FMI 2.0.
     step
         Communication step [s] that the package proposes.
+    ports
+        Whether the inputs and outputs of the cam are connectors of the system, too.
     """
-    values: dict[str, Value] = {k: v for k, v in design.parameters.items() if not isinstance(v, str)}
+    values: dict[str, Value] = {k: v for k, v in design.parameters_for().items() if not isinstance(v, str)}
     cam = Component("cam", fmu, values)
-    ports = tuple(f"cam.{name}" for name, (kind, _) in cam.variables.items() if kind in ("input", "output"))
+    ends = [f"cam.{name}" for name, (kind, _) in cam.variables.items() if kind in ("input", "output")]
     duration = 1.0 if design.scenario is None else design.scenario.stop
-    return System(design.name, f"Dual cam {design.name}", (cam,), (), step, duration, ports)
+    return System(
+        design.name, f"Dual cam {design.name}", (cam,), (), step, duration, tuple(ends) if ports else ()
+    )
 
 
-def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path:
+def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3, *, ports: bool = False) -> Path:
     """Write an SSP package with the FMU of a design.
 
-    The package holds one component "cam" with the FMU of the design, the design's numbers as a parameter set
-    (`resources/cam.ssv`), and the FMU's inputs and outputs as connectors of the system.
+    The package holds one component "cam" with the FMU of the design, and the design's numbers as a parameter
+    set "start" (`resources/cam.ssv`). The torque of the design's scenario is no part of the package.
 
     Parameters
     ----------
@@ -263,6 +275,9 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
         The package, a name that ends in .ssp.
     step : float
         Communication step [s] that the package proposes.
+    ports : bool
+        Whether the inputs and outputs of the cam are connectors of the system, too. SSP 1.0 allows them. FMPy
+        0.3.32 needs them; ecos 0.7.2 and libcosim 0.11 do not load a package that has them.
 
     Returns
     -------
@@ -272,7 +287,9 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     Raises
     ------
     DesignError
-        For another ending than .ssp, or a design that the FMU refuses.
+        For another ending than .ssp, a missing folder, or a step that is no number > 0.
+    FmuError
+        The FMU refuses the design.
 
     Examples
     --------
@@ -286,8 +303,12 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     from dualcam.export import export_fmu
 
     path = Path(path)
-    if path.suffix != ".ssp":
+    if path.suffix.lower() != ".ssp":
         raise DesignError(f"{path}: allowed are names that end in .ssp")
+    if not 0.0 < step < math.inf:
+        raise DesignError(f"step = {step} s: allowed is a finite number > 0")
+    if not path.absolute().parent.is_dir():
+        raise DesignError(f"{path}: the folder does not exist: make the folder, or choose another")
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
-        return design_system(design, fmu, step).save(path)
+        return design_system(design, fmu, step, ports).save(path)

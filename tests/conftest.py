@@ -9,8 +9,8 @@ from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 
-# What build.sh exports: programs that the tests start import the same modules.
-FOLDERS = ("fmu_src/tools", "masters", "tests", "tests/support")
+# What build.sh exports, and this tree: programs that the tests start import the same modules.
+FOLDERS = (".", "fmu_src/tools", "masters", "tests", "tests/support")
 os.environ["PYTHONPATH"] = os.pathsep.join(str(ROOT / folder) for folder in FOLDERS)
 
 # Helpers whose failed assertions pytest shows with values, as it does in test files.

@@ -345,3 +345,21 @@ def test_any_design_gets_a_verdict_and_every_proposal_cures_its_finding(design):
             left = troubles(with_value(one, finding.change, finding.nearest))
             assert finding.kind not in {trouble.finding.kind for trouble in left}, (text, finding)
     assert proposals > 5
+
+
+def test_a_parameter_of_the_other_model_is_named(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1.0\n", encoding="utf-8")
+    verdict = check_design(read_design(path))
+    (finding,) = verdict.findings
+    assert verdict.good and (finding.severity, finding.line) == ("warning", 2)
+    assert finding.text == "shaft.stiffness = 100.0 is not used: the forward model has no such parameter"
+
+
+def test_an_unknown_parameter_is_answered_by_the_nearest_name(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("[cam1]\nradius = 0.03\n", encoding="utf-8")
+    design = read_design(path)
+    assert (design.value("cam1.radius"), design.value("cam2.radius")) == (0.03, 0.02)
+    with pytest.raises(DesignError, match=r"cam1\.raduis is no parameter: did you mean cam1\.radius"):
+        design.value("cam1.raduis")

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import subprocess
 import sys
 import tomllib
@@ -14,7 +15,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from dualcam import Fmu
+from dualcam import DesignError, Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
 from dualcam.cli.main import COMMANDS
 from dualcam.cli.new import TEMPLATES
@@ -101,11 +102,11 @@ def test_a_missing_folder_of_the_output_is_named_before_the_work(design, capsys,
 
 
 def test_new_replaces_a_file_only_when_told(design, capsys):
-    design.write_text("mine")
+    design.write_text("mine", encoding="utf-8")
     assert "--force" in spoken(capsys, "new", "my.toml", code=1).err
-    assert design.read_text() == "mine"
+    assert design.read_text(encoding="utf-8") == "mine"
     spoken(capsys, "new", "my.toml", "--force")
-    assert tomllib.loads(design.read_text())
+    assert tomllib.loads(design.read_text(encoding="utf-8"))
 
 
 # ---- from a template to an FMU ----
@@ -119,7 +120,7 @@ def test_each_template_is_checked_simulated_and_exported(folder, capsys, templat
     assert "the design works" in spoken(capsys, "check", "my.toml").out
     spoken(capsys, "simulate", "my.toml", "-o", "out.csv", "--plot", "out.png")
     assert (folder / "out.png").read_bytes().startswith(b"\x89PNG")
-    with (folder / "out.csv").open() as file:
+    with (folder / "out.csv").open(encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     work = max(abs(row["energy.work_in"]) for row in rows) or max(row["energy.spring"] for row in rows)
     assert work > 0.0
@@ -127,12 +128,16 @@ def test_each_template_is_checked_simulated_and_exported(folder, capsys, templat
     spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
     assert not validate_fmu("MyCam.fmu")
     found = answer(capsys, "simulate", "my.toml", "-o", "again.csv", "--fmu", "MyCam.fmu")
-    assert (folder / "again.csv").read_text() == (folder / "out.csv").read_text()
+    assert (folder / "again.csv").read_text(encoding="utf-8") == (folder / "out.csv").read_text(
+        encoding="utf-8"
+    )
     assert found["samples"] == len(rows)
 
 
 def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(design, capsys):
-    design.write_text(design.read_text().replace("friction = 0.14", "friction = 0.07", 1))
+    design.write_text(
+        design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 0.07", 1), encoding="utf-8"
+    )
     for fmi in ("2", "3"):
         spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi)
         info = answer(capsys, "info", f"My{fmi}.fmu")
@@ -146,10 +151,10 @@ def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(d
 
 def test_a_simulation_is_that_of_another_master(design, capsys):
     """FMPy, which knows nothing of design files, plays the same torque through the FMU with 0.1 ms steps."""
-    text = design.read_text()
+    text = design.read_text(encoding="utf-8")
     torque = "inputs.tau = { time = [0.0, 0.2], value = [0.0, 6.0] }"
     scenario = f"[scenario]\nstop = 0.4\noutput_interval = 0.01\n{torque}\n"
-    design.write_text(text.partition("[scenario]")[0] + scenario)
+    design.write_text(text.partition("[scenario]")[0] + scenario, encoding="utf-8")
     spoken(capsys, "simulate", "my.toml", "-o", "out.csv", "--variables", "theta,omega,tau,mode")
     found = np.genfromtxt("out.csv", delimiter=",", names=True)
     spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
@@ -167,12 +172,13 @@ def test_a_simulation_is_that_of_another_master(design, capsys):
 
 
 def test_samples_do_not_depend_on_the_output_interval(design, capsys):
-    text = design.read_text().partition("[scenario]")[0]
+    text = design.read_text(encoding="utf-8").partition("[scenario]")[0]
     columns = {}
     for interval in (0.1, 0.001):
         design.write_text(
             f"{text}[scenario]\nstop = 0.5\noutput_interval = {interval}\n"
-            "[scenario.inputs]\ntau = { time = [0.0, 0.3, 0.3], value = [8.0, 8.0, 0.0] }\n"
+            "[scenario.inputs]\ntau = { time = [0.0, 0.3, 0.3], value = [8.0, 8.0, 0.0] }\n",
+            encoding="utf-8",
         )
         spoken(capsys, "simulate", "my.toml", "-o", "out.csv")
         columns[interval] = np.genfromtxt("out.csv", delimiter=",", names=True)
@@ -190,7 +196,7 @@ def test_band_is_that_of_the_fmu(design, capsys):
     assert not found["self_locking"]
     with Fmu("forward") as fmu:
         for k, theta in enumerate(columns["theta_rad"]):
-            start = tomllib.loads(design.read_text())
+            start = tomllib.loads(design.read_text(encoding="utf-8"))
             given = {
                 f"{group}.{key}": value
                 for group in ("cam1", "cam2", "spring", "stop")
@@ -201,12 +207,12 @@ def test_band_is_that_of_the_fmu(design, capsys):
             for name, column in (("torque_release", "release_N.m"), ("torque_load", "load_N.m")):
                 assert fmu.real(name) == pytest.approx(columns[column][k], rel=1e-11)
     assert "Not self-locking" in spoken(capsys, "band", "my.toml", "-o", "band.csv").out
-    assert Path("band.csv").read_text().startswith("theta_deg,")
+    assert Path("band.csv").read_text(encoding="utf-8").startswith("theta_deg,")
 
 
 def test_a_self_locking_design_is_called_so(design, capsys):
-    text = design.read_text().replace("friction = 0.14", "friction = 1.2", 1)
-    design.write_text(text)
+    text = design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 1.2", 1)
+    design.write_text(text, encoding="utf-8")
     assert "Self-locking from theta = 0 deg" in spoken(capsys, "band", "my.toml").out
 
 
@@ -221,7 +227,7 @@ def test_info_lists_all_variables(capsys, fmu):
 
 def test_a_report_is_one_file_with_its_pictures(design, capsys):
     spoken(capsys, "report", "my.toml", "-o", "r.html")
-    page = Path("r.html").read_text()
+    page = Path("r.html").read_text(encoding="utf-8")
     for words in ("The design works", "Torque over the angle", "Reactions", "Energy balance", "Inputs"):
         assert words in page
     assert page.count("<svg") >= 3
@@ -229,27 +235,30 @@ def test_a_report_is_one_file_with_its_pictures(design, capsys):
     names = etree.HTML(page).xpath("//@id")
     assert len(names) == len(set(names))
     spoken(capsys, "report", "my.toml", "-o", "again.html")
-    assert Path("again.html").read_text() == page
+    assert Path("again.html").read_text(encoding="utf-8") == page
 
 
 def test_a_report_on_a_design_that_does_not_work_says_why(design, capsys):
-    design.write_text(design.read_text().replace("friction = 0.14", "friction = 1.2", 1))
+    design.write_text(
+        design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 1.2", 1), encoding="utf-8"
+    )
     spoken(capsys, "report", "my.toml", "-o", "r.html")
-    assert "does not work" in Path("r.html").read_text()
+    assert "does not work" in Path("r.html").read_text(encoding="utf-8")
 
 
 def test_a_study_begins_with_the_values_of_the_design(design, capsys):
-    text = design.read_text().partition("[scenario]")[0]
+    text = design.read_text(encoding="utf-8").partition("[scenario]")[0]
     design.write_text(
         f"{text}[scenario]\nstop = 1e-3\n[study]\nresults = ['torque_load']\n"
         '[study.plan]\nkind = "grid"\n[study.plan.vary]\n'
-        '"spring.preload" = { from = 50.0, to = 150.0, count = 3 }\n'
+        '"spring.preload" = { from = 50.0, to = 150.0, count = 3 }\n',
+        encoding="utf-8",
     )
     words = ("study", "my.toml", "--out", "runs", "--workers", "0", "--format", "csv")
     assert "3 runs" in spoken(capsys, *words).out
     loads = {}
     for file in Path("runs/my").glob("runs-*"):
-        with file.open() as lines:
+        with file.open(encoding="utf-8") as lines:
             loads |= {float(r["spring.preload"]): float(r["torque_load"]) for r in csv.DictReader(lines)}
     assert set(loads) == {50.0, 100.0, 150.0}
     assert loads[100.0] - loads[50.0] == pytest.approx(loads[150.0] - loads[100.0], rel=1e-9)
@@ -276,3 +285,135 @@ def test_warnings_of_a_design_go_to_the_error_output(design, capsys):
         said = spoken(capsys, *words)
         assert said.err.count("this looks like N/mm; 50 N/mm is 50000 N/m") == 1
         assert "looks like" not in said.out
+
+
+def packaged(path):
+    """Start values of the FMU in a package, by the name of the variable."""
+    with zipfile.ZipFile(path) as archive:
+        values = etree.fromstring(archive.read("resources/cam.ssv"))
+    return {p.get("name"): p[0].get("value") for p in values.iter("{*}Parameter")}
+
+
+def test_an_ssp_package_has_only_the_parameters_of_its_model(folder, capsys):
+    """The forward FMU has no shaft.stiffness, the inverse FMU no initial.theta."""
+    common = "[shaft]\nstiffness = 100.0\n[initial]\ntheta = 0.3\n[scenario]\nstop = 0.1\n"
+    for name, torque_or_angle in (("f", "inputs.tau = 3.0"), ("i", "inputs.theta = 0.3")):
+        Path(f"{name}.toml").write_text(f"{common}{torque_or_angle}\n", encoding="utf-8")
+        spoken(capsys, "ssp", f"{name}.toml", "-o", f"{name}.ssp")
+    assert packaged("f.ssp") == {"initial.theta": "0.3"}
+    assert packaged("i.ssp") == {"shaft.stiffness": "100.0"}
+
+
+@pytest.mark.parametrize(
+    "path, step, mention",
+    [("a.zip", 1e-3, "end in .ssp"), ("a.ssp", -1.0, "step = -1.0 s"), ("no/a.ssp", 1e-3, "folder")],
+)
+def test_an_ssp_package_that_cannot_be_is_refused(design, path, step, mention):
+    with pytest.raises(DesignError, match=mention):
+        export_ssp(read_design(design), path, step)
+
+
+@pytest.mark.parametrize("lower, upper, start", [(0.1, 1.2, 0.1), (-1.2, -0.1, -0.1)])
+def test_an_inverse_fmu_whose_stops_exclude_0_starts_at_the_nearest_stop(folder, capsys, lower, upper, start):
+    stops = f"[spring]\npreload = 700\n[stop]\nlower = {lower}\nupper = {upper}\n"
+    scenario = f"[scenario]\nstop = 0.1\ninputs.theta = {0.5 * (lower + upper)}\n"
+    Path("my.toml").write_text(stops + scenario, encoding="utf-8")
+    assert answer(capsys, "check", "my.toml")["good"]
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu")
+    with Fmu("MyCam.fmu") as fmu:
+        fmu.start()
+        assert fmu.real("theta") == start
+
+
+# ---- nothing goes wrong silently ----
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check"],
+        ["band"],
+        ["simulate", "-o", "out.csv"],
+        ["export", "-o", "A.fmu"],
+        ["report", "-o", "r.html"],
+        ["ssp", "-o", "A.ssp"],
+        ["design", "--torque", "5e3", "-o", "groove.csv"],
+        ["study", "--workers", "0", "--format", "csv"],
+    ],
+)
+def test_each_command_says_that_a_radius_of_20_looks_like_millimetres(design, capsys, words):
+    text = design.read_text(encoding="utf-8").replace('"20 mm"', "20.0").partition("[pin]")[0]
+    study = "[study]\nresults = ['z']\n[study.plan]\nkind = 'latin'\nruns = 1\n"
+    vary = "[study.plan.vary]\n'cam1.friction' = { from = 0.1, to = 0.2 }\n"
+    design.write_text(text + study + vary, encoding="utf-8")
+    said = spoken(capsys, words[0], "my.toml", *words[1:])
+    assert "cam1.radius = 20 m: this looks like millimetres; 20 mm is 0.02 m" in said.out + said.err
+
+
+def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, capsys):
+    """`dualcam design` prints the path as the design file needs the path, wherever the command runs."""
+    (folder / "designs").mkdir()
+    text = design.read_text(encoding="utf-8").replace('profile = "helix"', "")
+    mine = folder / "designs" / "mine.toml"
+    mine.write_text(text, encoding="utf-8")
+    said = spoken(capsys, "design", "designs/mine.toml", "--torque", "5", "-o", "groove.csv").out
+    lines = [line for line in said.splitlines() if line.startswith(("profile", "table"))]
+    assert lines == ['profile = "table"', 'table = "../groove.csv"'] * 2
+    for cam in ("cam1", "cam2"):
+        text = text.replace(f"[{cam}]", "\n".join([f"[{cam}]", *lines[:2]]))
+    mine.write_text(text, encoding="utf-8")
+    load = answer(capsys, "band", "designs/mine.toml")["columns"]["load_N.m"]
+    assert load == pytest.approx([5.0] * len(load), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "words, mention",
+    [
+        (["simulate", "my.toml", "-o", "out.csv", "--plot", "p.xyz"], ".png, .svg or .pdf"),
+        (["simulate", "my.toml", "-o", "out.csv", "--plot", "p.png", "--variables", "tau"], "add theta"),
+        (["simulate", "my.toml", "-o", "out.csv", "--fmu", str(fmu_path("inverse"))], "no input tau"),
+        (["band", "my.toml", "-o", "out.csv", "--plot", "p.xyz"], ".png, .svg or .pdf"),
+        (["info", "--variables", "sprung"], "'sprung'"),
+        (["study", "my.toml"], "a design file without a study"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_before_anything_is_written(design, capsys, words, mention):
+    assert mention in spoken(capsys, *words, code=1).err
+    assert [path.name for path in Path().iterdir()] == ["my.toml"]
+
+
+def test_a_study_leaves_out_parameters_of_the_other_model_and_a_byte_order_mark(design, capsys):
+    text = design.read_text(encoding="utf-8").partition("[scenario]")[0]
+    design.write_text(
+        f"{text}[shaft]\nstiffness = 100.0\n[scenario]\nstop = 1e-3\n[study]\nresults = ['z']\n"
+        "[study.plan]\nkind = 'grid'\n[study.plan.vary]\n'spring.preload' = { values = [50.0] }\n",
+        encoding="utf-8-sig",
+    )
+    words = ("study", "my.toml", "--out", "runs", "--workers", "0", "--format", "csv")
+    said = spoken(capsys, *words).out
+    assert "1 of 1 runs, 0 failed" in said
+
+
+def test_a_report_on_a_mechanism_that_jams_has_no_numbers_that_are_none(folder, capsys):
+    Path("my.toml").write_text("cam1.friction = 1.2\ncam2.friction = 1.2\n", encoding="utf-8")
+    said = spoken(capsys, "report", "my.toml", "-o", "r.html")
+    assert "NaN" not in said.err
+    page = Path("r.html").read_text(encoding="utf-8")
+    assert "infinite: the mechanism jams" in page and ">nan" not in page
+
+
+def test_the_findings_of_a_refused_file_are_data(folder, capsys):
+    Path("my.toml").write_text("\ncam1.radius = 1979-05-27\n", encoding="utf-8")
+    (finding,) = answer(capsys, "check", "my.toml", code=1)["findings"]
+    assert (finding["key"], finding["line"], finding["value"]) == ("cam1.radius", 2, "1979-05-27")
+
+
+def test_a_name_that_the_terminal_cannot_show_does_no_harm(design):
+    design.rename("\u8bbe\u8ba1.toml")
+    done = subprocess.run(
+        [sys.executable, "-m", "dualcam", "check", "\u8bbe\u8ba1.toml"],
+        capture_output=True,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert b"the design works" in done.stdout

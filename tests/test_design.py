@@ -625,3 +625,9 @@ def test_a_map_without_an_optimum_is_drawn_without_it(friction):
     axes = Figure().add_subplot()
     efficiency_map(friction, points=20).draw(axes)
     assert not axes.texts
+
+
+def test_a_mechanism_has_two_grooves():
+    groove = Helix(0.02, 0.7)
+    with pytest.raises(DesignError, match="1 grooves: allowed are 2"):
+        Mechanism((groove,), (0.1, 0.1), Spring(50.0, 1e4), 1.0)

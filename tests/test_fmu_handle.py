@@ -203,6 +203,20 @@ def test_kinds_are_not_mixed(continuous, fmu):
     continuous.start()
     with refused("another instance"):
         continuous.restore_state(fmu.save_state())
+    with refused("another instance"):
+        fmu.restore_state(None)
+
+
+@pytest.mark.parametrize("size", ["1e-3", None, [1e-3]])
+def test_a_step_of_no_number_is_refused(fmu, size):
+    with refused("allowed is a number > 0, in s"):
+        fmu.step(size)
+    assert fmu.time == 0.0
+
+
+def test_a_list_is_no_switch(fmu):
+    with refused("ledger", "allowed are True and False"):
+        fmu.start({"ledger": np.array([True, False])})
 
 
 # ---- errors ----

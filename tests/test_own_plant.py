@@ -451,11 +451,27 @@ def test_no_torque_within_the_trials(fmu, monkeypatch):
     assert coupling.motion() == before
 
 
+def test_a_plant_that_fails_in_a_trial_leaves_the_fmu_as_it_was(fmu):
+    """The torque before the step is known, that of the motion at its middle is not."""
+    fmu.start({"inertia.shaft": J, "initial.theta": 0.4, "initial.omega": 2.0})
+    coupling = PlantCoupling(fmu, lambda shaft: 1.0 if shaft.time == 0.0 else 1.0 / 0.0)
+    before = coupling.motion()
+    with pytest.raises(ZeroDivisionError):
+        coupling.step_implicit(H)
+    assert coupling.motion() == before
+
+
+def test_only_the_forward_fmu_takes_a_torque():
+    with Fmu("inverse") as inverse, pytest.raises(CouplingError, match="allowed is the forward FMU"):
+        PlantCoupling(inverse, lambda shaft: 0.0)
+
+
 @pytest.mark.parametrize(
     ("plant", "text"),
     [
         (counter(), "changes no state"),
-        (lambda shaft: math.nan, "the plant returns nan N.m at"),
+        (lambda shaft: math.nan, "the plant returns nan at"),
+        (lambda shaft: None, "the plant returns None at .* allowed is a finite number"),
     ],
 )
 def test_refused_plant_leaves_the_fmu_as_it_was(fmu, plant, text):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from dualcam.check.rules import ERROR, Remedy, Trouble, swap_warning, troubles
+from dualcam.check.rules import ERROR, WARNING, Remedy, Trouble, swap_warning, troubles
 from dualcam.check.search import nearest_working
 from dualcam.check.values import value_of, with_value
 from dualcam.design_file import DesignFile, Finding
@@ -107,6 +107,7 @@ def check_design(design: DesignFile) -> Verdict:
         findings.append(swapped)
     if refusal and not any(finding.severity == ERROR for finding in findings):
         findings.append(Finding(ERROR, "", None, f"the FMU does not start: {refusal}", kind="fmu"))
+    findings += _unused(design)
     placed = [finding.at_line(_line(design, finding.key)) for finding in findings]
     ordered = sorted([*placed, *design.warnings], key=lambda finding: finding.severity != ERROR)
     return Verdict(design.name, design.model, not refusal, tuple(ordered), design.notes)
@@ -136,6 +137,23 @@ def _first_inputs(design: DesignFile) -> dict[str, float]:
         if len(history.value) and name in inputs_of("inverse")
     }
     return {"theta": min(max(0.0, low), high)} | first
+
+
+def _unused(design: DesignFile) -> list[Finding]:
+    """Warnings about parameters of the other model: the design's model does not have them. The start of the
+    forward model is kept out: an exported inverse FMU begins there."""
+    known = design.parameters_for()
+    return [
+        Finding(
+            WARNING,
+            name,
+            value,
+            f"{name} = {value} is not used: the {design.model} model has no such parameter",
+            kind="unused",
+        )
+        for name, value in design.parameters.items()
+        if name not in known and not name.startswith("initial.")
+    ]
 
 
 def _line(design: DesignFile, key: str) -> int | None:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from dualcam.cli.design_argument import open_design
-from dualcam.cli.options import FILE, as_json, design_file, example
+from dualcam.cli.options import FILE, as_json, design_file, example, open_design
 from dualcam.cli.output import print_json, print_table, require_folder_of, say
 
 if TYPE_CHECKING:
@@ -45,11 +44,13 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     locks itself.
     """
     from dualcam.design import torque_band
-    from dualcam.plots import plot_band, save
+    from dualcam.plots import check_picture, plot_band, save
 
     for path in (output, plot):
         if path is not None:
             require_folder_of(path)
+    if plot is not None:
+        check_picture(plot)
     design = open_design(design_file)
     mechanism = design.mechanism()
     band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))

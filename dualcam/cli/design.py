@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from dualcam.cli.design_argument import open_design
-from dualcam.cli.options import as_json, design_file, example, output_file
-from dualcam.cli.output import print_json, refuse_to_overwrite, require_folder_of, say
+from dualcam.cli.options import as_json, design_file, example, open_design, output_file
+from dualcam.cli.output import print_json, refuse_to_overwrite, say
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -64,8 +64,6 @@ def command(
     Spring, friction, radius and the upper stop are those of the design file. The command writes the table of
     the groove and prints the lines that put the table into the design file.
     """
-
-    require_folder_of(output)
     refuse_to_overwrite(output, force)
     found = _designed(open_design(design_file), torque, direction, groove2 == "given")
     found.table.write(output)
@@ -86,7 +84,18 @@ def command(
     say(found.summary())
     say(f"{output} written. Put these lines into {design_file}:")
     for cam in cams:
-        say(f'[cam{cam}]\nprofile = "table"\ntable = "{output.as_posix()}"')
+        say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design_file, output)}"')
+
+
+def _path_from(design_file: Path, table: Path) -> str:
+    """The table's path for the design file, which counts relative paths from its own folder."""
+    if table.is_absolute():
+        return table.as_posix()
+    target, folder = table.resolve(), design_file.resolve().parent
+    try:
+        return Path(os.path.relpath(target, folder)).as_posix()
+    except ValueError:  # on another drive of Windows
+        return target.as_posix()
 
 
 def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bool) -> Design:

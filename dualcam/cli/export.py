@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.design_argument import open_design
-from dualcam.cli.options import as_json, design_file, example, fmi_version, output_file
+from dualcam.cli.options import as_json, design_file, example, fmi_version, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 

@@ -10,6 +10,7 @@ import click
 
 from dualcam.cli.options import as_json, example, fmi_version
 from dualcam.cli.output import print_json, print_table, say
+from dualcam.errors import DualcamError
 
 if TYPE_CHECKING:
     from dualcam.model_description import ModelDescription, Variable
@@ -40,6 +41,8 @@ def command(fmu: str, fmi: str, variables: str, as_json: bool) -> None:
     path = fmu_path(fmu, int(fmi)) if fmu in ("forward", "inverse") else fmu
     description = read_model_description(path)
     listed = [variable for variable in description.variables if variables in variable.name]
+    if not listed and description.variables:
+        raise DualcamError(f"no variable of {path} has {variables!r} in its name: give a part of a name")
     if as_json:
         print_json({"file": path, **_head(description), "variables": [asdict(each) for each in listed]})
         return

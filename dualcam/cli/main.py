@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import difflib
-import json
 import sys
 import warnings
 from collections.abc import Sequence
 from importlib import import_module
+from io import TextIOWrapper
 
 import click
 
@@ -80,6 +80,9 @@ def main(words: Sequence[str] | None = None) -> int:
         130: interrupted.
     """
     given = list(sys.argv[1:] if words is None else words)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a name that the terminal cannot show is no reason to stop
+            stream.reconfigure(errors="backslashreplace")
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         try:
@@ -90,7 +93,7 @@ def main(words: Sequence[str] | None = None) -> int:
         except (click.Abort, KeyboardInterrupt):
             click.echo("dualcam: interrupted; finished files are kept", err=True)
             return INTERRUPTED
-        except (ValueError, OSError, ImportError) as error:
+        except (ValueError, OSError) as error:
             return _refuse(error, "--json" in given)
     return code if isinstance(code, int) else DONE
 
@@ -102,7 +105,10 @@ def _refuse(error: Exception, as_json: bool) -> int:
     if not isinstance(error, DualcamError | OSError):
         raise error
     if as_json:
-        click.echo(json.dumps({"error": str(error)}))
+        from dualcam.cli.output import print_json
+
+        findings = [finding.as_dict() for finding in getattr(error, "findings", ())]
+        print_json({"error": str(error), "findings": findings})
     else:
         click.echo(f"dualcam: {error}", err=True)
     return REFUSED

@@ -37,8 +37,7 @@ def command(path: Path, template: str, force: bool, as_json: bool) -> None:
     from dualcam.design_file import write_template
 
     refuse_to_overwrite(path, force)
-    path.unlink(missing_ok=True)
-    written = write_template(template, path)
+    written = write_template(template, path, overwrite=force)
     if as_json:
         print_json({"written": written})
         return

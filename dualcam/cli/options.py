@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -22,6 +25,16 @@ fmi_version = click.option(
 def output_file(what: str, required: bool = True) -> Callable[[Command], Command]:
     """The option -o of a command that writes a file."""
     return click.option("-o", "--output", type=FILE, required=required, help=what)
+
+
+def open_design(path: Path) -> DesignFile:
+    """The design of a file. Its warnings, such as a value that looks like another unit, go to stderr."""
+    from dualcam.design_file import read_design
+
+    design = read_design(path)
+    for warning in design.warnings:
+        click.echo(f"dualcam: warning: {path}: {warning}", err=True)
+    return design
 
 
 def example(*lines: str) -> str:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dualcam.cli.design_argument import open_design
-from dualcam.cli.options import FILE, as_json, design_file, example, output_file
+from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 if TYPE_CHECKING:
@@ -44,6 +43,8 @@ def command(
             require_folder_of(path)
     design = open_design(design_file)
     names = [name.strip() for name in variables.split(",") if name.strip()]
+    if plot is not None:
+        _check_plot(plot, names)
     trajectory = _run(design, names, fmu, as_json)
     trajectory.write(output)
     if plot is not None:
@@ -76,15 +77,22 @@ def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) ->
         return simulate(design, names, fmu=fmu, progress=lambda share: progress.update(task, completed=share))
 
 
-def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
-    from dualcam.design import torque_band
+def _check_plot(path: Path, names: list[str]) -> None:
+    """DualcamError, before the run, for a picture that cannot be drawn or written."""
     from dualcam.errors import DualcamError
-    from dualcam.plots import plot_simulation, save
+    from dualcam.plots import check_picture
 
-    missing = [name for name in ("theta", "tau") if name not in trajectory.names]
+    check_picture(path)
+    missing = [name for name in ("theta", "tau") if names and name not in names]
     if missing:
         raise DualcamError(
             f"--plot needs the variables theta and tau: add {', '.join(missing)} to --variables"
         )
+
+
+def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
+    from dualcam.design import torque_band
+    from dualcam.plots import plot_simulation, save
+
     band = torque_band(design.mechanism(), 361)
     save(plot_simulation(trajectory, band, design.name), path)

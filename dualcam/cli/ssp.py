@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.design_argument import open_design
-from dualcam.cli.options import as_json, design_file, example, output_file
+from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -21,17 +20,19 @@ from dualcam.cli.output import print_json, require_folder_of, say
     show_default=True,
     help="Communication step in s that the package proposes.",
 )
+@click.option("--ports", is_flag=True, help="The system gets the ports of the cam.")
 @as_json
-def command(design_file: Path, output: Path, step: float, as_json: bool) -> None:
+def command(design_file: Path, output: Path, step: float, ports: bool, as_json: bool) -> None:
     """Make an SSP package (SSP 1.0) with the FMU of a design.
 
-    The package has one component, `cam`, its parameters in a parameter set, and the ports of the cam as
-    connectors of the system. Masters that read SSP run the package as it is, or as a part of a bigger system.
+    The package has one component, `cam`, and the parameters of the design as parameter set `start`. The torque
+    of the scenario is no part of the package. ecos and libcosim load the package only without --ports, FMPy
+    only with --ports.
     """
     from dualcam.ssp import export_ssp
 
     require_folder_of(output)
-    written = export_ssp(open_design(design_file), output, step)
+    written = export_ssp(open_design(design_file), output, step, ports=ports)
     if as_json:
         print_json({"ssp": written, "step": step})
         return

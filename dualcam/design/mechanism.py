@@ -156,6 +156,8 @@ class Mechanism:
     lower: float = 0.0
 
     def __post_init__(self) -> None:
+        if len(self.grooves) != 2:
+            raise DesignError(f"{len(self.grooves)} grooves: allowed are 2, those of cam 1 and cam 2")
         check_pair("friction", self.friction, 0.0)
         if not (math.isfinite(self.lower) and math.isfinite(self.upper) and self.lower < self.upper):
             raise DesignError(

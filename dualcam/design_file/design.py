@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -91,8 +92,18 @@ class DesignFile:
         -------
         float, int, bool or str
             In the FMU's unit.
+
+        Raises
+        ------
+        DesignError
+            No FMU has a parameter of that name.
         """
-        return self.parameters.get(name, all_parameters()[name].start)
+        known = all_parameters()
+        if name not in known:
+            near = get_close_matches(name, known, n=3)
+            guess = f"did you mean {' or '.join(near)}?" if near else f"allowed are {', '.join(known)}"
+            raise DesignError(f"{name} is no parameter: {guess}")
+        return self.parameters.get(name, known[name].start)
 
     def parameters_for(self, model: str | None = None) -> dict[str, Value]:
         """The parameters that one model has.

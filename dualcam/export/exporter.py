@@ -71,7 +71,8 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
         Version of FMI, 2 or 3.
     model
         "forward" or "inverse"; None: as the design says. The inverse FMU lacks `initial.theta` and
-        `initial.omega`: these two become the start values of its inputs `theta` and `omega`.
+        `initial.omega`: these two become the start values of its inputs `theta` and `omega`. Where the stops
+        exclude theta = 0 and the design has no `initial.theta`, `theta` starts at the nearest stop.
 
     Returns
     -------
@@ -143,7 +144,16 @@ def _parameters_of_model(design: Design, model: str) -> dict[str, Scalar]:
         warnings.warn(
             f"{what}: left out, the {model} model has no such parameter", DualcamWarning, stacklevel=3
         )
-    return {name: value for name, value in given.items() if name not in absent}
+    return _with_theta_in_range(model, {name: v for name, v in given.items() if name not in absent})
+
+
+def _with_theta_in_range(model: str, given: dict[str, Scalar]) -> dict[str, Scalar]:
+    """For the inverse model whose range excludes theta = 0: the start value of theta is the nearest stop."""
+    if model != "inverse" or "theta" in given:
+        return given
+    known = parameters_of(model)
+    low, high = (float(given.get(name, known[name].start)) for name in ("stop.lower", "stop.upper"))
+    return given if low <= 0.0 <= high else given | {"theta": low if low > 0.0 else high}
 
 
 def _plan(design: str, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:

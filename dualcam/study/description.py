@@ -5,10 +5,12 @@ from __future__ import annotations
 import importlib
 import math
 import tomllib
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
@@ -25,6 +27,7 @@ FILE = {
     "plots": Kind("[[plots]] tables", lambda value: isinstance(value, list) and all(map(TABLE.suits, value))),
 }
 STUDY = {name: FILE[name] for name in ("plan", "results", "plots")}  # in the section [study] of a design file
+DESIGN_GROUPS = ("cam1", "cam2", "spring", "stop", "inertia", "pin")  # tables that a study plan never has
 PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT}
 VARY = {"from": NUMBER, "to": NUMBER, "count": WHOLE, "log": SWITCH, "values": VALUE.listed()}
 SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
@@ -50,12 +53,17 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path)
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         raise StudyError(f"{path} cannot be read as TOML: {error}") from error
     try:
         if "study" in content:
             return _study_of_design(path)
+        if "plan" not in content and any(group in content for group in DESIGN_GROUPS):
+            raise StudyError(
+                'this is a design file without a study: add below [study] for example results = ["theta"]'
+                ' and plan = { kind = "grid", vary."cam1.friction" = { from = 0.1, to = 0.2, count = 3 } }'
+            )
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
         fmu = table["fmu"]
         return Study(
@@ -75,11 +83,13 @@ def _study_of_design(path: Path) -> Study:
     from dualcam.design_file import read_design  # the reader of design files reads plans by this module
 
     design = read_design(path)
+    for warning in design.warnings:
+        warnings.warn(DualcamWarning(f"{path}: {warning}"), stacklevel=3)
     table = entries(design.study, "study", STUDY, ("plan", "results"))
     if design.scenario is None:
         raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
     plan = read_plan(table["plan"], path.parent)
-    fixed = {name: value for name, value in design.parameters.items() if name not in plan.names}
+    fixed = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
     return Study(
         design.model,
         plan,
