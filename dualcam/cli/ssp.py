@@ -25,9 +25,9 @@ from dualcam.cli.output import print_json, require_folder_of, say
 def command(design_file: Path, output: Path, step: float, ports: bool, as_json: bool) -> None:
     """Make an SSP package (SSP 1.0) with the FMU of a design.
 
-    The package has one component, `cam`, and the parameters of the design as parameter set `start`. The torque
-    of the scenario is no part of the package. ecos and libcosim load the package only without --ports, FMPy
-    only with --ports.
+    The package has one component, `cam`, and the parameters of the design as parameter set `start`. The
+    torque of the scenario is no part of the package. ecos and libcosim load the package only without
+    --ports, FMPy only with --ports.
     """
     from dualcam.ssp import export_ssp
 
