@@ -1,5 +1,6 @@
 #include "forward/collocation_slip.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "collocation/lobatto_step.h"
@@ -63,27 +64,37 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     return true;
 }
 
-/* At breakaway under inputs that are polynomials the torque is on the edge of the band, and its excess grows from zero
- * like its first time derivative that is not zero. Until the excess exceeds the rounding of the torques, the motion is
- * rest to all digits, and no step can resolve the motion. Returns the duration of this rest, s; 0 where the excess is
- * not zero or the mechanism moves. */
-static double unseen_time(const SlipMode *slip, const Balance *start) {
-    const bool inertial = slip->regime == REGIME_INERTIAL;
-    const double noise = BREAKAWAY_ROUNDING * start->rhs.size; /* of alpha; without inertia of omega */
-    if (slip->regime == REGIME_RATE_INDEPENDENT || !(fabs(start->rhs.value) <= noise)) return 0.0;
-    if (inertial && start->omega != 0.0) return 0.0;
+/* The rounding, N.m, of the torque beyond the edge of the band at rest: of the torques, of the comparison with the edge,
+ * and of theta, which a flank counts as zero as well (candidate.c). `lever`: m, torque per load. */
+static double torque_rounding(const Mechanism *m, const Balance *b, double lever) {
+    const double terms = fabs(b->tau) + fabs(lever) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
+    const double by_angle = fabs(lever * spring_rate(&m->params.spring, b->z) * b->dz_dtheta);
+    return fmax(BREAKAWAY_ROUNDING * terms, stick_tie(m) * stick_torque_size(m, lever)) +
+           CANDIDATE_ANGLE_ROUNDING * REACTION_ZERO_SHARE * largest_angle(&m->params) * by_angle;
+}
+
+/* At breakaway under inputs that are polynomials the torque is on the edge of the band, or short of the edge by
+ * rounding, and its excess grows like its first time derivative that is not zero. Until the excess exceeds the rounding
+ * of the torques, the motion is rest to all digits, and no step can resolve the motion. Returns the duration of this
+ * rest, at least a rounding of `left` seconds; 0 where the torque exceeds the edge or the mechanism moves. */
+static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balance *start, double left) {
+    if (slip->regime == REGIME_RATE_INDEPENDENT || (slip->regime == REGIME_INERTIAL && start->omega != 0.0)) return 0.0;
     Partials by;
     balance_partials(slip, start, &by);
+    const double lever = by.by[KNOWN_F_EXT] / by.by[KNOWN_TAU]; /* minus the torque per load that holds the load */
+    const double side = start->rhs.stable ? slip->direction : -slip->direction;
+    const double excess = side * (start->tau + lever * start->force);
+    const double rounding = torque_rounding(m, start, lever);
+    if (!(excess <= rounding)) return 0.0;
+    const double missing = rounding + fmax(-excess, 0.0);
     const Inputs *in = slip->inputs;
-    const double resistance = by.by[inertial ? KNOWN_ALPHA : KNOWN_OMEGA];
-    double t[INPUT_ORDER], factorial = 1.0; /* s, until the k-th derivative alone has made the noise */
+    double t[INPUT_ORDER], factorial = 1.0; /* s, until the k-th derivative alone has made what is missing */
     for (int k = 1; k <= INPUT_ORDER; k++) {
         factorial *= k;
-        const double torque = by.by[KNOWN_TAU] * in->tau[k] + by.by[KNOWN_F_EXT] * in->F_ext[k];
-        t[k - 1] = factorial * noise / fabs(torque / resistance);
+        t[k - 1] = factorial * missing / fabs(in->tau[k] + lever * in->F_ext[k]);
     }
     const double unseen = fmin(t[0], fmin(sqrt(t[1]), cbrt(t[2])));
-    return unseen < INFINITY ? unseen : 0.0;
+    return unseen < INFINITY ? fmax(unseen, DBL_EPSILON * left) : 0.0;
 }
 
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
@@ -106,7 +117,7 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
         }
     }
     if (found) return radau_segment(m, slip, location, segment);
-    const double unseen = unseen_time(slip, start);
+    const double unseen = unseen_time(m, slip, start, left);
     if (unseen > 0.0) rest_propose_for(m, fmin(left, unseen), segment);
     else jam_propose(m, segment);
     return true;

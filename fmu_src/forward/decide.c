@@ -84,6 +84,8 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
         return (Decision){.mode = MODE_UPPER_STOP, .slip_index = -1};
     if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
+    /* The loads of a slip that begins later do not tell the flanks now. */
+    if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     const int index = find_slip_mode(m, direction, true, built);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};

@@ -5,23 +5,33 @@
 
 #include "contact/balance.h"
 #include "numerics/bernstein.h"
+#include "numerics/sign.h"
 
 double stick_axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, m->configuration.z) + m->inputs.F_ext[0];
 }
 
-double stick_axial_size(const Mechanism *m) {
+/* The size of the terms of F_0 under the external load F_ext. */
+static double axial_size(const Mechanism *m, double F_ext) {
     const SpringParams *s = &m->params.spring;
     const double z = fabs(m->configuration.z) + STICK_HEIGHT_SHARE * m->model.transmission.z_size;
     return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
-           fabs(m->inputs.F_ext[0]);
+           fabs(F_ext);
+}
+
+double stick_axial_size(const Mechanism *m) {
+    return axial_size(m, m->inputs.F_ext[0]);
+}
+
+/* The size of the terms of a factor of the stick band, m. */
+static double lever_size(const Mechanism *m, double factor) {
+    /* The factor vanishes on a dwell and where a contact begins to lock. The factor's rounding does not vanish. */
+    const double rest = m->configuration.geometry.dz_dtheta + STICK_SLOPE_SHARE * m->model.transmission.slope_size;
+    return m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    /* The factor vanishes on a dwell and where a contact begins to lock. The factor's rounding does not vanish. */
-    const double rest = m->configuration.geometry.dz_dtheta + STICK_SLOPE_SHARE * m->model.transmission.slope_size;
-    const double lever = m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
-    return fabs(m->inputs.tau[0]) + lever * stick_axial_size(m);
+    return fabs(m->inputs.tau[0]) + lever_size(m, factor) * stick_axial_size(m);
 }
 
 BandFactors stick_band(const Mechanism *m) {
@@ -39,12 +49,41 @@ double stick_edge(double factor, double F_0) {
     return F_0 == 0.0 ? 0.0 : factor * F_0; /* without load there is no friction, also where contacts lock */
 }
 
-/* F_0, or, where F_0 is no more than rounding, the rate with which F_0 is about to take its sign. */
+/* ---- differences that decide by their sign ---- */
+
+/* A torque or a load whose sign decides, as a polynomial of the time at rest: u(t) = sum u_k t^k/k!. The size of its
+ * terms is by_tau |tau| + by_load (size of the terms of F_0). Below a tie of this size u is rounding. */
+typedef struct {
+    double u[INPUT_ORDER + 1];
+    double by_tau, by_load;
+} Difference;
+
+/* The tie of u after t seconds. */
+static double tie_at(const Mechanism *m, const Difference *d, double t) {
+    const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
+    return stick_tie(m) * (d->by_tau * fabs(tau) + d->by_load * axial_size(m, F_ext));
+}
+
+/* The sign of u. Where u is rounding, u has the sign with which u leaves the rounding: a torque that touches the edge
+ * of the band and turns back is not beyond. 0: u is rounding and stays so. */
+static int sign_of_difference(const Mechanism *m, const Difference *d) {
+    const double tie = tie_at(m, d, 0.0);
+    return fabs(d->u[0]) > tie ? sign_of(d->u[0]) : taylor_leaving_sign(d->u, tie);
+}
+
+/* F_0 */
+static Difference load_of(const Mechanism *m, double F_0) {
+    Difference load = {.u = {F_0}, .by_load = 1.0};
+    for (int k = 1; k <= INPUT_ORDER; k++) load.u[k] = m->inputs.F_ext[k];
+    return load;
+}
+
+/* F_0, or, where F_0 is no more than rounding, the sign that F_0 is about to take. */
 static double side_of(const Mechanism *m, double F_0) {
     if (fabs(F_0) > stick_tie(m) * stick_axial_size(m)) return F_0;
-    for (int k = 1; k <= INPUT_ORDER; k++)
-        if (m->inputs.F_ext[k] != 0.0) return m->inputs.F_ext[k];
-    return F_0;
+    const Difference load = load_of(m, F_0);
+    const int coming = sign_of_difference(m, &load);
+    return coming != 0 ? coming : F_0;
 }
 
 /* k-th time derivative of tau - factor F_0 at rest. Zero if both terms cancel to rounding. */
@@ -54,23 +93,37 @@ static double excess_rate(const Mechanism *m, double factor, int k) {
     return fabs(tau - load) <= cancelled * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
 }
 
-/* Is tau beyond factor F_0, on the side of `sign`? At the edge itself the first derivative that is not zero decides. No
- * torque is beyond an infinite edge. */
+/* tau - factor F_0, for a finite factor */
+static Difference excess_of(const Mechanism *m, double factor, double F_0) {
+    Difference excess = {
+        .u = {m->inputs.tau[0] - stick_edge(factor, F_0)}, .by_tau = 1.0, .by_load = lever_size(m, factor)};
+    for (int k = 1; k <= INPUT_ORDER; k++) excess.u[k] = excess_rate(m, factor, k);
+    return excess;
+}
+
+/* Is tau beyond factor F_0, on the side of `sign`? No torque is beyond an infinite edge. */
 static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
     if (isinf(factor)) return false;
-    const double excess = m->inputs.tau[0] - stick_edge(factor, F_0);
-    if (fabs(excess) > stick_tie(m) * stick_torque_size(m, factor)) return sign * excess > 0.0;
-    for (int k = 1; k <= INPUT_ORDER; k++) {
-        const double rate = excess_rate(m, factor, k);
-        if (rate != 0.0) return sign * rate > 0.0;
-    }
-    return false;
+    const Difference excess = excess_of(m, factor, F_0);
+    return sign * sign_of_difference(m, &excess) > 0.0;
 }
+
+/* ---- decisions ---- */
 
 int stick_direction_beyond_band(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
     const BandFactors f = stick_edges(m, side_of(m, F_0));
     return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
+}
+
+bool stick_excess_grows(const Mechanism *m, int direction) {
+    const double F_0 = stick_axial_load(m);
+    const BandFactors f = stick_edges(m, side_of(m, F_0));
+    const Difference excess = excess_of(m, direction > 0 ? f.load : f.release, F_0);
+    if (fabs(excess.u[0]) > tie_at(m, &excess, 0.0)) return true;
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (excess.u[k] != 0.0) return direction * excess.u[k] > 0.0;
+    return false;
 }
 
 bool stick_is_on_edge(const Mechanism *m, int direction) {
@@ -145,24 +198,40 @@ static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_
     return t_end * bernstein_descent(&p);
 }
 
+/* First time in (0, t_end] at which u rises above zero, on the side of `sign`, and goes on to more than a tie; or
+ * infinity. Where u only touches zero, to rounding, u first falls by a tie: then the search goes on. A polynomial of
+ * degree 3 rises once more at most. */
+static double time_past_zero(const Mechanism *m, const Difference *d, double sign, double t_end) {
+    const double first = time_above(d->u, sign, t_end);
+    if (!(first < INFINITY)) return INFINITY;
+    double u[INPUT_ORDER + 1] = {d->u[0], d->u[1], d->u[2], d->u[3]};
+    input_shift(u, first);
+    const double tie = tie_at(m, d, first);
+    if (sign * taylor_leaving_sign(u, tie) > 0.0) return first;
+    const double from_tie[INPUT_ORDER + 1] = {u[0] + sign * tie, u[1], u[2], u[3]};
+    const double fall = time_above(from_tie, -sign, t_end - first);
+    if (!(fall < INFINITY)) return INFINITY;
+    input_shift(u, fall);
+    return first + fall + time_above(u, sign, t_end - first - fall);
+}
+
 /* First time in (0, t_end] at which tau is beyond factor F_0, on the side of `sign`, by more than `ties` ties; or
  * infinity. */
 static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double ties, double t_end) {
     if (isinf(factor)) return INFINITY;
-    double excess[INPUT_ORDER + 1] = {m->inputs.tau[0] - stick_edge(factor, F_0)};
-    if (ties > 0.0) excess[0] -= sign * ties * stick_tie(m) * stick_torque_size(m, factor);
-    for (int k = 1; k <= INPUT_ORDER; k++) excess[k] = excess_rate(m, factor, k);
-    return time_above(excess, sign, t_end);
+    Difference excess = excess_of(m, factor, F_0);
+    if (ties == 0.0) return time_past_zero(m, &excess, sign, t_end);
+    excess.u[0] -= sign * ties * tie_at(m, &excess, 0.0);
+    return time_above(excess.u, sign, t_end);
 }
 
 /* First time in (0, left] at which F_0 changes its sign. */
 static double time_to_mirror(const Mechanism *m, double F_0, double left) {
-    double force[INPUT_ORDER + 1] = {F_0};
-    for (int k = 1; k <= INPUT_ORDER; k++) force[k] = m->inputs.F_ext[k];
+    Difference load = load_of(m, F_0);
     const double side = side_of(m, F_0);
-    if (side * F_0 <= 0.0) force[0] = 0.0; /* about to take the sign of `side` */
-    if (force[0] == 0.0 && inputs_within(&m->inputs, 1)) return INFINITY;
-    return time_above(force, side > 0.0 ? -1.0 : 1.0, left);
+    if (side * F_0 <= 0.0) load.u[0] = 0.0; /* about to take the sign of `side` */
+    if (load.u[0] == 0.0 && inputs_within(&m->inputs, 1)) return INFINITY;
+    return time_past_zero(m, &load, side > 0.0 ? -1.0 : 1.0, left);
 }
 
 /* Time until the torque has left the rest interval by `ties` ties, or F_0 changes its sign. There the band is

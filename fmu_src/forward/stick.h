@@ -31,8 +31,12 @@ double stick_edge(double factor, double F_0);
 
 /* The direction in which the torque is beyond the stick band (the inclusion of docs/mechanism.md, section 3). +1:
  * beyond the upper edge, so that loading begins; -1: beyond the lower edge, so that releasing begins; 0: inside the
- * band. On an edge, to rounding, the first time derivative of the torque's excess that is not zero decides. */
+ * band. On an edge, to rounding, the side decides on which the torque leaves the rounding, however late. */
 int stick_direction_beyond_band(const Mechanism *m);
+
+/* The torque is beyond the edge of that direction, or on the edge, to rounding. Does its excess grow from now on? On the
+ * edge the excess can first shrink. */
+bool stick_excess_grows(const Mechanism *m, int direction);
 
 /* Is the torque on the band's edge of that direction, to rounding? */
 bool stick_is_on_edge(const Mechanism *m, int direction);

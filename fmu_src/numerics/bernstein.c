@@ -165,10 +165,56 @@ double bernstein_peak(const Bernstein *p) {
     return zero_between(&d, sign, left, rises, right, falls, BERNSTEIN_PEAK_WIDTH);
 }
 
+/* ---- polynomials of degree 3 in time ---- */
+
 Bernstein bernstein_of_taylor(const double u[4], double t_end) {
     const double a0 = u[0], a1 = u[1] * t_end, a2 = u[2] * t_end * t_end / 2.0, a3 = u[3] * t_end * t_end * t_end / 6.0;
     return (Bernstein){
         .degree = 3,
         .c = {a0, a0 + a1 / 3.0, a0 + 2.0 * a1 / 3.0 + a2 / 3.0, a0 + a1 + a2 + a3},
     };
+}
+
+/* The sign of the first derivative of u that is not zero: u moves that way at first. */
+static int first_direction(const double u[4]) {
+    for (int k = 1; k <= 3; k++)
+        if (u[k] != 0.0) return sign_of(u[k]);
+    return 0;
+}
+
+/* sqrt(u_2^2 - 2 u_3 u_1), or 0 if that is not real. No square is formed, which could underflow. */
+static double root_of_discriminant(const double u[4]) {
+    const double size = fabs(u[2]), product = sqrt(2.0 * fabs(u[3])) * sqrt(fabs(u[1]));
+    if (sign_of(u[3]) * sign_of(u[1]) < 0) return hypot(size, product);
+    return size > product ? sqrt(size - product) * sqrt(size + product) : 0.0;
+}
+
+/* The times after 0 at which the rate u_1 + u_2 t + u_3 t^2/2 changes its sign, in order; infinity: none. No difference
+ * cancels in them. A time may underflow to 0. */
+static void turning_times(const double u[4], double t[2]) {
+    t[0] = t[1] = INFINITY;
+    const double root = root_of_discriminant(u);
+    if (!(root > 0.0)) return;
+    const double sum = u[2] + copysign(root, u[2]);
+    if (sign_of(u[1]) * sign_of(sum) < 0) t[0] = -2.0 * u[1] / sum;
+    if (sign_of(u[3]) * sign_of(sum) < 0) t[1] = -sum / u[3];
+    if (t[0] > t[1]) {
+        const double later = t[0];
+        t[0] = t[1];
+        t[1] = later;
+    }
+}
+
+/* Between two turns u is monotone. So the first turn outside the strip tells the sign, or what follows the last turn. */
+int taylor_leaving_sign(const double u[4], double width) {
+    int direction = first_direction(u);
+    double t[2];
+    turning_times(u, t);
+    for (int i = 0; i < 2; i++) {
+        if (!(t[i] < INFINITY)) break;
+        const double value = u[0] + t[i] * (u[1] + t[i] / 2.0 * (u[2] + t[i] / 3.0 * u[3]));
+        if (fabs(value) > width) return direction;
+        direction = -direction;
+    }
+    return direction;
 }

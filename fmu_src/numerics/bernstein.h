@@ -37,4 +37,8 @@ double bernstein_peak(const Bernstein *p);
 /* The polynomial u(t) = sum u_k t^k/k! of degree 3 on [0, t_end], as a polynomial in x = t/t_end. */
 Bernstein bernstein_of_taylor(const double u[4], double t_end);
 
+/* The polynomial u(t) = sum u_k t^k/k! of degree 3 starts in the strip |u| <= width. The sign with which u first leaves
+ * the strip at a time t > 0, or 0 if u is constant. A polynomial that is not constant leaves every strip. */
+int taylor_leaving_sign(const double u[4], double width);
+
 #endif
