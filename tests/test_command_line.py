@@ -276,3 +276,23 @@ def test_warnings_of_a_design_go_to_the_error_output(design, capsys):
         said = spoken(capsys, *words)
         assert said.err.count("this looks like N/mm; 50 N/mm is 50000 N/m") == 1
         assert "looks like" not in said.out
+
+
+@pytest.mark.parametrize("torque", ["4", "4 N.m", "4Nm", "4000 N.mm"])
+def test_a_torque_may_have_its_unit(design, capsys, torque):
+    said = spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "groove.csv").out
+    assert "Replace the lines profile and table in your [cam1] and [cam2] of my.toml:" in said
+    assert (design.parent / "groove.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("torque", "words"),
+    [
+        ("6,0", "a decimal comma: write 6.0"),
+        ("6 N", "N is no unit of N.m: allowed is N.m or a multiple of N.m"),
+        ("6 Newtonz", "unit 'Newtonz' is not known"),
+        ("nix.csv", "torque file nix.csv: "),
+    ],
+)
+def test_a_torque_that_is_none(design, capsys, torque, words):
+    assert words in spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "g.csv", code=1).err
