@@ -73,6 +73,10 @@ def _pressure(value: float) -> str:
     return f"MPa; {value:.6g} MPa is {value * 1e6:.6g} Pa"
 
 
+def _milliseconds(value: float) -> str:
+    return f"milliseconds; {value:.6g} ms is {value / 1e3:.6g} s"
+
+
 def _megapascals(value: float) -> str:
     return f"MPa; {value:.6g} MPa is {value * 1e6:.6g} Pa"
 
@@ -104,6 +108,7 @@ RULES: dict[str, Rule] = {
     "stop.upper": ANGLE,
     "initial.theta": ANGLE,
     "scenario.inputs.theta": ANGLE,
+    "scenario.stop": Rule("s", _above(100.0), _milliseconds),
     "inertia.shaft": INERTIA,
     "inertia.follower": INERTIA,
     "inertia.follower_mass": Rule("kg", _above(100.0), _grams),

@@ -417,3 +417,53 @@ def test_a_name_that_the_terminal_cannot_show_does_no_harm(design):
     )
     assert done.returncode == 0, done.stderr
     assert b"the design works" in done.stdout
+
+
+@pytest.mark.parametrize("torque", ["4", "4 N.m", "4Nm", "4000 N.mm"])
+def test_a_torque_may_have_its_unit(design, capsys, torque):
+    said = spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "groove.csv").out
+    assert "Replace the lines profile and table in your [cam1] and [cam2] of my.toml:" in said
+    assert (design.parent / "groove.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("torque", "words"),
+    [
+        ("6,0", "a decimal comma: write 6.0"),
+        ("6 N", "N is no unit of N.m: allowed is N.m or a multiple of N.m"),
+        ("6 Newtonz", "unit 'Newtonz' is not known"),
+        ("nix.csv", "torque file nix.csv: "),
+    ],
+)
+def test_a_torque_that_is_none(design, capsys, torque, words):
+    assert words in spoken(capsys, "design", "my.toml", "--torque", torque, "-o", "g.csv", code=1).err
+
+
+def test_check_gives_the_key_numbers_of_a_good_design(design, capsys):
+    """Equal helices of 45 deg: the efficiency is that of two wedges, tan(45 deg - rho)/tan(45 deg + rho)."""
+    said = spoken(capsys, "check", "my.toml").out
+    efficiency = ((1 - 0.14) / (1 + 0.14)) ** 2
+    for words in (
+        "torque to load: ",
+        "torque given back: ",
+        f"efficiency: {100 * efficiency:.4g} %",
+        "self-locking: no",
+        f"stroke of the follower: {20 * np.radians(80) / 2:.4g} mm",
+        "MPa, at theta = 80 deg on cam 1; limit 1500 MPa (the default); Young's modulus of the pin 210 GPa",
+        "my.toml: the design works, the FMU starts.",
+    ):
+        assert words in said, said
+    assert answer(capsys, "check", "my.toml")["numbers"]["pressure"]["cam"] == 1
+
+
+def test_the_verdict_names_values_that_look_like_other_units(design, capsys):
+    design.write_text(design.read_text().replace('radius = "3 mm"', "radius = 3"))
+    said = spoken(capsys, "check", "my.toml").out.splitlines()
+    assert said[-1] == "my.toml: the FMU starts, but 1 value looks like another unit: see the warnings."
+    design.write_text("cam1.radius = 18\ncam2.radius = 22\nspring.preload = -1")
+    said = spoken(capsys, "check", "my.toml", code=1).out.splitlines()
+    assert said[0].startswith("! warning: line 1: cam1.radius = 18 m: this looks like millimetres")
+    assert said[-1] == (
+        "my.toml: the design does not work, 1 error. The FMU starts. Check the units first: 2 values look"
+        " like other units."
+    )

@@ -560,7 +560,11 @@ def test_first_place_that_fails():
     assert set(found) == {"lead angle of groove 1", "lead angle of groove 2"}
     low = found["lead angle of groove 1"]
     assert low.theta == pytest.approx(reaches(math.radians(30)), abs=2e-9) and low.value < 30
-    assert "rad is 30 deg: allowed is 30 to 80" in low.text
+    end = math.degrees(math.asin(math.sin(math.pi / 4) - 0.4 * UPPER / 2))
+    assert low.text == (
+        f"lead angle of groove 1 reaches {end:.6g} deg at theta = {math.degrees(UPPER):.4g} deg: allowed is"
+        " 30 to 80 deg; outside from theta = 59.33 deg"
+    )
     # the pins' loads grow with the spring's force
     report = assess(mechanism, PIN, points=2001)
     limit = float(report.pressure[0, 1200])

@@ -223,6 +223,11 @@ def test_mistake_byte_order_mark(read, refusal):
         ("cam1.friction =", 1, "A key without a value?"),
         ("title: x", 1, "A colon after the key? Write key = value"),
         ("contacts = 2\ncontacts = 1", 2, "The same key or table twice?"),
+        (
+            "[cam1]\nradius = 0.02\n[cam1]\nfriction = 0.1",
+            3,
+            "The table [cam1] twice? Put all its lines below",
+        ),
         ("title = door", 1, "Text without quotes?"),
         ("; comment", 1, "Comments begin with #"),
         ("[cam1\nradius = 1", 1, "A missing ] ?"),
@@ -252,6 +257,33 @@ def test_mistake_wrong_units_in_quotes(refusal):
     ):
         assert words in text
     assert text.splitlines()[0].endswith("my.toml: 8 errors")
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ('cam1.lead_angle = "40 grad"', 'write "40 deg" for degrees, or "40 gon" for gon (100 gon = 90 deg)'),
+        ('stop.upper = "75 Grad"', "unit 'Grad' can mean degrees or gon: write \"75 deg\" for degrees"),
+        ('initial.omega = "20 Grad/s"', 'write "20 deg/s" for degrees'),
+        ('scenario.inputs.theta = {time = [0], value = [40], unit = "grad"}', 'write "40 deg"'),
+        ('stop.upper = "75 Mrad"', "unit 'Mrad' is not allowed for an angle: allowed are rad, mrad and deg"),
+        ('stop.upper = "75 krad"', "not allowed for an angle"),
+        ('pin.diameter = "6 mm"', 'pin.radius is half of the diameter: write pin.radius = "3 mm"'),
+        ("cam1.diameter = 0.036", "cam1.radius is half of the diameter: write cam1.radius = 0.018"),
+        ("pin.diameter = true", "pin.radius is half of the diameter"),
+    ],
+)
+def test_mistake_of_german_words_and_diameters(refusal, line, words):
+    assert words in refusal(line)
+
+
+def test_milliradians_and_gon_are_meant(read):
+    found = read('stop.upper = "1200 mrad"\ncam1.lead_angle = "50 gon"').parameters
+    assert found == pytest.approx({"stop.upper": 1.2, "cam1.lead_angle": 0.7853981633974483}, rel=1e-15)
+
+
+def test_mistake_an_fmu_for_a_design(refusal):
+    assert "this is an FMU or another zip archive: give the design file" in refusal(b"PK\x03\x04\xff\xff")
 
 
 # ---- all errors at once ----
@@ -335,7 +367,7 @@ def test_table_in_another_format_is_converted(read, tmp_path, monkeypatch):
     assert path.is_absolute() and path.read_text().startswith("psi_rad,z_m\n0.0,0.0\n")
     assert float(path.read_text().split()[-1].split(",")[1]) == 0.0315
     assert any("the header says deg and mm" in note for note in design.notes)
-    assert any("converted copy" in note for note in design.notes)
+    assert len(design.notes) == 1 and str(path) not in design.notes[0]
     assert read('cam1 = {profile = "table", table = "g.csv"}').parameters == design.parameters
 
 
@@ -483,3 +515,17 @@ def test_any_values_give_a_design_or_an_error(tmp_path_factory, entries):
 )
 def test_any_bytes_give_a_design_or_an_error(tmp_path_factory, content):
     design_or_error(tmp_path_factory.getbasetemp() / "any.toml", content)
+
+
+def test_defaults_of_pin_and_limits_are_in_the_page_and_the_schema():
+    page = (ROOT / "docs/design-file.md").read_text(encoding="utf-8")
+    for row in (
+        "| `limits.pressure` | Pa | 1.5e+09 |",
+        "| `pin.modulus` | Pa | 2.1e+11 |",
+        "| `pin.cam_modulus` | Pa | 2.1e+11 |",
+        "| `pin.poisson` |  | 0.3 |",
+        "| `limits.lead_angle` | rad | [0.0872665, 1.39626], 5 to 80 deg |",
+        "| `limits.self_locking` |  | false |",
+    ):
+        assert row in page
+    assert json_schema()["$defs"]["Limits"]["properties"]["pressure"]["default"] == 1.5e9

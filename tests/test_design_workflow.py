@@ -85,7 +85,7 @@ def test_groove_from_a_number(tmp_path):
         ("theta_deg,torque_Nm\n0,1\n1,x\n", "line 3: 'x' in column 2: allowed is a number"),
         ("theta_deg,torque_Nm\n0,1\n1\n", "line 3: '' in column 2"),
         ("theta_deg,torque_Nm\n", "no samples"),
-        ("theta_deg,torque_Nm\n0,1\n1,1\n", "n >= 4"),
+        ("theta_deg,torque_Nm\n0,1\n1,1\n", "torque.csv has 2 rows of numbers: allowed are 4 or more"),
         ("theta_deg,torque_Nm\n0,1\n1,1\n2,nan\n3,1\n", "finite"),
     ],
 )

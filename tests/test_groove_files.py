@@ -60,6 +60,14 @@ def test_what_was_guessed_is_said(file):
     assert Table.read(file("psi_rad,z_m\n0,0\n0.1,0.01\n0.2,0.02\n0.3,0.03\n"), 0.02).notes == ()
 
 
+@pytest.mark.parametrize("text", ["Winkel [Grad];Hub [mm]\n" + lines(), "sep=;\npsi_deg;z_mm\n" + lines()])
+def test_tables_of_a_german_spreadsheet(file, text):
+    """Grad in a header means degrees, and the note says so; `sep=;` is no header."""
+    table = Table.read(file(text), 0.02)
+    assert table.psi[-1] == pytest.approx(math.radians(80)) and table.z[-1] == pytest.approx(0.014)
+    assert "the header says deg and mm" in table.notes
+
+
 def test_given_units_need_no_header(file):
     path = file(lines())
     table = Table.read(path, 0.02, units=("deg", "mm"), delimiter=";", decimal=",")
@@ -96,7 +104,15 @@ def test_origin_between_samples(file):
     [
         ("", "the file is empty: its first line must be a header such as psi_rad,z_m"),
         ("psi_rad,z_m\n", "no line of numbers"),
-        ("psi,z\n0,0\n", "must name one angle and one length: write psi_rad,z_m or psi_deg,z_mm"),
+        (
+            "psi,z\n0,0\n",
+            "must have one unit of angle (deg or rad) and one unit of length (mm or m): write psi_deg,z_mm",
+        ),
+        ("Winkel [Altgrad];Hub [mm]\n0;0\n", "unit 'Altgrad' is not known; the header must have one unit"),
+        ("psi_deg,z_mm\n0,0\n10,\n", "line 3, column 2, '10,': the value is missing"),
+        ("psi_deg;z_mm\n0;0\n10;1.331,2\n", "thousands are not separated: write 1331,2"),
+        ("psi_deg;z_mm\n0;0\n10;1,331.2\n", "thousands"),
+        ("psi_deg,z_mm\n0,0\n30,1\n20,2\n40,3\n", "psi = 20 deg: allowed is more than 30 deg, the value of"),
         ("z_mm,psi_deg\n0,0\n1,1\n2,2\n3,3\n", "the height comes before the angle"),
         ("psi_rad,z_m\n0,0\n1,x\n", "line 3, column 2: 'x': allowed is a finite number with a decimal point"),
         ("psi_rad,z_m\n0,0\n1,nan\n", "line 3, column 2: 'nan'"),
@@ -105,14 +121,14 @@ def test_origin_between_samples(file):
         ("psi_rad;z_m\n0;0\n0,1;1.5\n", "line 3, column 2: '1.5'"),
         (
             "psi_rad,z_m\n0,0\n1,1e-3\n0.5,2e-3\n2,3e-3\n",
-            "line 4, column 1: psi = 0.5: allowed is more than 1",
+            "line 4, column 1: psi = 0.5 rad: allowed is more than 1 rad",
         ),
         (
             "psi_rad,z_m\n0,0\n1,2e-3\n2,1e-3\n3,3e-3\n",
-            "line 4, column 2: z = 0.001: allowed is at least 0.002",
+            "line 4, column 2: z = 0.001 m: allowed is at least 0.002 m",
         ),
         ("psi_rad,z_m\n0,0\n1,1\n2,2\n", "3 samples: allowed are 4 or more"),
-        ("psi_rad,z_m\n1,0\n2,1\n3,2\n4,3\n", "psi goes from 1 to 4: psi = 0 must be among them"),
+        ("psi_rad,z_m\n1,0\n2,1\n3,2\n4,3\n", "psi goes from 1 to 4 rad: psi = 0 must be among them"),
     ],
 )
 def test_refusals_name_file_line_column_and_value(file, text, words):

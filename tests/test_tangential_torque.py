@@ -222,7 +222,7 @@ def reference_angle(scene, parts):
     return None if any(point.doubts for point in points) else points[-1].theta
 
 
-@pytest.mark.parametrize("mechanism", ["helices", "helices, follower mass", "ellipses", "knee"])
+@pytest.mark.parametrize("mechanism", ["helices", "helices, follower mass"])
 def test_the_reference_gives_the_same(mechanism):
     compared = 0
     with Fmu(FORWARD) as fmu:

@@ -10,7 +10,7 @@ import json
 import re
 from pathlib import Path
 
-from dualcam.design_file.schema import json_schema, known_keys
+from dualcam.design_file.schema import defaults, json_schema, known_keys
 from dualcam.variables import all_parameters
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,7 +40,7 @@ def rows() -> list[str]:
             continue
         unit = match[1] if (match := re.search(r" \[(.*)\]$", text)) else ""
         meaning = text.removesuffix(f" [{unit}]").replace("|", "or")
-        start, allowed = "", ""
+        start, allowed = _default(key), ""
         if key == "study":
             continue
         if key in parameters:
@@ -50,6 +50,16 @@ def rows() -> list[str]:
             allowed = WORDS.get(key) or variable.allowed().removesuffix(variable.in_unit)
         found.append(f"| `{key}` | {unit} | {start} | {allowed} | {meaning} |")
     return found
+
+
+def _default(key: str) -> str:
+    """The default of a key of [pin] or [limits], in the key's unit."""
+    value = defaults().get(key, "")
+    if key == "limits.lead_angle":
+        return "[" + ", ".join(f"{angle:.6g}" for angle in value) + "], 5 to 80 deg"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.6g}" if isinstance(value, float) else ""
 
 
 def page() -> str:

@@ -6,13 +6,14 @@ keys whose change can help.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dualcam.check.values import value_of
-from dualcam.design import Limits, Mechanism, Table
+from dualcam.design import Limits, Mechanism
 from dualcam.design.strength import Finding as Failure
 from dualcam.design.strength import examine
 from dualcam.design_file import DesignFile, Finding
@@ -81,9 +82,13 @@ def _stops(design: DesignFile) -> list[Trouble]:
     low, high = design.value("stop.lower"), design.value("stop.upper")
     if low < high:
         return []
-    text = f"stop.upper = {high:.6g} rad: allowed is more than stop.lower = {low:.6g} rad"
-    finding = _finding(design, "stops", "stop.upper", text)
-    return [Trouble(finding, (Remedy("stop.upper", low + 1.0),))]
+    text = (
+        f"stop.upper = {high:.6g} rad ({math.degrees(high):.4g} deg): allowed is more than stop.lower ="
+        f" {low:.6g} rad ({math.degrees(low):.4g} deg)"
+    )
+    is_negative = high < 0.0 and -high > low
+    hint = f"Is the sign of stop.upper wrong: {-high:.6g} rad?" if is_negative else "Are the stops exchanged?"
+    return [Trouble(_finding(design, "stops", "stop.upper", text), hint=hint)]
 
 
 def _impossible(design: DesignFile, error: DesignError) -> Trouble:
@@ -102,7 +107,8 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trou
         return _groove_end(design, mechanism, failure)
     if what == "spring force":
         remedies = [Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))]
-        return Trouble(_finding(design, "spring force", "spring.preload", text), tuple(remedies))
+        hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
+        return Trouble(_finding(design, "spring force", "spring.preload", text), tuple(remedies), hint)
     if what.startswith("both grooves level"):
         finding = _finding(design, "level", "cam1.lead_angle", text)
         return Trouble(finding, (Remedy("cam1.lead_angle", 0.8), *_shorter(failure)))
@@ -114,22 +120,11 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trou
 
 
 def _groove_end(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trouble:
-    """A groove that ends before a stop; the other table may be longer than its own part of the range."""
-    i = int(failure.what.split()[1])
+    """A groove that ends before a stop."""
     upper = failure.theta > 0.0 or mechanism.lower >= 0.0
     stop = "stop.upper" if upper else "stop.lower"
-    hint = ""
-    other = mechanism.grooves[2 - i]
-    if isinstance(other, Table) and isinstance(mechanism.grooves[i - 1], Table):
-        last = abs(float(mechanism.configuration(failure.theta).psi[2 - i]))
-        spare = abs(other.range[1 if upper else 0]) - last
-        if spare > 1e-6:
-            hint = (
-                f"The table of cam {3 - i} is longer than needed, by {spare:.4g} rad: are the tables of cam 1"
-                " and cam 2 swapped?"
-            )
     finding = _finding(design, "groove end", stop, f"{stop}: {failure.text}")
-    return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),), hint)
+    return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),))
 
 
 def _shorter(failure: Failure) -> tuple[Remedy, ...]:
@@ -164,6 +159,10 @@ def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
     if what.startswith("undercut"):
         finding = _finding(design, f"undercut {i}", "pin.radius", text)
         return Trouble(finding, (Remedy("pin.radius", 1e-6),))
+    if ("limits", "pressure") not in design.lines and (
+        design.limits or Limits()
+    ).pressure == Limits().pressure:
+        text += "; this limit is the default of limits.pressure"
     finding = _finding(design, f"contact pressure {i}", "pin.width", text)
     return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-from dualcam.check.rules import ERROR, WARNING, Remedy, Trouble, swap_warning, troubles
-from dualcam.check.search import nearest_working
-from dualcam.check.values import value_of, with_value
+from dualcam.check.numbers import KeyNumbers, key_numbers
+from dualcam.check.plausible import implausible
+from dualcam.check.remedies import Search
+from dualcam.check.rules import ERROR, WARNING, swap_warning, troubles
 from dualcam.design_file import DesignFile, Finding
 from dualcam.design_file.toml_text import line_of
-from dualcam.errors import DualcamError, FmuError
+from dualcam.errors import FmuError
 from dualcam.library import fmu_path
-from dualcam.unit_guards import unit_warning, units_checked_before
-from dualcam.variables import all_parameters, inputs_of
+from dualcam.unit_guards import units_checked_before
+from dualcam.variables import inputs_of
 
-PIN_UNITS = {"pin.radius": "m", "pin.width": "m"}
+UNIT = "unit"  # kind of a warning about a value that looks like another unit
+NO_CAUSE = ("scenario.stop",)  # values that make no error, whatever their unit
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,12 @@ class Verdict:
     starts : bool
         Whether the FMU starts with the design's parameters.
     findings : tuple of Finding
-        Errors first, then warnings.
+        Errors first, then warnings. Where a value looks like another unit, the warning about this value comes
+        before the errors, because the unit is their likely cause.
     notes : tuple of str
         How the files of groove tables were understood.
+    numbers : KeyNumbers or None
+        Torques, efficiency, stroke and contact pressure; None for a design with errors.
     """
 
     name: str
@@ -43,11 +46,22 @@ class Verdict:
     starts: bool
     findings: tuple[Finding, ...]
     notes: tuple[str, ...] = ()
+    numbers: KeyNumbers | None = None
 
     @property
     def errors(self) -> tuple[Finding, ...]:
         """The findings with which the design does not work."""
         return tuple(finding for finding in self.findings if finding.severity == ERROR)
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """The findings that refuse nothing."""
+        return tuple(finding for finding in self.findings if finding.severity != ERROR)
+
+    @property
+    def strange_units(self) -> tuple[Finding, ...]:
+        """The warnings about values that look like another unit."""
+        return tuple(finding for finding in self.warnings if finding.kind == UNIT)
 
     @property
     def good(self) -> bool:
@@ -60,7 +74,8 @@ class Verdict:
         Returns
         -------
         dict
-            Keys name, model, good, starts, findings (a list of dictionaries), notes.
+            Keys name, model, good, starts, findings (a list of dictionaries), notes, numbers (in SI units;
+            null for a design with errors).
         """
         return {
             "name": self.name,
@@ -69,6 +84,7 @@ class Verdict:
             "starts": self.starts,
             "findings": [finding.as_dict() for finding in self.findings],
             "notes": list(self.notes),
+            "numbers": self.numbers.as_dict() if self.numbers else None,
         }
 
 
@@ -83,7 +99,8 @@ def check_design(design: DesignFile) -> Verdict:
     Returns
     -------
     Verdict
-        All findings, each with the nearest value that works where a search finds one.
+        All findings. An error has the nearest value that works where a search finds one; no error has one
+        while a value looks like another unit.
 
     Raises
     ------
@@ -102,15 +119,25 @@ def check_design(design: DesignFile) -> Verdict:
     """
     found = troubles(design)
     refusal = start_refusal(design)
-    findings = [_with_remedy(design, trouble, found) for trouble in found]
-    if any(finding.severity == ERROR for finding in findings) and (swapped := swap_warning(design)):
+    causes = [warning for warning in design.warnings if warning.kind == UNIT and warning.key not in NO_CAUSE]
+    if causes:
+        findings = [trouble.finding for trouble in found]
+    else:
+        search = Search(design, found, start_refusal)
+        findings = [search.mended(trouble) for trouble in found]
+    has_errors = any(finding.severity == ERROR for finding in findings)
+    if has_errors and not causes and (swapped := swap_warning(design)):
         findings.append(swapped)
-    if refusal and not any(finding.severity == ERROR for finding in findings):
+    if refusal and not has_errors:
         findings.append(Finding(ERROR, "", None, f"the FMU does not start: {refusal}", kind="fmu"))
     findings += _unused(design)
+    if not (refusal or has_errors):
+        findings += implausible(design)
     placed = [finding.at_line(_line(design, finding.key)) for finding in findings]
-    ordered = sorted([*placed, *design.warnings], key=lambda finding: finding.severity != ERROR)
-    return Verdict(design.name, design.model, not refusal, tuple(ordered), design.notes)
+    others = [warning for warning in design.warnings if warning not in causes]
+    ordered = sorted([*placed, *others], key=lambda finding: finding.severity != ERROR)
+    numbers = None if refusal or has_errors else key_numbers(design)
+    return Verdict(design.name, design.model, not refusal, (*causes, *ordered), design.notes, numbers)
 
 
 def start_refusal(design: DesignFile) -> str:
@@ -158,56 +185,3 @@ def _unused(design: DesignFile) -> list[Finding]:
 
 def _line(design: DesignFile, key: str) -> int | None:
     return line_of(design.lines, tuple(key.split("."))) if key else None
-
-
-# ---- the nearest value that works ----
-
-
-def _with_remedy(design: DesignFile, trouble: Trouble, all_found: list[Trouble]) -> Finding:
-    """The finding with a value that makes the finding disappear, from the first remedy that has one.
-
-    If the finding is the only error, values are preferred with which the whole design is good."""
-    finding = trouble.finding
-    hint = unit_warning(finding.key, finding.value) if finding.severity == ERROR else ""
-    likely = f"; {hint.partition(': ')[2]}" if hint else ""
-    alone = finding.severity == ERROR and sum(t.finding.severity == ERROR for t in all_found) == 1
-    change, value = next(_working_values(design, trouble, alone), ("", None))
-    works = f"{change} = {value:.10g}{_unit(change, value)} works" if value is not None else ""
-    text = ". ".join(filter(None, [f"{finding.text}{likely}", works, trouble.hint]))
-    return replace(finding, text=text, nearest=value, change=change)
-
-
-def _working_values(design: DesignFile, trouble: Trouble, alone: bool) -> Iterator[tuple[str, float]]:
-    for strict in (True, False) if alone else (False,):
-        for remedy in trouble.remedies:
-            value = _search(design, trouble.finding, remedy, strict)
-            if value is not None:
-                yield remedy.key, value
-
-
-def _search(design: DesignFile, finding: Finding, remedy: Remedy, strict: bool) -> float | None:
-    """The nearest value without this finding; if strict, without any error, and the FMU starts."""
-    current = value_of(design, remedy.key)
-    if current is None or current == remedy.bound:
-        return None
-
-    def works(value: float) -> bool:
-        try:
-            left = troubles(with_value(design, remedy.key, value), locate=False)
-        except DualcamError:
-            return False
-        found = {trouble.finding.kind for trouble in left}
-        errors = {trouble.finding.kind for trouble in left if trouble.finding.severity == ERROR}
-        return finding.kind not in found and "groove" not in errors and not (strict and errors)
-
-    value = nearest_working(float(current), remedy.bound, works)
-    if value is not None and strict and start_refusal(with_value(design, remedy.key, value)):
-        return None
-    return value
-
-
-def _unit(key: str, value: float) -> str:
-    known = all_parameters()
-    unit = known[key].unit if key in known else PIN_UNITS.get(key, "1")
-    degrees = f" ({math.degrees(value):.4g} deg)" if unit == "rad" else ""
-    return "" if unit == "1" else f" {unit}{degrees}"

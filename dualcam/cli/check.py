@@ -40,10 +40,24 @@ def _tell(verdict: Verdict, file: Path) -> None:
         say(f"- {note}")
     for finding in verdict.findings:
         say(f"{MARKS[finding.severity]} {finding.severity}: {finding}")
+    if verdict.numbers is not None:
+        for line in verdict.numbers.lines():
+            say(f"  {line}")
+    say(f"{file}: {_conclusion(verdict)}")
+
+
+def _conclusion(verdict: Verdict) -> str:
+    strange, warnings = len(verdict.strange_units), len(verdict.warnings)
+    units = "1 value looks like another unit" if strange == 1 else f"{strange} values look like other units"
+    if verdict.good and strange:
+        return f"the FMU starts, but {units}: see the warnings."
     if verdict.good:
-        say(f"{file}: the design works, the FMU starts.")
-        return
-    count = len(verdict.errors)
-    errors = f"{count} error{'s' if count != 1 else ''}"
+        more = f", {_count(warnings, 'warning')}" if warnings else ""
+        return f"the design works, the FMU starts{more}."
     starts = "starts" if verdict.starts else "does not start"
-    say(f"{file}: the design does not work, {errors}. The FMU {starts}.")
+    first = f" Check the units first: {units}." if strange else ""
+    return f"the design does not work, {_count(len(verdict.errors), 'error')}. The FMU {starts}.{first}"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' if number != 1 else ''}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from dualcam.design import Design
     from dualcam.design_file import DesignFile
 
+NUMBER_FIRST = re.compile(r"\s*[+-]?[.,]?\d")
 GROOVE2 = ("equal", "given")
 
 
@@ -32,7 +34,8 @@ GROOVE2 = ("equal", "given")
     "--torque",
     required=True,
     metavar="N.m|FILE.csv",
-    help="Wanted torque: a number in N.m, or a CSV file with columns such as theta_deg,torque_Nm.",
+    help="Wanted torque: a number in N.m, or with its unit as '6 N.m'; or a CSV file with a header such as"
+    " theta_deg,torque_Nm and 4 or more rows.",
 )
 @click.option(
     "--direction",
@@ -82,7 +85,8 @@ def command(
         )
         return
     say(found.summary())
-    say(f"{output} written. Put these lines into {design_file}:")
+    tables = " and ".join(f"[cam{cam}]" for cam in cams)
+    say(f"{output} written. Replace the lines profile and table in your {tables} of {design_file}:")
     for cam in cams:
         say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design_file, output)}"')
 
@@ -102,10 +106,7 @@ def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bo
     from dualcam.design import design_groove
 
     mechanism = design.mechanism()
-    try:
-        wanted: float | Path = float(torque)
-    except ValueError:
-        wanted = Path(torque)
+    wanted = _wanted(torque)
     radius1, radius2 = mechanism.radius
     if not keeps_groove2 and radius1 != radius2:
         raise DesignError(
@@ -122,3 +123,21 @@ def _designed(design: DesignFile, torque: str, direction: str, keeps_groove2: bo
         radius=radius1,
         contacts=mechanism.contacts,
     )
+
+
+def _wanted(torque: str) -> float | Path:
+    """A torque in N.m, or the path of a file."""
+    try:
+        return float(torque)
+    except ValueError:
+        path = Path(torque)
+    if path.suffix.lower() in (".csv", ".txt", ".tsv") or path.exists() or not NUMBER_FIRST.match(torque):
+        return path
+    from dualcam.design_file.units import quantity
+
+    if re.fullmatch(r"[+-]?\d+,\d+", torque.strip()):
+        raise DesignError(f"--torque {torque}: a decimal comma: write {torque.replace(',', '.')}")
+    try:
+        return quantity(re.sub(r"Nm\b", "N.m", torque), "N.m")
+    except DesignError as error:
+        raise DesignError(f'--torque "{torque}": {error}; or give a CSV file') from None

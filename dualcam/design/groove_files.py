@@ -18,17 +18,20 @@ import numpy as np
 from dualcam.design.statics import Array, DesignError
 
 HEADER = "psi_rad,z_m"
+USUAL = "psi_deg,z_mm"  # the header of most people's tables
 ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3, "turn": 2.0 * math.pi}  # rad
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "in": 0.0254}  # m
 WORDS = {  # of a header, in small letters
     **{word: "rad" for word in ("rad", "radian", "radians")},
-    **{word: "deg" for word in ("deg", "degree", "degrees", "°")},
+    **{word: "deg" for word in ("deg", "degree", "degrees", "°", "grad", "grado", "grados", "gradi")},
     **{word: "m" for word in ("m", "metre", "meter", "metres", "meters")},
     **{word: "mm" for word in ("mm", "millimetre", "millimeter", "millimetres", "millimeters")},
     **{word: word for word in ("mrad", "turn", "cm")},
     **{word: "in" for word in ("inch", "inches")},
     **{word: "um" for word in ("um", "µm", "μm")},
 }
+SIGN_LINE = re.compile(r"\W*sep=([;,]?)\W*", re.IGNORECASE)  # a first line that spreadsheets write
+THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[.,]\d{3})+(?:[.,]\d*)?")
 DELIMITERS = {";": "semicolons", "\t": "tabs", ",": "commas", " ": "spaces"}
 NUMBER = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?")
 PLAIN = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -141,8 +144,10 @@ def _parsed(
     text: str, units: tuple[str, str] | None, delimiter: str | None, decimal: str | None
 ) -> GrooveFile:
     lines = _lines(text)
+    if lines and (sign_line := SIGN_LINE.fullmatch(lines[0].text)):
+        delimiter, lines = delimiter or sign_line[1] or None, lines[1:]
     if not lines:
-        raise DesignError(f"the file is empty: its first line must be a header such as {HEADER}")
+        raise DesignError(f"the file is empty: its first line must be a header such as {HEADER} or {USUAL}")
     header, numbers = (lines[0], lines[1:]) if _is_header(lines[0]) else (None, lines)
     if not numbers:
         raise DesignError(f"there is no line of numbers below the header {header.text if header else ''!r}")
@@ -157,7 +162,7 @@ def _parsed(
     samples = np.array([_sample(line, separator, comma) for line in numbers])
     found = units or _units(header, notes)
     psi, z = samples[:, 0] * ANGLES[found[0]], _metres(samples[:, 1], found[1])
-    _check_order(numbers, samples)
+    _check_order(numbers, samples, found)
     return GrooveFile(psi, z, found, tuple(notes), found == ("rad", "m") and _is_exact(text))
 
 
@@ -215,13 +220,26 @@ def _number(line: _Line, column: int, cell: str, comma: bool) -> float:
     plain = cell.replace(",", ".") if comma else cell
     good = NUMBER.fullmatch(plain) is not None and "," not in plain and not (comma and "." in cell)
     value = float(plain) if good else math.nan
+    if not cell:
+        raise DesignError(
+            f"line {line.number}, column {column}, {line.text[:60]!r}: the value is missing: allowed are two"
+            " numbers on each line"
+        )
     if not math.isfinite(value):
         sign = "comma" if comma else "point"
         raise DesignError(
             f"line {line.number}, column {column}: {cell[:40]!r}: allowed is a finite number with a decimal"
-            f" {sign}"
+            f" {sign}{_without_thousands(cell, comma)}"
         )
     return value
+
+
+def _without_thousands(cell: str, comma: bool) -> str:
+    """A hint if the number seems to have signs between its thousands."""
+    separator = "." if comma else ","
+    if not THOUSANDS.fullmatch(cell) or separator not in cell:
+        return ""
+    return f"; thousands are not separated: write {cell.replace(separator, '')}"
 
 
 # ---- units ----
@@ -232,16 +250,18 @@ def _units(header: _Line | None, notes: list[str]) -> tuple[str, str]:
     if header is None:
         raise DesignError(
             "there is no header, so the units are not known: add a first line such as"
-            f' {HEADER} or psi_deg,z_mm, or give units, such as units=("deg", "mm")'
+            f" {USUAL} (degrees and millimetres) or {HEADER} (radians and metres)"
         )
     words = [WORDS[word] for word in re.findall(r"[^\W\d_]+|°", header.text.lower()) if word in WORDS]
     words = list(dict.fromkeys(words))
     angles = [word for word in words if word in ANGLES]
     lengths = [word for word in words if word in LENGTHS]
     if len(angles) != 1 or len(lengths) != 1:
+        unknown = "".join(f"unit {word!r} is not known; " for word in _unknown_units(header.text))
         raise DesignError(
-            f"line {header.number}, {header.text[:60]!r}: the header must name one angle and one length:"
-            f' write {HEADER} or psi_deg,z_mm, or give units, such as units=("deg", "mm")'
+            f"line {header.number}, {header.text[:60]!r}: {unknown}the header must have one unit of angle"
+            f" (deg or rad) and one unit of length (mm or m): write {USUAL} for degrees and millimetres, or"
+            f" {HEADER} for radians and metres"
         )
     if words.index(angles[0]) > words.index(lengths[0]):
         raise DesignError(
@@ -253,10 +273,16 @@ def _units(header: _Line | None, notes: list[str]) -> tuple[str, str]:
     return angles[0], lengths[0]
 
 
+def _unknown_units(header: str) -> list[str]:
+    """Words in brackets that are no unit."""
+    bracketed = re.findall(r"[\[(]\s*([^\])]*?)\s*[\])]", header)
+    return [word for word in bracketed if word and word.lower() not in WORDS]
+
+
 # ---- order ----
 
 
-def _check_order(lines: Sequence[_Line], samples: Array) -> None:
+def _check_order(lines: Sequence[_Line], samples: Array, units: tuple[str, str]) -> None:
     psi, z = samples.T
     if len(psi) < 4:
         raise DesignError(f"{len(psi)} samples: allowed are 4 or more")
@@ -265,13 +291,13 @@ def _check_order(lines: Sequence[_Line], samples: Array) -> None:
         (2, "z", z, np.diff(z) < 0.0, "at least"),
     ):
         if bad.any():
-            k = int(np.argmax(bad))
+            k, unit = int(np.argmax(bad)), units[column - 1]
             raise DesignError(
-                f"line {lines[k + 1].number}, column {column}: {name} = {values[k + 1]:.9g}: allowed is"
-                f" {allowed} {values[k]:.9g}, the value of line {lines[k].number}"
+                f"line {lines[k + 1].number}, column {column}: {name} = {values[k + 1]:.9g} {unit}: allowed"
+                f" is {allowed} {values[k]:.9g} {unit}, the value of line {lines[k].number}"
             )
     if not psi[0] <= 0.0 <= psi[-1]:
         raise DesignError(
-            f"psi goes from {psi[0]:.9g} to {psi[-1]:.9g}: psi = 0 must be among them, where the pin is at"
-            " theta = 0"
+            f"psi goes from {psi[0]:.9g} to {psi[-1]:.9g} {units[0]}: psi = 0 must be among them,"
+            " where the pin is at theta = 0"
         )

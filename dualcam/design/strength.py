@@ -28,6 +28,7 @@ from dualcam.design.statics import Array, DesignError, band
 from dualcam.unit_guards import unit_warning, warn_units
 from dualcam.variables import parameters_of
 
+JAM = "jam"
 LEVEL = 1e-9  # rad: a lead angle up to this counts as level, as in the FMU
 
 
@@ -313,23 +314,40 @@ class _Check:
     """One property and its limits."""
 
     what: str
-    value: Callable[[Strength], Array]  # in the unit of `allowed`
+    value: Callable[[Strength], Array]  # in `unit`
     good: Callable[[Strength], NDArray[np.bool_]]
+    unit: str
     allowed: str
+    excess: Callable[[Array], Array]  # of values: larger where they are farther outside the limits
 
     def first(self, mechanism: Mechanism, pin: Pin | None, found: Strength, locate: bool) -> Finding | None:
         """The first angle where the property is outside its limits, located between the checked angles."""
-        good = self.good(found)
+        whole, good = found, self.good(found)
         while not good.all():
             k = int(np.argmin(good))
             low, high = float(found.theta[max(k - 1, 0)]), float(found.theta[k])
             if high - low <= 1e-9 or not locate:
                 value = float(self.value(found)[k])
-                text = f"{self.what} at theta = {high:.6g} rad is {value:.6g} {self.allowed}"
-                return Finding(self.what, high, value, text)
+                return Finding(self.what, high, value, self._text(whole, high, value))
             found = strength(mechanism, pin, np.linspace(low, high, 33))
             good = self.good(found)
         return None
+
+    def _text(self, whole: Strength, theta: float, value: float) -> str:
+        """The property at the first angle outside the limits; also the worst value, where that is another."""
+        first = f"theta = {math.degrees(theta):.4g} deg"
+        if self.what == JAM:
+            return f"{JAM}: friction is too high for the lead angles; at {first} no torque can turn cam 2"
+        bad = np.flatnonzero(~self.good(whole))
+        values = self.value(whole)[bad]
+        k = int(np.argmax(self.excess(values)))
+        if f"{values[k]:.6g}" == f"{value:.6g}":
+            return f"{self.what} at {first} is {value:.6g} {self.unit}: allowed is {self.allowed}"
+        worst = f"theta = {math.degrees(whole.theta[bad[k]]):.4g} deg"
+        return (
+            f"{self.what} reaches {values[k]:.6g} {self.unit} at {worst}: allowed is {self.allowed}; outside"
+            f" from {first}"
+        )
 
 
 def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Check]:
@@ -339,19 +357,25 @@ def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Chec
             lambda s: s.force,
             # a spring without preload: the force begins at 0 where z = 0
             lambda s: (s.force > 0.0) | ((s.force == 0.0) & (s.theta == 0.0)),
-            "N: allowed is > 0",
+            "N",
+            "> 0",
+            np.negative,
         ),
         _Check(
             "both grooves level: steeper lead angle",
             lambda s: np.degrees(s.lead_angle.max(axis=0)),
             lambda s: s.lead_angle.max(axis=0) > LEVEL,
-            "deg: allowed is > 0, or nothing fixes the pin",
+            "deg",
+            "> 0, or nothing fixes the pin",
+            np.negative,
         ),
         _Check(
-            "jam: torque of loading per spring force",
+            JAM,
             lambda s: s.rho,
             lambda s: np.isfinite(s.rho),
-            "m: it must be finite",
+            "m",
+            "a finite torque of loading per spring force",
+            np.positive,
         ),
     ]
     for i in range(2):
@@ -361,18 +385,23 @@ def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Chec
 
 def _checks_of_groove(i: int, locking: float, pin: Pin | None, limits: Limits) -> list[_Check]:
     name, (low, high) = f"of groove {i + 1}", limits.lead_angle
+    least, greatest = math.degrees(low), math.degrees(high)
     checks = [
         _Check(
             f"lead angle {name}",
             lambda s: np.degrees(s.lead_angle[i]),
             lambda s: (s.lead_angle[i] >= low) & (s.lead_angle[i] <= high),
-            f"deg: allowed is {math.degrees(low):.6g} to {math.degrees(high):.6g}",
+            "deg",
+            f"{least:.6g} to {greatest:.6g} deg",
+            lambda lead: np.maximum(least - lead, lead - greatest),
         ),
         _Check(
             f"self-locking: lead angle {name}",
             lambda s: np.degrees(s.lead_angle[i]),
             lambda s: (s.lead_angle[i] > locking) | limits.self_locking,
-            f"deg: allowed is more than the angle of friction, {math.degrees(locking):.6g}",
+            "deg",
+            f"more than the angle of friction, {math.degrees(locking):.6g} deg",
+            np.negative,
         ),
     ]
     return checks if pin is None else [*checks, *_checks_of_pin(i, pin, limits)]
@@ -385,12 +414,17 @@ def _checks_of_pin(i: int, pin: Pin, limits: Limits) -> list[_Check]:
             f"undercut: curvature {name}",
             lambda s: np.abs(s.curvature[i]),
             lambda s: pin.radius * np.abs(s.curvature[i]) < 1.0,
-            f"1/m: allowed is less than 1/(pin radius) = {1.0 / pin.radius:.6g}",
+            "1/m",
+            f"less than 1/(pin radius) = {1.0 / pin.radius:.6g} 1/m",
+            np.positive,
         ),
         _Check(
             f"contact pressure {name}",
             lambda s: s.pressure[i] / 1e6,
-            lambda s: s.pressure[i] <= limits.pressure,
-            f"MPa: allowed is {limits.pressure / 1e6:.6g}",
+            # an undercut flank has a finding of its own
+            lambda s: (s.pressure[i] <= limits.pressure) | np.isinf(s.pressure[i]),
+            "MPa",
+            f"{limits.pressure / 1e6:.6g} MPa",
+            np.positive,
         ),
     ]

@@ -18,6 +18,7 @@ from dualcam.design.synthesis import synthesize
 
 ANGLE_UNITS = {"deg": math.pi / 180.0, "rad": 1.0}  # rad
 TORQUE_UNITS = {"N.m": 1.0, "N.mm": 1e-3, "mN.m": 1e-3, "kN.m": 1e3}  # N.m
+LEAST_ROWS = 4  # a cubic spline joins the samples
 SPELLINGS = {"°": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad"}
 
 
@@ -78,6 +79,10 @@ class TorqueCurve:
             [_number(path, number, line.split(sign), column, sign) for column in (angle, torque)]
             for number, line in numbered[1:]
         ]
+        if 0 < len(rows) < LEAST_ROWS:
+            raise DesignError(
+                f"torque file {path} has {len(rows)} rows of numbers: allowed are {LEAST_ROWS} or more"
+            )
         samples = np.reshape(np.array(rows, dtype=float), (-1, 2))
         return cls(
             samples[:, 0] * ANGLE_UNITS[angle_unit],

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
+from decimal import Decimal
 from difflib import get_close_matches
 
 SIMILAR = 0.6  # of difflib: share of equal characters
+DIAMETERS = ("diameter", "d", "dia")
 # Words of other programs and languages for the keys of this one.
 OTHER_WORDS = {
     "r": "radius",
-    "diameter": "radius",
     "mu": "friction",
     "angle": "lead_angle",
     "helix_angle": "lead_angle",
@@ -31,17 +33,33 @@ OTHER_WORDS = {
 }
 
 
-def unknown_key(key: str, known: Mapping[str, str]) -> str:
+def unknown_key(key: str, known: Mapping[str, str], value: object = None) -> str:
     """A sentence about an unknown key: the nearest names, also in other tables.
 
-    `key` is dotted; `known` has all keys."""
+    `key` is dotted; `known` has all keys; `value` is what the file gives."""
+    table, _, last = key.rpartition(".")
+    if last.lower() in DIAMETERS and f"{table}.radius" in known:
+        half = _half(value)
+        written = f": write {table}.radius = {half}" if half else ""
+        return f"{key} is no key: {table}.radius is half of the diameter{written}"
     guesses = nearest_keys(key, known)
-    table = key.rpartition(".")[0]
     if guesses:
         return f"{key} is no key: did you mean {' or '.join(guesses)}?"
     if table in known:
         return f"{key} is no key: allowed in [{table}] are {', '.join(_within(table, known))}"
     return f"{key} is no key: allowed are {', '.join(_within('', known))}"
+
+
+def _half(value: object) -> str:
+    """Half of a number, or of a text with a number and a unit, as TOML; empty for another value."""
+    number, unit = value, ""
+    if isinstance(value, str) and (match := re.fullmatch(r"\s*([\d.]+)\s*(\D*)", value)):
+        number, unit = match[1], match[2].strip()
+    try:
+        half = f"{Decimal(str(number)) / 2:f}"
+    except ArithmeticError:
+        return ""
+    return f'"{half} {unit}"' if unit else half
 
 
 def nearest_keys(key: str, known: Iterable[str]) -> list[str]:

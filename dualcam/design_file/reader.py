@@ -149,7 +149,7 @@ class _Reading:
         shown = _shown(value)
         kind = problem["type"]
         if kind == "extra_forbidden":
-            text = unknown_key(key, known_keys())
+            text = unknown_key(key, known_keys(), value)
             if key == "scenario.controller":
                 text = "scenario.controller is no key: a controller belongs to a study plan"
         elif kind in ("model_type", "model_attributes_type", "dict_type"):
@@ -240,9 +240,8 @@ class _Reading:
             self.refuse(name, written, f"{name} = {written!r}: {error}")
             return
         parameters[name] = str(readable)
-        self.notes += [f"{name} = {written!r}: {note}" for note in groove.notes]
-        if readable != path:
-            self.notes.append(f"{name} = {written!r}: the FMU reads a converted copy, {readable}")
+        if groove.notes:
+            self.notes.append(f"{name} = {written!r} was read so: {', '.join(groove.notes)}")
         radius = parameters.get(f"{cam}.radius", all_parameters()[f"{cam}.radius"].start)
         for text in table_warnings(groove.psi, groove.z, radius):
             self.warn(name, written, f"{name} = {written!r}: {text}", "unit")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 from functools import cache
@@ -33,13 +34,15 @@ SPRING = (
 PIN = (
     _entry("radius", "m", "Radius of the pin", 0.0),
     _entry("width", "m", "Width of the flank along the pin", 0.0),
-    _entry("modulus", "Pa", "Young's modulus of the pin; 210e9 for steel", 0.0),
+    _entry("modulus", "Pa", "Young's modulus of the pin; the default is steel", 0.0),
     _entry("poisson", "1", "Poisson's ratio of the pin", 0.0, 0.5),
-    _entry("cam_modulus", "Pa", "Young's modulus of the cams", 0.0),
+    _entry("cam_modulus", "Pa", "Young's modulus of the cams; the default is steel", 0.0),
     _entry("cam_poisson", "1", "Poisson's ratio of the cams", 0.0, 0.5),
 )
 LEAD_ANGLE = _entry("lead_angle", "rad", "Least and greatest lead angle", 0.0, 0.5 * math.pi)
-PRESSURE = _entry("pressure", "Pa", "Greatest contact pressure", 0.0)
+PRESSURE = _entry(
+    "pressure", "Pa", "Greatest contact pressure by Hertz; the default is for hardened steel", 0.0
+)
 TIMES = (
     _entry("stop", "s", "End of the simulation", 0.0),
     _entry("step", "s", "Step for FMUs that take no derivatives of inputs; DualCam FMUs take them", 0.0),
@@ -118,9 +121,17 @@ def _type_of(variable: Variable) -> Any:  # noqa: ANN401
     return variable.kind
 
 
-def _field(variable: Variable) -> Any:  # noqa: ANN401
+def _field(variable: Variable, default: float | None = None) -> Any:  # noqa: ANN401
     unit = f" [{variable.unit}]" if variable.unit not in ("1", "") else ""
-    return (_type_of(variable), Field(default=None, description=variable.description + unit))
+    return (
+        _type_of(variable),
+        Field(default=None, description=variable.description + unit, json_schema_extra=_default(default)),
+    )
+
+
+def _default(value: object) -> dict[str, Any] | None:
+    """What editors show as the value of a key that is left out."""
+    return None if value is None else {"default": value}
 
 
 def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # noqa: ANN401
@@ -208,14 +219,30 @@ def _scenario_fields() -> dict[str, Any]:
     return fields | {"inputs": _table("Inputs", "Inputs over time: numbers, or {time, value, shape}", inputs)}
 
 
+def defaults() -> dict[str, Any]:
+    """Defaults of [pin] and [limits] by their keys, in SI units: those of the classes Pin and Limits."""
+    from dualcam.design import Limits, Pin
+
+    of_pin = {
+        f"pin.{f.name}": f.default for f in dataclasses.fields(Pin) if f.default is not dataclasses.MISSING
+    }
+    return of_pin | {f"limits.{f.name}": f.default for f in dataclasses.fields(Limits)}
+
+
 def _limit_fields() -> dict[str, Any]:
+    given = defaults()
+    lead = _default(list(given["limits.lead_angle"]))
+    locking = _default(given["limits.self_locking"])
     return {
         "lead_angle": (
             _range_type(LEAD_ANGLE),
-            Field(default=None, description="Least and greatest lead angle [rad]"),
+            Field(default=None, description="Least and greatest lead angle [rad]", json_schema_extra=lead),
         ),
-        "pressure": _field(PRESSURE),
-        "self_locking": (bool, Field(default=None, description="Whether a contact may lock itself")),
+        "pressure": _field(PRESSURE, given["limits.pressure"]),
+        "self_locking": (
+            bool,
+            Field(default=None, description="Whether a contact may lock itself", json_schema_extra=locking),
+        ),
     }
 
 
@@ -249,7 +276,11 @@ def design_model() -> type[BaseModel]:
     for group, fields in groups.items():
         top[group] = _table(group.capitalize(), GROUPS.get(group, group), fields)
     top["scenario"] = _table("Scenario", "What is simulated", _scenario_fields())
-    top["pin"] = _table("Pin", "The pin and its material", {entry.name: _field(entry) for entry in PIN})
+    top["pin"] = _table(
+        "Pin",
+        "The pin and its material",
+        {entry.name: _field(entry, defaults().get(f"pin.{entry.name}")) for entry in PIN},
+    )
     top["limits"] = _table("Limits", "What `dualcam check` allows", _limit_fields())
     top["study"] = (
         dict[str, Any],

@@ -47,11 +47,13 @@ def read_text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except FileNotFoundError:
-        raise refused(f"there is no such file{_similar(path)}; `dualcam new {path.name}` makes one") from None
+        raise refused(f"there is no such file{_similar(path)}; `dualcam new {path}` makes one") from None
     except (OSError, ValueError) as error:  # ValueError: a zero character in the path
         raise refused(f"the file cannot be read: {error}") from None
     if len(content) > LARGEST:
         raise refused(f"the file is larger than {LARGEST:,} bytes: this is no design file")
+    if content.startswith(b"PK\x03\x04"):
+        raise refused("this is an FMU or another zip archive: give the design file (.toml)")
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise refused('the file is in UTF-16: save the file as "UTF-8" in the editor')
     try:
@@ -98,7 +100,12 @@ def _syntax_finding(message: str, text: str) -> Finding:
     shown = f" in {written[:60]!r}" if written else ""
     cause = next((words for pattern, words in CAUSES if re.search(pattern, written)), "")
     if "overwrite" in reason.lower() or "twice" in reason:
+        table = HEADER.match(written)
         cause = "the same key or table twice? Keep one of them"
+        if table:
+            cause = (
+                f"the table [{table[1]}] twice? Put all its lines below one [{table[1]}], and no key twice"
+            )
     hint = f". {cause[0].upper()}{cause[1:]}" if cause else ""
     return Finding(ERROR, "", None, f"this is no TOML: {reason}{shown}{hint}", line=number)
 

@@ -22,6 +22,8 @@ LONGEST = 60  # characters; a longer text is no quantity
 ANGLES = ("radian", "degree", "turn", "revolution", "arcminute", "arcsecond", "grade", "gon")
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
+GRAD = re.compile(r"\bgrad[es]*\b", re.IGNORECASE)  # degrees in German, gon in English, giga-radian for pint
+SMALL = ("milli", "micro", "nano")  # prefixes that radian may have
 UNIT = re.compile(r"[A-Za-zµμ°Ω%][A-Za-z0-9µμ°Ω%²³^*./·⋅ ()-]*")
 EXAMPLES = {
     "m": "20 mm",
@@ -66,6 +68,11 @@ def _in(unit: str) -> str:
 
 def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
     target = _parsed(unit)
+    if GRAD.search(written):
+        raise DesignError(
+            f'unit {written!r} can mean degrees or gon: write "{number} {GRAD.sub("deg", written)}" for'
+            f' degrees, or "{number} {GRAD.sub("gon", written)}" for gon (100 gon = 90 deg)'
+        )
     try:
         source = _parsed(written)
     except Exception:  # pint has many, also those of Python's tokenizer
@@ -73,6 +80,8 @@ def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
         raise DesignError(
             f"unit {written!r} is not known: allowed are units of {_kind(unit)}{hint}"
         ) from None
+    if _is_huge_angle(source):
+        raise DesignError(f"unit {written!r} is not allowed for an angle: allowed are rad, mrad and deg")
     same = source.dimensionality == target.dimensionality and _turns(source) == _turns(target)
     if not same:
         hint = f"; {example}" if example else ""
@@ -114,6 +123,13 @@ def _parsed(text: str) -> Unit:
     plain = re.sub(r"\s*([*/^])\s*", r"\1", plain.replace("**", "^"))
     plain = re.sub(r"([A-Za-zµ°%)])\^?(-?\d)", r"\1**\2", plain).replace(" ", "*")
     return _registry().parse_units(plain)
+
+
+def _is_huge_angle(unit: Unit) -> bool:
+    """Whether an angle in the unit has a prefix such as kilo or giga."""
+    names = (name for name, _ in _registry().Quantity(Decimal(1), unit).unit_items())
+    angles = ((name, angle) for name in names for angle in ANGLES if name.endswith(angle))
+    return any(name != angle and not name.startswith(SMALL) for name, angle in angles)
 
 
 def _turns(unit: Unit) -> float:

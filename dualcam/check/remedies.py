@@ -1,0 +1,111 @@
+"""Values that mend a finding, found by search: only values of a sensible size, and each of them is tried."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+from dualcam.check.rules import ERROR, Remedy, Trouble, troubles
+from dualcam.check.search import nearest_working
+from dualcam.check.values import value_of, with_value
+from dualcam.design_file import DesignFile, Finding
+from dualcam.errors import DualcamError
+from dualcam.variables import all_parameters
+
+PIN_UNITS = {"pin.radius": "m", "pin.width": "m"}
+SMALLEST_RANGE = math.radians(1.0)  # of theta
+SMALLEST_SHARE = 0.1  # of the range that the file gives
+SMALLEST_LEAD_ANGLE = math.radians(1.0)
+SMALLEST_FRICTION = 0.02  # of a lubricated contact
+LARGEST_FACTOR = {"spring.preload": 3.0, "pin.width": 5.0, "pin.radius": 5.0}
+
+
+class Kinds(NamedTuple):
+    """Kinds of the findings about one design."""
+
+    all: frozenset[str]
+    errors: frozenset[str]
+
+
+class Search:
+    """Searches values for the findings of one design. A value that was tried once is not tried again."""
+
+    def __init__(
+        self, design: DesignFile, found: list[Trouble], refusal: Callable[[DesignFile], str]
+    ) -> None:
+        self.design = design
+        self.refusal = refusal  # the FMU's message if it does not start with a design
+        self.errors = frozenset(one.finding.kind for one in found if one.finding.severity == ERROR)
+        self._tried: dict[tuple[str, float], Kinds | None] = {}
+
+    def mended(self, trouble: Trouble) -> Finding:
+        """The finding with a value that mends it, if there is one.
+
+        A value with which the whole check passes "works". Another value removes this finding and makes no
+        new error."""
+        for whole, words in ((True, "works"), (False, "mends this finding, not the others")):
+            for remedy in trouble.remedies:
+                value = self._value(trouble.finding, remedy, whole)
+                if value is not None:
+                    shown = f"{remedy.key} = {value:.10g}{_unit(remedy.key, value)} {words}"
+                    text = ". ".join(filter(None, [trouble.finding.text, shown, trouble.hint]))
+                    return replace(trouble.finding, text=text, nearest=value, change=remedy.key)
+        text = ". ".join(filter(None, [trouble.finding.text, trouble.hint]))
+        return replace(trouble.finding, text=text)
+
+    def _value(self, finding: Finding, remedy: Remedy, whole: bool) -> float | None:
+        """The nearest value of the remedy's key without the finding; if `whole`, without any error."""
+        current = value_of(self.design, remedy.key)
+        if current is None or current == remedy.bound:
+            return None
+        allowed = frozenset() if whole else self.errors - {finding.kind}
+
+        def works(value: float) -> bool:
+            if not is_sensible(self.design, remedy.key, value):
+                return False
+            kinds = self._kinds(remedy.key, value)
+            return kinds is not None and finding.kind not in kinds.all and kinds.errors <= allowed
+
+        value = nearest_working(float(current), remedy.bound, works)
+        if value is not None and whole and self.refusal(with_value(self.design, remedy.key, value)):
+            return None
+        return value
+
+    def _kinds(self, key: str, value: float) -> Kinds | None:
+        """What is found with another value; None for a design that cannot be."""
+        place = (key, value)
+        if place not in self._tried:
+            try:
+                left = [one.finding for one in troubles(with_value(self.design, key, value), locate=False)]
+            except DualcamError:
+                self._tried[place] = None
+            else:
+                errors = frozenset(one.kind for one in left if one.severity == ERROR)
+                self._tried[place] = Kinds(frozenset(one.kind for one in left), errors)
+        return self._tried[place]
+
+
+def is_sensible(design: DesignFile, key: str, value: float) -> bool:
+    """Whether an engineer could mean this value in place of the one in the file."""
+    given = value_of(design, key)
+    if key in ("stop.lower", "stop.upper"):
+        width = design.value("stop.upper") - design.value("stop.lower")
+        left = width + (value - given) * (1.0 if key == "stop.upper" else -1.0)
+        return bool(left >= max(SMALLEST_RANGE, SMALLEST_SHARE * width))
+    if key.endswith(".lead_angle"):
+        return value >= SMALLEST_LEAD_ANGLE
+    if key.endswith(".friction"):
+        return value >= SMALLEST_FRICTION
+    factor = LARGEST_FACTOR.get(key)
+    if factor is None or given <= 0.0:
+        return True
+    return bool(given / factor <= value <= given * factor)
+
+
+def _unit(key: str, value: float) -> str:
+    known = all_parameters()
+    unit = known[key].unit if key in known else PIN_UNITS.get(key, "1")
+    degrees = f" ({math.degrees(value):.4g} deg)" if unit == "rad" else ""
+    return "" if unit == "1" else f" {unit}{degrees}"
