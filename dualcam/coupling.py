@@ -117,7 +117,7 @@ class PlantCoupling:
     Examples
     --------
     >>> from dualcam import Fmu
-    >>> with Fmu("build/DualCamForward.fmu") as fmu:
+    >>> with Fmu("forward") as fmu:
     ...     fmu.start({"inertia.shaft": 0.15})
     ...     coupling = PlantCoupling(fmu, lambda shaft: 6.0 - 0.5 * shaft.omega)
     ...     result = coupling.step_implicit(1e-3)
