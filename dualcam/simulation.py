@@ -121,9 +121,7 @@ def checked_format(path: Path) -> str:
         from importlib.util import find_spec
 
         if find_spec("pyarrow") is None:
-            raise DualcamError(
-                f"{path}: Parquet needs pyarrow: pip install 'dualcam[study]', or write a .csv"
-            )
+            raise DualcamError(f"{path}: Parquet needs pyarrow: pip install pyarrow, or write a .csv")
     return suffix
 
 

@@ -8,13 +8,16 @@ import runpy
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import house
 import pytest
 from driver import ROOT, models
 from svg_files import assert_same_picture
 
+from dualcam.__main__ import main
 from dualcam.design_file.schema import known_keys
+from dualcam.study import description, plots, read_results
 
 DOCS = ROOT / "docs"
 CORE = ROOT / "fmu_src"
@@ -24,6 +27,8 @@ TEXTS = {name: path.read_text(encoding="utf-8") for name, path in PAGES.items()}
 README = TEXTS["README.md"]
 BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTALL)
 BLOCKS = [(name, code) for name, text in TEXTS.items() for mark, code in BLOCK.findall(text) if not mark]
+STUDIES = "docs/use-studies.md"
+ALONE = [(name, code) for name, code in BLOCKS if name != STUDIES]  # its blocks need the files of the page
 LINK = re.compile(r"(?:\]\(|<img src=\")([^)\"\s]+)[)\"]")
 
 
@@ -47,19 +52,85 @@ def run_block(tmp_path, monkeypatch):
 # ---- code blocks ----
 
 
+def compare_comments(code, printed):
+    """Each number beside a print() is printed, to its digits."""
+    numbers = [float(word) for word in decimals(printed)]
+    for comment in re.findall(r"^\s*print\(.*\)  # (.*)$", code, re.MULTILINE):
+        for said in decimals(comment):
+            tolerance = 0.51 * 10.0 ** -len(said.partition(".")[2])
+            assert any(value == pytest.approx(float(said), abs=tolerance) for value in numbers), said
+
+
 def decimals(text):
     return re.findall(r"-?\d+\.\d+(?:e[-+]\d+)?", text)
 
 
-@pytest.mark.parametrize("page, code", BLOCKS, ids=[f"{name}-{i}" for i, (name, _) in enumerate(BLOCKS)])
+@pytest.mark.parametrize("page, code", ALONE, ids=[f"{name}-{i}" for i, (name, _) in enumerate(ALONE)])
 def test_block_runs_and_prints_what_it_says(run_block, capsys, page, code):
-    """Each number beside a print() is printed, to its digits."""
     run_block(code)
-    printed = [float(word) for word in decimals(capsys.readouterr().out)]
-    for comment in re.findall(r"^\s*print\(.*\)  # (.*)$", code, re.MULTILINE):
-        for said in decimals(comment):
-            tolerance = 0.51 * 10.0 ** -len(said.partition(".")[2])
-            assert any(value == pytest.approx(float(said), abs=tolerance) for value in printed), said
+    compare_comments(code, capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("page, code", BLOCKS, ids=[f"{name}-{i}" for i, (name, _) in enumerate(BLOCKS)])
+def test_blocks_need_no_files_of_a_clone(page, code):
+    """Who installs the package has no folder build."""
+    assert not re.findall(r"[\"'](?:build|docs|tests|system_examples|fmu_src)\b[^\"']*[\"']", code)
+
+
+def test_studies_of_the_page(tmp_path, monkeypatch, capsys):
+    """The files of the page, its commands, then its blocks, in an empty folder. The best efficiency is that
+    of the closed form, ((1 - mu)/(1 + mu))^2 at 45 deg."""
+    monkeypatch.chdir(tmp_path)
+    files = re.findall(r"^Save these lines as `(.*?)`.*?^```toml\n(.*?)^```", TEXTS[STUDIES], re.M | re.S)
+    commands = re.findall(r"^    dualcam (study .*)$", TEXTS[STUDIES], re.M)
+    assert len(files) == len(commands) == 2
+    for name, text in files:
+        Path(name).write_text(text)
+    for command in commands:
+        assert main([*command.split(), "--workers", "0"]) == 0
+    for code in blocks_of(STUDIES, ""):
+        Path("block.py").write_text(code)
+        capsys.readouterr()
+        left = runpy.run_path("block.py")
+        compare_comments(code, capsys.readouterr().out)
+    assert left["table"]["efficiency"][left["best"]] == pytest.approx((0.92 / 1.08) ** 2, rel=1e-12)
+    assert len(Path("angles.csv").read_text().splitlines()) == 1 + 63
+    assert len(read_results("study_results/my")["run"]) == 200
+    for name in ("angles", "my"):
+        assert set(read_results(f"study_results/{name}")["message"]) == {""}
+        assert Path(f"study_results/{name}/{name}.png").is_file()
+
+
+def test_keys_of_studies_are_all_on_the_page():
+    """Those that the reader of plans knows, and no others."""
+    tables = {
+        "": description.FILE,
+        "plan.": description.PLAN,
+        "plan.vary.NAME.": description.VARY | description.SAME_AS,
+        "scenario.": description.SCENARIO,
+        "scenario.inputs.NAME.": description.HISTORY,
+        "scenario.controller.": description.CONTROLLER,
+        "plots.": {"kind", "title"}.union(*plots.KINDS.values()),
+    }
+    known = {prefix + name for prefix, names in tables.items() for name in names}
+    all_keys = TEXTS[STUDIES].partition("## All keys")[2].partition("| kind of plan |")[0]
+    rows = re.findall(r"^\| `([\w.]+)` \|", all_keys, re.MULTILINE)
+    assert len(rows) == len(set(rows))
+    assert set(rows) == known
+
+
+def test_findings_on_the_page_are_those_of_check(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", "my.toml"]) == 0
+    path = Path("my.toml")
+    path.write_text(path.read_text().replace("friction = 0.14", "friction = 1.2", 1))
+    capsys.readouterr()
+    assert main(["check", "my.toml"]) == 1
+    said = capsys.readouterr()
+    shown = " ".join(TEXTS["docs/command-line.md"].split())
+    lines = (said.out + said.err).splitlines()
+    assert len(lines) == 3
+    assert all(" ".join(line.split()) in shown for line in lines), lines
 
 
 def test_fmpy_block(run_block):

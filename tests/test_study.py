@@ -447,7 +447,7 @@ def test_another_study_in_the_folder_is_refused(tmp_path):
 
 def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with refused("pyarrow", "csv"):
+    with refused("pip install pyarrow", "csv"):
         study().run(tmp_path, workers=0, file_format="parquet")
     study().run(tmp_path, workers=0, file_format="csv")
     every_run_once(tmp_path, study())

@@ -11,11 +11,24 @@ from dualcam.cli.options import FILE, example
 FORMATS = ("parquet", "csv")
 
 
+PLAN = """fmu = "forward"
+  results = ["efficiency", "theta@0.2"]   # at the end, and at 0.2 s
+  [plan]
+  kind = "grid"
+  [plan.vary]
+  "cam1.lead_angle" = {from = "35 deg", to = "50 deg", count = 4}
+  "cam1.friction" = {values = [0.08, 0.14]}
+  [scenario]
+  stop = 0.4
+  inputs.tau = {time = [0.0, 0.2, 0.4], value = [0.0, 8.0, 0.0]}"""
+
+
 @click.command(
     epilog=example(
         "dualcam study plan.toml",
         "dualcam study my.toml   (a design file with a section [study])",
     )
+    + f"\n\n\b\nA small plan.toml (docs/use-studies.md explains all keys):\n  {PLAN}"
 )
 @click.argument("plans", nargs=-1, required=True, type=FILE, metavar="PLAN.toml...")
 @click.option(

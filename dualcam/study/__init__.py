@@ -11,7 +11,7 @@ when):
         Scenario(0.4, {"tau": History([0.0, 0.2, 0.2, 0.4], [0.0, 8.0, 0.0, 0.0])}),
         ["efficiency", "energy.heat_cam1", "theta@0.2"],
     )
-    table = study.run("build/study/sobol")
+    table = study.run("results/sobol")
 
 Everything goes through FMI alone: it works with any FMU of FMI 2.0 or FMI 3.0. `dualcam study
 plan.toml` is the same on the command line.

@@ -12,9 +12,10 @@ from typing import Any
 
 from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
-from dualcam.study.entries import NUMBER, SWITCH, TABLE, TEXT, VALUE, WHOLE, Kind, entries
+from dualcam.study.entries import NUMBER, QUANTITY, SWITCH, TABLE, TEXT, VALUES, WHOLE, Kind, entries
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
+from dualcam.study.quantities import Units, fixed, number, units_of_designs, units_of_fmu
 from dualcam.study.scenario import Controller, History, Scenario
 from dualcam.study.study import Study
 
@@ -27,12 +28,19 @@ FILE = {
     "plots": Kind("[[plots]] tables", lambda value: isinstance(value, list) and all(map(TABLE.suits, value))),
 }
 STUDY = {name: FILE[name] for name in ("plan", "results", "plots")}  # in the section [study] of a design file
-DESIGN_GROUPS = ("cam1", "cam2", "spring", "stop", "inertia", "pin")  # tables that a study plan never has
 PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT}
-VARY = {"from": NUMBER, "to": NUMBER, "count": WHOLE, "log": SWITCH, "values": VALUE.listed()}
+SAME_AS = {"same_as": TEXT}
+VARY = {"from": QUANTITY, "to": QUANTITY, "count": WHOLE, "log": SWITCH, "values": VALUES}
 SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
 HISTORY = {"time": NUMBER.listed(), "value": NUMBER.listed(), "shape": TEXT, "derivative_of": TEXT}
 CONTROLLER = {"create_law": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": TEXT.listed()}
+NO_STUDY = """this design file has no section [study]. Add one, such as
+[study]
+results = ["efficiency", "theta"]
+[study.plan]
+kind = "grid"
+vary."cam1.lead_angle" = {from = "35 deg", to = "50 deg", count = 4}
+docs/use-studies.md explains the keys; `dualcam study --help` has an example"""
 
 
 def read_study(path: str | Path) -> Study:
@@ -59,23 +67,30 @@ def read_study(path: str | Path) -> Study:
     try:
         if "study" in content:
             return _study_of_design(path)
-        if "plan" not in content and any(group in content for group in DESIGN_GROUPS):
-            raise StudyError(
-                'this is a design file without a study: add below [study] for example results = ["theta"]'
-                ' and plan = { kind = "grid", vary."cam1.friction" = { from = 0.1, to = 0.2, count = 3 } }'
-            )
+        if _is_design(content):
+            raise StudyError(NO_STUDY)
         table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
-        fmu = table["fmu"]
+        fmu = table["fmu"] if table["fmu"] in MODELS else path.parent / table["fmu"]
+        units = units_of_fmu(fmu)
         return Study(
-            fmu if fmu in MODELS else path.parent / fmu,
-            read_plan(table["plan"], path.parent),
+            fmu,
+            read_plan(table["plan"], path.parent, units),
             _scenario(table["scenario"]),
             table["results"],
-            table.get("parameters", {}),
+            fixed(table.get("parameters", {}), units),
             table.get("plots", ()),
         )
     except StudyError as error:
         raise StudyError(f"{path}: {error}") from error
+
+
+def _is_design(content: Mapping[str, Any]) -> bool:
+    """Whether a file without [study] is a design file, and no plan with a slip."""
+    if not {"fmu", "plan"}.isdisjoint(content):
+        return False
+    from dualcam.design_file.schema import known_keys
+
+    return any(name in known_keys() for name in content if name != "scenario")
 
 
 def _study_of_design(path: Path) -> Study:
@@ -89,18 +104,19 @@ def _study_of_design(path: Path) -> Study:
     if design.scenario is None:
         raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
     plan = read_plan(table["plan"], path.parent)
-    fixed = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
+    others = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
     return Study(
         design.model,
         plan,
         design.scenario,
         table["results"],
-        fixed,
+        others,
         table.get("plots", ()),
     )
 
 
-def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:
+def read_plan(content: Mapping[str, Any], folder: Path, units: Units = units_of_designs) -> Plan:
+    """The plan of a table. `folder`: of the file; `units`: those into which texts such as "40 deg" go."""
     table = entries(content, "plan", PLAN)
     if "table" in table:
         entries(content, "plan of a table", {"kind": TEXT, "table": TEXT})
@@ -110,20 +126,21 @@ def read_plan(content: Mapping[str, Any], folder: Path) -> Plan:
     entries(content, "plan", PLAN, ("kind",))
     varied = table.get("vary", {})
     same_as = {
-        name: entries(each, f"plan: {name}", {"same_as": TEXT})["same_as"]
+        name: entries(each, f"plan: {name}", SAME_AS)["same_as"]
         for name, each in varied.items()
         if TABLE.suits(each) and "same_as" in each
     }
-    vary = {name: _vary(name, each) for name, each in varied.items() if name not in same_as}
+    vary = {name: _vary(name, each, units) for name, each in varied.items() if name not in same_as}
     return Plan(table["kind"], vary, table.get("runs", 0), table.get("seed", 0), same_as=same_as)
 
 
-def _vary(name: str, content: Mapping[str, Any]) -> Vary:
-    table = entries(content, f"plan: {name}", VARY)
+def _vary(name: str, content: Mapping[str, Any], units: Units) -> Vary:
+    where = f"plan: {name}"
+    table = entries(content, where, VARY)
     if "values" in table:
-        entries(content, f"plan: {name} of values", {"values": VARY["values"]})
-        return Vary(values=tuple(map(float, table["values"])))
-    low, high = float(table.get("from", math.nan)), float(table.get("to", math.nan))
+        entries(content, f"{where} of values", {"values": VARY["values"]})
+        return Vary(values=tuple(number(f"{where}: values", name, each, units) for each in table["values"]))
+    low, high = (number(f"{where}: {key}", name, table.get(key, math.nan), units) for key in ("from", "to"))
     return Vary(low, high, table.get("count", 0), table.get("log", False))
 
 

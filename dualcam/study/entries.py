@@ -31,7 +31,15 @@ def is_whole(value: object) -> bool:
 NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
 WHOLE = Kind("a whole number", is_whole)
 SWITCH = Kind("true or false", lambda value: isinstance(value, bool))
-VALUE = Kind("a number", lambda value: isinstance(value, int | float))  # of a Boolean variable too
+# Texts with a unit are read once the variable is known.
+QUANTITY = Kind(
+    'a number, or text with a unit such as "40 deg"',
+    lambda value: isinstance(value, str) or NUMBER.suits(value),
+)
+VALUES = Kind(  # true and false are those of a Boolean variable
+    'a list of numbers, or of texts with a unit such as "40 deg", at least one',
+    Kind("", lambda value: isinstance(value, int | float | str)).listed().suits,
+)
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 TABLE = Kind("a table", lambda value: isinstance(value, Mapping))
 

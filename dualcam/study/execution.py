@@ -219,7 +219,7 @@ def _distributed() -> Any:  # noqa: ANN401
     try:
         return importlib.import_module("distributed")
     except ImportError:
-        raise StudyError("a scheduler needs dask.distributed: pip install 'dualcam[study]'") from None
+        raise StudyError("a scheduler needs dask.distributed: pip install distributed") from None
 
 
 def _in_cluster(name: str, rows: Array) -> Block:

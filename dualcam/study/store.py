@@ -183,9 +183,7 @@ def _pyarrow() -> tuple[Any, Any]:
     try:
         return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     except ImportError:
-        raise StudyError(
-            "format parquet needs pyarrow: pip install 'dualcam[study]', or use format csv"
-        ) from None
+        raise StudyError("format parquet needs pyarrow: pip install pyarrow, or use format csv") from None
 
 
 def _record(folder: Path) -> dict[str, Any] | None:
