@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 
 
-def figure_element(picture: Figure, title: str) -> str:
-    """An HTML element `figure` with the picture as SVG.
+def figure_element(picture: Figure, title: str, caption: str = "") -> str:
+    """An HTML element `figure` with the picture as SVG and the caption, which is HTML.
 
     The bytes depend on the picture and on the version of Matplotlib. Text stays text, which a browser shows
     in its own font. All names in the SVG begin with the title. So an id is unique in a page whose pictures
@@ -30,4 +30,6 @@ def figure_element(picture: Figure, title: str) -> str:
     mark = re.sub(r"\W+", "-", title.lower())
     svg = re.sub(r'\bid="', f'id="{mark}-', svg)
     svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}-", svg)
-    return f'<figure role="img" aria-label="{escape(title)}">{svg}</figure>\n'
+    svg = svg.replace("<svg", f'<svg role="img" aria-label="{escape(title)}"', 1)
+    words = f"\n<figcaption>{caption}</figcaption>\n" if caption else ""
+    return f"<figure>{svg}{words}</figure>\n"
