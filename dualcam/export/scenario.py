@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -20,7 +21,7 @@ STEPS = 2000  # of the run that the page proposes
 OUTPUTS = {"forward": ("tau", "theta", "omega"), "inverse": ("theta", "tau", "z")}
 LINES = """\
 import fmpy
-fmu = {file!r}
+fmu = {file}
 inputs = fmpy.read_csv(f"{{fmpy.extract(fmu)}}/{table}")
 names = {outputs}
 result = fmpy.simulate_fmu(fmu, stop_time={stop}, output_interval={interval}, input=inputs, output=names)
@@ -112,11 +113,11 @@ def python_lines(file: str, scenario: Scenario, model: str) -> str:
         "forward" or "inverse".
     """
     return LINES.format(
-        file=file,
+        file=json.dumps(file, ensure_ascii=False),
         table=FILE,
         stop=number_text(scenario.stop),
         interval=number_text(float(f"{scenario.stop / STEPS:.3g}")),
-        outputs=list(OUTPUTS[model]),
+        outputs=json.dumps(OUTPUTS[model]),
     )
 
 
