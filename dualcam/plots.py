@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BLUE, ORANGE, GREY, GREEN = "#0969da", "#bc4c00", "#8c959f", "#1a7f37"
-WIDTH = 5.2  # inches: readable on a phone
+WIDTH = 4.2  # inches: text of 10 points stays readable on a phone
+ANGLE = "angle of cam 2, theta [deg]"
+LEGEND = 9.0  # points
 ENERGY_LABELS = {
     "energy.work_in": "work in",
     "energy.spring": "spring",
@@ -32,25 +34,50 @@ ENERGY_LABELS = {
 }
 
 
-def figure(rows: int, height: float) -> tuple[Figure, list[Axes]]:
-    """A figure of `rows` plots one below the other, each `height` inches high."""
+def figure(rows: int, height: float, title: str = "") -> tuple[Figure, list[Axes]]:
+    """A figure of `rows` plots one below the other, each `height` inches high, below the title."""
     from matplotlib.figure import Figure
 
     picture = Figure(figsize=(WIDTH, rows * height), layout="constrained")
     axes = picture.subplots(rows, 1, squeeze=False)[:, 0]
+    if title:
+        picture.suptitle(title)
     return picture, list(axes)
 
 
+def legend_above(axes: Axes) -> None:
+    """A legend above the axes in two columns, where it covers no line."""
+    count = len(axes.get_legend_handles_labels()[0])
+    if count:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.2,
+            ncols=min(2, count),
+            columnspacing=1.2,
+            fontsize=LEGEND,
+            frameon=False,
+        )
+
+
+def axis_from_zero(axes: Axes) -> None:
+    """The y axis includes 0."""
+    low, high = axes.get_ylim()
+    if low > 0.0:
+        axes.set_ylim(bottom=0.0)
+    if high < 0.0:
+        axes.set_ylim(top=0.0)
+
+
 def plot_band(band: TorqueBand, title: str = "") -> Figure:
-    """Torque band and efficiency over the angle."""
-    picture, (torque, share) = figure(2, 2.9)
+    """Torque band and efficiency over the angle; the title stands above both."""
+    picture, (torque, share) = figure(2, 2.9, title)
     angle = np.degrees(band.theta)
     draw_band(torque, band)
-    torque.set_title(title or "torque band of slow motion")
     share.plot(angle, 100.0 * band.efficiency, color=GREEN)
     share.axhline(0.0, color=GREY, lw=0.8)
-    share.set_xlabel("angle of cam 2, theta [deg]")
-    share.set_ylabel("efficiency\nrelease/load [%]")
+    share.set_xlabel(ANGLE)
+    share.set_ylabel("efficiency,\nrelease/load [%]")
     for axes in (torque, share):
         axes.grid(alpha=0.3)
     return picture
@@ -60,13 +87,13 @@ def draw_band(axes: Axes, band: TorqueBand) -> None:
     """The band between both edges, over the angle in degrees."""
     angle = np.degrees(band.theta)
     finite = np.where(np.isfinite(band.load), band.load, np.nan)
-    axes.fill_between(angle, band.release, finite, color=GREY, alpha=0.2, lw=0, label="stick: the cam rests")
+    axes.fill_between(angle, band.release, finite, color=GREY, alpha=0.2, lw=0, label="stick: at rest")
     axes.plot(angle, finite, color=ORANGE, label="to load")
     axes.plot(angle, band.release, color=BLUE, label="given back")
     axes.axhline(0.0, color=GREY, lw=0.8)
-    axes.set_xlabel("angle of cam 2, theta [deg]")
+    axes.set_xlabel(ANGLE)
     axes.set_ylabel("torque [N.m]")
-    axes.legend(fontsize=8)
+    legend_above(axes)
 
 
 def plot_strength(mechanism: Mechanism, pin: Pin | None, points: int = 181) -> Figure:
@@ -77,44 +104,43 @@ def plot_strength(mechanism: Mechanism, pin: Pin | None, points: int = 181) -> F
     found = strength(mechanism, pin or AnyPin(1e-3, 1e-2), mechanism.angles(points))
     picture, axes = figure(2 if pin else 1, 2.6)
     angle = np.degrees(found.theta)
-    for i, colour in enumerate((BLUE, ORANGE)):
-        axes[0].plot(angle, found.load[i], color=colour, label=f"cam {i + 1}")
+    for i, (colour, style) in enumerate(((BLUE, "-"), (ORANGE, "--"))):  # both cams often carry the same
+        axes[0].plot(angle, found.load[i], style, color=colour, label=f"cam {i + 1}")
         if pin:
-            axes[1].plot(angle, found.pressure[i] / 1e6, color=colour, label=f"cam {i + 1}")
-    axes[0].set_ylabel("largest reaction\nof one contact [N]")
+            axes[1].plot(angle, found.pressure[i] / 1e6, style, color=colour, label=f"cam {i + 1}")
+    axes[0].set_ylabel("reaction\nof one contact [N]")
     if pin:
         axes[1].set_ylabel("contact pressure [MPa]")
     for plot in axes:
-        plot.legend(fontsize=8)
+        legend_above(plot)
+        axis_from_zero(plot)
+        plot.set_xlabel(ANGLE)
         plot.grid(alpha=0.3)
-    axes[-1].set_xlabel("angle of cam 2, theta [deg]")
     return picture
 
 
 def plot_simulation(trajectory: Trajectory, band: TorqueBand | None = None, title: str = "") -> Figure:
-    """Angle, torque over time, torque over angle with the band, and energies."""
-    picture, (angle, torque, loop, energy) = figure(4, 2.5)
+    """Angle, torque over time, torque over angle with the band, and energies; the title stands above all."""
+    picture, (angle, torque, loop, energy) = figure(4, 2.8, title)
     time, theta = trajectory["time"], np.degrees(trajectory["theta"])
     angle.plot(time, theta, color=BLUE)
     angle.set_ylabel("angle theta [deg]")
-    angle.set_title(title or "simulation")
-    torque.plot(time, trajectory["tau"], color=BLUE, label="acting torque tau")
+    torque.plot(time, trajectory["tau"], color=BLUE, label="tau, acting")
     if "torque_load" in trajectory.names and "torque_release" in trajectory.names:
-        edges = {"torque_load": "to load at this angle", "torque_release": "given back at this angle"}
+        edges = {"torque_load": "to load here", "torque_release": "given back here"}
         for (name, label), colour in zip(edges.items(), (ORANGE, GREEN), strict=True):
             torque.plot(time, _finite(trajectory[name]), color=colour, lw=0.9, ls="--", label=label)
     torque.set_ylabel("torque [N.m]")
     if band is not None:
         draw_band(loop, band)
     loop.plot(theta, trajectory["tau"], color="k", lw=1.2, label="simulation")
-    loop.set_xlabel("angle of cam 2, theta [deg]")
+    loop.set_xlabel(ANGLE)
     loop.set_ylabel("torque [N.m]")
     _draw_energies(energy, trajectory)
     for axes in (angle, torque, energy):
         axes.set_xlabel("time [s]")
     for axes in (torque, loop, energy):
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=7)
+        legend_above(axes)
     for axes in (angle, torque, loop, energy):
         axes.grid(alpha=0.3)
     return picture
@@ -144,7 +170,7 @@ def save(picture: Figure, path: str | Path) -> None:
         For a format that matplotlib cannot write.
     """
     check_picture(path)
-    picture.savefig(path, dpi=150)
+    picture.savefig(path, dpi=200)
 
 
 def check_picture(path: str | Path) -> None:

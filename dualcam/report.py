@@ -5,8 +5,7 @@ The file needs no network: pictures are SVG inside the page, and the page has no
 
 from __future__ import annotations
 
-import io
-import re
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,18 +14,27 @@ import numpy as np
 
 import dualcam
 from dualcam.check import Verdict, check_design
-from dualcam.design import TorqueBand, torque_band
+from dualcam.design import Limits, TorqueBand, torque_band
 from dualcam.design.torque_band import span
 from dualcam.errors import DualcamError
 from dualcam.plots import plot_band, plot_simulation, plot_strength
+from dualcam.report_inputs import Row, input_tables
 from dualcam.simulation import ENERGIES, Trajectory, simulate
+from dualcam.summary import (
+    energy_scale,
+    energy_words,
+    largest_loads,
+    material_words,
+    pressure_words,
+    reaction_words,
+    residual_words,
+    span_words,
+)
+from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from dualcam.design import Mechanism
     from dualcam.design_file import DesignFile
-    from dualcam.fmu import Scalar
 
 STYLE = """\
 :root { color-scheme: light dark; --line: #d0d7de; --soft: #57606a; --bad: #cf222e; --warn: #9a6700;
@@ -37,14 +45,16 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 46rem; margin: 0 auto; p
 h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem; border-bottom: 1px solid var(--line) }
 p.lead, caption { color: var(--soft) }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem } caption { text-align: left }
-th, td { text-align: left; padding: 0.25rem 0.6rem 0.25rem 0; border-bottom: 1px solid var(--line) }
-td.number { text-align: right; font-variant-numeric: tabular-nums }
+th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 0;
+  border-bottom: 1px solid var(--line) }
+td { overflow-wrap: anywhere; font-variant-numeric: tabular-nums } td:first-child { overflow-wrap: normal }
+h3 { margin: 1.4rem 0 0.3rem; font-size: 1rem }
 .scroll { overflow-x: auto }
 .error { color: var(--bad) } .warning { color: var(--warn) } .good { color: var(--good) }
-figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem }
+figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem; max-width: 34rem }
 figure svg { width: 100%; height: auto }
 """
-NO_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+F_EXT = "F_ext is an external axial force on the follower, positive against loading."
 LABELS = {
     "energy.work_in": "work of the torque at the shaft",
     "energy.work_ext": "work against F_ext",
@@ -104,21 +114,23 @@ def report_page(design: DesignFile) -> str:
     except DualcamError as error:
         sections.append(f'<p class="error">No curves: {escape(str(error))}</p>')
     sections.append(_inputs(design))
+    title = escape(design.title or design.name)
+    words = f"<p>{escape(design.description)}</p>\n" if design.description else ""
     return f"""\
 <!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(design.name)}: dual cam report</title>
+<title>{title}: dual cam report</title>
 <style>
 {STYLE}</style>
 </head>
 <body>
-<h1>{escape(design.name)}</h1>
+<h1>{title}</h1>
 <p class="lead">Dual cylindrical cam, report by dualcam {escape(dualcam.__version__)} from
 {escape(design.path.name)}</p>
-{"".join(sections)}
+{words}{"".join(sections)}
 </body>
 </html>
 """
@@ -150,73 +162,69 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
     rows = [
         ("torque to load", "infinite: the mechanism jams" if band.jams else f"{span(band.load)} N.m"),
         ("torque given back", f"{span(band.release)} N.m"),
-        ("efficiency: given back over loaded", f"{span(100.0 * band.efficiency)} %"),
+        ("efficiency: given back over loaded", span_words(100.0 * band.efficiency, "%")),
         ("self-locking", "yes: the spring cannot turn the cam back" if band.self_locking else "no"),
         ("range of theta", f"{np.degrees(band.theta[0]):.4g} to {np.degrees(band.theta[-1]):.4g} deg"),
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
     ]
     text = "Between the two edges friction holds the cam at rest. Slow motion, without damper and F_ext."
     return (
-        f"<h2>Torque over the angle</h2>\n<p>{text}</p>\n"
+        f"<h2>Torque over the angle</h2>\n<p>{text} {F_EXT}</p>\n"
         + _table(("what", "value"), rows)
-        + _picture(plot_band(band, design.name), "Torque band and efficiency over the angle")
+        + figure_element(plot_band(band), "Torque band and efficiency over the angle")
     )
 
 
 def _strength(design: DesignFile, mechanism: Mechanism) -> str:
-    text = "The larger reaction of slow loading and releasing, per contact."
-    if design.pin is None:
+    """Reactions and, with a pin, the contact pressure: table and curves."""
+    loads = largest_loads(mechanism, design.pin)
+    rows = [("largest reaction", reaction_words(loads.reaction, mechanism.contacts))]
+    text = "The larger one of slow loading and releasing, without F_ext, as the normal force of one contact."
+    if design.pin is None or loads.pressure is None:
         text += " A section [pin] in the design file adds the contact pressure."
-    picture = plot_strength(mechanism, design.pin)
-    return f"<h2>Reactions</h2>\n<p>{text}</p>\n" + _picture(picture, "Reactions over the angle")
+    else:
+        limit = (design.limits or Limits()).pressure
+        default = "" if design.limits else ", the default limit for any material"
+        rows += [
+            ("largest contact pressure", pressure_words(loads.pressure)),
+            ("allowed contact pressure", f"{limit / 1e6:.4g} MPa{default}"),
+            ("Young's moduli", material_words(design.pin)),
+        ]
+        text += " The contact pressure is the largest pressure of a line contact by Hertz, for one contact."
+    picture = figure_element(plot_strength(mechanism, design.pin), "Reactions over the angle")
+    heading = "Reactions" if design.pin is None else "Reactions and contact pressure"
+    return f"<h2>{heading}</h2>\n<p>{text}</p>\n" + _table(("what", "value"), rows) + picture
 
 
 def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
     last = {name: trajectory[name][-1] for name in trajectory.names}
-    rows = [(LABELS[name], f"{last[name]:.6g} J") for name in ENERGIES if name in last]
+    scale = energy_scale(trajectory)
+    heats = [name for name in ENERGIES if name.startswith("energy.heat") and name in last]
+    rows = [
+        (LABELS[name], energy_words(last[name], scale))
+        for name in ENERGIES
+        if name in last and name != "energy.residual"
+    ]
+    rows.append(("all heat of this run", energy_words(sum(last[name] for name in heats), scale)))
+    rows.append((LABELS["energy.residual"], residual_words(trajectory)))
     return (
         "<h2>Simulation</h2>\n"
-        + _picture(plot_simulation(trajectory, band), "The scenario over time")
-        + f"<h2>Energy balance at {last['time']:g} s</h2>\n"
+        + figure_element(plot_simulation(trajectory, band), "The scenario over time")
+        + f"<h2>Energy balance of the run, at {last['time']:g} s</h2>\n<p>{F_EXT}</p>\n"
         + _table(("account", "energy"), rows)
     )
 
 
 def _inputs(design: DesignFile) -> str:
-    rows = [(name, _value(value)) for name, value in sorted(design.parameters.items())]
-    text = "In the units of the FMU (SI). Parameters that are not listed have the FMU's default."
-    return f"<h2>Inputs</h2>\n<p>{text}</p>\n" + _table(("parameter", "value"), rows)
-
-
-def _value(value: Scalar) -> str:
-    return (
-        Path(value).name
-        if isinstance(value, str)
-        else f"{value:.9g}"
-        if isinstance(value, float)
-        else str(value)
+    text = "Values in the units of the FMU (SI) and, beside them, in the usual unit."
+    tables = "".join(
+        f"<h3>{escape(head)}</h3>\n" + _table(("key", "value", "unit", "usual unit"), rows)
+        for head, rows in input_tables(design).items()
     )
+    return f"<h2>Inputs</h2>\n<p>{text}</p>\n{tables}"
 
 
-def _table(heads: tuple[str, str], rows: list[tuple[str, str]]) -> str:
+def _table(heads: Row, rows: Sequence[Row]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in heads)
-    body = "".join(
-        f'<tr><td>{escape(name)}</td><td class="number">{escape(value)}</td></tr>\n' for name, value in rows
-    )
+    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
     return f'<div class="scroll"><table>\n<tr>{head}</tr>\n{body}</table></div>\n'
-
-
-def _picture(picture: Figure, title: str) -> str:
-    """The figure as SVG inside the page; equal figures give equal text."""
-    import matplotlib
-
-    text = io.StringIO()
-    with matplotlib.rc_context({"svg.hashsalt": title, "svg.fonttype": "none", "font.family": "sans-serif"}):
-        picture.savefig(text, format="svg", metadata=NO_METADATA)
-    svg = text.getvalue()
-    svg = svg[svg.index("<svg") :]
-    # each picture has names of its own: an id is unique in the page
-    mark = re.sub(r"\W+", "-", title.lower())
-    svg = re.sub(r'\bid="', f'id="{mark}-', svg)
-    svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}-", svg)
-    return f'<figure role="img" aria-label="{escape(title)}">{svg}</figure>\n'

@@ -15,14 +15,21 @@ import driver
 import driver3
 import exported_fmus
 import fmpy
+import numpy as np
 import pytest
 from exported_fmus import FACTORY, HELIX, IDENTIFIERS, Design, Exported, factory_members
 from fmpy.validation import validate_fmu
+from scipy.interpolate import CubicSpline
 
 from dualcam import Fmu
+from dualcam.design_file import DesignFile
 from dualcam.errors import DualcamError, DualcamWarning, FmuError
 from dualcam.export import ExportError, export_fmu, model_identifier
+from dualcam.export.scenario import python_lines
 from dualcam.library import fmu_path
+from dualcam.simulation import simulate
+from dualcam.study.scenario import History, Scenario
+from dualcam.variables import inputs_of
 
 DESIGNS = ("helix", "ellipse", "table")
 each = pytest.mark.parametrize
@@ -452,10 +459,14 @@ def test_page(exported, model, fmi):
     assert "changes nothing by itself" in page and "this\nFMU itself" in page
     assert IDENTIFIERS[model] not in page
     assert not re.search(r"@import|<script|<image|\$\w", page)
-    (svg,) = re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL)
-    words = "".join(ET.fromstring(svg).itertext())
-    for word in ("T load", "T release", "efficiency", "cam 1, loading", "cam 2, releasing", "z / mm"):
+    drawn = re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL)
+    assert len(drawn) == 4
+    words = "".join(text for svg in drawn for text in ET.fromstring(svg).itertext())
+    for word in ("T_load", "T_release", "efficiency", "cam 1, loading", "cam 2, releasing", "z [mm]"):
         assert word in words
+    names = re.findall(r'\bid="([^"]*)"', page)
+    assert len(names) == len(set(names))
+    assert page.count('<td class="number">-1 or 1</td>') == 2
     assert all(
         (fmu.folder / "documentation" / link).is_file() for link in re.findall(r'href="([^#"]+)"', page)
     )
@@ -588,3 +599,104 @@ def test_a_parameter_of_the_other_model_is_left_out_with_a_warning(tmp_path):
     with Fmu(tmp_path / "B.fmu") as fmu:
         fmu.start()
         assert fmu.real("shaft.stiffness") == 100.0
+
+
+# ---- the scenario of the design ----
+
+DRIVEN = {
+    "forward": {"tau": History((0.0, 0.5, 0.5, 0.8), (0.0, 8.0, 3.0, 0.0)), "F_ext": History((0.0,), (4.0,))},
+    "inverse": {
+        "theta": History((0.0, 0.6, 1.0), (0.0, 0.9, 0.2), "smooth"),
+        "omega": History(derivative_of="theta"),
+        "alpha": History(derivative_of="omega"),
+    },
+}
+
+
+@each_version
+@each_model
+def test_the_lines_on_the_page_play_the_scenario(tmp_path, monkeypatch, model, fmi):
+    """FMPy finds what `dualcam simulate` finds, but for the lag of inputs that are held over a step."""
+    scenario = Scenario(1.0, DRIVEN[model])
+    path = export_fmu(Design(HELIX, model, scenario=scenario), tmp_path / "MyCam.fmu", fmi)
+    with zipfile.ZipFile(path) as archive:
+        page = archive.read("documentation/index.html").decode()
+        rows = archive.read("extra/scenario_in.csv").decode().splitlines()
+    assert rows[0].split(",")[1:] == list(inputs_of(model))
+    (lines,) = re.findall(r"<pre>(import fmpy.*?)</pre>", page, flags=re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    left: dict = {}
+    exec(lines, left)
+    result = left["result"]
+    design = DesignFile(tmp_path / "my.toml", dict(HELIX), model, scenario, output_interval=0.0005)
+    wanted = simulate(design, ["tau", "theta"])
+    assert len(result) == len(wanted.values)
+    assert np.max(wanted["theta"]) > 0.1
+    if model == "forward":
+        lag = np.max(np.abs(result["theta"] - wanted["theta"]))
+        assert lag <= 0.0005 * np.max(np.abs(result["omega"]))
+    else:
+        # The FMU takes the inputs as those of the end of a step, so FMPy is one step late. Lines between rows
+        # of 1 ms miss theta by up to alpha h^2/8 = 23 rad/s^2 * (1 ms)^2/8 = 3e-6 rad, of 0.9 rad.
+        late = result["tau"][1:] - wanted["tau"][:-1]
+        assert np.max(np.abs(late)) <= 3e-6 / 0.9 * np.max(wanted["tau"])
+
+
+def test_the_page_of_the_command_line_has_the_same_lines():
+    page = (driver.ROOT / "docs/command-line.md").read_text(encoding="utf-8").replace("\n    ", "\n")
+    assert python_lines("MyCam.fmu", Scenario(2.0), "forward") in page
+
+
+def test_the_file_of_the_scenario_has_the_corners_and_jumps(tmp_path):
+    path = export_fmu(Design(HELIX, scenario=Scenario(1.0, DRIVEN["forward"])), tmp_path / "MyCam.fmu")
+    with zipfile.ZipFile(path) as archive:
+        rows = archive.read("extra/scenario_in.csv").decode().splitlines()
+    assert rows == ["time,tau,F_ext", "0,0,4", "0.5,8,4", "0.5,3,4", "0.8,0,4", "1,0,4"]
+
+
+def test_a_curved_input_is_sampled_on_its_curve(tmp_path):
+    path = export_fmu(
+        Design(HELIX, "inverse", scenario=Scenario(1.0, DRIVEN["inverse"])), tmp_path / "MyCam.fmu"
+    )
+    with zipfile.ZipFile(path) as archive:
+        rows = [line.split(",") for line in archive.read("extra/scenario_in.csv").decode().splitlines()]
+    time, theta, omega = (np.array([float(row[k]) for row in rows[1:]]) for k in range(3))
+    curve = CubicSpline((0.0, 0.6, 1.0), (0.0, 0.9, 0.2), bc_type="clamped")
+    assert time[0] == 0.0 and time[-1] == 1.0 and len(time) >= 1000
+    assert np.allclose(theta, curve(time), rtol=0.0, atol=1e-11)
+    assert np.allclose(omega, curve(time, 1), rtol=0.0, atol=1e-10)
+
+
+@each(
+    "model, scenario",
+    [
+        ("forward", None),
+        ("forward", Scenario(1.0)),
+        ("forward", Scenario(1.0, DRIVEN["inverse"])),
+        ("inverse", Scenario(1.0, DRIVEN["forward"])),
+    ],
+)
+def test_no_file_without_a_scenario_for_the_model(tmp_path, model, scenario):
+    path = export_fmu(Design(HELIX, model, scenario=scenario), tmp_path / "MyCam.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert "extra/scenario_in.csv" not in archive.namelist()
+        assert 'id="scenario"' not in archive.read("documentation/index.html").decode()
+
+
+@each_version
+def test_the_title_stands_in_description_and_page(tmp_path, fmi):
+    path = export_fmu(Design(HELIX, title="Elbow <A&B>"), tmp_path / "MyCam.fmu", fmi)
+    with zipfile.ZipFile(path) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+        page = archive.read("documentation/index.html").decode()
+    assert root.attrib["description"].endswith('start values of the design trial, "Elbow <A&B>"')
+    assert "start values of the design trial, &quot;Elbow &lt;A&amp;B&gt;&quot;" in page
+
+
+@each_model
+def test_the_caption_says_which_force_acts_in_the_reference(exported, model):
+    folder = exported("ellipse", model).folder
+    names, rows = rows_of(folder / "extra/reference/My_ellipse_in.csv")
+    force = max(row[names.index("F_ext")] for row in rows)
+    page = (folder / "documentation/index.html").read_text(encoding="utf-8")
+    assert force > 0.0 and f"of up to {force:g} N." in page.replace("\n", " ")

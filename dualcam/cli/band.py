@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -13,6 +14,8 @@ from dualcam.cli.output import print_json, print_table, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.design import TorqueBand
+    from dualcam.design_file import DesignFile
+    from dualcam.summary import Largest, LargestLoads
 
 SHOWN = ("theta [deg]", "z [mm]", "load [N.m]", "release [N.m]", "efficiency [%]")
 SHOWN_COLUMNS = (0, 2, 4, 3, 5)
@@ -41,10 +44,11 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
 
     Above `load` the torque turns the cam and loads the spring. Below `release` the spring turns the cam
     back. Between both the cam rests. The efficiency is release/load. Below 0 the mechanism
-    locks itself.
+    locks itself. The last lines are the largest reaction and, with [pin], the largest contact pressure.
     """
     from dualcam.design import torque_band
     from dualcam.plots import check_picture, plot_band, save
+    from dualcam.summary import largest_loads
 
     for path in (output, plot):
         if path is not None:
@@ -54,21 +58,48 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     design = open_design(design_file)
     mechanism = design.mechanism()
     band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))
-    rows = _rows(band)
+    rows, loads = _rows(band), largest_loads(mechanism, design.pin)
     if output is not None:
         lines = [",".join(HEADS), *(",".join(map(repr, row)) for row in rows.tolist())]
         output.write_text("\n".join(lines) + "\n", encoding="utf-8")
     if plot is not None:
-        save(plot_band(fine, design.name), plot)
+        save(plot_band(fine, design.title or design.name), plot)
     if as_json:
         columns = dict(zip(HEADS, rows.T, strict=True))
-        print_json({"self_locking": fine.self_locking, "columns": columns})
+        largest = _largest_for_json(loads, design)
+        print_json({"self_locking": fine.self_locking, "columns": columns, **largest})
         return
     print_table(SHOWN, [[f"{row[k]:.4g}" for k in SHOWN_COLUMNS] for row in rows])
     say(_summary(fine))
+    _tell_loads(loads, design)
     for path in (output, plot):
         if path is not None:
             say(f"{path} written")
+
+
+def _largest_for_json(loads: LargestLoads, design: DesignFile) -> dict[str, Any]:
+    """In the units of the table's columns."""
+    force, pressure = loads.reaction, loads.pressure
+    found: dict[str, Any] = {"largest_reaction": {"N": force.value, **_place(force)}}
+    found["contacts"] = design.value("contacts")
+    if pressure is not None:
+        found["largest_pressure"] = {"MPa": pressure.value / 1e6, **_place(pressure)}
+    return found
+
+
+def _place(largest: Largest) -> dict[str, Any]:
+    return {"theta_deg": math.degrees(largest.theta), "cams": largest.cams}
+
+
+def _tell_loads(loads: LargestLoads, design: DesignFile) -> None:
+    from dualcam.summary import material_words, pressure_words, reaction_words
+
+    say(f"Largest reaction: {reaction_words(loads.reaction, design.value('contacts'))}.")
+    if design.pin is None or loads.pressure is None:
+        say("Contact pressure: not known, the design has no section [pin].")
+        return
+    say(f"Largest contact pressure (Hertz): {pressure_words(loads.pressure)}.")
+    say(f"Young's moduli: {material_words(design.pin)}.")
 
 
 def _rows(band: TorqueBand) -> np.ndarray:
@@ -88,11 +119,12 @@ def _rows(band: TorqueBand) -> np.ndarray:
 
 
 def _summary(band: TorqueBand) -> str:
+    from dualcam.summary import span_words
+
     if not np.isfinite(band.load).all():
         angle = np.degrees(band.theta[~np.isfinite(band.load)][0])
         return f"Jam: at theta = {angle:.4g} deg no torque can load the mechanism."
     if band.self_locking:
         angle = np.degrees(band.theta[band.efficiency <= 0.0][0])
         return f"Self-locking from theta = {angle:.4g} deg: the spring cannot turn the cam back."
-    share = 100.0 * band.efficiency
-    return f"Not self-locking. Efficiency {np.nanmin(share):.3g} % to {np.nanmax(share):.3g} %."
+    return f"Not self-locking. Efficiency {span_words(100.0 * band.efficiency, '%')}."

@@ -25,11 +25,13 @@ from dualcam.cli.output import print_json, require_folder_of, say
 def command(design_file: Path, output: Path, fmi: str, model: str | None, as_json: bool) -> None:
     """Make an FMU whose start values are those of the design.
 
-    The FMU holds binaries for Linux, Windows and macOS, the groove tables, a documentation page and the C
-    sources. No compiler is needed. Start values edited in a modelDescription.xml do nothing by themselves:
-    the binaries hold the start values. Change the design file and export again.
+    The FMU holds binaries for Linux, Windows and macOS, the groove tables, the scenario as a file of inputs,
+    a documentation page and the C sources. No compiler is needed. Start values edited in a
+    modelDescription.xml do nothing by themselves: the binaries hold the start values. Change the design file
+    and export again.
     """
     from dualcam.export import export_fmu
+    from dualcam.export.scenario import FILE, scenario_for
 
     require_folder_of(output)
     design = open_design(design_file)
@@ -39,3 +41,5 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
         print_json({"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size})
         return
     say(f"{written} written: FMI {fmi}.0, {model or design.model} dynamics, {size / 1e6:.1f} MB")
+    if scenario_for(design.scenario, model or design.model):
+        say(f"{FILE} in the FMU holds the scenario; documentation/index.html shows how to play the scenario")

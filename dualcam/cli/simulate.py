@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
     from dualcam.simulation import Trajectory
 
+AT_END = {"theta": "rad", "omega": "rad/s", "tau": "N.m"}
 SHOWN_FROM = 200_000  # samples from which a bar shows the progress
 
 
@@ -36,6 +37,7 @@ def command(
     The file's [scenario] says how long, and which torque (or which motion) acts.
     """
     from dualcam.simulation import checked_format
+    from dualcam.summary import residual_words
 
     checked_format(output)
     for path in (output, plot):
@@ -56,10 +58,10 @@ def command(
     say(f"{output} written: {len(trajectory.values):,} samples of {len(trajectory.names)} columns")
     if plot is not None:
         say(f"{plot} written")
-    at_end = [
-        f"{name} = {last[name]:.5g}" for name in ("theta", "omega", "tau", "energy.residual") if name in last
-    ]
-    say(f"at {last['time']:g} s: {', '.join(at_end)}")
+    at_end = [f"{name} = {last[name]:.5g} {unit}" for name, unit in AT_END.items() if name in last]
+    if "energy.residual" in last:
+        at_end.append(f"residual of the energy balance {residual_words(trajectory)}")
+    say(f"at {last['time']:g} s: {', '.join(at_end)}" if at_end else f"end at {last['time']:g} s")
 
 
 def _run(design: DesignFile, names: list[str], fmu: Path | None, quiet: bool) -> Trajectory:
@@ -95,4 +97,4 @@ def _draw(design: DesignFile, trajectory: Trajectory, path: Path) -> None:
     from dualcam.plots import plot_simulation, save
 
     band = torque_band(design.mechanism(), 361)
-    save(plot_simulation(trajectory, band, design.name), path)
+    save(plot_simulation(trajectory, band, design.title or design.name), path)

@@ -8,17 +8,19 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.archive import DESCRIPTION, read_members, write_members
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, Scalar, typed
-from dualcam.export.figures import figures_svg
+from dualcam.export.figures import figures
 from dualcam.export.names import model_identifier, target_path
 from dualcam.export.page import exported_page
 from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
 from dualcam.export.reference import Reference, reference_result
+from dualcam.export.scenario import FILE as SCENARIO_FILE
+from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
 from dualcam.export.sources import FOLDER as SOURCES_FOLDER
 from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import replace_start_values
@@ -26,6 +28,9 @@ from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
 from dualcam.unit_guards import units_checked_before
 from dualcam.variables import all_parameters, inputs_of, parameters_of
+
+if TYPE_CHECKING:
+    from dualcam.study.scenario import Scenario
 
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
@@ -45,17 +50,26 @@ class Design(Protocol):
     def model(self) -> str:
         """ "forward" or "inverse"."""
 
+    @property
+    def title(self) -> str:
+        """For the description of the FMU; may be empty."""
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """What `dualcam simulate` plays; the FMU then holds the inputs as a file."""
+
 
 @dataclass(frozen=True)
 class Plan:
     """What the exported FMU is to be."""
 
-    design: str
+    design: str  # name and title of the design
     name: str
     identifier: str
     model: str
     start: dict[str, Scalar]  # tables by their names in the FMU's resources
     tables: dict[str, bytes]  # file name in the FMU's resources -> content
+    scenario: Scenario | None  # where it drives this model
 
 
 def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None = None) -> Path:
@@ -95,8 +109,9 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     -----
     The binaries are those of the project's FMU, for all platforms that it holds. Only the block with GUID and
     start values differs. So the exported FMU computes bit for bit what the project's FMU computes with the
-    same parameters. Tables become `cam1.csv` and `cam2.csv` in the FMU's resources. The same design and name
-    give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
+    same parameters. Tables become `cam1.csv` and `cam2.csv` in the FMU's resources. The inputs of a scenario
+    that drives this model become `extra/scenario_in.csv`; the FMU's page shows how to play them. The same
+    design and name give the same GUID and the same bytes; the figures depend on the version of Matplotlib.
 
     Examples
     --------
@@ -114,7 +129,7 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
     parameters = _parameters_of_model(design, model)
     with Fmu(fmu_path(model)) as fmu, units_checked_before():
         fmu.start(parameters)  # refuses unknown names, values out of range, and a design that jams
-    plan = _plan(design.name, target.stem, model, parameters)
+    plan = _plan(design, target.stem, model, parameters)
     if plan.identifier != plan.name:
         warnings.warn(
             f"{plan.name!r} is no C identifier: the binaries in the FMU are named {plan.identifier!r}",
@@ -156,7 +171,7 @@ def _with_theta_in_range(model: str, given: dict[str, Scalar]) -> dict[str, Scal
     return given if low <= 0.0 <= high else given | {"theta": low if low > 0.0 else high}
 
 
-def _plan(design: str, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:
+def _plan(design: Design, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:
     """Types as in the FMU; tables read."""
     variables = Description(read_members(fmu_path(model))[DESCRIPTION]).variables
     start: dict[str, Scalar] = {}
@@ -166,7 +181,9 @@ def _plan(design: str, name: str, model: str, parameters: Mapping[str, Scalar]) 
         if variables[key].type == "String" and value:
             start[key] = f"{key.split('.')[0]}.csv"
             tables[str(start[key])] = _table(key, str(value))
-    return Plan(design, name, model_identifier(name), model, start, tables)
+    called = f'{design.name}, "{design.title}"' if design.title else design.name
+    scenario = scenario_for(design.scenario, model)
+    return Plan(called, name, model_identifier(name), model, start, tables, scenario)
 
 
 def _table(name: str, path: str) -> bytes:
@@ -195,9 +212,13 @@ def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -
         Description(before[DESCRIPTION]),
         names,
         plan.start,
-        figures_svg(curves, reference),
+        figures(curves, reference),
+        scenario_text(f"{plan.name}.fmu", plan.scenario, plan.model) if plan.scenario else "",
     )
-    return members | {PAGE: page.encode()} | reference.members(plan.identifier)
+    members |= reference.members(plan.identifier)
+    if plan.scenario:
+        members[SCENARIO_FILE] = scenario_table(plan.scenario, plan.model, plan.start)
+    return members | {PAGE: page.encode()}
 
 
 def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, bytes], dict[str, str]]:

@@ -2,82 +2,76 @@
 
 from __future__ import annotations
 
-import io
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.export.curves import Curves
+from dualcam.export.curves import Array, Curves
 from dualcam.export.reference import Reference
+from dualcam.plots import ANGLE, BLUE, GREY, ORANGE, axis_from_zero, figure, legend_above
+from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-BLUE, ORANGE, GREY, GRID = "#0969da", "#bc4c00", "#8c959f", "#e6e9ed"
+HEIGHT = 3.2  # inches of each figure
 CAMS = (BLUE, ORANGE)  # colours of cam 1 and cam 2
-# Text stays text, which a browser shows in its own font; the names in the SVG follow from the salt.
-STYLE: dict[Any, Any] = {"svg.hashsalt": "dualcam", "svg.fonttype": "none", "font.size": 9.0}
+TORQUE = """\
+The edges of the stick band in slow motion without <i>F</i><sub>ext</sub>: between them friction holds the
+cam. The grey line is the reference result, a run of 1 s with inertia, under a force <i>F</i><sub>ext</sub>
+of up to {force:g} N. The force raises both edges, so the grey line may lie above
+<i>T</i><sub>release</sub> on its way back. A line has a gap where the mechanism jams or a value is
+infinite."""
+EFFICIENCY = "Efficiency of slow motion: <i>T</i><sub>release</sub> / <i>T</i><sub>load</sub>."
+REACTION = (
+    "Normal reaction of one contact in slow motion, loading and releasing, without <i>F</i><sub>ext</sub>."
+)
+GROOVES = "The part of both grooves in which the pin runs, unrolled."
 
 
-def figures_svg(curves: Curves, reference: Reference) -> str:
-    """Four figures as one SVG element. Its bytes depend on the numbers and on the version of Matplotlib."""
-    from matplotlib import rc_context
-
-    with rc_context(STYLE):
-        text = io.StringIO()
-        draw(curves, reference).savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    svg = text.getvalue()
-    return svg[svg.index("<svg") :].rstrip()
-
-
-def draw(curves: Curves, reference: Reference) -> Figure:
-    """The four figures."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, 6.6), layout="constrained")
-    (torque, efficiency), (reaction, groove) = figure.subplots(2, 2)
-    _draw_torque(torque, curves, reference)
-    efficiency.plot(np.degrees(curves.theta), curves.values["efficiency"], color=BLUE)
-    _draw_reactions(reaction, curves)
-    _draw_grooves(groove, curves)
-    for axes, x_name, y_name in (
-        (torque, "theta / deg", "tau / (N·m)"),
-        (efficiency, "theta / deg", "efficiency"),
-        (reaction, "theta / deg", "reaction / N"),
-        (groove, "angle about the axis / deg", "z / mm"),
+def figures(curves: Curves, reference: Reference) -> str:
+    """Four figures as HTML. The bytes depend on the numbers and on the version of Matplotlib."""
+    theta = np.degrees(curves.theta)
+    found = ""
+    for title, caption, x_name, y_name, draw in (
+        ("Torque", TORQUE.format(force=reference.largest_force()), ANGLE, "torque tau [N.m]", _draw_torque),
+        ("Efficiency", EFFICIENCY, ANGLE, "efficiency [1]", _draw_efficiency),
+        ("Reactions", REACTION, ANGLE, "reaction of one contact [N]", _draw_reactions),
+        ("Grooves", GROOVES, "angle about the axis [deg]", "height z [mm]", _draw_grooves),
     ):
+        picture, (axes,) = figure(1, HEIGHT)
+        draw(axes, theta, curves, reference)
         axes.set_xlabel(x_name)
         axes.set_ylabel(y_name)
-        axes.grid(color=GRID)
-        if len(axes.lines) > 1:
-            axes.legend(frameon=False)
-    return figure
+        axes.grid(alpha=0.3)
+        axis_from_zero(axes)
+        legend_above(axes)
+        found += figure_element(picture, title, caption)
+    return found
 
 
-def _draw_torque(axes: Axes, curves: Curves, reference: Reference) -> None:
+def _draw_torque(axes: Axes, theta: Array, curves: Curves, reference: Reference) -> None:
     """The stick band, and the loop of the reference result."""
-    theta, tau = reference.loop()
-    degrees = np.degrees(curves.theta)
-    axes.plot(np.degrees(theta), tau, color=GREY, linewidth=1.0, label="reference result")
-    axes.plot(degrees, curves.values["torque_load"], color=ORANGE, label="T load")
-    axes.plot(degrees, curves.values["torque_release"], color=BLUE, label="T release")
+    angle, tau = reference.loop()
+    axes.plot(np.degrees(angle), tau, color=GREY, linewidth=1.0, label="reference, with F_ext")
+    axes.plot(theta, curves.values["torque_load"], color=ORANGE, label="T_load")
+    axes.plot(theta, curves.values["torque_release"], color=BLUE, label="T_release")
 
 
-def _draw_reactions(axes: Axes, curves: Curves) -> None:
-    for direction, style in (("loading", "-"), ("releasing", "--")):
-        for i, colour in enumerate(CAMS):
-            axes.plot(
-                np.degrees(curves.theta),
-                curves.reactions[direction][i],
-                color=colour,
-                linestyle=style,
-                label=f"cam {i + 1}, {direction}",
-            )
+def _draw_efficiency(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
+    axes.plot(theta, curves.values["efficiency"], color=BLUE)
 
 
-def _draw_grooves(axes: Axes, curves: Curves) -> None:
+def _draw_reactions(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
+    """Each line has its own style, since both cams often carry the same."""
+    for direction, styles in (("loading", ("-", "--")), ("releasing", ("-.", ":"))):
+        for i, (colour, style) in enumerate(zip(CAMS, styles, strict=True)):
+            values = curves.reactions[direction][i]
+            axes.plot(theta, values, style, color=colour, label=f"cam {i + 1}, {direction}")
+
+
+def _draw_grooves(axes: Axes, theta: Array, curves: Curves, _: Reference) -> None:
     """Both grooves where the pin goes: z over gamma, and over theta - gamma."""
-    gamma, z = curves.values["gamma"], 1e3 * curves.values["z"]
-    axes.plot(np.degrees(gamma), z, color=CAMS[0], label="cam 1")
-    axes.plot(np.degrees(curves.theta - gamma), z, color=CAMS[1], label="cam 2")
+    gamma, z = np.degrees(curves.values["gamma"]), 1e3 * curves.values["z"]
+    axes.plot(gamma, z, "-", color=CAMS[0], label="cam 1")
+    axes.plot(theta - gamma, z, "--", color=CAMS[1], label="cam 2")

@@ -13,15 +13,7 @@ from dualcam.export.description import Description, Scalar, Variable, number_tex
 
 FIGURES = """\
 <div class="figures" id="figures">
-<figure>
-{picture}
-<figcaption>This design in slow motion without F<sub>ext</sub>, from the lower to the upper stop. Top left:
-the edges of the stick band; between them friction holds the cam; the grey line is the reference result. Top
-right: efficiency, <i>T</i><sub>release</sub> / <i>T</i><sub>load</sub>. Bottom left: normal reaction per
-contact, loading (full line) and releasing (dashed). Bottom right: both grooves, unrolled. A line has a gap
-where the mechanism jams or a value is infinite.</figcaption>
-</figure>
-</div>"""
+{figures}</div>"""
 REFERENCE = """\
 <p id="reference"><b>Reference result.</b> <code>extra/reference</code> holds inputs and the result of this
 FMU itself, and a README.txt that says how to compare. <b>Licence:</b> BSD-2-Clause,
@@ -29,7 +21,12 @@ FMU itself, and a README.txt that says how to compare. <b>Licence:</b> BSD-2-Cla
 
 
 def exported_page(
-    page: str, original: Description, names: Mapping[str, str], start: Mapping[str, Scalar], picture: str
+    page: str,
+    original: Description,
+    names: Mapping[str, str],
+    start: Mapping[str, Scalar],
+    figures: str,
+    scenario: str,
 ) -> str:
     """The page of an exported FMU.
 
@@ -43,8 +40,10 @@ def exported_page(
         Model name ("name"), C identifier ("identifier") and description ("description") of the exported FMU.
     start
         Name of a variable -> start value.
-    picture
-        An SVG for the figures.
+    figures
+        The figures, as HTML.
+    scenario
+        A paragraph about the scenario, as HTML; empty without one.
     """
     heading = escape(names["name"])
     old = original.root.attributes["description"]
@@ -53,9 +52,9 @@ def exported_page(
     page = page.replace(escape(old), escape(names["description"]), 1)
     page = page.replace(f"-o {original.identifier}.so", f"-o {names['identifier']}.so")
     page = _replaced(
-        page, r'()<div class="figures" id="figures">.*?</div>()', FIGURES.format(picture=picture)
+        page, r'()<div class="figures" id="figures">.*?</div>()', FIGURES.format(figures=figures)
     )
-    page = _replaced(page, r'()<p id="reference">.*?</p>()', REFERENCE)
+    page = _replaced(page, r'()<p id="reference">.*?</p>()', f"{scenario}\n{REFERENCE}".lstrip())
     for name, value in start.items():
         cell = rf'(<tr><td><code>{re.escape(name)}</code></td><td>[^<]*</td><td class="number">)[^<]*(</td>)'
         page = _replaced(page, cell, escape(_shown(original, original.variables[name], value)))

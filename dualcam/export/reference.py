@@ -66,6 +66,10 @@ project dualcam holds a result of an independent program.
             f"{FOLDER}{name}_ref.csv": _table(OUTPUTS[self.model], self.results),
         }
 
+    def largest_force(self) -> float:
+        """The largest F_ext [N] of the run."""
+        return max(row[1 + INPUTS[self.model].index("F_ext")] for row in self.inputs)
+
     def loop(self) -> tuple[list[float], list[float]]:
         """theta [rad] and tau [N.m] of each result."""
         if self.model == "inverse":

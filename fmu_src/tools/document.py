@@ -24,8 +24,9 @@ Points = Sequence[tuple[float, float]]
 # Texts that differ between the two FMUs.
 LOOP_CAPTION = {
     "DualCamForward": """\
-The reference result: torque goes in, angle comes out. Between the dashed edges of the stick band (here
-without F<sub>ext</sub>) friction holds the cam; outside, inertia makes it swing.""",
+The reference result: torque goes in, angle comes out. Between the dashed edges of the stick band friction
+holds the cam; outside, inertia makes it swing. The dashed edges are those without F<sub>ext</sub>. On the
+way back a force F<sub>ext</sub> of 50 N raises both edges.""",
     "DualCamInverse": """\
 The reference result: a swing to 1.2 rad and back within 1 s goes in, torque comes out. Dashed: the edges
 of the stick band without F<sub>ext</sub>; inertia and an F<sub>ext</sub> that rises to 50 N are what
@@ -53,7 +54,11 @@ tolerance. $polynomials</p>
 <p><b>Model exchange.</b> The states are <i>&theta;</i> and <i>&omega;</i>; it needs an inertia. The mode
 changes at events only: velocity zero, an edge of the stick band, a stop, a contact on another flank. The
 accounts <code>energy.*</code> (but for spring and kinetic) and <code>peak.*</code> are integrals over steps
-and stay 0.</p>""",
+and stay 0.</p>
+<p><b>Ramps in FMPy.</b> FMPy 0.3.32 does not apply an input inside the right-hand side of its CVode. So a
+ramp of the torque makes the steps of CVode tiny, and may end in the error "mxstep steps taken before
+reaching tout". A torque in steps of 1 ms does not: write each step as two rows, at its beginning and at
+its end. Or use co-simulation.</p>""",
     "DualCamInverse": """\
 <p>Set <code>theta</code>, <code>omega</code>, <code>alpha</code> and <code>F_ext</code> as they are at
 the end of the next step, make the step, read <code>tau</code>. Between communication points the motion
@@ -82,6 +87,7 @@ A step is never cut short, since its motion is imposed to its end: eventHandling
 event mode that <code>mode</code> is another one there, and intermediateUpdate is called there.""",
     },
 }
+SIGNS = ("Integer", "Int32")
 NUMBERS = ("Real", "Integer", "Float64", "Int32")
 GROUPS = {
     "independent": "Independent variable",
@@ -95,14 +101,14 @@ GROUPS = {
 class Chart:
     """An SVG with two axes. Data coordinates in, pixels out."""
 
-    WIDTH, HEIGHT = 480, 340
-    LEFT, RIGHT, TOP, BOTTOM = 58, 14, 14, 46
+    WIDTH, HEIGHT = 420, 330
+    LEFT, RIGHT, TOP, BOTTOM = 58, 14, 14, 48
 
     def __init__(self, x: tuple[float, float], y: tuple[float, float], title: str) -> None:
         self.x, self.y = x, y
         self.parts = [
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.WIDTH} {self.HEIGHT}" role="img" '
-            f'font-family="system-ui, sans-serif" font-size="13" fill="{INK}">',
+            f'font-family="system-ui, sans-serif" font-size="14" fill="{INK}">',
             f"<title>{escape(title)}</title>",
         ]
 
@@ -210,7 +216,7 @@ def sketch(p: dict[str, float]) -> str:
     chart = Chart(
         (0, math.degrees(end)), (0, 1e3 * top), "The grooves of both cams, unrolled, and the pin in them"
     )
-    chart.axes(20, 5, "angle about the axis / deg", "z / mm")
+    chart.axes(20, 5, "angle about the axis [deg]", "height z [mm]")
     round_ends = 'stroke-linecap="butt" stroke-opacity="{}"'
 
     def groove(points: Points, colour: str, opacity: float) -> None:
@@ -232,7 +238,7 @@ def sketch(p: dict[str, float]) -> str:
     chart.label(x1 + 1.5, z1 - 6.0, "<tspan font-style='italic'>F</tspan>")
     low = 0.045e3 * top
     chart.arrow((math.degrees(before) + 5, low), (math.degrees(after) - 7, low), ORANGE)
-    chart.label(math.degrees(before) + 4, low + 0.9, "cam 2 turns by &theta;", ORANGE)
+    chart.label(math.degrees(before) + 4, low + 0.9, "turns by &theta;", ORANGE)
     chart.label(math.degrees(top / a1 * 0.8) + 1, 0.83e3 * top, "groove of cam 1 (fixed)", BLUE, "middle")
     chart.label(3, 0.93e3 * top, "groove of cam 2, before and after", ORANGE)
     chart.label(x1 + 5, z1 - 0.2, "pin, at angle &gamma;")
@@ -261,11 +267,11 @@ def loop(p: dict[str, float], given: list[dict[str, float]], result: list[dict[s
     chart = Chart(
         (0, end), (0, 10), "Torque over angle, loading and releasing, with the edges of the stick band"
     )
-    chart.axes(20, 2, "&theta; / deg", "&tau; / N&middot;m")
+    chart.axes(20, 2, "angle of cam 2, &theta; [deg]", "torque &tau; [N&middot;m]")
     for sigma, name in ((1, "load"), (-1, "release")):
         edge = [(at, edge_of_stick_band(p, math.radians(at), sigma)) for at in (0.0, end)]
         chart.line(edge, GREY, 1.4, 'stroke-dasharray="6 4"')
-        at, offset = (0.93 * end, 0.3) if sigma > 0 else (0.98 * end, -1.0)
+        at, offset = (0.93 * end, 0.3) if sigma > 0 else (0.99 * end, -1.5)
         level = edge_of_stick_band(p, math.radians(at), sigma)
         subscript = f'<tspan font-style="italic">T</tspan><tspan dy="4" font-size="10">{name}</tspan>'
         chart.label(at, level + offset, subscript, "#57606a", "end")
@@ -290,7 +296,9 @@ def row(variable: Row, units: dict[str, ET.Element]) -> str:
         start = value_and_display(start, units.get(unit or ""))
     low, high = given.get("min"), given.get("max")
     span = " to ".join(f"{float(end):.6g}" for end in (low, high) if end is not None)
-    if low is None or high is None:
+    if variable.type in SIGNS and (low, high) == ("-1", "1"):
+        span = "-1 or 1"  # the XML can give the range only
+    elif low is None or high is None:
         span = ("from " if low else "up to ") + span if span else ""
     text = escape(given["description"])
     if given["variability"] == "tunable":

@@ -10,6 +10,8 @@ import build_fmu
 import driver
 import driver3
 
+from dualcam.study.scenario import Scenario
+
 FOLDERS = {2: "linux64", 3: "x86_64-linux"}
 FACTORY = {(v, d.models[n].identifier): d.models[n] for v, d in ((2, driver), (3, driver3)) for n in d.models}
 IDENTIFIERS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
@@ -22,6 +24,8 @@ class Design:
     parameters: Mapping[str, float | int | bool | str]
     model: str = "forward"
     name: str = "trial"
+    title: str = ""
+    scenario: Scenario | None = None
 
 
 # Numbers that no shorter decimal represents, so that every bit is tested.

@@ -1,0 +1,121 @@
+"""The inputs of a design as tables: parameters, spring, pin, limits and scenario, in SI and usual units."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dualcam.variables import Value, Variable, all_inputs, parameters_of
+
+if TYPE_CHECKING:
+    from dualcam.design import Limits, Pin
+    from dualcam.design_file import DesignFile
+    from dualcam.study.scenario import History, Scenario
+
+Row = tuple[str, ...]
+
+USUAL = {  # unit of the FMU -> usual unit, its factor
+    "rad": ("deg", 180.0 / math.pi),
+    "rad/s": ("deg/s", 180.0 / math.pi),
+    "m": ("mm", 1e3),
+    "N/m": ("N/mm", 1e-3),
+    "kg.m2": ("kg.cm2", 1e4),
+    "Pa": ("MPa", 1e-6),
+}
+PROFILES = {1: "helix", 2: "ellipse", 3: "table"}
+PROFILE_OF = {
+    "lead_angle": (1, 2),
+    "ellipse_a": (2,),
+    "ellipse_b": (2,),
+    "ellipse_curvature": (2,),
+    "table": (3,),
+}
+PIN_UNITS = {"radius": "m", "width": "m", "modulus": "Pa", "cam_modulus": "Pa"}
+MOST_POINTS = 12  # of an input over time that are listed one by one
+
+
+def input_tables(design: DesignFile) -> dict[str, list[Row]]:
+    """Heading -> rows: key, value in SI, unit, value in the usual unit."""
+    tables = {"Parameters of the mechanism": _parameters(design)}
+    if design.spring_limits is not None:
+        lengths = design.spring_limits._asdict().items()
+        tables["Lengths of the spring"] = [_row(f"spring.{name}", length, "m") for name, length in lengths]
+    if design.pin is not None:
+        tables["Pin and material"] = _pin(design.pin)
+    if design.limits is not None:
+        tables["Limits of the check"] = _limits(design.limits)
+    if design.scenario is not None:
+        tables["Scenario"] = _scenario(design.scenario)
+    return tables
+
+
+def _parameters(design: DesignFile) -> list[Row]:
+    """Those of the file, and the defaults that act; a default of 0 does not."""
+    rows = []
+    for name, variable in parameters_of(design.model).items():
+        given = name in design.parameters
+        value = design.value(name)
+        if (given or (value and name != "ledger")) and _is_used(design, name):
+            rows.append(_parameter(variable, value, given))
+    return rows
+
+
+def _is_used(design: DesignFile, name: str) -> bool:
+    """Whether the groove law of the cam uses the parameter."""
+    group, _, key = name.partition(".")
+    return key not in PROFILE_OF or design.value(f"{group}.profile") in PROFILE_OF[key]
+
+
+def _parameter(variable: Variable, value: Value, given: bool) -> Row:
+    if variable.name.endswith(".profile"):
+        row: Row = variable.name, PROFILES[int(value)], "", ""
+    elif isinstance(value, str):
+        row = variable.name, Path(value).name, "", ""
+    elif isinstance(value, bool):
+        row = variable.name, "true" if value else "false", "", ""
+    else:
+        row = _row(variable.name, value, variable.unit)
+    return row if given else (f"{row[0]} (default)", *row[1:])
+
+
+def _row(name: str, value: float, unit: str) -> Row:
+    usual, factor = ("GPa", 1e-9) if name.endswith("modulus") else USUAL.get(unit, ("", 1.0))
+    beside = f"{value * factor:.6g} {usual}" if usual else ""
+    return name, f"{value:.6g}", "" if unit == "1" else unit, beside
+
+
+def _pin(pin: Pin) -> list[Row]:
+    return [_row(f"pin.{f.name}", getattr(pin, f.name), PIN_UNITS.get(f.name, "1")) for f in fields(pin)]
+
+
+def _limits(limits: Limits) -> list[Row]:
+    least, greatest = limits.lead_angle
+    return [
+        _row("limits.lead_angle, least", least, "rad"),
+        _row("limits.lead_angle, greatest", greatest, "rad"),
+        _row("limits.pressure", limits.pressure, "Pa"),
+        ("limits.self_locking", "true" if limits.self_locking else "false", "", ""),
+    ]
+
+
+def _scenario(scenario: Scenario) -> list[Row]:
+    rows = [_row("scenario.stop", scenario.stop, "s")]
+    known = all_inputs()
+    for name, history in scenario.inputs.items():
+        unit = known[name].unit if name in known else ""
+        rows += _history(f"scenario.inputs.{name}", history, unit)
+    return rows
+
+
+def _history(key: str, history: History, unit: str) -> list[Row]:
+    if history.derivative_of:
+        return [(key, f"time derivative of {history.derivative_of}", unit, "")]
+    if len(set(history.value)) == 1:
+        return [_row(f"{key}, constant", history.value[0], unit)]
+    if len(history.time) > MOST_POINTS:
+        span = f"{len(history.time)} points, {min(history.value):.6g} to {max(history.value):.6g}"
+        return [(f"{key}, {history.shape}", span, unit, "")]
+    points = zip(history.time, history.value, strict=True)
+    return [_row(f"{key} at {time:g} s ({history.shape})", value, unit) for time, value in points]
