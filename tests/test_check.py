@@ -73,7 +73,7 @@ SINGLE = {
     ),
     "jam": (
         'cam1 = {lead_angle = "80 deg", friction = 0.3}\ncam2 = {lead_angle = "80 deg", friction = 0.3}',
-        "jam: torque of loading per spring force at theta = 0 rad is inf m: it must be finite",
+        "jam: torque of loading per spring force at theta = 0 rad is inf m: allowed is a finite value",
         # equal radii and slopes s: jams where (1 - mu1 s)(s + mu2) + (1 - mu2 s)(s + mu1) = 0
         ("cam1.friction", None),
     ),

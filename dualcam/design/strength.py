@@ -351,7 +351,7 @@ def _checks(mechanism: Mechanism, pin: Pin | None, limits: Limits) -> list[_Chec
             "jam: torque of loading per spring force",
             lambda s: s.rho,
             lambda s: np.isfinite(s.rho),
-            "m: it must be finite",
+            "m: allowed is a finite value",
         ),
     ]
     for i in range(2):
