@@ -176,7 +176,11 @@ if not TYPE_CHECKING:  # type checkers see the imports above, and report other n
         if name in _MODULES:
             return import_module(f"dualcam.{name}")
         if name not in _MODULE_OF:
-            raise AttributeError(f"module 'dualcam' has no attribute {name!r}; it has {', '.join(__all__)}")
+            from difflib import get_close_matches
+
+            near = get_close_matches(name, __all__, n=3)
+            hint = f"did you mean {' or '.join(near)}?" if near else "dir(dualcam) lists the names"
+            raise AttributeError(f"module 'dualcam' has no attribute {name!r}: {hint}")
         value = globals()[name] = getattr(import_module(f"dualcam.{_MODULE_OF[name]}"), name)
         return value
 

@@ -24,8 +24,8 @@ are the bounds of stability for a torque that is held over the step. In general 
 spectral radius of the matrix that maps the errors of one step to those of the next step is at most 1.
 
 Implicit coupling solves for the torque that suits the motion over the same step. `step_implicit` does so by
-Newton's method with the interface Jacobian step.dtheta_dtau, step.domega_dtau. It is stable for every passive
-plant (K, D, M >= 0).
+Newton's method with the interface Jacobian step.dtheta_dtau, step.domega_dtau. Implicit coupling is
+stable for every passive plant (K, D, M >= 0).
 
 Sources. Zero-stability of coupled simulators with direct feedthrough: R. Kuebler, W. Schiehlen, "Two Methods
 of Simulator Coupling", Mathematical and Computer Modelling of Dynamical Systems 6 (2000) 93-113. Newton's
@@ -317,8 +317,8 @@ class _Bracket:
     """The torques between which the residual passes zero upwards.
 
     For a passive plant the residual rises with the torque by at least 1 N.m per N.m, except where an impact
-    at the end of the step makes it fall. So it has a zero, which bisection finds where Newton's method does
-    not."""
+    at the end of the step makes it fall. So the residual has a zero, which bisection finds where
+    Newton's method does not."""
 
     def __init__(self) -> None:
         self.low, self.high = -math.inf, math.inf

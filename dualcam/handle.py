@@ -373,8 +373,8 @@ def _unknown(name: str, names: list[str], model: str) -> str:
     listed = [other for other in names if other.split(".")[0] == group] if "." in name else []
     listed = listed or [other for other in names if "." not in other]
     more = f" and {len(names) - NAMES_LISTED} more" if len(listed) > NAMES_LISTED else ""
-    guess = f"did you mean {', '.join(near)}? " if near else ""
-    return f"{model} has no variable {name!r}: {guess}it has {', '.join(listed[:NAMES_LISTED])}{more}"
+    guess = f"did you mean {' or '.join(near)}? Allowed" if near else "allowed"
+    return f"{model} has no variable {name!r}: {guess} are {', '.join(listed[:NAMES_LISTED])}{more}"
 
 
 def _suitable(variable: Variable, value: object) -> Scalar:

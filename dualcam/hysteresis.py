@@ -84,7 +84,8 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             self.lower, self.upper = fmu.real("stop.lower"), fmu.real("stop.upper")
             if not self.lower < theta < self.upper:
                 raise OperatingPointError(
-                    f"theta = {theta:g} rad: it must be between the stops, {self.lower:g}, {self.upper:g} rad"
+                    f"theta = {theta:g} rad: allowed is between the stops, {self.lower:g}"
+                    f" and {self.upper:g} rad"
                 )
             angles = np.linspace(self.lower, self.upper, POINTS)
             edges = fmu.reals("torque_release", "torque_load")

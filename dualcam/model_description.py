@@ -213,7 +213,7 @@ def parse_model_description(content: str | bytes) -> ModelDescription:
     except ElementTree.ParseError as error:
         raise FmuError(f"no valid {XML}: {error}") from error
     if root.tag != "fmiModelDescription":
-        raise FmuError(f"no valid {XML}: it is a <{root.tag}>, allowed is <fmiModelDescription>")
+        raise FmuError(f"no valid {XML}: the document is a <{root.tag}>, allowed is <fmiModelDescription>")
     version = root.get("fmiVersion")
     if version is None:
         raise FmuError(f"no valid {XML}: attribute 'fmiVersion' is missing")

@@ -19,6 +19,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dualcam.archive import write_archive
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -134,13 +135,6 @@ def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]
     element = add(root, f"{prefix}:Units")
     for name, base in sorted(units.items()):
         add(add(element, "ssc:Unit", name=name), "ssc:BaseUnit", **base)
-
-
-def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
-    """A zip file whose bytes depend on its members alone."""
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
-        for name in sorted(members):
-            archive.writestr(zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0)), members[name])
 
 
 def add_connector(connectors: ET.Element, component: Component, name: str) -> dict[str, dict[str, str]]:

@@ -8,18 +8,14 @@ from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
 
-from dualcam import model_description
 from dualcam.library import fmu_path
-from dualcam.model_description import read_model_description
+from dualcam.model_description import Scalar, Variable, read_model_description
 
-MODELS = ("forward", "inverse")
 KINDS = {"real": float, "integer": int, "boolean": bool, "string": str}
-
-Value = float | int | bool | str
 
 
 @dataclass(frozen=True)
-class Variable:
+class SettableVariable:
     """One parameter or input of an FMU."""
 
     name: str
@@ -28,7 +24,7 @@ class Variable:
     unit: str  # as the FMU writes it, "1" without a unit
     least: float
     greatest: float
-    start: Value
+    start: Scalar
     description: str
 
     def allowed(self) -> str:
@@ -55,15 +51,15 @@ class Variable:
 
 
 @cache
-def _variables(model: str) -> Mapping[str, Variable]:
+def _variables(model: str) -> Mapping[str, SettableVariable]:
     read = read_model_description(fmu_path(model)).variables
-    found = [_variable(one) for one in read if one.causality in ("parameter", "input")]
+    found = [_settable(one) for one in read if one.causality in ("parameter", "input")]
     return MappingProxyType({variable.name: variable for variable in found})
 
 
-def _variable(read: model_description.Variable) -> Variable:
+def _settable(read: Variable) -> SettableVariable:
     kind = KINDS[read.kind]
-    return Variable(
+    return SettableVariable(
         read.name,
         kind,
         read.causality,
@@ -75,21 +71,21 @@ def _variable(read: model_description.Variable) -> Variable:
     )
 
 
-def parameters_of(model: str) -> Mapping[str, Variable]:
+def parameters_of(model: str) -> Mapping[str, SettableVariable]:
     """The parameters of one model by name, in the FMU's order."""
     return {name: v for name, v in _variables(model).items() if v.causality == "parameter"}
 
 
-def inputs_of(model: str) -> Mapping[str, Variable]:
+def inputs_of(model: str) -> Mapping[str, SettableVariable]:
     """The inputs of one model by name, in the FMU's order."""
     return {name: v for name, v in _variables(model).items() if v.causality == "input"}
 
 
-def all_parameters() -> Mapping[str, Variable]:
+def all_parameters() -> Mapping[str, SettableVariable]:
     """The parameters of both models by name."""
     return {**parameters_of("forward"), **parameters_of("inverse")}
 
 
-def all_inputs() -> Mapping[str, Variable]:
+def all_inputs() -> Mapping[str, SettableVariable]:
     """The inputs of both models by name."""
     return {**inputs_of("forward"), **inputs_of("inverse")}

@@ -467,7 +467,7 @@ BAD = {
     "one friction": (lambda t: 1.0, LINEAR, "loading", {"friction": 0.14}, "= 0.14: allowed are two"),
     "much friction": (lambda t: 1.0, LINEAR, "loading", {"friction": (5, 5), "groove2": HELIX},
                       "5 and 5 .* jam"),
-    "zero": (lambda t: 0.0, LINEAR, "releasing", {"groove2": HELIX}, "torque 0 .* > 0 somewhere"),
+    "zero": (lambda t: 0.0, LINEAR, "releasing", {"groove2": HELIX}, "torque 0 .* > 0 at some angle"),
     "stiffness": (lambda t: 1.0, Spring(50, -10.0), "loading", {}, r"stiffness = -10.0: allowed .* >= 0"),
     "contacts": (lambda t: 1.0, LINEAR, "loading", {"contacts": 3}, "contacts = 3: allowed are 1 and 2"),
     "tolerance": (lambda t: 1.0, LINEAR, "loading", {"tolerance": math.nan}, "tolerance = nan: allowed"),

@@ -74,7 +74,7 @@ def test_groove_from_a_number(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (None, "No such file"),
+        (None, "there is no torque file .*torque.csv: check folder and name"),
         ("", "is empty"),
         (
             "theta,torque\n0,1\n",
@@ -92,12 +92,22 @@ def test_groove_from_a_number(tmp_path):
 def test_refused_files(tmp_path, text, message):
     path = tmp_path / "torque.csv"
     if text is not None:
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
     with pytest.raises(DesignError, match=message):
         design_groove(path, SPRING)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_files_of_spreadsheets(tmp_path, encoding):
+    """The same file as four programs save the file: 60 deg is pi/3 rad."""
+    text = "angle [°];torque [N.mm]\r\n0;1000\r\n20;1500\r\n40;1750,5\r\n60;2000\r\n"
+    (tmp_path / "torque.csv").write_bytes(text.encode(encoding))
+    curve = TorqueCurve.read(tmp_path / "torque.csv")
+    assert curve.theta[-1] == pytest.approx(math.pi / 3.0)
+    assert curve.torque.tolist() == [1.0, 1.5, 1.7505, 2.0]
+
+
 def test_file_that_is_no_text(tmp_path):
     (tmp_path / "torque.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(DesignError, match=r"torque file .* allowed is a readable CSV file"):
+    with pytest.raises(DesignError, match=r"torque file .* 0 columns with a unit of angle"):
         design_groove(tmp_path / "torque.csv", SPRING)

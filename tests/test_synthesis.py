@@ -43,7 +43,7 @@ def test_a_number_is_the_same_torque_at_each_angle(torque, groove2):
     ("torque", "text"),
     [
         (math.nan, "torque nan N.m: allowed is a finite number"),
-        (0.0, "must be > 0 somewhere"),
+        (0.0, "allowed is a torque > 0 at some angle"),
         (-5.0, "negative"),
         (True, "torque = True: allowed is a number"),
         ("5", "torque = '5': allowed is a number"),

@@ -42,7 +42,7 @@ class Design:
 
     @property
     def table(self) -> Table:
-        """The designed groove. `table.write(path)` writes it as a CSV file for the FMU."""
+        """The designed groove. `table.write(path)` writes a CSV file for the FMU."""
         groove = self.mechanism.grooves[0]
         assert isinstance(groove, Table)
         return groove

@@ -200,20 +200,20 @@ class GrooveProblem:
         location = self.where(theta)
         if not force > 0.0:
             return (
-                f"{location}: spring force {force:.6g} N at z = {z:.6g} m: it must be > 0 to give"
-                f" {wanted:.6g} N.m"
+                f"{location}: spring force {force:.6g} N at z = {z:.6g} m: allowed is > 0, to"
+                f" give {wanted:.6g} N.m"
             )
         if self.groove2 is not None:
             low, high = self.groove2.range
             if not low <= float(state) <= high:
                 return (
-                    f"{location}: groove 2 ends: it is needed at phi = {float(state):.6g} rad, allowed is"
+                    f"{location}: groove 2 ends: phi = {float(state):.6g} rad is needed, allowed is"
                     f" {low:.6g} to {high:.6g}"
                 )
         if self.groove2 is None and wanted == 0.0:
             return (
-                f"{location}: torque 0: two equal grooves would be level there and leave the pin loose; it"
-                " must be > 0"
+                f"{location}: torque 0: allowed is > 0, since two equal grooves would be level there"
+                " and leave the pin loose"
             )
         return f"{location}: {self.limits(state, force, wanted)}"
 
@@ -329,7 +329,7 @@ def groove_problem(
         angle = angles[int(np.argmin(finite))]
         raise DesignError(f"theta = {angle:.6g} rad: torque {wanted(angle)}: allowed are finite numbers")
     if not wanted(angles).any():
-        raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: it must be > 0 somewhere")
+        raise DesignError(f"torque 0 from theta = 0 to {upper:g} rad: allowed is a torque > 0 at some angle")
     if groove2 is not None and not isinstance(groove2, Helix | Ellipse | Table):
         raise DesignError(f"groove2 = {groove2!r}: allowed are a Helix, an Ellipse, a Table or None")
     inside = tuple(sorted({float(kink) for kink in kinks if 0.0 < kink < upper}))

@@ -74,7 +74,7 @@ def read_groove(
     DesignError, with file, line, column and value, for a file that cannot be understood."""
     path = Path(path)
     _check_arguments(units, delimiter, decimal)
-    text, is_utf8 = _text(path)
+    text, is_utf8 = decoded_text(path, "groove table")
     try:
         groove = _parsed(text, None if units is None else (units[0], units[1]), delimiter, decimal)
     except DesignError as error:
@@ -98,17 +98,18 @@ def _check_arguments(units: Sequence[str] | None, delimiter: str | None, decimal
         raise DesignError("delimiter and decimal are both a comma: allowed is one of them")
 
 
-def _text(path: Path) -> tuple[str, bool]:
-    """The text of a file, and whether it is in UTF-8."""
+def decoded_text(path: Path, what: str) -> tuple[str, bool]:
+    """The text of a file of numbers, and whether the text is in UTF-8. DesignError, which calls the file
+    `what`, for a file that cannot be read."""
     if path.is_dir():
-        raise DesignError(f"{path} is a folder: allowed is a file with a groove table")
+        raise DesignError(f"{path} is a folder: allowed is a file with a {what}")
     try:
         with path.open("rb") as file:
             content = file.read(LARGEST + 1)
     except FileNotFoundError:
-        raise DesignError(f"there is no groove table {path}: check folder and name") from None
+        raise DesignError(f"there is no {what} {path}: check folder and name") from None
     except (OSError, ValueError) as error:
-        raise DesignError(f"{path} cannot be read: {error}") from None
+        raise DesignError(f"{what} {path} cannot be read: {error}") from None
     if len(content) > LARGEST:
         raise DesignError(f"{path} is larger than {LARGEST:,} bytes: allowed are up to {MOST:,} samples")
     is_utf16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))

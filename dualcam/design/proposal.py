@@ -35,7 +35,7 @@ class SpringProposal:
     Attributes
     ----------
     spring : Spring
-        The proposed spring. It has been tried: `design` was made with it.
+        The proposed spring, with which `design` was made.
     vary : str
         What differs from the given spring: "preload", "stiffness", or "both".
     design : Design

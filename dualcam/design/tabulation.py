@@ -35,9 +35,9 @@ def tabulate(problem: GrooveProblem, solution: GrooveSolution, contacts: int, to
         if len(theta) > MOST_SAMPLES or (close[: len(coarse)] & coarse).any():
             raise DesignError(
                 f"{problem.where(design.largest_error_at)}: no table gives the torque there to {tolerance:g},"
-                f" at {len(theta)} samples it is missed by {design.largest_error:.3g}: the torque must be"
-                " continuous, the angles of its kinks must be given as kinks, and the grooves must not get"
-                " near level or upright"
+                f" at {len(theta)} samples the torque is missed by {design.largest_error:.3g}: the torque"
+                " must be continuous, the angles of its kinks must be given as kinks, and the grooves must"
+                " not get near level or upright"
             )
         theta = np.sort(np.append(theta, 0.5 * (theta[:-1] + theta[1:])[coarse]))
 

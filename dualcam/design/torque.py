@@ -101,7 +101,7 @@ def _spline(angle: Array, value: Array, upper: float) -> Torque:
         raise DesignError("torque: samples must be finite numbers")
     if angle[0] > 0.0 or angle[-1] < upper:
         raise DesignError(
-            f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad: they must cover 0 to upper ="
-            f" {upper:g} rad"
+            f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad: allowed are samples that cover 0 to"
+            f" upper = {upper:g} rad"
         )
     return CubicSpline(angle, value)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from dualcam.design.design import Design
+from dualcam.design.groove_files import decoded_text
 from dualcam.design.grooves import Groove
 from dualcam.design.mechanism import Spring
 from dualcam.design.statics import Array, DesignError
@@ -64,10 +65,8 @@ class TorqueCurve:
             the line and what is allowed.
         """
         path = Path(path)
-        try:
-            lines = path.read_text(encoding="utf-8-sig").splitlines()
-        except (OSError, UnicodeDecodeError) as error:
-            raise DesignError(f"torque file {path}: {error}: allowed is a readable CSV file") from None
+        text, _ = decoded_text(path, "torque file")
+        lines = text.splitlines()
         numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
         if not numbered:
             raise DesignError(f"torque file {path} is empty: allowed is a header and at least 4 lines")

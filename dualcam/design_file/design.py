@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dualcam.design_file.findings import Finding
 from dualcam.errors import DesignError
+from dualcam.model_description import Scalar
 from dualcam.unit_guards import units_checked_before
-from dualcam.variables import Value, all_parameters, parameters_of
+from dualcam.variables import all_parameters, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Groove, Limits, Mechanism, Pin
@@ -61,7 +62,7 @@ class DesignFile:
     """
 
     path: Path
-    parameters: dict[str, Value]
+    parameters: dict[str, Scalar]
     model: str = "forward"
     scenario: Scenario | None = None
     output_interval: float | None = None
@@ -105,7 +106,7 @@ class DesignFile:
             raise DesignError(f"{name} is no parameter: {guess}")
         return self.parameters.get(name, known[name].start)
 
-    def parameters_for(self, model: str | None = None) -> dict[str, Value]:
+    def parameters_for(self, model: str | None = None) -> dict[str, Scalar]:
         """The parameters that one model has.
 
         Parameters

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from dualcam.design_file.units import quantity
 from dualcam.errors import DesignError
 from dualcam.unit_guards import unit_warning
-from dualcam.variables import Variable, all_inputs, all_parameters
+from dualcam.variables import SettableVariable, all_inputs, all_parameters
 
 PROFILES = {"helix": 1, "ellipse": 2, "table": 3}
 SHAPES = ("linear", "smooth")
@@ -23,8 +23,8 @@ INFINITE = math.inf
 
 def _entry(
     name: str, unit: str, description: str, least: float = -INFINITE, greatest: float = INFINITE
-) -> Variable:
-    return Variable(name, float, "parameter", unit, least, greatest, 0.0, description)
+) -> SettableVariable:
+    return SettableVariable(name, float, "parameter", unit, least, greatest, 0.0, description)
 
 
 SPRING = (
@@ -60,7 +60,7 @@ class Table(BaseModel):
 # ---- kinds of values ----
 
 
-def to_number(value: object, variable: Variable) -> float:
+def to_number(value: object, variable: SettableVariable) -> float:
     """A number, or a text with a unit, in the unit of the variable. Raises what pydantic collects."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}"})
@@ -77,7 +77,7 @@ def to_number(value: object, variable: Variable) -> float:
     return number
 
 
-def _whole(value: object, variable: Variable) -> int:
+def _whole(value: object, variable: SettableVariable) -> int:
     number = value
     if variable.name.endswith(".profile") and isinstance(value, str):
         number = PROFILES.get(value)
@@ -92,7 +92,7 @@ def _whole(value: object, variable: Variable) -> int:
     raise PydanticCustomError("value", "{text}", {"text": f"allowed is {variable.allowed()}{words}"})
 
 
-def _number_schema(variable: Variable) -> dict[str, Any]:
+def _number_schema(variable: SettableVariable) -> dict[str, Any]:
     number: dict[str, Any] = {"type": "number"}
     if math.isfinite(variable.least):
         number["minimum"] = variable.least
@@ -101,13 +101,13 @@ def _number_schema(variable: Variable) -> dict[str, Any]:
     return {"anyOf": [number, {"type": "string", "description": "a number with its unit"}]}
 
 
-def number_type(variable: Variable) -> Any:  # noqa: ANN401
+def number_type(variable: SettableVariable) -> Any:  # noqa: ANN401
     """The type of a number in the variable's unit, or text with a unit."""
     convert = BeforeValidator(lambda value: to_number(value, variable))
     return Annotated[float, convert, WithJsonSchema(_number_schema(variable))]
 
 
-def _type_of(variable: Variable) -> Any:  # noqa: ANN401
+def _type_of(variable: SettableVariable) -> Any:  # noqa: ANN401
     if variable.kind is float:
         return number_type(variable)
     if variable.kind is int:
@@ -121,7 +121,7 @@ def _type_of(variable: Variable) -> Any:  # noqa: ANN401
     return variable.kind
 
 
-def _field(variable: Variable, default: float | None = None) -> Any:  # noqa: ANN401
+def _field(variable: SettableVariable, default: float | None = None) -> Any:  # noqa: ANN401
     unit = f" [{variable.unit}]" if variable.unit not in ("1", "") else ""
     return (
         _type_of(variable),
@@ -142,7 +142,7 @@ def _table(name: str, description: str, fields: Mapping[str, Any]) -> Any:  # no
 # ---- tables of the file ----
 
 
-def _history_type(variable: Variable) -> Any:  # noqa: ANN401
+def _history_type(variable: SettableVariable) -> Any:  # noqa: ANN401
     """An input over time: a constant, or a table of times and values."""
     instant = _entry("time", "s", "Time")
 
@@ -181,7 +181,7 @@ def _history_type(variable: Variable) -> Any:  # noqa: ANN401
     return Annotated[model, BeforeValidator(convert), schema]
 
 
-def _numbers(name: str, values: object, variable: Variable, unit: str | None) -> tuple[float, ...]:
+def _numbers(name: str, values: object, variable: SettableVariable, unit: str | None) -> tuple[float, ...]:
     if not isinstance(values, list):
         raise PydanticCustomError("value", "{text}", {"text": f"{name}: allowed is a list of numbers"})
     found = []
@@ -197,7 +197,7 @@ def _numbers(name: str, values: object, variable: Variable, unit: str | None) ->
     return tuple(found)
 
 
-def _range_type(variable: Variable) -> Any:  # noqa: ANN401
+def _range_type(variable: SettableVariable) -> Any:  # noqa: ANN401
     def convert(value: object) -> tuple[float, ...]:
         if not isinstance(value, list) or len(value) != 2:
             raise PydanticCustomError("value", "{text}", {"text": "allowed are two numbers: [low, high]"})

@@ -50,7 +50,7 @@ def quantity(text: str, unit: str) -> float:
         raise DesignError(f"a decimal comma: write {text.strip().replace(',', '.', 1)} with a decimal point")
     match = QUANTITY.fullmatch(text)
     if match is None:
-        raise DesignError(" or ".join(filter(None, [f"allowed is a number{_in(unit)}", example])))
+        raise DesignError("; ".join(filter(None, [f"allowed is a number{_in(unit)}", example])))
     number, written = Decimal(match[1]), match[2]
     if not written:
         if unit in ("1", ""):

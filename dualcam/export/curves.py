@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
-from dualcam.export.archive import DESCRIPTION, read_members
-from dualcam.export.description import Description, Scalar
 from dualcam.fmu import Fmu
-from dualcam.library import fmu_path
+from dualcam.model_description import Scalar
+from dualcam.variables import parameters_of
 
 Array = NDArray[np.float64]
 
@@ -60,9 +58,8 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     """
     omitted = (*START_INPUTS, "tau")  # tau is an input of the forward FMU alone
     given = {name: value for name, value in parameters.items() if name not in omitted} | MOTION
-    fmu_file = fmu_path("inverse")
-    theta = np.linspace(*_stops(fmu_file, given), POINTS)
-    with Fmu(fmu_file) as fmu:
+    theta = np.linspace(*_stops(given), POINTS)
+    with Fmu("inverse") as fmu:
         loading = np.array([_read(fmu, given, angle, SLOW) for angle in theta]).T
         releasing = np.array([_read(fmu, given, angle, -SLOW) for angle in theta]).T
     state = np.where(np.isfinite(loading), loading, releasing)[: len(STATE)]
@@ -71,11 +68,10 @@ def slow_motion_curves(parameters: Mapping[str, Scalar]) -> Curves:
     return Curves(theta, values, reactions)
 
 
-def _stops(fmu_file: Path, given: Mapping[str, Scalar]) -> tuple[float, float]:
+def _stops(given: Mapping[str, Scalar]) -> tuple[float, float]:
     """Both end stops [rad]: those of the design, else the start values of the FMU."""
-    variables = Description(read_members(fmu_file)[DESCRIPTION]).variables
-    starts = [variables[name].tag.attributes["start"] for name in STOPS]
-    lower, upper = (float(given.get(name, start)) for name, start in zip(STOPS, starts, strict=True))
+    known = parameters_of("inverse")
+    lower, upper = (float(given.get(name, known[name].start)) for name in STOPS)
     return lower, upper
 
 

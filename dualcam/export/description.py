@@ -13,9 +13,9 @@ from xml.parsers import expat
 from xml.sax.saxutils import escape
 
 from dualcam.errors import ExportError
-from dualcam.export.archive import AGAIN
+from dualcam.model_description import Scalar
 
-Scalar = float | int | bool | str
+AGAIN = "the project's FMU is of another version of dualcam: install dualcam again, or build the FMUs again"
 
 TAG = re.compile(rb'<[^\s/>]+(?:\s+[^\s=]+\s*=\s*"[^"]*")*\s*/?>')
 TOKEN = {2: "guid", 3: "instantiationToken"}
@@ -32,7 +32,7 @@ class Tag:
 
 
 @dataclass(frozen=True)
-class Variable:
+class VariableTag:
     """A variable of either version of FMI; `tag` is the one with the start value."""
 
     name: str
@@ -114,7 +114,7 @@ def number_text(value: Scalar) -> str:
     return str(value)
 
 
-def typed(variable: Variable, value: Scalar) -> Scalar:
+def typed(variable: VariableTag, value: Scalar) -> Scalar:
     """A value that the FMU accepts, in the Python type of the variable."""
     return {"Real": float, "Integer": int, "Boolean": bool, "String": str}[variable.type](value)
 
@@ -144,7 +144,7 @@ def _tags(xml: bytes) -> list[Tag]:
     return found
 
 
-def _variables_2(tags: list[Tag]) -> list[Variable]:
+def _variables_2(tags: list[Tag]) -> list[VariableTag]:
     """In FMI 2.0 the tag after ScalarVariable has type and start value."""
     found = []
     for tag, inner in pairwise(tags):
@@ -152,12 +152,12 @@ def _variables_2(tags: list[Tag]) -> list[Variable]:
             a = tag.attributes
             unit = inner.attributes.get("unit")
             found.append(
-                Variable(a["name"], int(a["valueReference"]), inner.name, a["causality"], unit, inner)
+                VariableTag(a["name"], int(a["valueReference"]), inner.name, a["causality"], unit, inner)
             )
     return found
 
 
-def _variables_3(tags: list[Tag]) -> list[Variable]:
+def _variables_3(tags: list[Tag]) -> list[VariableTag]:
     """In FMI 3.0 the tag is named after the type; the start value of a String has a tag of its own."""
     types = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "String": "String"}
     found = []
@@ -166,7 +166,7 @@ def _variables_3(tags: list[Tag]) -> list[Variable]:
             a = tag.attributes
             place = inner if inner.name == "Start" else tag
             found.append(
-                Variable(
+                VariableTag(
                     a["name"], int(a["valueReference"]), types[tag.name], a["causality"], a.get("unit"), place
                 )
             )

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Protocol
 
+from dualcam.archive import read_members, write_archive
 from dualcam.errors import DualcamWarning, ExportError
-from dualcam.export.archive import DESCRIPTION, read_members, write_members
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
-from dualcam.export.description import TOKEN, Description, Scalar, typed
+from dualcam.export.description import TOKEN, Description, typed
 from dualcam.export.figures import figures
 from dualcam.export.names import model_identifier, target_path
 from dualcam.export.page import exported_page
@@ -26,6 +26,7 @@ from dualcam.export.sources import exported_sources
 from dualcam.export.start_block import replace_start_values
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path
+from dualcam.model_description import XML, Scalar
 from dualcam.unit_guards import units_checked_before
 from dualcam.variables import all_parameters, inputs_of, parameters_of
 
@@ -141,7 +142,7 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
         with tempfile.TemporaryDirectory(prefix=f".{target.stem}.", dir=target.parent) as scratch:
             reference = _reference(plan, curves, Path(scratch) / "trial.fmu")
             unfinished = Path(scratch) / target.name
-            write_members(unfinished, _members(plan, original, curves, reference))
+            write_archive(unfinished, _members(plan, original, curves, reference))
             unfinished.replace(target)
     except OSError as error:
         raise ExportError(f"{target} cannot be written: {error}") from error
@@ -173,7 +174,7 @@ def _with_theta_in_range(model: str, given: dict[str, Scalar]) -> dict[str, Scal
 
 def _plan(design: Design, name: str, model: str, parameters: Mapping[str, Scalar]) -> Plan:
     """Types as in the FMU; tables read."""
-    variables = Description(read_members(fmu_path(model))[DESCRIPTION]).variables
+    variables = Description(read_members(fmu_path(model))[XML]).variables
     start: dict[str, Scalar] = {}
     tables: dict[str, bytes] = {}
     for key, value in parameters.items():
@@ -198,7 +199,7 @@ def _table(name: str, path: str) -> bytes:
 def _reference(plan: Plan, curves: Curves, trial: Path) -> Reference:
     """Start the exported FMU, of FMI 2.0 in any case, since both versions share the core; play the run."""
     members, _ = _core_members(plan, read_members(fmu_path(plan.model)))
-    write_members(trial, members)
+    write_archive(trial, members)
     with Fmu(trial) as fmu:
         return reference_result(fmu, plan.model, curves)
 
@@ -209,7 +210,7 @@ def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -
     members, names = _core_members(plan, before)
     page = exported_page(
         before[PAGE].decode(),
-        Description(before[DESCRIPTION]),
+        Description(before[XML]),
         names,
         plan.start,
         figures(curves, reference),
@@ -223,7 +224,7 @@ def _members(plan: Plan, original: Path, curves: Curves, reference: Reference) -
 
 def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, bytes], dict[str, str]]:
     """All members without page and reference result; the names of the exported FMU."""
-    description = Description(before[DESCRIPTION])
+    description = Description(before[XML])
     sentence = f"{description.root.attributes['description']}; start values of the design {plan.design}"
     names = {"name": plan.name, "identifier": plan.identifier, "description": sentence}
     root = {
@@ -236,7 +237,7 @@ def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, by
     guid = _guid(blank, plan.tables)
     changed = (BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER)
     members = {name: content for name, content in before.items() if not name.startswith((*changed, PAGE))}
-    members[DESCRIPTION] = description.edited({**root, token: guid}, plan.identifier, plan.start)
+    members[XML] = description.edited({**root, token: guid}, plan.identifier, plan.start)
     members |= _binaries(plan, before, description, guid)
     renamed = {description.identifier: plan.identifier, description.token: guid}
     members |= exported_sources(before, renamed, plan.start)

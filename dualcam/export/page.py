@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from html import escape
 
 from dualcam.errors import ExportError
-from dualcam.export.archive import AGAIN
-from dualcam.export.description import Description, Scalar, Variable, number_text
+from dualcam.export.description import AGAIN, Description, VariableTag, number_text
+from dualcam.model_description import Scalar
 
 FIGURES = """\
 <div class="figures" id="figures">
@@ -69,7 +69,7 @@ def _replaced(page: str, pattern: str, content: str) -> str:
     return page
 
 
-def _shown(description: Description, variable: Variable, value: Scalar) -> str:
+def _shown(description: Description, variable: VariableTag, value: Scalar) -> str:
     """A start value; in brackets the value in the unit that a tool shows."""
     if isinstance(value, bool | str):
         return number_text(value)

@@ -6,8 +6,8 @@ import re
 from collections.abc import Mapping
 
 from dualcam.errors import ExportError
-from dualcam.export.archive import AGAIN
-from dualcam.export.description import Scalar
+from dualcam.export.description import AGAIN
+from dualcam.model_description import Scalar
 
 FOLDER = "sources/"
 VARIABLES = FOLDER + "variables.def"

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 
 from dualcam.errors import ExportError
 from dualcam.export import mach_o
-from dualcam.export.archive import AGAIN
+from dualcam.export.description import AGAIN
 
 MARK = b"dualcam start values, layout 1\n\0"
 HEAD = struct.Struct("<32s4I64s")

@@ -250,7 +250,9 @@ def _part(path: Path, columns: Sequence[str] | None) -> dict[str, Column]:
 
 
 def _of_parquet(content: bytes, columns: Sequence[str] | None) -> dict[str, Column]:
-    table = _pyarrow()[1].read_table(io.BytesIO(content), columns=columns)
+    # With threads Arrow can abort or hang the process at its end (apache/arrow, issues 33975 and 34314).
+    without_threads = {"use_threads": False, "pre_buffer": False}
+    table = _pyarrow()[1].read_table(io.BytesIO(content), columns=columns, **without_threads)
     return {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
 
 

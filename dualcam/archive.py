@@ -1,4 +1,4 @@
-"""Reading and writing the archive that is an FMU. The bytes written depend on the members alone."""
+"""Zip files, such as FMUs and SSP packages, whose bytes depend on their members alone."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-AGAIN = "the project's FMU is of another version of dualcam: install dualcam again, or build the FMUs again"
-DESCRIPTION = "modelDescription.xml"
 DATE = (1980, 1, 1, 0, 0, 0)
 UNIX = 3  # the system whose permissions are written, on every machine
 PROGRAM, FILE = 0o100755, 0o100644  # permissions
 
 
 def read_members(path: Path) -> dict[str, bytes]:
-    """Name -> content of all files in an FMU."""
+    """Name -> content of all files in an archive."""
     with zipfile.ZipFile(path) as archive:
         return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
 
 
-def write_members(path: Path, members: Mapping[str, bytes]) -> None:
-    """Write an FMU. The members are stored, since compressed bytes would depend on the version of zlib."""
+def write_archive(path: Path, members: Mapping[str, bytes]) -> None:
+    """Write an archive. The members are stored, since compressed bytes would depend on the version of zlib.
+
+    The build of the project's FMUs, which runs without this package, has a function of the same name."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
         for name in sorted(members):
             info = zipfile.ZipInfo(name, date_time=DATE)
