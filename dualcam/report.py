@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import dualcam
-from dualcam.check import Verdict, check_design
+from dualcam.checking import Verdict, check_design
 from dualcam.design import TorqueBand, torque_band
 from dualcam.errors import DualcamError
 from dualcam.plots import plot_band, plot_simulation, plot_strength

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dualcam import Fmu
-from dualcam.check import check_design
+from dualcam.checking import check_design
 from dualcam.design import Helix, Mechanism
 from dualcam.design_file import (
     TEMPLATES,

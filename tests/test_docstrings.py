@@ -19,7 +19,7 @@ MODULES = (
         "dualcam.report",
         "dualcam.ssp",
         "dualcam.export.exporter",
-        "dualcam.check.verdict",
+        "dualcam.checking.verdict",
     ),
     *("dualcam.design_file.reader", "dualcam.design_file.design", "dualcam.coupling", "dualcam.plant"),
     *("dualcam.design_file.templates.template", "dualcam.unit_guards"),

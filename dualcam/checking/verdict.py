@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from dualcam.check.rules import ERROR, Remedy, Trouble, swap_warning, troubles
-from dualcam.check.search import nearest_working
-from dualcam.check.values import value_of, with_value
+from dualcam.checking.rules import ERROR, Remedy, Trouble, swap_warning, troubles
+from dualcam.checking.search import nearest_working
+from dualcam.checking.values import value_of, with_value
 from dualcam.design_file import DesignFile, Finding
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import DualcamError, FmuError
