@@ -129,6 +129,11 @@ class Instance(ABC):
         if self.refusal:
             raise FmuError(self.refusal)
 
+    def require_open(self) -> None:
+        """FmuError where the FMU is closed."""
+        if not self.is_open:
+            raise FmuError(CLOSED)
+
     def function(self, name: str) -> Function:
         """The FMI function `name`, which returns FMI's status. The arguments, `component` first, are values
         of ctypes: their types are not checked."""
@@ -144,8 +149,7 @@ class Instance(ABC):
 
     def call(self, name: str, *arguments: object) -> None:
         """Call the FMI function `name`; FmuError with the FMU's message if the call fails."""
-        if not self.is_open:
-            raise FmuError(CLOSED)
+        self.require_open()
         self.check(getattr(self.library, name)(self.component, *arguments), name)
 
     def check(self, status: int, name: str) -> None:
