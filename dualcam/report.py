@@ -16,7 +16,10 @@ import numpy as np
 import dualcam
 from dualcam.checking import Verdict, check_design
 from dualcam.design import TorqueBand, torque_band
+from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
+from dualcam.module_calls import explain_call_of
+from dualcam.paths import path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.simulation import ENERGIES, Trajectory, simulate
 
@@ -24,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from dualcam.design import Mechanism
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file import DesignFile, DesignSource
     from dualcam.fmu import Scalar
 
 STYLE = """\
@@ -58,13 +61,14 @@ LABELS = {
 }
 
 
-def write_report(design: DesignFile, path: str | Path) -> Path:
+def write_report(design: DesignSource, path: str | Path) -> Path:
     """Write a report about a design.
 
     Parameters
     ----------
-    design : DesignFile
-        The design, from `read_design`. Without a scenario the report has no simulation.
+    design : DesignFile, str or Path
+        The design, from `read_design`, or the path of its file. Without a scenario the report has no
+        simulation.
     path : str or Path
         The HTML file.
 
@@ -81,16 +85,16 @@ def write_report(design: DesignFile, path: str | Path) -> Path:
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
     ...     write_report(design, Path(folder) / "my_report.html").name
     'my_report.html'
     """
-    path = Path(path)
+    path = path_of(path, "the report")
     if path.suffix.lower() not in (".html", ".htm"):
         raise DualcamError(f"{path}: allowed are names that end in .html")
-    path.write_text(report_page(design), encoding="utf-8")
+    path.write_text(report_page(as_design(design, shows_findings=True)), encoding="utf-8")
     return path
 
 
@@ -228,3 +232,6 @@ def _picture(picture: Figure, title: str) -> str:
     svg = re.sub(r'\bid="', f'id="{mark}-', svg)
     svg = re.sub(r'(href="#|url\(#)', rf"\g<1>{mark}-", svg)
     return f'<figure role="img" aria-label="{escape(title)}">{svg}</figure>\n'
+
+
+explain_call_of(__name__)

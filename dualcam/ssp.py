@@ -19,9 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dualcam.errors import DesignError
+from dualcam.module_calls import explain_call_of
+from dualcam.paths import path_of
 
 if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file import DesignFile, DesignSource
 
 START = "start"
 NAMES = {
@@ -249,7 +251,7 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3) -> System:
     return System(design.name, f"Dual cam {design.name}", (cam,), (), step, duration, ports)
 
 
-def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path:
+def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3) -> Path:
     """Write an SSP package with the FMU of a design.
 
     The package holds one component "cam" with the FMU of the design, the design's numbers as a parameter set
@@ -257,8 +259,8 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
 
     Parameters
     ----------
-    design : DesignFile
-        The design, from `read_design`.
+    design : DesignFile, str or Path
+        The design, from `read_design`, or the path of its file.
     path : str or Path
         The package, a name that ends in .ssp.
     step : float
@@ -277,17 +279,25 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3) -> Path
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
     ...     export_ssp(design, Path(folder) / "MyCam.ssp").name
     'MyCam.ssp'
     """
+    from dualcam.design_file import as_design
     from dualcam.export import export_fmu
+    from dualcam.fmu import STEP_SIZES
+    from dualcam.reals import number_of
 
-    path = Path(path)
+    design, path = as_design(design), path_of(path, "the package")
+    if not number_of(step, "step", STEP_SIZES) > 0.0:
+        raise DesignError(f"step = {step!r}: allowed is {STEP_SIZES}")
     if path.suffix != ".ssp":
         raise DesignError(f"{path}: allowed are names that end in .ssp")
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
         return design_system(design, fmu, step).save(path)
+
+
+explain_call_of(__name__)

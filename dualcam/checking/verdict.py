@@ -10,7 +10,7 @@ from typing import Any
 from dualcam.checking.rules import ERROR, Remedy, Trouble, swap_warning, troubles
 from dualcam.checking.search import nearest_working
 from dualcam.checking.values import value_of, with_value
-from dualcam.design_file import DesignFile, Finding
+from dualcam.design_file import DesignFile, DesignSource, Finding, as_design
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import DualcamError, FmuError
 from dualcam.library import fmu_path
@@ -72,13 +72,13 @@ class Verdict:
         }
 
 
-def check_design(design: DesignFile) -> Verdict:
+def check_design(design: DesignSource) -> Verdict:
     """Check a design and start its FMU.
 
     Parameters
     ----------
-    design : DesignFile
-        A design, from `read_design`.
+    design : DesignFile, str or Path
+        A design, from `read_design`, or the path of its file.
 
     Returns
     -------
@@ -87,6 +87,8 @@ def check_design(design: DesignFile) -> Verdict:
 
     Raises
     ------
+    DesignFileError
+        The file is refused.
     FmuError
         Where this package's FMUs are missing.
 
@@ -94,12 +96,13 @@ def check_design(design: DesignFile) -> Verdict:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     verdict = check_design(read_design(write_template("robot", Path(folder) / "my.toml")))
+    ...     verdict = check_design(write_template("robot", Path(folder) / "my.toml"))
     >>> verdict.good
     True
     """
+    design = as_design(design, shows_findings=True)
     found = troubles(design)
     refusal = start_refusal(design)
     findings = [_with_remedy(design, trouble, found) for trouble in found]
