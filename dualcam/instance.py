@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Literal, NoReturn
 
 from dualcam.errors import FmuError
 from dualcam.model_description import Interface, ModelDescription, Scalar, Variable
-from dualcam.platforms import binary_folders, library_suffix, platform_tuple
+from dualcam.platforms import binary_folders, folders_of, library_suffix, platform_tuple
 
 OK_OR_WARNING = 1  # FMI's status up to this is success
 MESSAGES_KEPT = 8  # an FMU may log warnings without end
@@ -357,9 +357,7 @@ def _library_file(path: Path, directory: Path, interface: Interface, fmi_major: 
         file = directory / "binaries" / folder / name
         if file.is_file():
             return file
-    with zipfile.ZipFile(path) as archive:
-        members = [member.split("/") for member in archive.namelist()]
-    others = sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2})
+    others = folders_of(path)
     raise FmuError(
         f"{path} has no library for this platform ({platform_tuple()}), no binaries/{folders[0]}/{name}:"
         f" the FMU has {', '.join(others) or 'no binaries at all'}"
