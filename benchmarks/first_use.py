@@ -137,7 +137,11 @@ def package_differences(environment: Environment) -> dict[str, float]:
         venv = install.package(host, *(["tbb"] if master == "ecos" else []))
         file = environment.work / f"swing.{master}"
         words = [package, "start", "0.001", SAMPLES, round(SWING / SAMPLES / 1e-3), file, "cam.theta"]
-        program = [venv / "bin/python", players.HOSTS / f"{master}_ssp.py", *map(str, words)]
+        program: list[str | Path] = [
+            venv / "bin/python",
+            players.HOSTS / f"{master}_ssp.py",
+            *map(str, words),
+        ]
         players.insist(program, environment.work, LD_LIBRARY_PATH=str(venv / "lib"))
         apart = np.abs(players.read(file)["cam.theta"] - expected)
         found[f"SSP package in {master}"] = float(np.max(apart))

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dualcam import (
-        check,
+        checking,
         coupling,
         design,
         design_file,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         systems,
     )
     from dualcam.bridge import to_nonlinear_io_system
-    from dualcam.check import Verdict, check_design
+    from dualcam.checking import Verdict, check_design
     from dualcam.continuous_fmu import ContinuousFmu
     from dualcam.coupling import PlantCoupling
     from dualcam.design_file import DesignFile, DesignFileError, read_design
@@ -93,8 +93,8 @@ __all__ = [
     "Variable",
     "Verdict",
     "__version__",
-    "check",
     "check_design",
+    "checking",
     "coupling",
     "design",
     "design_file",
@@ -141,9 +141,9 @@ _MODULE_OF = {
     "UnknownVariableError": "errors",
     "UnstableCouplingWarning": "errors",
     "Variable": "model_description",
-    "Verdict": "check",
+    "Verdict": "checking",
     "__version__": "version",
-    "check_design": "check",
+    "check_design": "checking",
     "export_fmu": "export",
     "export_ssp": "ssp",
     "fmu_path": "library",
@@ -155,7 +155,7 @@ _MODULE_OF = {
     "write_report": "report",
 }
 _MODULES = (
-    "check",
+    "checking",
     "coupling",
     "design",
     "design_file",

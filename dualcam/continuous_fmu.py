@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from dualcam.handle import Handle
 from dualcam.model_description import Scalar
-from dualcam.reals import vector_of
+from dualcam.reals import number_of, vector_of
 
 
 class ContinuousFmu(Handle):
@@ -69,7 +69,7 @@ class ContinuousFmu(Handle):
         FmuError
             The FMU refuses a value, or has no inertia: then speed is no state.
         """
-        self._begin(parameters or {}, time, None)
+        self._begin({} if parameters is None else parameters, time, None)
         self._instance.exit_initialization()
         self._settle()
         self._instance.allow_calls()
@@ -136,5 +136,6 @@ class ContinuousFmu(Handle):
             Time [s].
         """
         self._instance.require_calls_allowed()
+        time = number_of(time, "time")
         self._instance.set_time(time)
-        self.time = time
+        self._time = time

@@ -14,18 +14,20 @@ An instance must not be used from two threads at once; instances share nothing.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from ctypes import ArgumentError
 
 from numpy.typing import ArrayLike
 
 from dualcam.errors import FmuError
-from dualcam.handle import Handle
+from dualcam.handle import Handle, names_of
 from dualcam.instance import OK_OR_WARNING
 from dualcam.model_description import Scalar
-from dualcam.reals import Array
+from dualcam.reals import Array, number_of
 
 __all__ = ["Array", "Fmu", "FmuError", "RepeatedStart", "Scalar"]
+
+STEP_SIZES = "a finite number > 0, in s"
 
 
 class Fmu(Handle):
@@ -86,9 +88,9 @@ class Fmu(Handle):
         UnknownVariableError
             A name is unknown.
         FmuError
-            The FMU refuses a value or the combination of values.
+            An argument is of a wrong kind, or the FMU refuses a value or the combination of values.
         """
-        self._begin(parameters or {}, time, tolerance)
+        self._begin({} if parameters is None else parameters, time, tolerance)
         self._instance.exit_initialization()
         self._instance.allow_calls()
 
@@ -103,16 +105,17 @@ class Fmu(Handle):
         Raises
         ------
         FmuError
-            No run has begun, or the FMU refuses the step.
+            `size` is no finite number > 0, no run has begun, or the FMU refuses the step.
         """
         instance = self._instance
-        try:
-            status = instance.do_step(instance.component, self.time, size, *instance.step_end)
-        except ArgumentError:
-            raise FmuError(f"size = {size!r}: allowed is a number > 0, in s") from None
+        if type(size) is not float:
+            size = number_of(size, "step size", STEP_SIZES)
+        if not 0.0 < size < math.inf:
+            raise FmuError(f"step size = {size!r}: allowed is {STEP_SIZES}")
+        status = instance.do_step(instance.component, self._time, size, *instance.step_end)
         if status > OK_OR_WARNING:
             instance.check(status, instance.DO_STEP)
-        self.time += size
+        self._time += size
 
 
 class RepeatedStart:
@@ -147,11 +150,17 @@ class RepeatedStart:
     """
 
     def __init__(self, fmu: Fmu, parameters: Mapping[str, Scalar], names: Sequence[str]) -> None:
+        if not isinstance(fmu, Fmu):
+            raise FmuError(f"RepeatedStart({fmu!r}, ...): allowed is an Fmu")
+        names = names_of(names, "names")
         self.fmu = fmu
         fmu._begin(parameters, 0.0, None)
         fmu._instance.allow_calls()
         self.start_values = fmu.reals(*names)
         self._state = fmu.save_state()
+
+    def __repr__(self) -> str:
+        return f"<RepeatedStart of {self.fmu!r} with {', '.join(self.start_values.names)}>"
 
     def initialize(self, values: ArrayLike) -> None:
         """Return to initialization mode with these start values. Variables that need no step can be read

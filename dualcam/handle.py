@@ -6,7 +6,7 @@ from __future__ import annotations
 import difflib
 import math
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from ctypes import c_double, c_uint
 from pathlib import Path
 from types import TracebackType
@@ -21,7 +21,7 @@ from dualcam.fmi3 import Fmi3Instance
 from dualcam.instance import START_FAILED, Instance, References, Use
 from dualcam.library import source_path
 from dualcam.model_description import Interface, Kind, Scalar, Variable, read_model_description
-from dualcam.reals import Array, Reals, vector_of
+from dualcam.reals import Array, Reals, number_of, vector_of
 from dualcam.unit_guards import warn_units
 
 INSTANCES: dict[int, type[Instance]] = {2: Fmi2Instance, 3: Fmi3Instance}
@@ -37,6 +37,9 @@ class FmuState:
         self._instance, self._address, self._time = instance, address, time
         weakref.finalize(self, instance.free_state, address)
 
+    def __repr__(self) -> str:
+        return f"<FmuState at {self._time:g} s>"
+
 
 class Handle:
     """The common part of Fmu and ContinuousFmu.
@@ -49,8 +52,6 @@ class Handle:
         What the FMU says about itself.
     parameters : dict
         Start values of the last `start`.
-    time : float
-        Present time [s].
     """
 
     _use: Use
@@ -67,15 +68,24 @@ class Handle:
         self._is_dual_cam = set(self._variables) >= OWN_NAMES
         self._is_new = True
         self.parameters: dict[str, Scalar] = {}
-        self.time = 0.0
+        self._time = 0.0
 
     def __enter__(self) -> Self:
+        self._instance.require_open()
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        what = f"{self.description.model_name}, FMI {self.description.fmi_version}, {self._use}"
+        if not self._instance.is_open:
+            state = "closed"
+        else:
+            state = "not started" if self._instance.refusal else f"at {self._time:g} s"
+        return f"<{type(self).__name__} {what}, {state}>"
 
     def close(self) -> None:
         """Free the instance, unload the library, delete the unpacked files. Any later call is an FmuError."""
@@ -84,6 +94,12 @@ class Handle:
     def abandon(self) -> None:
         """Instead of `close`, after FMI's status Fatal: FMI allows no further call."""
         self._instance.abandon()
+
+    @property
+    def time(self) -> float:
+        """Present time [s]. FmuError where the FMU is closed."""
+        self._instance.require_open()
+        return self._time
 
     @property
     def interface(self) -> Interface:
@@ -95,6 +111,11 @@ class Handle:
 
     def _begin(self, parameters: Mapping[str, Scalar], time: float, tolerance: float | None) -> None:
         """Up to initialization mode."""
+        if not (isinstance(parameters, Mapping) and all(isinstance(name, str) for name in parameters)):
+            raise FmuError(f"start({parameters!r}): allowed is a dict of names and values, or nothing")
+        time = number_of(time, "time")
+        if tolerance is not None:
+            tolerance = number_of(tolerance, "tolerance", "a finite number > 0, or None")
         instance = self._instance
         if not self._is_new:
             instance.reset()
@@ -106,7 +127,7 @@ class Handle:
             self._set(name, value)
         instance.enter_initialization(tolerance, time)
         self.parameters = dict(parameters)
-        self.time = time
+        self._time = time
 
     # ---- variables ----
 
@@ -136,6 +157,8 @@ class Handle:
         FmuError
             The variable is of another kind.
         """
+        if not isinstance(name, str):
+            raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
         variable = self._variables.get(name)
         if variable is None:
             raise UnknownVariableError(_unknown(name, self.names, self.description.model_name))
@@ -268,6 +291,7 @@ class Handle:
         ...     fmu.jacobian(["alpha"], ["tau", "F_ext"]).round(3).tolist()  # rad/s2 per N.m, per N
         [[100.0, -1.326]]
         """
+        unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         columns = [self.directional_derivative(unknowns, [known], [1.0]) for known in knowns]
         return np.reshape(columns, (len(knowns), len(unknowns))).T
 
@@ -295,6 +319,7 @@ class Handle:
         FmuError
             The FMU has no such derivative, `seed` has another shape, or no run has begun.
         """
+        unknowns, knowns = names_of(unknowns, "unknowns"), names_of(knowns, "knowns")
         rows, columns = self._references(unknowns), self._references(knowns)
         self._instance.require_calls_allowed()
         if not self.interface.provides_directional_derivatives:
@@ -341,7 +366,7 @@ class Handle:
         self._instance.require_calls_allowed()
         if not self.interface.can_save_state:
             raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
-        return FmuState(self._instance, self._instance.save_state(), self.time)
+        return FmuState(self._instance, self._instance.save_state(), self._time)
 
     def restore_state(self, state: FmuState) -> None:
         """Go back to a saved state of this instance, with its `time`.
@@ -354,16 +379,25 @@ class Handle:
         Raises
         ------
         FmuError
-            The state is of another instance.
+            `state` is of another instance, or no state.
         """
-        if not isinstance(state, FmuState) or state._instance is not self._instance:
+        if not isinstance(state, FmuState):
+            raise FmuError(f"restore_state({state!r}): allowed is a state from save_state")
+        if state._instance is not self._instance:
             raise FmuError("this state is of another instance: allowed are those that this one gave")
         self._instance.restore_state(state._address)
         self._instance.allow_calls()
-        self.time = state._time
+        self._time = state._time
 
 
-# ---- error messages ----
+# ---- arguments, error messages ----
+
+
+def names_of(names: Sequence[str], argument: str) -> list[str]:
+    """`names` as a list. FmuError for one text, and for what is no sequence."""
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise FmuError(f"{argument} = {names!r}: allowed is a list of names of variables")
+    return list(names)
 
 
 def _unknown(name: str, names: list[str], model: str) -> str:

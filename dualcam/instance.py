@@ -22,7 +22,7 @@ from typing import Any, ClassVar, Literal, NoReturn
 
 from dualcam.errors import FmuError
 from dualcam.model_description import Interface, ModelDescription, Scalar, Variable
-from dualcam.platforms import binary_folders, library_suffix, platform_tuple
+from dualcam.platforms import binary_folders, folders_of, library_suffix, platform_tuple
 
 OK_OR_WARNING = 1  # FMI's status up to this is success
 MESSAGES_KEPT = 8  # an FMU may log warnings without end
@@ -129,6 +129,11 @@ class Instance(ABC):
         if self.refusal:
             raise FmuError(self.refusal)
 
+    def require_open(self) -> None:
+        """FmuError where the FMU is closed."""
+        if not self.is_open:
+            raise FmuError(CLOSED)
+
     def function(self, name: str) -> Function:
         """The FMI function `name`, which returns FMI's status. The arguments, `component` first, are values
         of ctypes: their types are not checked."""
@@ -144,8 +149,7 @@ class Instance(ABC):
 
     def call(self, name: str, *arguments: object) -> None:
         """Call the FMI function `name`; FmuError with the FMU's message if the call fails."""
-        if not self.is_open:
-            raise FmuError(CLOSED)
+        self.require_open()
         self.check(getattr(self.library, name)(self.component, *arguments), name)
 
     def check(self, status: int, name: str) -> None:
@@ -353,9 +357,7 @@ def _library_file(path: Path, directory: Path, interface: Interface, fmi_major: 
         file = directory / "binaries" / folder / name
         if file.is_file():
             return file
-    with zipfile.ZipFile(path) as archive:
-        members = [member.split("/") for member in archive.namelist()]
-    others = sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2})
+    others = folders_of(path)
     raise FmuError(
         f"{path} has no library for this platform ({platform_tuple()}), no binaries/{folders[0]}/{name}:"
         f" the FMU has {', '.join(others) or 'no binaries at all'}"

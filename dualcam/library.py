@@ -40,9 +40,9 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
     ...
     dualcam.errors.FmuError: fmu_path(kind='backward'): allowed are 'forward', 'inverse'
     """
-    if kind not in MODELS:
+    if not isinstance(kind, str) or kind not in MODELS:
         raise FmuError(f"fmu_path(kind={kind!r}): allowed are {', '.join(map(repr, MODELS))}")
-    if isinstance(fmi, bool) or fmi not in (2, 3):
+    if type(fmi) is not int or fmi not in (2, 3):
         raise FmuError(f"fmu_path(fmi={fmi!r}): allowed are 2 (FMI 2.0) and 3 (FMI 3.0)")
     file = f"{MODELS[kind]}.fmu"
     build = PACKAGE.parent / "build"
@@ -58,7 +58,13 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
 
 
 def source_path(source: str | Path, fmi: int | None = None) -> Path:
-    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None."""
+    """The file behind a name ("forward", "inverse") or a path. `fmi`: version of a named FMU, 2 if None.
+
+    FmuError where `source` is neither a text nor a path."""
+    if not isinstance(source, str | Path):
+        raise FmuError(
+            f"FMU {source!r}: allowed are {', '.join(map(repr, MODELS))}, or the path of an FMU (str or Path)"
+        )
     if isinstance(source, str) and source in MODELS:
         return fmu_path(source, 2 if fmi is None else fmi)
     return Path(source)

@@ -166,6 +166,8 @@ def read_model_description(path: str | Path) -> ModelDescription:
     >>> next(variable.unit for variable in description.variables if variable.name == "tau")
     'N.m'
     """
+    if not isinstance(path, str | Path):
+        raise FmuError(f"FMU {path!r}: allowed is the path of an FMU (str or Path)")
     path = Path(path)
     if not path.is_file():
         raise FmuError(

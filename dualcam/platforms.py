@@ -5,6 +5,14 @@ from __future__ import annotations
 import platform
 import struct
 import sys
+import zipfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dualcam.errors import FmuError
+
+if TYPE_CHECKING:
+    from dualcam.model_description import ModelDescription
 
 PROCESSORS = {"amd64": "x86_64", "x64": "x86_64", "arm64": "aarch64", "i386": "x86", "i686": "x86"}
 SYSTEMS = {"linux": "linux", "win32": "windows", "cygwin": "windows", "darwin": "darwin"}
@@ -41,3 +49,34 @@ def binary_folders(fmi_major: int) -> tuple[str, ...]:
 def library_suffix() -> str:
     """The end of a library's file name on this platform."""
     return SUFFIXES.get(platform_tuple().partition("-")[2], ".so")
+
+
+def folders_of(path: Path) -> list[str]:
+    """Names of the folders below `binaries` in an FMU: the platforms for which the FMU has a binary."""
+    members = [member.split("/") for member in _members(path)]
+    return sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2 and parts[2]})
+
+
+def own_binary(path: Path, description: ModelDescription) -> bytes | None:
+    """The content of an FMU's library for the running Python's platform; None where the FMU has none."""
+    uses = (description.co_simulation, description.model_exchange)
+    names = [
+        f"binaries/{folder}/{use.model_identifier}{library_suffix()}"
+        for folder in binary_folders(description.fmi_major)
+        for use in uses
+        if use is not None
+    ]
+    present = set(_members(path))
+    name = next((name for name in names if name in present), None)
+    if name is None:
+        return None
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return archive.read(name)
+    except Exception as error:  # zipfile's, zlib's and the system's
+        raise FmuError(f"{path}: {name} cannot be read: {error}") from error
+
+
+def _members(path: Path) -> list[str]:
+    with zipfile.ZipFile(path) as archive:
+        return archive.namelist()

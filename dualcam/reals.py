@@ -3,6 +3,7 @@ into the FMU and allocates only the returned floats."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from ctypes import c_double
 
@@ -49,13 +50,19 @@ class Reals:
         self._buffer = (c_double * len(names)).from_buffer(self._values.data)
         self._arguments = instance.real_arguments(references, self._buffer)
 
+    def __repr__(self) -> str:
+        known = ", ".join(self.names)
+        return f"<Reals {known or 'of no variable'}{'' if self._instance.is_open else ', FMU closed'}>"
+
     @property
     def values(self) -> Array:
-        """The buffer, shape (n,)."""
+        """The buffer, shape (n,). FmuError where the FMU is closed."""
+        self._instance.require_open()
         return self._values
 
     @values.setter
     def values(self, new: ArrayLike) -> None:
+        self._instance.require_open()
         self._values[:] = vector_of(new, len(self.names), "values")
 
     def read(self) -> list[float]:
@@ -135,8 +142,8 @@ class Reals:
 
 
 def _order(order: int) -> int:
-    if order not in (1, 2, 3):
-        raise FmuError(f"derivative of order {order}: allowed are 1, 2 and, of inputs, 3")
+    if type(order) is not int or order not in (1, 2, 3):
+        raise FmuError(f"derivative of order {order!r}: allowed are 1, 2 and, of inputs, 3")
     return order
 
 
@@ -149,3 +156,16 @@ def vector_of(values: ArrayLike, count: int, name: str) -> Array:
     if np.shape(values) != (count,):
         raise FmuError(f"{name} has shape {np.shape(values)}: allowed is ({count},), one per variable")
     return vector
+
+
+def number_of(value: object, name: str, allowed: str = "a finite number") -> float:
+    """`value` as a finite number. FmuError for text, None and anything else that is no such number."""
+    try:
+        if isinstance(value, str):
+            raise TypeError
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise FmuError(f"{name} = {value!r}: allowed is {allowed}")
+    return number

@@ -13,10 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import dualcam
-from dualcam.check import Verdict, check_design
+from dualcam.checking import Verdict, check_design
 from dualcam.design import Limits, TorqueBand, torque_band
 from dualcam.design.torque_band import span
+from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
+from dualcam.module_calls import explain_call_of
+from dualcam.paths import path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.report_inputs import Row, input_tables
 from dualcam.simulation import ENERGIES, Trajectory, simulate
@@ -34,7 +37,7 @@ from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
     from dualcam.design import Mechanism
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file import DesignFile, DesignSource
 
 STYLE = """\
 :root { color-scheme: light dark; --line: #d0d7de; --soft: #57606a; --bad: #cf222e; --warn: #9a6700;
@@ -69,13 +72,14 @@ LABELS = {
 }
 
 
-def write_report(design: DesignFile, path: str | Path) -> Path:
+def write_report(design: DesignSource, path: str | Path) -> Path:
     """Write a report about a design.
 
     Parameters
     ----------
-    design : DesignFile
-        The design, from `read_design`. Without a scenario the report has no simulation.
+    design : DesignFile, str or Path
+        The design, from `read_design`, or the path of its file. Without a scenario the report has no
+        simulation.
     path : str or Path
         The HTML file.
 
@@ -92,16 +96,16 @@ def write_report(design: DesignFile, path: str | Path) -> Path:
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
     ...     write_report(design, Path(folder) / "my_report.html").name
     'my_report.html'
     """
-    path = Path(path)
+    path = path_of(path, "the report")
     if path.suffix.lower() not in (".html", ".htm"):
         raise DualcamError(f"{path}: allowed are names that end in .html")
-    path.write_text(report_page(design), encoding="utf-8")
+    path.write_text(report_page(as_design(design, shows_findings=True)), encoding="utf-8")
     return path
 
 
@@ -228,3 +232,6 @@ def _table(heads: Row, rows: Sequence[Row]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in heads)
     body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
     return f'<div class="scroll"><table>\n<tr>{head}</tr>\n{body}</table></div>\n'
+
+
+explain_call_of(__name__)

@@ -7,7 +7,8 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dualcam.variables import Value, Variable, all_inputs, parameters_of
+from dualcam.model_description import Scalar
+from dualcam.variables import SettableVariable, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Limits, Pin
@@ -68,7 +69,7 @@ def _is_used(design: DesignFile, name: str) -> bool:
     return key not in PROFILE_OF or design.value(f"{group}.profile") in PROFILE_OF[key]
 
 
-def _parameter(variable: Variable, value: Value, given: bool) -> Row:
+def _parameter(variable: SettableVariable, value: Scalar, given: bool) -> Row:
     if variable.name.endswith(".profile"):
         row: Row = variable.name, PROFILES[int(value)], "", ""
     elif isinstance(value, str):
@@ -76,7 +77,7 @@ def _parameter(variable: Variable, value: Value, given: bool) -> Row:
     elif isinstance(value, bool):
         row = variable.name, "true" if value else "false", "", ""
     else:
-        row = _row(variable.name, value, variable.unit)
+        row = _row(variable.name, value, variable.unit or "")
     return row if given else (f"{row[0]} (default)", *row[1:])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 
 from dualcam.errors import DesignError, DualcamError
 from dualcam.fmu import Fmu, Scalar
+from dualcam.handle import names_of
 from dualcam.library import fmu_path
+from dualcam.paths import path_of
 from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file import DesignFile, DesignSource
     from dualcam.study.scenario import Step
 
 Array = NDArray[np.float64]
@@ -44,9 +46,9 @@ VARIABLES = {
 FORMATS = (".csv", ".parquet")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """Variables of one run over time.
+    """Variables of one run over time. Iteration gives the names, as for a dict: `dict(trajectory)` works.
 
     Attributes
     ----------
@@ -80,6 +82,27 @@ class Trajectory:
             raise DualcamError(f"the trajectory has no column {name!r}: allowed are {', '.join(self.names)}")
         return self.values[:, self.names.index(name)]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.names
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __repr__(self) -> str:
+        return f"<Trajectory of {len(self.values):,} samples: {', '.join(self.names)}>"
+
+    def keys(self) -> KeysView[str]:
+        """The names of the columns, so that `dict(trajectory)` has one array for each name.
+
+        Returns
+        -------
+        KeysView
+        """
+        return dict.fromkeys(self.names).keys()
+
     def write(self, path: str | Path) -> None:
         """Write all columns to a file: CSV with all digits, or Parquet, by the end of the name.
 
@@ -93,7 +116,7 @@ class Trajectory:
         DualcamError
             For another ending than .csv or .parquet, or where pyarrow is missing for Parquet.
         """
-        path = Path(path)
+        path = path_of(path, "the table of samples")
         suffix = checked_format(path)
         if suffix == ".csv":
             rows = [",".join(map(repr, row)) for row in self.values.tolist()]
@@ -126,7 +149,7 @@ def checked_format(path: Path) -> str:
 
 
 def simulate(
-    design: DesignFile,
+    design: DesignSource,
     variables: Sequence[str] = (),
     *,
     parameters: Mapping[str, Scalar] | None = None,
@@ -137,8 +160,8 @@ def simulate(
 
     Parameters
     ----------
-    design : DesignFile
-        A design with a scenario, from `read_design`.
+    design : DesignFile, str or Path
+        A design with a scenario, from `read_design`, or the path of its file.
     variables : sequence of str
         Names of numeric variables to record; none: inputs, outputs, torque band, reactions and energies.
     parameters : mapping, optional
@@ -156,7 +179,7 @@ def simulate(
     Raises
     ------
     DesignError
-        The design has no scenario.
+        The design has no scenario, or the file is refused.
     FmuError
         The FMU refuses a value or a step.
 
@@ -164,13 +187,17 @@ def simulate(
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
-    >>> trajectory = simulate(design, ["theta", "tau"])
+    ...     trajectory = simulate(write_template("minimal", Path(folder) / "my.toml"), ["theta", "tau"])
     >>> float(trajectory["theta"].max())  # rad, the upper stop
     1.3962634015954636
     """
+    from dualcam.design_file import as_design
+
+    design = as_design(design)
+    if not isinstance(parameters, Mapping | None):
+        raise DualcamError(f"parameters = {parameters!r}: allowed is a dict of names and values, or None")
     scenario = design.scenario
     if scenario is None:
         raise DesignError(
@@ -180,7 +207,7 @@ def simulate(
     if scenario.controller is not None:
         raise DesignError(f"{design.path}: scenario.controller: only studies run controllers; leave it out")
     times = sample_times(scenario.stop, design.output_interval)
-    names = ((variables,) if isinstance(variables, str) else tuple(variables)) or VARIABLES[design.model]
+    names = tuple(names_of(variables, "variables")) or VARIABLES[design.model]
     with Fmu(fmu or fmu_path(design.model)) as handle, units_checked_before():
         _check_inputs(design, handle)
         recorder = _Recorder(handle, names)

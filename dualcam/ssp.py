@@ -8,7 +8,6 @@ applies the sets of a name, libcosim the first of each component.
 from __future__ import annotations
 
 import io
-import math
 import os
 import tempfile
 import xml.etree.ElementTree as ET
@@ -21,9 +20,11 @@ from typing import TYPE_CHECKING
 
 from dualcam.archive import write_archive
 from dualcam.errors import DesignError
+from dualcam.module_calls import explain_call_of
+from dualcam.paths import path_of
 
 if TYPE_CHECKING:
-    from dualcam.design_file import DesignFile
+    from dualcam.design_file import DesignFile, DesignSource
 
 START = "start"
 NAMES = {
@@ -255,7 +256,7 @@ def design_system(design: DesignFile, fmu: Path, step: float = 1e-3, ports: bool
     )
 
 
-def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3, *, ports: bool = False) -> Path:
+def export_ssp(design: DesignSource, path: str | Path, step: float = 1e-3, *, ports: bool = False) -> Path:
     """Write an SSP package with the FMU of a design.
 
     The package holds one component "cam" with the FMU of the design, and the design's numbers as a parameter
@@ -263,8 +264,8 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3, *, port
 
     Parameters
     ----------
-    design : DesignFile
-        The design, from `read_design`.
+    design : DesignFile, str or Path
+        The design, from `read_design`, or the path of its file.
     path : str or Path
         The package, a name that ends in .ssp.
     step : float
@@ -288,21 +289,27 @@ def export_ssp(design: DesignFile, path: str | Path, step: float = 1e-3, *, port
     Examples
     --------
     >>> import tempfile
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
     ...     export_ssp(design, Path(folder) / "MyCam.ssp").name
     'MyCam.ssp'
     """
+    from dualcam.design_file import as_design
     from dualcam.export import export_fmu
+    from dualcam.fmu import STEP_SIZES
+    from dualcam.reals import number_of
 
-    path = Path(path)
+    design, path = as_design(design), path_of(path, "the package")
+    if not number_of(step, "step", STEP_SIZES) > 0.0:
+        raise DesignError(f"step = {step!r}: allowed is {STEP_SIZES}")
     if path.suffix.lower() != ".ssp":
         raise DesignError(f"{path}: allowed are names that end in .ssp")
-    if not 0.0 < step < math.inf:
-        raise DesignError(f"step = {step} s: allowed is a finite number > 0")
     if not path.absolute().parent.is_dir():
         raise DesignError(f"{path}: the folder does not exist: make the folder, or choose another")
     with tempfile.TemporaryDirectory() as folder:
         fmu = export_fmu(design, Path(folder) / f"{path.stem}.fmu")
         return design_system(design, fmu, step, ports).save(path)
+
+
+explain_call_of(__name__)

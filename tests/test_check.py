@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from dualcam import Fmu, FmuError
-from dualcam.check import check_design
-from dualcam.check.rules import troubles
-from dualcam.check.search import nearest_working, round_away
-from dualcam.check.values import with_value
+from dualcam.checking import check_design
+from dualcam.checking.rules import troubles
+from dualcam.checking.search import nearest_working, round_away
+from dualcam.checking.values import with_value
 from dualcam.design import (
     DesignError,
     Ellipse,
@@ -254,7 +254,7 @@ def test_warnings_of_the_file_are_in_the_verdict(design):
 
 def test_what_only_the_fmu_refuses(design, monkeypatch):
     """The FMU has the last word, in its own words."""
-    monkeypatch.setattr("dualcam.check.verdict.troubles", lambda design: [])
+    monkeypatch.setattr("dualcam.checking.verdict.troubles", lambda design: [])
     verdict = check_design(design("stop.upper = -1.0"))
     assert not verdict.good and not verdict.starts
     assert "the FMU does not start: " in verdict.errors[0].text and "stop.lower" in verdict.errors[0].text

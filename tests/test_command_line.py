@@ -12,6 +12,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+from driver import ROOT
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -78,6 +79,7 @@ def test_help_lists_all_commands_and_loads_none(capsys):
         (["new", "my.toml", "--from", "bike"], "robot"),
         (["band", "my.toml", "--points", "1"], "--points"),
         (["simulate", "my.toml", "-o", "a.csv", "--speed", "3"], "--speed"),
+        (["info", "MyCam.fmu", "--fmi", "3"], "a file says its version itself"),
     ],
 )
 def test_wrong_use_has_exit_code_2_and_says_what_is_allowed(folder, capsys, words, mention):
@@ -223,6 +225,77 @@ def test_info_lists_all_variables(capsys, fmu):
         assert [variable["name"] for variable in found["variables"]] == handle.names
     assert "spring.preload" in spoken(capsys, "info", fmu, "--variables", "spring").out
     assert answer(capsys, "info", fmu, "--fmi", "3")["fmi"].startswith("3.")
+
+
+def test_info_says_when_no_variable_is_found(capsys):
+    text = spoken(capsys, "info", "--variables", "xxxx", code=1).err
+    assert "DualCamForward has no variable with 'xxxx' in its name" in text
+    assert "did you mean spring.preload" in spoken(capsys, "info", "--variables", "spring.prelod", code=1).err
+    assert "xxxx" in answer(capsys, "info", "--variables", "xxxx", code=1)["error"]
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_info_has_platforms_and_default_experiment(capsys, fmi):
+    """As the archive and another reader of the description say."""
+    found = answer(capsys, "info", "--fmi", fmi)
+    with zipfile.ZipFile(found["file"]) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
+    assert set(found["platforms"]) == folders and found["warnings"] == []
+    expected = fmpy.read_model_description(found["file"]).defaultExperiment
+    read = found["default_experiment"]
+    given = [read[name] for name in ("start_time", "stop_time", "step_size", "tolerance")]
+    names = ("startTime", "stopTime", "stepSize", "tolerance")
+    texts = [getattr(expected, name) for name in names]
+    assert given == [None if text is None else float(text) for text in texts]
+    text = spoken(capsys, "info", "--fmi", fmi).out
+    assert all(folder in text for folder in folders) and f"stop {float(expected.stopTime):g} s" in text
+
+
+@pytest.mark.parametrize("fmi", ["2", "3"])
+def test_info_warns_of_start_values_that_were_edited(design, capsys, fmi):
+    """The warning has the value with which the FMU starts."""
+    (design.parent / "g.csv").write_text("psi_rad,z_m\n0,0\n0.5,0.01\n1,0.02\n1.5,0.03\n")
+    design.write_text(
+        design.read_text().replace('profile = "helix"', 'profile = "table"\ntable = "g.csv"', 1)
+    )
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu", "--fmi", fmi)
+    assert answer(capsys, "info", "MyCam.fmu")["warnings"] == []
+    changes = {"spring.preload": "77.5", "contacts": "1", "ledger": "false", "cam1.table": "other.csv"}
+    edit_start_values("MyCam.fmu", "Edited.fmu", changes)
+    found = answer(capsys, "info", "Edited.fmu")["warnings"]
+    with Fmu("Edited.fmu") as fmu:
+        fmu.start()
+        expected = {name: fmu.get(name) for name in changes}
+    assert expected["spring.preload"] == 50.0 and expected["cam1.table"] == "cam1.csv"
+    assert len(found) == len(changes)
+    for name, value in expected.items():
+        (text,) = [text for text in found if text.startswith(f"{name}: ")]
+        assert changes[name] in text.lower() and f"starts from {value!r}" in text
+    assert (
+        "! warning: spring.preload: modelDescription.xml says 77.5"
+        in spoken(capsys, "info", "Edited.fmu").out
+    )
+
+
+def edit_start_values(source, target, values):
+    """A copy of an FMU with other start values in the XML alone."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                root = etree.fromstring(content)
+                for variable, value in values.items():
+                    (element,) = root.xpath("//*[@name=$name and @causality]", name=variable)
+                    nodes = [element, *element.iter()]
+                    (node,) = {node for node in nodes if "start" in node.attrib or node.tag == "Start"}
+                    node.set("value" if node.tag == "Start" else "start", value)
+                content = etree.tostring(root)
+            new.writestr(name, content)
+
+
+def test_info_of_an_fmu_of_another_project(capsys):
+    """Its binary has no block of start values."""
+    assert answer(capsys, "info", str(ROOT / "build/HandWritten.fmu"))["warnings"] == []
 
 
 def test_a_report_is_one_file_with_its_pictures(design, capsys):

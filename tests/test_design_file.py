@@ -2,8 +2,11 @@
 
 import json
 import math
+import os
 import re
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dualcam import Fmu
-from dualcam.check import check_design
+from dualcam.checking import check_design
 from dualcam.design import Helix, Mechanism
 from dualcam.design_file import (
     TEMPLATES,
@@ -369,6 +372,30 @@ def test_table_in_another_format_is_converted(read, tmp_path, monkeypatch):
     assert any("the header says deg and mm" in note for note in design.notes)
     assert len(design.notes) == 1 and str(path) not in design.notes[0]
     assert read('cam1 = {profile = "table", table = "g.csv"}').parameters == design.parameters
+
+
+@pytest.mark.parametrize("home", ["/proc/none", ""])
+def test_a_converted_table_needs_no_home(tmp_path, home):
+    """A process whose cache folder cannot be made, or that has no home at all, as in containers."""
+    (tmp_path / "g.csv").write_text("psi [deg];z [mm]\n0;0\n30;10,5\n60;21\n90;31,5\n")
+    (tmp_path / "my.toml").write_text('cam1 = {profile = "table", table = "g.csv"}')
+    program = (
+        "import os\n"
+        f"os.path.expanduser = lambda path: path.replace('~', {home!r} or '~')\n"
+        "import dualcam\n"
+        "design = dualcam.read_design('my.toml')\n"
+        "print(dualcam.check_design(design).starts, design.parameters['cam1.table'])"
+    )
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("XDG")}
+    environment |= {"TMPDIR": str(scratch), "TEMP": str(scratch), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    starts, table = done.stdout.split()
+    assert starts == "True" and Path(table).is_relative_to(scratch) and Path(table).is_file()
+    assert {path.name for path in tmp_path.iterdir()} == {"g.csv", "my.toml", "scratch"}
 
 
 def test_table_with_a_right_header_and_wrong_numbers(read, tmp_path):

@@ -19,9 +19,15 @@ MODULES = (
         "dualcam.report",
         "dualcam.ssp",
         "dualcam.export.exporter",
-        "dualcam.check.verdict",
+        "dualcam.checking.verdict",
     ),
-    *("dualcam.design_file.reader", "dualcam.design_file.design", "dualcam.coupling", "dualcam.plant"),
+    *(
+        "dualcam.design_file.reader",
+        "dualcam.design_file.design",
+        "dualcam.design_file.argument",
+        "dualcam.coupling",
+        "dualcam.plant",
+    ),
     *("dualcam.design_file.templates.template", "dualcam.unit_guards"),
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.

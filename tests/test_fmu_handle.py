@@ -266,8 +266,8 @@ def test_a_bad_value_is_told_what_is_allowed(shared, name, value, mentions):
 def test_messages_are_the_fmus_own_words(fmu):
     with refused("fmi2SetReal: cam1.radius is fixed: allowed is to set it before the end"):
         fmu.set("cam1.radius", 0.03)
-    with refused("fmi2DoStep: communicationStepSize = -1"):
-        fmu.step(-1.0)
+    with refused("fmi2SetRealInputDerivatives"):
+        fmu.reals("tau").write_derivatives(1, [math.nan])
     with refused("Integer", "Real"):
         fmu.reals("contacts")
     with refused("order 4"):
@@ -277,6 +277,71 @@ def test_messages_are_the_fmus_own_words(fmu):
     with refused('unknown category "100% #1"'):
         fmu._instance.call("fmi2SetDebugLogging", 1, 1, (c_char_p * 1)(b"100% #1"))
     fmu.step(1e-3)  # it goes on as before
+
+
+WRONG_CALLS = {
+    "step of text": (lambda fmu: fmu.step("a"), "step size = 'a'"),
+    "step of nothing": (lambda fmu: fmu.step(None), "step size = None"),
+    "step of several": (lambda fmu: fmu.step(np.array([1e-3, 1e-3])), "step size = array"),
+    "step of no number": (lambda fmu: fmu.step(math.nan), "step size = nan"),
+    "endless step": (lambda fmu: fmu.step(math.inf), "step size = inf"),
+    "negative step": (lambda fmu: fmu.step(-1.0), "step size = -1.0: allowed is a finite number > 0"),
+    "no step": (lambda fmu: fmu.step(0), "step size = 0.0"),
+    "start of a list": (lambda fmu: fmu.start([1]), r"start\(\[1\]\)"),
+    "start of a number": (lambda fmu: fmu.start(0), r"start\(0\)"),
+    "start at no time": (lambda fmu: fmu.start({}, None), "time = None"),
+    "start at nan": (lambda fmu: fmu.start({}, math.nan), "time = nan"),
+    "tolerance as text": (lambda fmu: fmu.start({}, 0.0, "1e-9"), "tolerance = '1e-9'"),
+    "start value of a number": (lambda fmu: fmu.start({5: 1.0}), r"start\(\{5: 1.0\}\)"),
+    "state of nothing": (lambda fmu: fmu.restore_state(None), r"restore_state\(None\)"),
+    "value of nothing": (lambda fmu: fmu.get(None), "variable None"),
+    "group of a list": (lambda fmu: fmu.reals(["tau"]), r"variable \['tau'\]"),
+    "one name": (lambda fmu: fmu.jacobian("alpha", ["tau"]), "unknowns = 'alpha': allowed is a list"),
+    "no names": (lambda fmu: fmu.directional_derivative(["alpha"], None, [1.0]), "knowns = None"),
+    "order as text": (lambda fmu: fmu.reals("theta").read_derivatives("1"), "order '1'"),
+    "order as list": (lambda fmu: fmu.reals("theta").read_derivatives([1]), r"order \[1\]"),
+    "runs of nothing": (lambda fmu: RepeatedStart(None, {}, ["tau"]), r"RepeatedStart\(None"),
+    "runs of one name": (lambda fmu: RepeatedStart(fmu, {}, "tau"), "names = 'tau'"),
+    "FMU of nothing": (lambda fmu: Fmu(None), "FMU None: allowed are 'forward', 'inverse', or the path"),
+    "FMU of a list": (lambda fmu: Fmu(["forward"]), "FMU \\['forward'\\]"),
+    "version as list": (lambda fmu: Fmu("forward", fmi=[2]), r"fmi=\[2\]"),
+    "version as float": (lambda fmu: Fmu("forward", fmi=2.0), "fmi=2.0"),
+    "path of a list": (lambda fmu: dualcam.fmu_path(["forward"]), "kind="),
+    "description of nothing": (lambda fmu: dualcam.read_model_description(None), "FMU None"),
+}
+
+
+@pytest.mark.parametrize("call", WRONG_CALLS)
+def test_an_argument_of_a_wrong_kind_is_told_what_is_allowed(fmu, call):
+    """No TypeError of ctypes and no AttributeError; the run goes on as before."""
+    make, mention = WRONG_CALLS[call]
+    with refused(mention, "allowed"):
+        make(fmu)
+    fmu.step(1e-3)
+    assert fmu.time == 1e-3
+
+
+def test_time_of_model_exchange_is_a_number(continuous):
+    continuous.start()
+    with refused("time = nan"):
+        continuous.set_time(math.nan)
+    with refused("time = '1'"):
+        continuous.set_time("1")
+    continuous.set_time(1.0)
+    assert continuous.time == 1.0
+
+
+def test_handles_say_what_they_are(continuous):
+    with Fmu("forward", fmi=3) as fmu:
+        assert repr(fmu) == "<Fmu DualCamForward, FMI 3.0, co-simulation, not started>"
+        fmu.start(time=0.25)
+        group, state = fmu.reals("tau", "theta"), fmu.save_state()
+        assert repr(fmu) == "<Fmu DualCamForward, FMI 3.0, co-simulation, at 0.25 s>"
+        assert (repr(group), repr(state)) == ("<Reals tau, theta>", "<FmuState at 0.25 s>")
+        assert repr(RepeatedStart(fmu, {}, ["tau"])).startswith("<RepeatedStart of <Fmu DualCamForward")
+    assert repr(fmu) == "<Fmu DualCamForward, FMI 3.0, co-simulation, closed>"
+    assert repr(group) == "<Reals tau, theta, FMU closed>"
+    assert repr(continuous).startswith("<ContinuousFmu DualCamForward, FMI 2.0, model exchange, ")
 
 
 def test_a_start_that_cannot_work(shared):
@@ -344,7 +409,8 @@ def test_a_closed_fmu_refuses_every_call():
     for call in (
         command.read, command.write, fmu.save_state, fmu.start, lambda: fmu.step(1e-3),
         lambda: fmu.get("theta"), lambda: fmu.restore_state(state),
-        lambda: command.write_derivatives(1, [0.0]),
+        lambda: command.write_derivatives(1, [0.0]), fmu.__enter__, lambda: fmu.time,
+        lambda: command.values, lambda: setattr(command, "values", [1.0]),
     ):  # fmt: skip
         with refused("closed"):
             call()

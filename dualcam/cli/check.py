@@ -11,7 +11,7 @@ from dualcam.cli.options import as_json, design_file, example
 from dualcam.cli.output import MARKS, print_json, say
 
 if TYPE_CHECKING:
-    from dualcam.check import Verdict
+    from dualcam.checking import Verdict
 
 
 @click.command(epilog=example("dualcam check my.toml", "dualcam check my.toml --json"))
@@ -23,7 +23,7 @@ def command(design_file: Path, as_json: bool) -> int:
     The check looks at units, limits, grooves, friction, spring and strength. Then the check starts the FMU.
     The exit code is 0 if the design works, else 1. Warnings do not change the exit code.
     """
-    from dualcam.check import check_design
+    from dualcam.checking import check_design
     from dualcam.design_file import read_design
 
     design = read_design(design_file)

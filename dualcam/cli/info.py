@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
-from dualcam.cli.options import as_json, example, fmi_version
-from dualcam.cli.output import print_json, print_table, say
-from dualcam.errors import DualcamError
+from dualcam.cli.options import as_json, example
+from dualcam.cli.output import MARKS, print_json, print_table, say
 
 if TYPE_CHECKING:
-    from dualcam.model_description import ModelDescription, Variable
+    from dualcam.model_description import DefaultExperiment, ModelDescription, Variable
 
 GROUPS = {
     "input": "Inputs",
@@ -27,33 +27,84 @@ GROUPS = {
     epilog=example("dualcam info", "dualcam info inverse", "dualcam info MyCam.fmu --variables spring --json")
 )
 @click.argument("fmu", default="forward", metavar="[FMU]")
-@fmi_version
+@click.option(
+    "--fmi", type=click.Choice(["2", "3"]), help="Version of FMI of forward and inverse. Default: 2."
+)
 @click.option("--variables", default="", metavar="TEXT", help="Only variables whose name contains this text.")
 @as_json
-def command(fmu: str, fmi: str, variables: str, as_json: bool) -> None:
+def command(fmu: str, fmi: str | None, variables: str, as_json: bool) -> None:
     """List the variables of an FMU with units, start values and ranges.
 
     FMU is "forward" (the default), "inverse", or the file of any FMU (FMI 2.0 or 3.0).
-    """
-    from dualcam.library import fmu_path
-    from dualcam.model_description import read_model_description
 
-    path = fmu_path(fmu, int(fmi)) if fmu in ("forward", "inverse") else fmu
+    The binary of an FMU of this project holds the start values. Other start values in its
+    modelDescription.xml are a warning.
+    """
+    from dualcam.export.edited import edited_start_values
+    from dualcam.library import MODELS, source_path
+    from dualcam.model_description import read_model_description
+    from dualcam.platforms import folders_of
+
+    if fmi is not None and fmu not in MODELS:
+        raise click.UsageError(
+            f"--fmi {fmi} with {fmu}: a file says its version itself. Leave out --fmi, or give"
+            f" {' or '.join(MODELS)}."
+        )
+    path = source_path(fmu, None if fmi is None else int(fmi))
     description = read_model_description(path)
-    listed = [variable for variable in description.variables if variables in variable.name]
-    if not listed and description.variables:
-        raise DualcamError(f"no variable of {path} has {variables!r} in its name: give a part of a name")
+    listed = _listed(description, variables)
+    edited, platforms = edited_start_values(path, description), folders_of(path)
     if as_json:
-        print_json({"file": path, **_head(description), "variables": [asdict(each) for each in listed]})
+        print_json(
+            {
+                "file": path,
+                **_head(description),
+                "default_experiment": asdict(description.default_experiment),
+                "platforms": platforms,
+                "warnings": edited,
+                "variables": [asdict(each) for each in listed],
+            }
+        )
         return
     head = _head(description)
     say(f"{path}\n{head['model']}, FMI {head['fmi']}, {', '.join(head['uses'])}: {description.description}")
+    say(f"Platforms: {', '.join(platforms) or 'none, no binaries'}")
+    say(f"Default experiment: {_experiment(description.default_experiment)}")
+    for text in edited:
+        say(f"{MARKS['warning']} warning: {text}")
     known = [*GROUPS, *sorted({each.causality for each in listed} - set(GROUPS))]
     for causality in known:
         rows = [_row(variable) for variable in listed if variable.causality == causality]
         if rows:
             say(f"\n{GROUPS.get(causality, causality)}")
             print_table(("name", "unit", "start", "allowed", "description"), rows)
+
+
+def _listed(description: ModelDescription, text: str) -> list[Variable]:
+    """The variables with the text in their name; an error where there is none."""
+    from dualcam.errors import UnknownVariableError
+
+    listed = [variable for variable in description.variables if text in variable.name]
+    if not listed and text:
+        names = [variable.name for variable in description.variables]
+        near = difflib.get_close_matches(text, names, n=3, cutoff=0.5)
+        guess = f": did you mean {', '.join(near)}?" if near else "; leave out --variables to see all"
+        raise UnknownVariableError(
+            f"{description.model_name} has no variable with {text!r} in its name{guess}"
+        )
+    return listed
+
+
+def _experiment(experiment: DefaultExperiment) -> str:
+    """The given values in words."""
+    words = {
+        "start": (experiment.start_time, " s"),
+        "stop": (experiment.stop_time, " s"),
+        "step": (experiment.step_size, " s"),
+        "tolerance": (experiment.tolerance, ""),
+    }
+    given = [f"{word} {value:g}{unit}" for word, (value, unit) in words.items() if value is not None]
+    return ", ".join(given) or "none"
 
 
 def _head(description: ModelDescription) -> dict[str, str | Sequence[str]]:

@@ -30,6 +30,7 @@ from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, he
 from dualcam.design.synthesis import propose_spring, synthesize
 from dualcam.design.torque_band import TorqueBand, torque_band
 from dualcam.design.workflow import TorqueCurve, design_groove
+from dualcam.module_calls import explain_call_of
 
 __all__ = [
     "Assessment",
@@ -61,3 +62,5 @@ __all__ = [
     "synthesize",
     "torque_band",
 ]
+
+explain_call_of(__name__)

@@ -2,6 +2,7 @@
 
     read_design       the design of a file; DesignFileError lists all errors at once
     DesignFile        parameters in SI units, scenario, mechanism
+    as_design         the design of an argument: a DesignFile, or the path of a file
     Finding           one error or warning, with the nearest value that works
     write_template    a commented design to begin with
     json_schema       the schema for editors
@@ -9,6 +10,7 @@
 docs/design-file.md describes the keys.
 """
 
+from dualcam.design_file.argument import DesignSource, as_design
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import DesignFileError, Finding
 from dualcam.design_file.reader import read_design
@@ -19,8 +21,10 @@ __all__ = [
     "TEMPLATES",
     "DesignFile",
     "DesignFileError",
+    "DesignSource",
     "Finding",
     "SpringLimits",
+    "as_design",
     "json_schema",
     "read_design",
     "write_template",

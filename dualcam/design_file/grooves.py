@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import sys
 import tempfile
 from pathlib import Path
 
@@ -16,8 +17,8 @@ def fmu_table(path: Path) -> tuple[GrooveFile, Path]:
     """The samples of a groove table, and a file of them that the FMU reads.
 
     A file in the FMU's format is that file itself. Another file stays as it is: its samples are written to
-    the user's cache folder, under a name that follows from the samples. DesignError for a file that cannot
-    be understood or written."""
+    the user's cache folder, under a name that follows from the samples. Where that folder cannot be written,
+    a temporary folder takes its place. DesignError for a file that cannot be understood or written."""
     groove = read_groove(path)
     if groove.is_fmu_format:
         return groove, path
@@ -25,27 +26,44 @@ def fmu_table(path: Path) -> tuple[GrooveFile, Path]:
     text = HEADER + "\n" + "".join(rows)
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     stem = re.sub(r"[^A-Za-z0-9_-]", "_", path.stem)[:40]
-    converted = _cache_folder() / f"{stem}-{digest}.csv"
-    if not converted.is_file() or converted.read_text(encoding="utf-8") != text:
-        _write(converted, text)
-    return groove, converted
+    return groove, _cached(f"{stem}-{digest}.csv", text)
 
 
-def _cache_folder() -> Path:
+def _cached(name: str, text: str) -> Path:
+    """A file of that name and text in the first folder that has the file already or can be written."""
+    refusals = []
+    for folder in _cache_folders():
+        path = folder / name
+        try:
+            if not path.is_file() or path.read_text(encoding="utf-8") != text:
+                _write(path, text)
+        except (OSError, UnicodeDecodeError) as error:
+            refusals.append(str(error))
+        else:
+            return path
+    raise DesignError(
+        f"the groove table cannot be written for the FMU: {'; '.join(refusals)}; give a table with the header"
+        f" {HEADER}"
+    )
+
+
+def _cache_folders() -> list[Path]:
+    """The user's cache folder, where there is one, and a temporary folder of this user."""
     from platformdirs import user_cache_path
 
-    return user_cache_path("dualcam", appauthor=False) / "tables"
+    user = os.getuid() if sys.platform != "win32" else "own"  # Windows has one temporary folder for each user
+    temporary = Path(tempfile.gettempdir()).resolve() / f"dualcam-{user}" / "tables"
+    try:
+        usual = user_cache_path("dualcam", appauthor=False) / "tables"
+    except RuntimeError:  # the user has no home; older versions of platformdirs give a relative path
+        return [temporary]
+    return [usual, temporary] if usual.is_absolute() else [temporary]
 
 
 def _write(path: Path, text: str) -> None:
     """The file appears whole or not at all: other processes may read it."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent)
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        os.replace(name, path)
-    except OSError as error:
-        raise DesignError(
-            f"the groove table cannot be written for the FMU: {error}; give a table with the header {HEADER}"
-        ) from None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent)
+    with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+        file.write(text)
+    os.replace(name, path)

@@ -12,6 +12,7 @@ from dualcam.design_file.grooves import fmu_table
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
 from dualcam.errors import DualcamError
+from dualcam.paths import path_of
 from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before
 from dualcam.variables import all_parameters, inputs_of
 
@@ -46,7 +47,7 @@ def read_design(path: str | Path) -> DesignFile:
     >>> design.parameters["cam1.radius"]
     0.02
     """
-    path = Path(path)
+    path = path_of(path, "the design file")
     text = read_text(path)
     content = parse(path, text)
     reading = _Reading(path, lines_of_keys(text))

@@ -10,5 +10,8 @@ from the values in its binary. The export writes both.
 from dualcam.errors import ExportError
 from dualcam.export.exporter import Design, export_fmu
 from dualcam.export.names import model_identifier
+from dualcam.module_calls import explain_call_of
 
 __all__ = ["Design", "ExportError", "export_fmu", "model_identifier"]
+
+explain_call_of(__name__)

@@ -8,9 +8,10 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from dualcam.archive import read_members, write_archive
+from dualcam.design_file import as_design
 from dualcam.errors import DualcamWarning, ExportError
 from dualcam.export.curves import START_INPUTS, Curves, slow_motion_curves
 from dualcam.export.description import TOKEN, Description, typed
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 PAGE, BINARIES, RESOURCES = "documentation/index.html", "binaries/", "resources/"
 
 
+@runtime_checkable
 class Design(Protocol):
     """What the export needs of a design, such as dualcam.design_file.DesignFile."""
 
@@ -73,13 +75,13 @@ class Plan:
     scenario: Scenario | None  # where it drives this model
 
 
-def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None = None) -> Path:
+def export_fmu(design: Design | str | Path, path: str | Path, fmi: int = 2, model: str | None = None) -> Path:
     """Make an FMU whose start values are those of a design. No compiler is needed.
 
     Parameters
     ----------
     design
-        The design, for example from `dualcam.design_file.read_design`.
+        The design, for example from `dualcam.design_file.read_design`, or the path of its file.
     path
         File name of the FMU, which ends in .fmu; its stem is the model name. An existing file is replaced.
     fmi
@@ -116,12 +118,13 @@ def export_fmu(design: Design, path: str | Path, fmi: int = 2, model: str | None
 
     Examples
     --------
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     design = read_design(write_template("minimal", Path(folder) / "my.toml"))
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
     ...     export_fmu(design, Path(folder) / "MyCam.fmu", fmi=3).name
     'MyCam.fmu'
     """
+    design = design if isinstance(design, Design) else as_design(design)
     target = target_path(path)
     model = design.model if model is None else model
     original = fmu_path(model, fmi)

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from dualcam.errors import ExportError
+from dualcam.paths import path_of
 
 SUFFIX = ".fmu"
 
@@ -24,7 +25,7 @@ def target_path(path: str | Path) -> Path:
         The name has another ending or characters that cannot be printed, the folder is missing, or the path
         is a folder.
     """
-    target = Path(path).expanduser().absolute()
+    target = path_of(path, "the FMU").expanduser().absolute()
     if target.suffix.lower() != SUFFIX or not target.stem.isprintable():
         raise ExportError(
             f"{str(path)!r}: allowed is a file name that ends in {SUFFIX}, such as MyCam{SUFFIX}"

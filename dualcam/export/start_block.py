@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from dualcam.errors import ExportError
 from dualcam.export import mach_o
@@ -65,7 +66,46 @@ def _parts(binary: bytes) -> list[tuple[int, int]]:
     raise ExportError(f"a binary begins with {binary[:4].hex()}: allowed are ELF, PE and Mach-O")
 
 
-def _replace(part: bytearray, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]) -> None:
+@dataclass(frozen=True)
+class StartValues:
+    """The block in a binary, by value reference. Places of texts hold an index into `texts`."""
+
+    at: int  # offset of the block
+    text_size: int
+    numbers: tuple[float, ...]
+    texts: tuple[str, ...]
+
+    def value(self, reference: int, is_text: bool) -> float | str:
+        """The start value of a variable."""
+        number = self.numbers[reference]
+        return self.texts[int(number)] if is_text else number
+
+
+def read_start_values(binary: bytes) -> StartValues | None:
+    """The start values in a binary; of one for several processors, those for the first.
+
+    Parameters
+    ----------
+    binary
+        Shared library for Linux, Windows or macOS.
+
+    Returns
+    -------
+    StartValues or None
+        None: the binary has no block, so it is of another project.
+
+    Raises
+    ------
+    ExportError
+        The binary holds the block more than once, or with another layout.
+    """
+    if MARK not in binary:
+        return None
+    begin, size = _parts(binary)[0]
+    return _block(binary[begin : begin + size])
+
+
+def _block(part: bytes | bytearray) -> StartValues:
     found = part.count(MARK)
     if found != 1:
         raise ExportError(f"a binary holds the block of start values {found} times, allowed is once: {AGAIN}")
@@ -73,14 +113,25 @@ def _replace(part: bytearray, guid: str, numbers: Mapping[int, float], texts: Ma
     _, size, number_count, text_count, text_size, _ = HEAD.unpack_from(part, at)
     if size != HEAD.size + 8 * number_count + text_count * text_size or at + size > len(part):
         raise ExportError(f"the block of start values has {size} bytes, with another layout: {AGAIN}")
+    numbers = struct.unpack_from(f"<{number_count}d", part, at + HEAD.size)
+    first_text = at + HEAD.size + 8 * number_count
+    places = range(first_text, first_text + text_count * text_size, text_size)
+    texts = tuple(
+        bytes(part[place : place + text_size]).split(b"\0")[0].decode(errors="replace") for place in places
+    )
+    return StartValues(at, text_size, numbers, texts)
+
+
+def _replace(part: bytearray, guid: str, numbers: Mapping[int, float], texts: Mapping[int, str]) -> None:
+    block = _block(part)
+    at = block.at
     part[at + GUID_AT : at + GUID_AT + GUID_SIZE] = _padded("GUID", guid, GUID_SIZE)
-    first_number, first_text = at + HEAD.size, at + HEAD.size + 8 * number_count
+    first_number, first_text = at + HEAD.size, at + HEAD.size + 8 * len(block.numbers)
     for reference, number in numbers.items():
         struct.pack_into("<d", part, first_number + 8 * reference, number)
     for reference, text in texts.items():
-        (index,) = struct.unpack_from("<d", part, first_number + 8 * reference)
-        place = first_text + text_size * int(index)
-        part[place : place + text_size] = _padded("text", text, text_size)
+        place = first_text + block.text_size * int(block.numbers[reference])
+        part[place : place + block.text_size] = _padded("text", text, block.text_size)
 
 
 def _padded(what: str, text: str, size: int) -> bytes:

@@ -17,6 +17,7 @@ Everything goes through FMI alone: it works with any FMU of FMI 2.0 or FMI 3.0. 
 plan.toml` is the same on the command line.
 """
 
+from dualcam.module_calls import explain_call_of
 from dualcam.study.description import read_study
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
@@ -35,3 +36,5 @@ __all__ = [
     "read_results",
     "read_study",
 ]
+
+explain_call_of(__name__)

@@ -4,6 +4,6 @@ check_design      all findings about a design file, each with the nearest value 
 Verdict           the findings, and whether the design is good
 """
 
-from dualcam.check.verdict import Verdict, check_design
+from dualcam.checking.verdict import Verdict, check_design
 
 __all__ = ["Verdict", "check_design"]

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-from dualcam.check.rules import ERROR, Remedy, Trouble, troubles
-from dualcam.check.search import nearest_working
-from dualcam.check.values import value_of, with_value
+from dualcam.checking.rules import ERROR, Remedy, Trouble, troubles
+from dualcam.checking.search import nearest_working
+from dualcam.checking.values import value_of, with_value
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DualcamError
 from dualcam.variables import all_parameters

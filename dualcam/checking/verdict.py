@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from dualcam.check.numbers import KeyNumbers, key_numbers
-from dualcam.check.plausible import implausible
-from dualcam.check.remedies import Search
-from dualcam.check.rules import ERROR, WARNING, swap_warning, troubles
-from dualcam.design_file import DesignFile, Finding
+from dualcam.checking.numbers import KeyNumbers, key_numbers
+from dualcam.checking.plausible import implausible
+from dualcam.checking.remedies import Search
+from dualcam.checking.rules import ERROR, WARNING, swap_warning, troubles
+from dualcam.design_file import DesignFile, DesignSource, Finding, as_design
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
 from dualcam.library import fmu_path
@@ -88,13 +88,13 @@ class Verdict:
         }
 
 
-def check_design(design: DesignFile) -> Verdict:
+def check_design(design: DesignSource) -> Verdict:
     """Check a design and start its FMU.
 
     Parameters
     ----------
-    design : DesignFile
-        A design, from `read_design`.
+    design : DesignFile, str or Path
+        A design, from `read_design`, or the path of its file.
 
     Returns
     -------
@@ -104,6 +104,8 @@ def check_design(design: DesignFile) -> Verdict:
 
     Raises
     ------
+    DesignFileError
+        The file is refused.
     FmuError
         Where this package's FMUs are missing.
 
@@ -111,12 +113,13 @@ def check_design(design: DesignFile) -> Verdict:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from dualcam.design_file import read_design, write_template
+    >>> from dualcam.design_file import write_template
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     verdict = check_design(read_design(write_template("robot", Path(folder) / "my.toml")))
+    ...     verdict = check_design(write_template("robot", Path(folder) / "my.toml"))
     >>> verdict.good
     True
     """
+    design = as_design(design, shows_findings=True)
     found = troubles(design)
     refusal = start_refusal(design)
     causes = [warning for warning in design.warnings if warning.kind == UNIT and warning.key not in NO_CAUSE]

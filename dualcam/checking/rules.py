@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dualcam.check.values import value_of
+from dualcam.checking.values import value_of
 from dualcam.design import Limits, Mechanism
 from dualcam.design.strength import Finding as Failure
 from dualcam.design.strength import examine
