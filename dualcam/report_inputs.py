@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dualcam.model_description import Scalar
-from dualcam.variables import SettableVariable, parameters_of
+from dualcam.variables import SettableVariable, all_inputs, parameters_of
 
 if TYPE_CHECKING:
     from dualcam.design import Limits, Pin
@@ -77,7 +77,7 @@ def _parameter(variable: SettableVariable, value: Scalar, given: bool) -> Row:
     elif isinstance(value, bool):
         row = variable.name, "true" if value else "false", "", ""
     else:
-        row = _row(variable.name, value, variable.unit or "")
+        row = _row(variable.name, value, variable.unit or "1")
     return row if given else (f"{row[0]} (default)", *row[1:])
 
 
