@@ -97,9 +97,16 @@ class Handle:
 
     @property
     def time(self) -> float:
-        """Present time [s]. FmuError where the FMU is closed."""
+        """Present time [s], at which the next step begins. FmuError where the FMU is closed.
+
+        The times of many equal steps add up rounding errors. Assigning the exact time removes them."""
         self._instance.require_open()
         return self._time
+
+    @time.setter
+    def time(self, time: float) -> None:
+        self._instance.require_open()
+        self._time = number_of(time, "time")
 
     @property
     def interface(self) -> Interface:

@@ -287,6 +287,8 @@ WRONG_CALLS = {
     "endless step": (lambda fmu: fmu.step(math.inf), "step size = inf"),
     "negative step": (lambda fmu: fmu.step(-1.0), "step size = -1.0: allowed is a finite number > 0"),
     "no step": (lambda fmu: fmu.step(0), "step size = 0.0"),
+    "time as text": (lambda fmu: setattr(fmu, "time", "0"), "time = '0'"),
+    "time of nan": (lambda fmu: setattr(fmu, "time", math.nan), "time = nan"),
     "start of a list": (lambda fmu: fmu.start([1]), r"start\(\[1\]\)"),
     "start of a number": (lambda fmu: fmu.start(0), r"start\(0\)"),
     "start at no time": (lambda fmu: fmu.start({}, None), "time = None"),
@@ -410,6 +412,7 @@ def test_a_closed_fmu_refuses_every_call():
         command.read, command.write, fmu.save_state, fmu.start, lambda: fmu.step(1e-3),
         lambda: fmu.get("theta"), lambda: fmu.restore_state(state),
         lambda: command.write_derivatives(1, [0.0]), fmu.__enter__, lambda: fmu.time,
+        lambda: setattr(fmu, "time", 0.0),
         lambda: command.values, lambda: setattr(command, "values", [1.0]),
     ):  # fmt: skip
         with refused("closed"):
