@@ -379,7 +379,11 @@ def test_an_ssp_package_has_only_the_parameters_of_its_model(folder, capsys):
 
 @pytest.mark.parametrize(
     "path, step, mention",
-    [("a.zip", 1e-3, "end in .ssp"), ("a.ssp", -1.0, "step = -1.0 s"), ("no/a.ssp", 1e-3, "folder")],
+    [
+        ("a.zip", 1e-3, "end in .ssp"),
+        ("a.ssp", -1.0, "step = -1.0: allowed is a finite number > 0, in s"),
+        ("no/a.ssp", 1e-3, "folder"),
+    ],
 )
 def test_an_ssp_package_that_cannot_be_is_refused(design, path, step, mention):
     with pytest.raises(DesignError, match=mention):
@@ -447,7 +451,7 @@ def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, ca
         (["simulate", "my.toml", "-o", "out.csv", "--fmu", str(fmu_path("inverse"))], "no input tau"),
         (["band", "my.toml", "-o", "out.csv", "--plot", "p.xyz"], ".png, .svg or .pdf"),
         (["info", "--variables", "sprung"], "'sprung'"),
-        (["study", "my.toml"], "a design file without a study"),
+        (["study", "my.toml"], "this design file has no section [study]"),
     ],
 )
 def test_what_cannot_be_done_is_refused_before_anything_is_written(design, capsys, words, mention):
