@@ -211,7 +211,8 @@ def simulate(
     with Fmu(fmu or fmu_path(design.model)) as handle, units_checked_before():
         _check_inputs(design, handle)
         recorder = _Recorder(handle, names)
-        steps = scenario.steps([float(time) for time in times], interpolates=True, fixed=False)
+        interpolates = _takes_derivatives(handle)
+        steps = scenario.steps([float(time) for time in times], interpolates=interpolates, fixed=False)
         given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}
         handle.start(given, tolerance=scenario.tolerance)
         rows = [recorder.row(0.0)]
@@ -242,6 +243,12 @@ def sample_times(stop: float, interval: float | None) -> Array:
         )
     count = math.ceil(stop / interval * (1.0 - 1e-12))
     return np.minimum(np.arange(count + 1) * interval, stop)
+
+
+def _takes_derivatives(handle: Fmu) -> bool:
+    """Whether the FMU takes derivatives of inputs, which FMI 3.0 has not."""
+    interface = handle.description.co_simulation
+    return handle.description.fmi_major == 2 and interface is not None and interface.can_interpolate_inputs
 
 
 def _check_inputs(design: DesignFile, handle: Fmu) -> None:

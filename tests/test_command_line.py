@@ -544,3 +544,21 @@ def test_the_verdict_names_values_that_look_like_other_units(design, capsys):
         "my.toml: the design does not work, 1 error. The FMU starts. Check the units first: 2 values look"
         " like other units."
     )
+
+
+def test_an_fmu_of_fmi_3_is_simulated_in_steps_of_the_scenario(design, capsys):
+    """FMI 3.0 has no derivatives of inputs: the FMU gets the torque of the middle of each step."""
+    head = design.read_text().partition("[scenario]")[0]
+    torque = "inputs.tau = {time = [0.0, 0.2], value = [0.0, 6.0]}"
+    scenario = f"[scenario]\nstop = 0.4\noutput_interval = 0.01\n{torque}\n"
+    design.write_text(head + scenario)
+    spoken(capsys, "export", "my.toml", "-o", "MyCam.fmu", "--fmi", "3")
+    words = ("simulate", "my.toml", "--variables", "theta", "-o")
+    assert "give step, in seconds" in spoken(capsys, *words, "no.csv", "--fmu", "MyCam.fmu", code=1).err
+    spoken(capsys, *words, "ramp.csv")
+    design.write_text(head + scenario + "step = 1e-4\n")
+    spoken(capsys, *words, "steps.csv", "--fmu", "MyCam.fmu")
+    ramp, steps = (
+        np.genfromtxt(f"{name}.csv", delimiter=",", names=True)["theta"] for name in ("ramp", "steps")
+    )
+    assert np.max(ramp) > 0.5 and np.max(np.abs(ramp - steps)) < 1e-4  # rad
