@@ -436,3 +436,25 @@ def test_an_unknown_parameter_is_answered_by_the_nearest_name(tmp_path):
     assert (design.value("cam1.radius"), design.value("cam2.radius")) == (0.03, 0.02)
     with pytest.raises(DesignError, match=r"cam1\.raduis is no parameter: did you mean cam1\.radius"):
         design.value("cam1.raduis")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "words"),
+    [
+        (
+            "stop = 1.0\ninputs.tau = {time = [0.0, 0.5], value = [0.0, 0.3]}",
+            "the cam never leaves theta = 0 deg",
+        ),
+        ("stop = 0.5\ninputs.tau = {time = [0.0, 300.0], value = [0.0, 9.0]}", "points up to 300 s"),
+        ("stop = 1.0\ninputs.tau = {time = [0.0, 0.5], value = [0.0, 9000.0]}", "9000 N.mm is 9 N.m"),
+        ("stop = 1.0\ninputs.tau = {time = [0.0, 0.5], value = [0.0, 6.0]}", ""),
+    ],
+)
+def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
+    """The default mechanism loads at 0.66 N.m at theta = 0 and at 9.9 N.m at the upper stop."""
+    path = tmp_path / "my.toml"
+    path.write_text(f"[scenario]\n{scenario}\n", encoding="utf-8")
+    verdict = check_design(read_design(path))
+    assert verdict.good
+    texts = [finding.text for finding in verdict.findings]
+    assert any(words in text for text in texts) if words else texts == []

@@ -25,6 +25,7 @@ from dualcam.design_file import (
     read_design,
     write_template,
 )
+from dualcam.design_file.units import quantity
 from dualcam.errors import DesignError, DualcamError
 from dualcam.library import fmu_path
 from dualcam.systems import car_door, elbow, knee
@@ -556,3 +557,18 @@ def test_defaults_of_pin_and_limits_are_in_the_page_and_the_schema():
     ):
         assert row in page
     assert json_schema()["$defs"]["Limits"]["properties"]["pressure"]["default"] == 1.5e9
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("7 Nm", "N.m", 7.0),
+        ("700 Nmm", "N.m", 0.7),
+        ("3 kgcm2", "kg.m2", 3e-4),
+        ("5 Nm/rad", "N.m/rad", 5.0),
+        ("50 N/mm", "N/m", 5e4),
+        ("180 \u00ba", "rad", math.pi),
+    ],
+)
+def test_units_as_people_write_them(text, unit, value):
+    assert quantity(text, unit) == pytest.approx(value, rel=1e-15)

@@ -95,8 +95,8 @@ def test_studies_of_the_page(tmp_path, monkeypatch, capsys):
         compare_comments(code, capsys.readouterr().out)
     assert left["table"]["efficiency"][left["best"]] == pytest.approx((0.92 / 1.08) ** 2, rel=1e-12)
     assert len(Path("angles.csv").read_text().splitlines()) == 1 + 63
-    assert len(read_results("study_results/my")["run"]) == 200
-    for name in ("angles", "my"):
+    assert len(read_results("study_results/my_study")["run"]) == 200
+    for name in ("angles", "my_study"):
         assert set(read_results(f"study_results/{name}")["message"]) == {""}
         assert Path(f"study_results/{name}/{name}.png").is_file()
 

@@ -7,16 +7,17 @@ import math
 import numpy as np
 
 from dualcam.checking.rules import WARNING
-from dualcam.design import torque_band
+from dualcam.design import Mechanism, torque_band
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
 
 SLOWEST = 1.0  # s: a cam that takes longer from stop to stop, driven by the torque to load, is strange
+SMALL_TORQUES = {"N.cm": 1e-2, "N.mm": 1e-3}  # N.m
 LARGEST_TORQUE = 20.0  # times the largest torque to load
 
 
 def implausible(design: DesignFile) -> list[Finding]:
-    """Warnings about the moment of inertia and the torque of the scenario, beside the torque to load."""
+    """Warnings about the moment of inertia, and the torque and times of the scenario."""
     try:
         mechanism = design.mechanism()
         torque = float(np.max(torque_band(mechanism, 61).load))
@@ -24,7 +25,12 @@ def implausible(design: DesignFile) -> list[Finding]:
         return []
     if not 0.0 < torque < math.inf:
         return []
-    found = [_inertia(design, torque, mechanism.upper - mechanism.lower), _torque(design, torque)]
+    found = [
+        _inertia(design, torque, mechanism.upper - mechanism.lower),
+        _torque(design, torque),
+        _late(design),
+        _still(design, mechanism),
+    ]
     return [finding for finding in found if finding]
 
 
@@ -47,8 +53,46 @@ def _torque(design: DesignFile, torque: float) -> Finding | None:
     far = max(history.value, key=abs, default=0.0) if history else 0.0
     if abs(far) <= LARGEST_TORQUE * torque:
         return None
+    unit, factor = min(SMALL_TORQUES.items(), key=lambda entry: abs(math.log(abs(far) * entry[1] / torque)))
     text = (
-        f"scenario.inputs.tau reaches {far:.6g} N.m: this looks like N.cm or N.mm; {far:.6g} N.cm is"
-        f" {far / 1e2:.6g} N.m. The largest torque to load is {torque:.4g} N.m"
+        f"scenario.inputs.tau reaches {far:.6g} N.m: this looks like {unit}; {far:.6g} {unit} is"
+        f" {far * factor:.6g} N.m. The largest torque to load is {torque:.4g} N.m"
     )
     return Finding(WARNING, "scenario.inputs.tau", far, text, kind="unit")
+
+
+def _late(design: DesignFile) -> Finding | None:
+    """Points of an input after the end of the scenario, which have no effect."""
+    scenario = design.scenario
+    for name, history in scenario.inputs.items() if scenario else ():
+        if scenario and len(history.time) and history.time[-1] > scenario.stop * (1.0 + 1e-9):
+            text = (
+                f"scenario.inputs.{name} has points up to {history.time[-1]:.6g} s, and the scenario ends at"
+                f" stop = {scenario.stop:.6g} s: the later points have no effect"
+            )
+            return Finding(WARNING, f"scenario.inputs.{name}", history.time[-1], text, kind="scenario")
+    return None
+
+
+def _still(design: DesignFile, mechanism: Mechanism) -> Finding | None:
+    """A torque that stays inside the stick band of the start, where the cam is at rest."""
+    scenario = design.scenario
+    if scenario is None or set(scenario.inputs) != {"tau"} or design.value("initial.omega") != 0.0:
+        return None
+    history, start = scenario.inputs["tau"], design.value("initial.theta")
+    if history.shape != "linear" or history.derivative_of:
+        return None
+    inside = [value for time, value in zip(history.time, history.value, strict=True) if time < scenario.stop]
+    acting = [*inside, float(np.interp(scenario.stop, history.time, history.value))]
+    release, load = (float(edge) for edge in mechanism.band(start))
+    at_lower, at_upper = start <= mechanism.lower, start >= mechanism.upper
+    if max(acting) > load and not at_upper:
+        return None
+    if min(acting) < release and not at_lower:
+        return None
+    text = (
+        f"scenario.inputs.tau stays between {min(acting):.6g} and {max(acting):.6g} N.m: the cam never leaves"
+        f" theta = {math.degrees(start):.4g} deg, where {load:.4g} N.m load and below {release:.4g} N.m the"
+        " spring turns the cam back"
+    )
+    return Finding(WARNING, "scenario.inputs.tau", max(acting), text, kind="scenario")

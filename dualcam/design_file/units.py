@@ -24,7 +24,9 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
 GRAD = re.compile(r"\bgrad[es]*\b", re.IGNORECASE)  # degrees in German, gon in English, giga-radian for pint
 SMALL = ("milli", "micro", "nano")  # prefixes that radian may have
-UNIT = re.compile(r"[A-Za-zµμ°Ω%][A-Za-z0-9µμ°Ω%²³^*./·⋅ ()-]*")
+# Units that people write in one word: N.m, N.mm, kg.cm2 and the like.
+JOINED = re.compile(r"(?<![A-Za-z])([kmM]?N|[km]?g)([cm]?m)(s?)(?![A-Za-z])")
+UNIT = re.compile(r"[A-Za-zµμ°ºΩ%][A-Za-z0-9µμ°ºΩ%²³^*./·⋅ ()-]*")
 EXAMPLES = {
     "m": "20 mm",
     "rad": "45 deg",
@@ -119,10 +121,14 @@ def _parsed(text: str) -> Unit:
         return _registry().Unit("")
     if not UNIT.fullmatch(text) or re.search(r"\d{2}", text):
         raise DesignError(f"unit {text!r}")
-    plain = text.translate(str.maketrans("·⋅.²³μ", "***23µ"))
+    plain = JOINED.sub(_separated, text.translate(str.maketrans("·⋅.²³μº", "***23µ°")))
     plain = re.sub(r"\s*([*/^])\s*", r"\1", plain.replace("**", "^"))
     plain = re.sub(r"([A-Za-zµ°%)])\^?(-?\d)", r"\1**\2", plain).replace(" ", "*")
     return _registry().parse_units(plain)
+
+
+def _separated(match: re.Match[str]) -> str:
+    return "*".join(filter(None, match.groups()))
 
 
 def _is_huge_angle(unit: Unit) -> bool:
