@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -215,9 +216,11 @@ def simulate(
         steps = scenario.steps([float(time) for time in times], interpolates=interpolates, fixed=False)
         given = {**design.parameters_for(design.model), **(parameters or {}), **steps[0].values}
         handle.start(given, tolerance=scenario.tolerance)
+        inputs = _Inputs(handle)
         rows = [recorder.row(0.0)]
         for step, due in zip(steps, _is_sample(steps, times), strict=True):
-            _make(handle, step)
+            inputs.send(step)
+            handle.step(step.size)
             if due:
                 rows.append(recorder.row(step.time + step.size))
                 if progress is not None:
@@ -289,11 +292,16 @@ def _is_sample(steps: Sequence[Step], times: Array) -> list[bool]:
     return list(nearest <= 1e-9 * times[-1])
 
 
-def _make(handle: Fmu, step: Step) -> None:
-    """One step with its inputs and their derivatives."""
-    inputs = handle.reals(*step.values)
-    inputs.values[:] = list(step.values.values())
-    inputs.write()
-    for (name, order), rate in step.rates.items():
-        handle.reals(name).write_derivatives(order, [rate])
-    handle.step(step.size)
+class _Inputs:
+    """Sends the inputs of steps. Each group of variables is laid out once for all steps."""
+
+    def __init__(self, handle: Fmu) -> None:
+        self._group = cache(handle.reals)
+
+    def send(self, step: Step) -> None:
+        """The inputs of one step and their derivatives."""
+        inputs = self._group(*step.values)
+        inputs.values[:] = list(step.values.values())
+        inputs.write()
+        for (name, order), rate in step.rates.items():
+            self._group(name).write_derivatives(order, [rate])

@@ -138,6 +138,6 @@ def _wanted(torque: str) -> float | Path:
     if re.fullmatch(r"[+-]?\d+,\d+", torque.strip()):
         raise DesignError(f"--torque {torque}: a decimal comma: write {torque.replace(',', '.')}")
     try:
-        return quantity(re.sub(r"Nm\b", "N.m", torque), "N.m")
+        return quantity(torque, "N.m")
     except DesignError as error:
         raise DesignError(f'--torque "{torque}": {error}; or give a CSV file') from None
