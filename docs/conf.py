@@ -61,6 +61,7 @@ sphinx_gallery_conf = {
     "filename_pattern": r"[\\/]plot_",
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
+    "capture_repr": (),  # what print() writes is enough
     "download_all_examples": False,
     "show_memory": False,
     "show_signature": False,
@@ -89,6 +90,7 @@ html_theme_options = {
     "show_toc_level": 2,
     "navigation_depth": 3,
 }
+html_context = {"default_mode": "auto"}  # light or dark, as the reader's system is
 html_sidebars = {"index": []}
 
 # ---- links to other sites: `./build.sh docs links` ----
