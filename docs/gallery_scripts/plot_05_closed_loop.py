@@ -35,8 +35,8 @@ cam = dualcam.to_nonlinear_io_system("forward", **signals)
 loop = control.interconnect([cam, law], inputs="reference", outputs=["theta", "tau"])
 
 # %%
-# Steps up and down. On the way up the model suits. On the way down friction acts in the other direction: the cam
-# comes to rest above the reference, because the law holds with the torque of loading.
+# Steps up and down. On the way up the model suits. On the way down friction acts in the other direction: the
+# cam comes to rest above the reference, because the law holds with the torque of loading.
 
 time = np.arange(0.0, 1.2, 1e-3)
 reference = np.interp(time, [0.0, 0.3, 0.301, 0.6, 0.601, 0.9, 0.901], [0.4, 0.4, 0.6, 0.6, 0.8, 0.8, 0.4])

@@ -1,7 +1,7 @@
 """The parts of the documentation site that no extension of Sphinx offers.
 
 Pages from outside of docs/ (README.md, CONTRIBUTING.md, CHANGELOG.md) with their links, blocks of docstrings,
-and links from source code back to the API.
+pictures that open in full size, and links from source code back to the API.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
 LINK = re.compile(r"\]\((?!\w+:)([^)#\s]+)((?:#[^)\s]*)?)\)")
 COLUMNS = re.compile(r"^\S.*?\S {3,}\S")
 BACK_LINK = re.compile(r'href="([^"#]*/)([\w.]+)\.html#([\w.]+)"')
+TEXT_OF_LINK = re.compile(r"\[[\w/-]+\.md\]\((?=[^)]+\.md\))")
+PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
 IMAGE = re.compile(r'<img src="([^"]+)" alt="([^"]*)"[^>]*>')
 
 
@@ -41,7 +43,8 @@ def show_file(app: Sphinx, name: str, source: list[str]) -> None:
         app.env.note_dependency(str(file))
         text = text.replace(shown[0], IMAGE.sub(r"![\2](\1)", file.read_text(encoding="utf-8")))
         base = file.parent
-    source[0] = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
+    text = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
+    source[0] = TEXT_OF_LINK.sub("[](", text)  # the title of the page in place of the file's name
 
 
 def site_target(file: Path, page: Path) -> str:
@@ -84,7 +87,13 @@ def indent_of(line: str) -> int:
     return len(line) - len(line.lstrip())
 
 
-# ---- source code ----
+# ---- HTML ----
+
+
+def link_pictures(_: Sphinx, name: str, __: str, context: dict[str, Any], ___: object) -> None:
+    """Let each picture of a page lead to its file: a phone shows the page's picture too small to read."""
+    if "body" in context:
+        context["body"] = PICTURE.sub(r'<p><a href="\2">\1</a>', context["body"])
 
 
 def mend_back_links(app: Sphinx, name: str, _: str, context: dict[str, Any], __: object) -> None:
@@ -113,4 +122,5 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("source-read", show_file)
     app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
     app.connect("html-page-context", mend_back_links)
+    app.connect("html-page-context", link_pictures)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
