@@ -11,6 +11,26 @@ class FmuError(DualcamError):
     """The FMU, or its handle, refuses a call."""
 
 
+class FleetError(FmuError):
+    """Some instances of a fleet failed. The others did what was asked.
+
+    Attributes
+    ----------
+    instances : tuple of int
+        The instances that failed in this call.
+    reasons : dict of int to str
+        Why, of the first 16 of them at most.
+    outputs : ndarray or None
+        What `Fleet.step` or `Fleet.rollout` would have returned: NaN where an instance has failed.
+    """
+
+    def __init__(
+        self, message: str, instances: tuple[int, ...], reasons: dict[int, str], outputs: object = None
+    ) -> None:
+        super().__init__(message)
+        self.instances, self.reasons, self.outputs = instances, reasons, outputs
+
+
 class UnknownVariableError(FmuError):
     """The FMU has no variable of that name."""
 

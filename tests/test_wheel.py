@@ -105,7 +105,10 @@ def test_nothing_else_but_the_package(members):
     expected = {path.relative_to(ROOT).as_posix() for path in files}
     fmus = {f"dualcam/fmus/fmi{version}/{m}.fmu" for version in build_fmu.ALL for m in build_fmu.MODELS}
     about = f"dualcam-{VERSION}.dist-info/"
-    assert {name for name in members if not name.startswith(about)} == expected | fmus
+    fleets = {
+        f"dualcam/fleet/lib/{platform.folder}/dualcam_fleet{platform.suffix}" for platform in build_fmu.ALL[3]
+    }
+    assert {name for name in members if not name.startswith(about)} == expected | fmus | fleets
     assert "dualcam/py.typed" in expected and not (package / "fmus").exists()
 
 

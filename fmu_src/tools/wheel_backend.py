@@ -41,7 +41,9 @@ __all__ = [
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STAGING = ROOT / "build" / "package"  # what setuptools copies together before it packs
-FOLDER = Path("dualcam") / "fmus"  # of the FMUs in the wheel; dualcam/library.py looks there
+# In the wheel; dualcam/library.py looks there.
+FOLDER = Path("dualcam") / "fmus"
+FLEET_FOLDER = Path("dualcam") / "fleet" / "lib"
 FIRST_DATE = "315532800"  # s since 1970: 1 January 1980, the earliest date in a zip file
 Settings = Mapping[str, str | list[str] | None] | None
 
@@ -92,6 +94,7 @@ class BuildPackageWithFmus(build_py):
             return
         package = Path(self.build_lib)
         copy_fmus(package / FOLDER)
+        copy_fleet_libraries(package / FLEET_FOLDER)
         for file in package.rglob("*"):
             if file.is_file():
                 file.chmod(0o644)
@@ -109,3 +112,14 @@ def copy_fmus(folder: Path) -> None:
                 fmu = build_fmu.dual_cam(model, check=False, version=version)
                 build_fmu.build(fmu, for_all=True)
                 shutil.copyfile(fmu.path, there / fmu.path.name)
+
+
+def copy_fleet_libraries(folder: Path) -> None:
+    """Builds the libraries of `dualcam.Fleet` for all platforms and copies each to a folder of its own."""
+    import build_fmu
+
+    with build_fmu.locked():
+        for library in build_fmu.build_fleets(for_all=True):
+            there = folder / library.parent.name
+            there.mkdir(parents=True)
+            shutil.copyfile(library, there / library.name)
