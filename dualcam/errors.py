@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 
 class DualcamError(ValueError):
     """This package refuses a request. The message names the value and what is allowed."""
@@ -25,10 +31,11 @@ class FleetError(FmuError):
     """
 
     def __init__(
-        self, message: str, instances: tuple[int, ...], reasons: dict[int, str], outputs: object = None
+        self, message: str, instances: tuple[int, ...] = (), reasons: dict[int, str] | None = None
     ) -> None:
         super().__init__(message)
-        self.instances, self.reasons, self.outputs = instances, reasons, outputs
+        self.instances, self.reasons = instances, reasons or {}
+        self.outputs: NDArray[np.float64] | None = None
 
 
 class UnknownVariableError(FmuError):

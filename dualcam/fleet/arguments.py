@@ -50,6 +50,8 @@ def whole_number(value: object, name: str, allowed: str, most: float) -> int:
 
 def numbers_of(u: ArrayLike, shape: tuple[int, ...]) -> Array:
     """`u` as a C-contiguous array of float64; the same array where `u` is one."""
+    if type(u) is np.ndarray and u.dtype == np.float64 and u.shape == shape and u.flags.c_contiguous:
+        return u
     try:
         given = np.asarray(u)
     except ValueError:  # rows of different lengths

@@ -14,13 +14,17 @@ from numpy.typing import NDArray
 
 from dualcam.binary import interface_of, library_file, load, unload, unpack
 from dualcam.errors import FleetError, FmuError
-from dualcam.fleet.native import FATAL, Experiment, Report, address, functions_of, native
+from dualcam.fleet.native import FATAL, NOT_FINITE, Experiment, Report, address, functions_of, native
 from dualcam.model_description import ModelDescription
 
 CLOSED = "this fleet is closed: open a new one"
 BUSY = "this fleet is at work in another thread: one call at a time"
 LOST = "the FMU returned fmi2Fatal: FMI allows no further call of this FMU in this process"
 REASONS_TOLD = 3  # in a message
+
+
+class NotFiniteError(Exception):
+    """An input is not finite, and no instance was stepped."""
 
 
 class Core:
@@ -40,6 +44,7 @@ class Core:
         self._handle: int | None = None
         self._states: dict[int, NDArray[np.uintp]] = {}
         self._lock = threading.Lock()
+        self._native = native()
         interface = interface_of(path, description, "co-simulation")
         self._directory = unpack(path, description.fmi_major)
         self._library: ctypes.CDLL | None = None
@@ -54,10 +59,10 @@ class Core:
                 tolerance,
             )
             functions = functions_of(self._library, interface.can_save_state)
-            self._handle = native().fleet_open(byref(functions), byref(self._experiment), count, threads)
+            self._handle = self._native.fleet_open(byref(functions), byref(self._experiment), count, threads)
             if self._handle is None:
                 raise FmuError(f"no memory for {count} instances, or no {threads} threads: use fewer")
-            self.check(native().fleet_instantiate(self._handle))
+            self.check(self._native.fleet_instantiate(self._handle))
         except BaseException:
             self.close()
             raise
@@ -71,23 +76,23 @@ class Core:
         if self._handle is not None:
             for key in list(self._states):
                 self.forget_states(key)
-            native().fleet_close(self._handle)
+            self._native.fleet_close(self._handle)
             self._handle = None
         if self._library is not None:
             unload(self._library._handle)
             self._library = None
         shutil.rmtree(self._directory, ignore_errors=True)
 
-    def call(self, name: str, *arguments: object, outputs: NDArray[np.float64] | None = None) -> None:
+    def call(self, name: str, *arguments: object) -> None:
         """A function of fleet.h. FleetError where instances fail, FmuError where the fleet is closed."""
         if self._handle is None:
             raise FmuError(CLOSED)
         if not self._lock.acquire(blocking=False):
             raise FmuError(BUSY)
         try:
-            failures = getattr(native(), name)(self._handle, *arguments)
+            failures = getattr(self._native, name)(self._handle, *arguments)
             if failures:
-                self.check(failures, outputs)
+                self.check(failures)
         finally:
             self._lock.release()
 
@@ -105,24 +110,26 @@ class Core:
         if self._handle is None:
             raise FmuError(CLOSED)
         values = np.zeros(self.count, kind)
-        getattr(native(), name)(self._handle, address(values))
+        getattr(self._native, name)(self._handle, address(values))
         return values
 
-    def check(self, failures: int, outputs: NDArray[np.float64] | None = None) -> None:
+    def check(self, failures: int) -> None:
         """FleetError that names the instances which failed in the last call."""
         if failures == FATAL:
             raise FmuError(LOST)
+        if failures == NOT_FINITE:
+            raise NotFiniteError
         if failures == 0:
             return
         reports = POINTER(Report)()
-        listed = native().fleet_reports(self._handle, byref(reports))
+        listed = self._native.fleet_reports(self._handle, byref(reports))
         reasons = {reports[k].instance: _plain(reports[k].text) for k in range(listed)}
         reasons = dict(sorted(reasons.items()))
         told = "; ".join(f"instance {i}: {reason}" for i, reason in list(reasons.items())[:REASONS_TOLD])
         more = f"; and {failures - REASONS_TOLD} more" if failures > REASONS_TOLD else ""
         head = f"{failures} of {self.count} instances failed: " if failures > 1 else ""
         instances = tuple(reasons) if failures <= len(reasons) else self._all_failed()
-        raise FleetError(f"{head}{told}{more}", instances, reasons, outputs)
+        raise FleetError(f"{head}{told}{more}", instances, reasons)
 
     def _all_failed(self) -> tuple[int, ...]:
         return tuple(int(i) for i in np.flatnonzero(self.failed()))
@@ -138,7 +145,7 @@ class Core:
         """Free saved states, once."""
         states = self._states.pop(key, None)
         if states is not None and self._handle is not None:
-            native().fleet_free_states(self._handle, address(states))
+            self._native.fleet_free_states(self._handle, address(states))
 
 
 def _plain(text: bytes) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import weakref
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import byref
+from ctypes import addressof, byref
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -13,14 +13,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.errors import FmuError, UnknownVariableError
+from dualcam.errors import FleetError, FmuError, UnknownVariableError
 from dualcam.fleet.arguments import (
     chosen_instances,
     numbers_of,
     output_buffer,
     whole_number,
 )
-from dualcam.fleet.core import Core
+from dualcam.fleet.core import Core, NotFiniteError
 from dualcam.fleet.native import Ports, address, native
 from dualcam.fleet.state import FleetState
 from dualcam.fleet.values import NUMBERS, FleetValue, Layout
@@ -117,6 +117,7 @@ class Fleet:
         self._references = [self._real_references(names) for names in (self.inputs, self.outputs)]
         sizes = (len(self.inputs), len(self.outputs))
         self._ports = Ports(*sizes, *(address(references) for references in self._references))
+        self._ports_address = addressof(self._ports)
         self._parameters: dict[str, FleetValue] = {}
         start_time = number_of(time, "time")
         relative = (
@@ -240,27 +241,29 @@ class Fleet:
         out: Array | None,
         wanted: tuple[int, ...],
     ) -> Array:
-        inputs = self._finite(numbers_of(u, shape), steps)
+        inputs = numbers_of(u, shape)
         size = h if type(h) is float else number_of(h, "h", "a finite number > 0, in s")
         if not 0.0 < size < math.inf:
             raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
-        self._core.call(
-            "fleet_roll", byref(self._ports), address(inputs), steps, size, address(outputs), outputs=outputs
-        )
+        try:
+            self._core.call("fleet_roll", self._ports_address, address(inputs), steps, size, address(outputs))
+        except FleetError as error:
+            error.outputs = outputs
+            raise
+        except NotFiniteError:
+            raise FmuError(self._not_finite(inputs, steps)) from None
         return outputs
 
-    def _finite(self, u: Array, steps: int) -> Array:
+    def _not_finite(self, u: Array, steps: int) -> str:
         place = native().fleet_first_not_finite(address(u), u.size)
-        if place < u.size:
-            rest, column = divmod(place, len(self.inputs))
-            instance, step = divmod(rest, steps)
-            at = f" in step {step}" if u.ndim == 3 else ""
-            raise FmuError(
-                f"{self.inputs[column]} of instance {instance}{at} = {u.flat[place]}: allowed are finite"
-                " numbers; no instance was stepped"
-            )
-        return u
+        rest, column = divmod(place, len(self.inputs))
+        instance, step = divmod(rest, steps)
+        at = f" in step {step}" if u.ndim == 3 else ""
+        return (
+            f"{self.inputs[column]} of instance {instance}{at} = {u.flat[place]}: allowed are finite numbers;"
+            " no instance was stepped"
+        )
 
     # ---- runs, values, states ----
 

@@ -41,7 +41,8 @@ typedef struct {
     Job *job;
     const void *arguments;
     const uint8_t *chosen;
-    bool revives; /* also of instances that have failed */
+    bool revives;       /* also of instances that have failed */
+    size_t work_of_one; /* for pool_run */
 } Call;
 
 static bool is_success(fmi2Status status) {
@@ -92,7 +93,7 @@ static void do_instances(void *context, size_t first, size_t last, unsigned work
 static long finish(Fleet *fleet, Call call) {
     if (atomic_load(&fleet->is_lost)) return FLEET_FATAL;
     atomic_store(&fleet->failures, 0);
-    pool_run(fleet->pool, do_instances, &call, fleet->count);
+    pool_run(fleet->pool, do_instances, &call, fleet->count, call.work_of_one > 0 ? call.work_of_one : 1);
     return atomic_load(&fleet->is_lost) ? FLEET_FATAL : (long)atomic_load(&fleet->failures);
 }
 
@@ -300,9 +301,11 @@ static void blank_failed(const Fleet *fleet, size_t width, double *outputs) {
 
 long fleet_roll(Fleet *fleet, const FleetPorts *ports, const double *inputs, size_t steps, double size,
                 double *outputs) {
+    size_t size_of_inputs = fleet->count * steps * ports->input_count;
+    if (fleet_first_not_finite(inputs, size_of_inputs) < size_of_inputs) return FLEET_NOT_FINITE;
     blank_failed(fleet, steps * ports->output_count, outputs);
     Roll roll = {.ports = *ports, .inputs = inputs, .outputs = outputs, .steps = steps, .size = size};
-    return finish(fleet, (Call){.fleet = fleet, .job = roll_one, .arguments = &roll});
+    return finish(fleet, (Call){.fleet = fleet, .job = roll_one, .arguments = &roll, .work_of_one = steps});
 }
 
 /* ---- states ---- */

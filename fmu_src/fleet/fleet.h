@@ -19,8 +19,9 @@
 
 enum { FLEET_TEXT = 512, FLEET_REPORTS = 16 };
 
-/* What the functions of a fleet return where no instance is named. */
-enum { FLEET_OUT_OF_MEMORY = -1, FLEET_FATAL = -2 };
+/* What the functions of a fleet return instead of a number of instances: a call returned fmi2Fatal, after which FMI
+ * allows no further call; an input is not finite, and no instance was stepped. */
+enum { FLEET_FATAL = -1, FLEET_NOT_FINITE = -2 };
 
 /* Functions of the FMU's binary. The last three are NULL where the FMU saves no states. */
 typedef struct {
@@ -93,7 +94,7 @@ FLEET_EXPORT long fleet_get_reals(Fleet *fleet, fmi2ValueReference reference, do
 FLEET_EXPORT long fleet_get_integers(Fleet *fleet, fmi2ValueReference reference, int *values);
 FLEET_EXPORT long fleet_get_booleans(Fleet *fleet, fmi2ValueReference reference, int *values);
 /* `steps` steps of `size` s. inputs[count][steps][input_count] -> outputs[count][steps][output_count]; the
- * outputs of instances that have failed are NaN. */
+ * outputs of instances that have failed are NaN. FLEET_NOT_FINITE: see fleet_first_not_finite. */
 FLEET_EXPORT long fleet_roll(Fleet *fleet, const FleetPorts *ports, const double *inputs, size_t steps, double size,
                              double *outputs);
 /* states[i]: NULL, or a state of instance i, which fleet_save overwrites. times[i]: its time, s. */

@@ -6,6 +6,7 @@
 #include <windows.h>
 #else
 #include <pthread.h>
+#include <sched.h>
 #endif
 
 struct Thread {
@@ -147,5 +148,13 @@ void thread_pause(void) {
     __builtin_ia32_pause();
 #elif defined __aarch64__
     __asm__ volatile("yield");
+#endif
+}
+
+void thread_yield(void) {
+#if defined _WIN32
+    SwitchToThread();
+#else
+    sched_yield();
 #endif
 }

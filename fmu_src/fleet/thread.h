@@ -24,5 +24,7 @@ void monitor_wake(Monitor *monitor);
 
 /* Tells the processor that the caller waits in a loop. */
 void thread_pause(void);
+/* Lets another thread have the processor. */
+void thread_yield(void);
 
 #endif
