@@ -19,6 +19,7 @@ from workspace import (
     DESCRIPTIONS,
     ROOT,
     TOOLS,
+    WEB_ROOM,
     BuildError,
     fingerprint,
     headers,
@@ -70,7 +71,7 @@ def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[P
     """The files of one FMU in the rooms of fmu_src."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
-    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and TOOLS not in p.parents]
+    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not {TOOLS, WEB_ROOM} & {*p.parents}]
     return sorted(p for p in files if not p.name.startswith(tuple(others)))
 
 
