@@ -63,8 +63,8 @@ def web_path(name: str) -> Path:
     Parameters
     ----------
     name : str
-        "DualCamForward.wasm" or "DualCamInverse.wasm", the model as WebAssembly; "three", the folder of three.js
-        and its licence; or a file in this folder, "three/LICENSE".
+        "DualCamForward.wasm" or "DualCamInverse.wasm", the model as WebAssembly; "three", the folder of
+        three.js and its licence; or a file in this folder, "three/LICENSE".
 
     Returns
     -------
@@ -92,9 +92,9 @@ def web_path(name: str) -> Path:
         if path.exists():
             return path
     raise FmuError(
-        f"{name} is missing: looked for {' and '.join(map(str, places))}. In a checkout run ./build.sh, which makes"
-        " build/web (three.js is downloaded from the npm registry: read the warnings of the build); an installed"
-        " package has the files inside: install the package again"
+        f"{name} is missing: looked for {' and '.join(map(str, places))}. In a checkout run ./build.sh, which"
+        " makes build/web and warns where three.js cannot be downloaded; an installed package has the files"
+        " inside: install the package again"
     )
 
 
