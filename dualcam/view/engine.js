@@ -5,53 +5,33 @@
  * touches no document, so that it runs in browsers and in node alike.
  */
 
-/** A refusal. The message is the FMU's own text. */
+/** A refusal. The message is the FMU's own text: what is refused, and what is allowed. */
 export class ModelError extends Error {
-  /** @param {string} message what is refused, and what is allowed */
-  constructor(message) {
-    super(message);
-    this.name = "ModelError";
-  }
+  name = "ModelError";
 }
 
 /**
- * A variable as modelDescription.xml of FMI 2.0 has it.
- * @typedef {object} Variable
- * @property {string} name
- * @property {number} vr value reference
- * @property {"Real" | "Integer" | "Boolean" | "String"} type
- * @property {"parameter" | "input" | "output" | "local"} causality
- * @property {"fixed" | "tunable" | "discrete" | "continuous"} variability
- * @property {number | boolean | string} [start]
+ * A variable as modelDescription.xml of FMI 2.0 has it; vr is its value reference.
+ * @typedef {{name: string, vr: number, type: "Real" | "Integer" | "Boolean" | "String",
+ *   causality: "parameter" | "input" | "output" | "local",
+ *   variability: "fixed" | "tunable" | "discrete" | "continuous"}} Variable
+ * @typedef {number | boolean | string} Value
+ * @typedef {Record<string, Value>} Values by name
+ * @typedef {object} Snapshot what save() gives and restore() takes; its content belongs to the engine
  */
-
-/** @typedef {number | boolean | string} Value */
-/** @typedef {Record<string, Value>} Values */
-
-/**
- * What save() gives and restore() takes. Its content belongs to the engine.
- * @typedef {object} Snapshot
- */
-
-const RESOURCES = "/resources"; // the folder of the groove tables, as the C code sees it
-const OK = 0; // fmi2OK
-const NOT_TO_THE_PAST = 1; // no step is ever repeated: a state is restored first
 
 // ---- files ----
 
+const RESOURCES = "/resources"; // the folder of the groove tables, as the C code sees it
 const ROOT_FILE = 3; // the first number that WASI gives to a folder
-const GOOD = 0;
-const BAD_FILE = 8; // the numbers of WASI's errors
-const BAD_VALUE = 28;
-const NO_SUCH_FILE = 44;
-const FOLDER = 3; // the numbers of WASI's kinds of files
-const PLAIN_FILE = 4;
+const [GOOD, BAD_FILE, BAD_VALUE, NO_SUCH_FILE] = [0, 8, 28, 44]; // WASI's numbers of errors
+const [FOLDER, PLAIN_FILE] = [3, 4]; // WASI's numbers of the kinds of files
 
 /** The files that the C code reads, in memory: what it imports of the system interface WASI. */
 class Files {
   #texts = new Map(); // path without its first slash -> bytes
   #open = new Map(); // number -> {bytes, place}
-  #memory = null;
+  memory; // WebAssembly.Memory of the module that imports these functions
 
   /** @param {Record<string, string>} texts name of a groove table, as cam1.table has it -> its text */
   constructor(texts) {
@@ -61,37 +41,21 @@ class Files {
     }
   }
 
-  /** @param {WebAssembly.Memory} memory of the module that imports these functions */
-  serve(memory) {
-    this.#memory = memory;
-  }
-
-  get #view() {
-    return new DataView(this.#memory.buffer);
-  }
-
   get #bytes() {
-    return new Uint8Array(this.#memory.buffer);
+    return new Uint8Array(this.memory.buffer); // another buffer after the memory has grown
   }
 
-  /** The functions by name; see the module wasi_snapshot_preview1. There is one folder, the root. */
+  /** The functions by name, as WASI's wasi_snapshot_preview1 defines them. There is one folder, the root. */
   get imports() {
     return {
       environ_sizes_get: (count, size) => this.#numbers([count, 0], [size, 0]),
       environ_get: () => GOOD,
-      random_get: (address, size) => {
-        this.#bytes.fill(0, address, address + size); // used for nothing but the allocator's guard
-        return GOOD;
-      },
+      random_get: (address, size) => this.#fill(0, address, size), // no result depends on these bytes
       proc_exit: (code) => {
-        throw new ModelError(`the model has stopped with code ${code}: reset() starts it again`);
+        throw new Error(`the WebAssembly module has stopped with code ${code}`);
       },
-      fd_prestat_get: (file, address) => (file === ROOT_FILE ? this.#numbers([address, 0], [address + 4, 1]) : BAD_FILE),
-      fd_prestat_dir_name: (file, address) => {
-        if (file !== ROOT_FILE) return BAD_FILE;
-        this.#bytes[address] = "/".charCodeAt(0);
-        return GOOD;
-      },
+      fd_prestat_get: (file, address) => (file > ROOT_FILE ? BAD_FILE : this.#numbers([address, 0], [address + 4, 1])),
+      fd_prestat_dir_name: (_file, address, size) => this.#fill("/".charCodeAt(0), address, size),
       fd_fdstat_get: (file, address) => this.#describe(file, address),
       path_open: (folder, _follow, name, size, _create, _rights, _inherited, _flags, address) =>
         this.#openFile(this.#text(name, size), address),
@@ -102,8 +66,14 @@ class Files {
     };
   }
 
+  #fill(byte, address, size) {
+    this.#bytes.fill(byte, address, address + size);
+    return GOOD;
+  }
+
   #numbers(...pairs) {
-    for (const [address, value] of pairs) this.#view.setUint32(address, value, true);
+    const view = new DataView(this.memory.buffer);
+    for (const [address, value] of pairs) view.setUint32(address, value, true);
     return GOOD;
   }
 
@@ -113,11 +83,9 @@ class Files {
 
   #describe(file, address) {
     if (file !== ROOT_FILE && !this.#open.has(file)) return BAD_FILE;
-    this.#bytes.fill(0, address, address + 24);
-    this.#bytes[address] = file === ROOT_FILE ? FOLDER : PLAIN_FILE;
-    this.#view.setBigUint64(address + 8, ~0n, true); // all rights
-    this.#view.setBigUint64(address + 16, ~0n, true);
-    return GOOD;
+    this.#fill(0, address, 8); // no flags
+    this.#fill(file === ROOT_FILE ? FOLDER : PLAIN_FILE, address, 1);
+    return this.#fill(0xff, address + 8, 16); // all rights
   }
 
   #openFile(path, address) {
@@ -133,9 +101,9 @@ class Files {
     const opened = this.#open.get(file);
     if (opened === undefined) return BAD_FILE;
     const start = opened.place;
+    const list = new Uint32Array(this.memory.buffer, buffers, 2 * count);
     for (let i = 0; i < count; i++) {
-      const target = this.#view.getUint32(buffers + 8 * i, true);
-      const size = this.#view.getUint32(buffers + 8 * i + 4, true);
+      const [target, size] = list.subarray(2 * i);
       const part = opened.bytes.subarray(opened.place, opened.place + size);
       this.#bytes.set(part, target);
       opened.place += part.length;
@@ -149,15 +117,15 @@ class Files {
     const place = Number(offset) + [0, opened.place, opened.bytes.length][from];
     if (!(place >= 0)) return BAD_VALUE;
     opened.place = place;
-    this.#view.setBigUint64(address, BigInt(place), true);
-    return GOOD;
+    return this.#numbers([address, place], [address + 4, 0]);
   }
 }
 
 // ---- calls ----
 
 const SCRATCH_SIZE = 1 << 16; // bytes for the arguments of one call
-const REAL_SIZE = 8; // bytes
+const OK = 0; // fmi2OK
+const NEVER_BACK = 1; // fmi2True: no step is repeated from an earlier state
 
 /** The functions of the FMU with arguments and results of JavaScript. One module holds any number of instances. */
 class Library {
@@ -178,7 +146,7 @@ class Library {
     const system = new Files(files);
     const { instance } = await WebAssembly.instantiate(wasm, { wasi_snapshot_preview1: system.imports });
     library.#functions = instance.exports;
-    system.serve(instance.exports.memory);
+    system.memory = instance.exports.memory;
     instance.exports._initialize();
     library.#scratch = instance.exports.malloc(SCRATCH_SIZE);
     library.#guid = guid;
@@ -187,6 +155,10 @@ class Library {
 
   get #memory() {
     return this.#functions.memory.buffer; // another one after the memory has grown
+  }
+
+  #numberAt(address) {
+    return new DataView(this.#memory).getUint32(address, true);
   }
 
   #textAt(address) {
@@ -200,10 +172,10 @@ class Library {
     new Uint8Array(this.#memory).set([...bytes, 0], address);
   }
 
-  #allocate(size) {
-    const address = this.#functions.malloc(size);
-    if (address === 0) throw new ModelError(`no memory for ${size} bytes`);
-    return address;
+  /** Writes references to the scratch memory. Returns the address behind them, for the values. */
+  #writeReferences(references) {
+    new Uint32Array(this.#memory, this.#scratch, references.length).set(references);
+    return this.#scratch + 8 * Math.ceil(references.length / 2);
   }
 
   #refuse() {
@@ -224,9 +196,7 @@ class Library {
     return instance;
   }
 
-  free(instance) {
-    this.#functions.fmi2FreeInstance(instance);
-  }
+  free = (instance) => this.#functions.fmi2FreeInstance(instance);
 
   /** Starts the run at this time, s. */
   start(instance, time) {
@@ -236,59 +206,52 @@ class Library {
   }
 
   step(instance, time, seconds) {
-    this.#check(this.#functions.fmi2DoStep(instance, time, seconds, NOT_TO_THE_PAST));
+    this.#check(this.#functions.fmi2DoStep(instance, time, seconds, NEVER_BACK));
   }
 
   set(instance, variable, value) {
-    const [reference, content] = [this.#scratch, this.#scratch + 8];
+    const content = this.#writeReferences([variable.vr]);
     const view = new DataView(this.#memory);
-    view.setUint32(reference, variable.vr, true);
     if (variable.type === "Real") view.setFloat64(content, value, true);
     else if (variable.type === "String") {
       this.#writeText(content + 8, value);
       view.setUint32(content, content + 8, true);
     } else view.setInt32(content, Number(value), true);
-    this.#check(this.#functions[`fmi2Set${variable.type}`](instance, reference, 1, content));
+    this.#check(this.#functions[`fmi2Set${variable.type}`](instance, this.#scratch, 1, content));
   }
 
   get(instance, variable) {
-    const [reference, content] = [this.#scratch, this.#scratch + 8];
-    new DataView(this.#memory).setUint32(reference, variable.vr, true);
-    this.#check(this.#functions[`fmi2Get${variable.type}`](instance, reference, 1, content));
+    const content = this.#writeReferences([variable.vr]);
+    this.#check(this.#functions[`fmi2Get${variable.type}`](instance, this.#scratch, 1, content));
     const view = new DataView(this.#memory);
     if (variable.type === "Real") return view.getFloat64(content, true);
-    if (variable.type === "String") return this.#textAt(view.getUint32(content, true));
+    if (variable.type === "String") return this.#textAt(this.#numberAt(content));
     const number = view.getInt32(content, true);
     return variable.type === "Boolean" ? number !== 0 : number;
   }
 
   /** Values of Real variables with these value references, by one call. */
   getReals(instance, references) {
-    const values = this.#scratch + REAL_SIZE * Math.ceil(references.length / 2);
-    new Uint32Array(this.#memory, this.#scratch, references.length).set(references);
+    const values = this.#writeReferences(references);
     this.#check(this.#functions.fmi2GetReal(instance, this.#scratch, references.length, values));
     return new Float64Array(this.#memory, values, references.length).slice();
   }
 
   /** Sets Real variables by one call: all of them, or none where one value is refused. */
   setReals(instance, references, numbers) {
-    const values = this.#scratch + REAL_SIZE * Math.ceil(references.length / 2);
-    new Uint32Array(this.#memory, this.#scratch, references.length).set(references);
+    const values = this.#writeReferences(references);
     new Float64Array(this.#memory, values, references.length).set(numbers);
     this.#check(this.#functions.fmi2SetReal(instance, this.#scratch, references.length, values));
   }
 
   /** The state of an instance as bytes. */
   save(instance) {
-    const handle = this.#scratch;
-    const size = this.#scratch + 4;
-    const number = (address) => new DataView(this.#memory).getUint32(address, true);
-    new DataView(this.#memory).setUint32(handle, 0, true);
+    const [handle, size] = [this.#scratch, this.#writeReferences([0])]; // 0: no state to write over
     this.#check(this.#functions.fmi2GetFMUstate(instance, handle));
-    const state = number(handle);
+    const state = this.#numberAt(handle);
     this.#check(this.#functions.fmi2SerializedFMUstateSize(instance, state, size));
-    const bytes = number(size);
-    const copy = this.#allocate(bytes);
+    const bytes = this.#numberAt(size);
+    const copy = this.#functions.malloc(bytes);
     this.#check(this.#functions.fmi2SerializeFMUstate(instance, state, copy, bytes));
     const saved = new Uint8Array(this.#memory, copy, bytes).slice();
     this.#functions.free(copy);
@@ -298,13 +261,13 @@ class Library {
 
   restore(instance, saved) {
     const handle = this.#scratch;
-    const copy = this.#allocate(saved.length);
+    const copy = this.#functions.malloc(saved.length);
+    this.#writeReferences([0]);
     new Uint8Array(this.#memory).set(saved, copy);
-    new DataView(this.#memory).setUint32(handle, 0, true);
-    const status = this.#functions.fmi2DeSerializeFMUstate(instance, copy, saved.length, handle);
+    const read = this.#functions.fmi2DeSerializeFMUstate(instance, copy, saved.length, handle);
     this.#functions.free(copy);
-    this.#check(status);
-    const set = this.#functions.fmi2SetFMUstate(instance, new DataView(this.#memory).getUint32(handle, true));
+    this.#check(read);
+    const set = this.#functions.fmi2SetFMUstate(instance, this.#numberAt(handle));
     this.#functions.fmi2FreeFMUstate(instance, handle);
     this.#check(set);
   }
@@ -315,17 +278,10 @@ class Library {
 const START_ANGLE = "initial.theta"; // the parameters of the forward model that are its state at the start
 const START_SPEED = "initial.omega";
 
-/** Can the variable be set while the model runs? All of these are Real. */
-function isLive(variable) {
-  return variable.causality === "input" || (variable.causality === "parameter" && variable.variability === "tunable");
-}
+/** Can this input or parameter be set while the model runs? All of these are Real. */
+const isLive = (variable) => variable.causality === "input" || variable.variability === "tunable";
 
-const ALLOWED = {
-  Real: "a number",
-  Integer: "a whole number",
-  Boolean: "true or false",
-  String: "a text",
-};
+const ALLOWED = { Real: "a number", Integer: "a whole number", Boolean: "true or false", String: "a text" };
 
 function isOfType(type, value) {
   if (type === "Real") return typeof value === "number";
@@ -337,11 +293,11 @@ function isOfType(type, value) {
 /**
  * One running mechanism.
  *
- * Where a call throws a ModelError, parameters, inputs, state and time are as before the call.
+ * Where a call is refused it throws a ModelError; parameters, inputs, state and time are as before the call.
  */
 export class Engine {
   #library;
-  #variables = new Map(); // name -> Variable
+  #variables; // name -> Variable
   #design; // the start values that reset() brings back
   #values; // those in effect: of the design, and set since
   #instance = 0; // address of the FMU's instance
@@ -359,7 +315,7 @@ export class Engine {
   static async create(wasm, description, files = {}, start = {}) {
     const engine = new Engine();
     engine.#library = await Library.load(wasm, description.guid, files);
-    for (const variable of description.variables) engine.#variables.set(variable.name, variable);
+    engine.#variables = new Map(description.variables.map((variable) => [variable.name, variable]));
     for (const [name, value] of Object.entries(start)) engine.#check(name, value);
     engine.#design = { ...start };
     engine.reset();
@@ -391,8 +347,7 @@ export class Engine {
    */
   getAll(names) {
     const values = new Float64Array(names.length);
-    const places = [];
-    const references = [];
+    const [places, references] = [[], []]; // of the Real ones
     names.forEach((name, i) => {
       const variable = name === "time" ? undefined : this.#find(name);
       if (variable?.type === "String") throw new ModelError(`${name} is a text: allowed is get("${name}")`);
@@ -411,7 +366,6 @@ export class Engine {
    * Sets an input or parameter; see setAll().
    * @param {string} name
    * @param {Value} value in the FMU's unit
-   * @throws {ModelError} what is refused, and what is allowed
    */
   set(name, value) {
     this.setAll({ [name]: value });
@@ -423,8 +377,7 @@ export class Engine {
    * Inputs and tunable parameters change at the present instant. Any other parameter starts the model anew with it:
    * time, angle and speed go on, the accounts energy.*, peak.* and events begin at 0. With initial.theta or
    * initial.omega among the parameters the model starts at these.
-   * @param {Values} values by name
-   * @throws {ModelError} what is refused, and what is allowed
+   * @param {Values} values
    */
   setAll(values) {
     const names = Object.keys(values);
@@ -432,11 +385,7 @@ export class Engine {
     const chosen = { ...this.#values, ...values };
     if (names.every((name) => isLive(this.#find(name)))) {
       const references = names.map((name) => this.#find(name).vr);
-      this.#library.setReals(
-        this.#instance,
-        references,
-        names.map((name) => values[name]),
-      );
+      this.#library.setReals(this.#instance, references, Object.values(values));
       this.#values = chosen;
     } else {
       const moves = START_ANGLE in values || START_SPEED in values;
@@ -447,7 +396,6 @@ export class Engine {
   /**
    * Goes on in time, with constant inputs.
    * @param {number} seconds > 0
-   * @throws {ModelError} the mechanism jams, or the step is no time
    */
   step(seconds) {
     this.#library.step(this.#instance, this.#time, seconds);
@@ -478,7 +426,6 @@ export class Engine {
    * The edges of the stick band at rest, with the present parameters and F_ext.
    * @param {ArrayLike<number>} thetas angles between the end stops, rad
    * @returns {{load: Float64Array, release: Float64Array}} torque_load and torque_release, N.m
-   * @throws {ModelError} an angle at which the mechanism cannot be
    */
   band(thetas) {
     const angle = this.#find(this.#variables.has(START_ANGLE) ? START_ANGLE : "theta");
@@ -505,12 +452,11 @@ export class Engine {
 
   /** Refuses a value of another type. Whether its size is allowed, the FMU says. */
   #check(name, value) {
-    const variable = this.#find(name);
-    const { type, causality } = variable;
+    const { type, causality } = this.#find(name);
     if (causality !== "input" && causality !== "parameter") {
       throw new ModelError(`${name} is calculated: allowed are parameters and inputs`);
     }
-    if (!isOfType(type, value)) throw new ModelError(`${name} = ${String(value)} is refused: allowed is ${ALLOWED[type]}`);
+    if (!isOfType(type, value)) throw new ModelError(`${name} = ${value} is refused: allowed is ${ALLOWED[type]}`);
   }
 
   /** The present angle and speed, as the parameters with which a new model starts there. */
@@ -541,6 +487,7 @@ export class Engine {
       this.#library.start(instance, time);
     } catch (error) {
       this.#library.free(instance);
+      if (START_ANGLE in motion && error.message.includes(START_ANGLE)) error.message += " (the present angle)";
       throw error;
     }
     if (this.#instance !== 0) this.#library.free(this.#instance);
