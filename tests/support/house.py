@@ -32,6 +32,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
         *("forward", "inverse", "sensitivity"),
     ),
     "fleet": (),
+    "web": (),
     "tools": ("fmi",),
 }
 OUTSIDE_THE_FMUS = ("fleet",)  # rooms with C code of other libraries
