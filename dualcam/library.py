@@ -1,10 +1,11 @@
-"""Where this package's own FMUs are."""
+"""Where this package's own FMUs are, and the files for a page in a browser."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from dualcam.errors import FmuError
+from dualcam.platforms import library_suffix, platform_tuple
 
 MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
 PACKAGE = Path(__file__).resolve().parent
@@ -54,6 +55,61 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
         f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
         " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
         " the package again"
+    )
+
+
+def fleet_library_path() -> Path:
+    """Path of the library of `dualcam.Fleet` for the running Python. FmuError where there is none."""
+    file, platform = f"dualcam_fleet{library_suffix()}", platform_tuple()
+    places = [folder / platform / file for folder in (PACKAGE / "fleet/lib", PACKAGE.parent / "build/fleet")]
+    for path in places:
+        if path.is_file():
+            return path
+    raise FmuError(
+        f"the library of dualcam.Fleet for {platform} is missing: looked for"
+        f" {' and '.join(map(str, places))}. In a checkout run ./build.sh, which makes the library; an"
+        " installed package has those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS"
+    )
+
+
+def web_path(name: str) -> Path:
+    """Path of a product for a page in a browser.
+
+    Parameters
+    ----------
+    name : str
+        "DualCamForward.wasm" or "DualCamInverse.wasm", the model as WebAssembly; "three", the folder of
+        three.js and its licence; or a file in this folder, "three/LICENSE".
+
+    Returns
+    -------
+    Path
+        The file or folder inside the installed package, or that of the build folder of a checkout.
+
+    Raises
+    ------
+    FmuError
+        There is no such file, or a checkout has not been built yet.
+
+    Examples
+    --------
+    >>> web_path("DualCamForward.wasm").name
+    'DualCamForward.wasm'
+    >>> web_path("DualCamBackward.wasm")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    dualcam.errors.FmuError: DualCamBackward.wasm is missing: looked for ...
+    """
+    if not isinstance(name, str) or not name:
+        raise FmuError(f"web_path(name={name!r}): allowed is the name of a file or folder, such as 'three'")
+    places = [folder / name for folder in (PACKAGE / "web", PACKAGE.parent / "build" / "web")]
+    for path in places:
+        if path.exists():
+            return path
+    raise FmuError(
+        f"{name} is missing: looked for {' and '.join(map(str, places))}. In a checkout run ./build.sh, which"
+        " makes build/web and warns where three.js cannot be downloaded; an installed package has the files"
+        " inside: install the package again"
     )
 
 

@@ -6,6 +6,7 @@
                 DualCamInverse.fmu (FMI 2.0), the same in build/fmi3 (FMI 3.0), and NullFmu.fmu
     all         the same FMUs, except NullFmu.fmu for every platform: Linux (x86-64, aarch64), Windows (64 and
                 32 bits), macOS (x86-64, arm64); --all is the same word
+                in both cases also build/web, for a browser: both models as WebAssembly, three.js
     --check     a committed modelDescription.xml that is out of date is an error; else it is rewritten
     --sanitize  the native test drivers instead, with sanitizers and without
 
@@ -15,7 +16,8 @@ same files, for all platforms. Products that are up to date are not made again.
 The steps are in modules beside this file. Other programs of this repository import the functions from here.
 workspace: folders and stamps. platforms: targets and compiler options. compiler: compiling and linking. fmus:
 the files and members of each FMU. members, document: texts in the archive. archive: the zip file. products:
-the order in which all of this makes an FMU.
+the order in which all of this makes an FMU. web_build: the products for a browser. npm_package: files from
+the npm registry.
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ from fmus import (
     null_fmu,
 )
 from platforms import ALL, PLATFORMS, SHARED, TARGET, host_platform, host_target
-from products import build, build_library, build_native_drivers
+from products import build, build_fleets, build_library, build_native_drivers
+from web_build import build_three, build_wasm
 from workspace import (
     BARE,
     BUILD,
@@ -68,8 +71,11 @@ __all__ = [
     "BuildError",
     "Fmu",
     "build",
+    "build_fleets",
     "build_library",
     "build_native_drivers",
+    "build_three",
+    "build_wasm",
     "compile_c",
     "core_sources",
     "dual_cam",
@@ -93,6 +99,14 @@ __all__ = [
 ]
 
 
+def warn_without_three() -> None:
+    """Fetches three.js. The FMUs do not need it, so a build without a network goes on."""
+    try:
+        build_three()
+    except BuildError as error:
+        print(f"build_fmu: warning: {error}", file=sys.stderr)
+
+
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("platforms", nargs="?", choices=["all"], help="for every platform, not this one only")
@@ -111,8 +125,14 @@ def main(words: Sequence[str] | None = None) -> int:
             else:
                 for fmu in fmus:
                     build(fmu, for_all)
+                if for_all or host_target() is not None:
+                    build_fleets(for_all)
                 if host_target() is not None:
                     build(null_fmu(fmus[0]))
+                for fmu in fmus:
+                    if fmu.version == 2:
+                        build_wasm(fmu)
+                warn_without_three()
     except BuildError as error:
         print(f"build_fmu: {error}", file=sys.stderr)
         return 1
