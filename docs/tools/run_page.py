@@ -10,7 +10,8 @@ What a fenced block means:
     sh          commands: `dualcam`, `python`, `pythonfmu` run, with exit code 0 or that of a comment
                 `# exit code 1`; `./build.sh` does not run, because the tests run the same programs; any other
                 command needs the mark below
-    python      runs, unless saved as a file; numbers in comments beside print() must be printed
+    python      runs, unless saved as a file; numbers in comments beside print() must be printed; where the page
+                says "one Python session" the blocks share their names
     text, and "Output" begins the paragraph above
                 these lines are in the output of the last command or code; a line of three points stands for
                 lines left out
@@ -36,9 +37,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 FENCE = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 SAVE = re.compile(r"\bSave\s+these\s+lines\s+as\s+`([^`]+)`")
+SESSION = re.compile(r"\bone\s+Python\s+session\b")
 MARK = re.compile(r"<!-- not run: [^\n]+ -->")
 LEFT_OUT = re.compile(r"^\s*\.\.\.\s*$", re.MULTILINE)
 PICTURE = re.compile(r"!\[[^\]]*\]\(([\w.]+\.png)\)")
@@ -159,19 +162,21 @@ def run_command(command: str) -> str:
     return done.stdout
 
 
-def run_code(code: str) -> str:
-    """Output of a block in Python."""
+def run_code(code: str, names: dict[str, Any] | None = None) -> str:
+    """Output of a block in Python, which knows `names` and adds its own names to these."""
     script = Path("block.py")
     script.write_text(code, encoding="utf-8")
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        runpy.run_path(str(script))
+        left = runpy.run_path(str(script), init_globals=names)
+    if names is not None:
+        names |= {name: value for name, value in left.items() if not name.startswith("__")}
     compare_numbers(code, printed.getvalue())
     return printed.getvalue()
 
 
-def run_blocks(blocks: list[Block]) -> Iterator[Block]:
-    """Runs the blocks in the present folder; gives each one before it is run."""
+def run_blocks(blocks: list[Block], names: dict[str, Any] | None) -> Iterator[Block]:
+    """Runs the blocks in the present folder; gives each one before it is run. Blocks in Python share `names`."""
     printed = ""
     for block in blocks:
         yield block
@@ -184,7 +189,7 @@ def run_blocks(blocks: list[Block]) -> Iterator[Block]:
         elif block.language == "sh":
             printed = "".join(run_command(command) for command in block.commands if is_run(command))
         elif block.language == "python":
-            printed = run_code(block.code)
+            printed = run_code(block.code, names)
 
 
 def run_page(page: Path, folder: Path) -> None:
@@ -204,10 +209,11 @@ def run_page(page: Path, folder: Path) -> None:
         line of the page.
     """
     text = page.read_text(encoding="utf-8")
+    names: dict[str, Any] | None = {} if SESSION.search(text) else None
     block = None
     with contextlib.chdir(folder):
         try:
-            for block in run_blocks(blocks_of(text)):  # noqa: B007, for the message
+            for block in run_blocks(blocks_of(text), names):  # noqa: B007, for the message
                 pass
         except Exception as error:
             raise PageError(f"{page.name}, block at line {block.line if block else 0}: {error}") from error
