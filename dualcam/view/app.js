@@ -110,10 +110,20 @@ class Page {
     this.player.play();
   }
 
+  /** Plays the scene of the design again and again, until somebody touches the page. */
+  async show() {
+    await this.choose(this.scenes[0].name);
+    this.showing = true;
+    for (const name of ["pointerdown", "keydown"]) {
+      document.addEventListener(name, () => (this.showing = false), { once: true });
+    }
+  }
+
   /** What a script calls first: the page's own clock rests. */
   takeOver() {
     if (this.showing) this.player.toDesign(); // ends the scene that plays by itself
     this.showing = false;
+    this.scripted = true;
     if (this.player.running) this.player.pause();
   }
 
@@ -140,6 +150,7 @@ class Page {
     const passed = (time - (this.lastFrame ?? time)) / 1000;
     this.lastFrame = time;
     this.player.advance(passed);
+    if (this.showing && this.player.time > this.scenes[0].seconds) this.player.restart();
     this.drawings.frame(passed);
     requestAnimationFrame((next) => this.frame(next));
   }
@@ -188,10 +199,7 @@ async function begin() {
     );
     throw error;
   }
-  if (!calm) {
-    await page.choose(page.scenes[0].name);
-    page.showing = true;
-  }
+  if (!calm && !page.scripted) await page.show();
 }
 
 begin();

@@ -60,6 +60,7 @@ class Field {
     this.variable = variable;
     this.send = send;
     [this.unit, this.factor] = shownUnit(variable.unit);
+    this.digits = variable.causality === "input" ? 4 : 6;
     this.box = document.createElement("div");
     this.box.className = "field";
     this.box.dataset.name = variable.name;
@@ -112,7 +113,8 @@ class Field {
     if (this.unit === "deg") {
       this.other = document.createElement("span");
       this.other.className = "other";
-      this.label.append(" ", this.other);
+      this.box.classList.add("angle");
+      this.box.append(this.other);
     }
     const known = RANGES[ending(variable.name)];
     const most = 4 * Math.abs(variable.start ?? 1) || 1;
@@ -143,7 +145,7 @@ class Field {
       return;
     }
     if (value < this.low || value > this.high) this.setRange([Math.min(value, this.low), Math.max(value, this.high)]);
-    if (document.activeElement !== this.entry || !sliding) this.entry.value = String(Number((value * this.factor).toPrecision(6)));
+    if (document.activeElement !== this.entry || !sliding) this.entry.value = String(Number((value * this.factor).toPrecision(this.digits)));
     if (!sliding) this.slider.value = value;
     this.slider.setAttribute("aria-valuetext", `${text(value * this.factor)} ${this.unit}`);
     if (this.other) this.other.textContent = `${text(value)} rad`;

@@ -13,6 +13,8 @@ const element = (id) => document.getElementById(id);
 const SLOW_FRAME = 0.03; // s: above this the 3D view gets fewer pixels
 const FAST_FRAME = 0.018;
 const LEAST_QUALITY = 0.4;
+const PIN_SHARE = 0.085; // radius of the drawn pin over the smaller radius of the cams
+const HINT = "Drag cam 2 to turn it. Drag beside it to look around.";
 const LABELS = { cam1: "cam 1, fixed", cam2: "cam 2", pin: "pin", spring: "spring" };
 
 export class Drawings {
@@ -30,6 +32,8 @@ export class Drawings {
     this.stale = { shape: true, band: true, fields: true };
     this.pace = 1 / 60;
     this.frames = 0;
+    // The coefficient in effect, where the friction law has more than one.
+    this.coefficient = probe.has("cam1.friction_coefficient") ? "cam1.friction_coefficient" : "cam1.friction";
     this.makeView();
     new ResizeObserver(() => this.invalidate("size")).observe(document.body);
   }
@@ -49,17 +53,18 @@ export class Drawings {
       const label = document.createElement("span");
       label.textContent = words;
       label.style.color = `var(--${name})`;
+      const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+      line.style.stroke = `var(--${name})`;
+      element("leaders").append(line);
       element("labels").append(label);
-      return [name, label];
+      return [name, label, line];
     });
   }
 
   /** Something has changed: what must be made anew? */
   invalidate(kind) {
     this.dirty = true;
-    if (kind === "geometry" || kind === "parameter") this.stale = { shape: true, band: true, fields: true };
-    if (kind === "script") this.stale = { shape: true, band: true, fields: true };
-    if (kind === "reset") this.stale.fields = true;
+    if (["geometry", "parameter", "reset", "script"].includes(kind)) this.stale = { shape: true, band: true, fields: true };
     if (kind === "torque") this.stale.band = true;
   }
 
@@ -117,7 +122,7 @@ export class Drawings {
     if (key === this.key) return;
     this.key = key;
     this.shape = shape;
-    this.pin = 1e3 * 0.085 * Math.max(...shape.radius); // mm, as in the 3D view
+    this.pin = 1e3 * PIN_SHARE * Math.min(...shape.radius);
     const phi = shape.theta.map((theta, k) => theta - shape.gamma[k]);
     this.curves = [shape.gamma, phi].map((psi, k) => {
       const x = psi.map((angle) => 1e3 * shape.radius[k] * angle);
@@ -126,7 +131,7 @@ export class Drawings {
     });
     if (this.view) {
       this.view.build(shape);
-      const words = [];
+      const words = [HINT];
       if (this.view.drawnApart) words.push("The radii are drawn apart.");
       if (Math.abs(this.view.stretch - 1) > 0.02) words.push(`z is drawn ${text(this.view.stretch, 2)} times as large.`);
       element("apart").textContent = words.join(" ");
@@ -157,10 +162,17 @@ export class Drawings {
     this.viewKey = key;
     this.viewSize = size;
     this.view.draw({ theta: now.theta, gamma: now.gamma, z: now.z, torque });
+    this.placeLabels();
+  }
+
+  /** Names of the parts beside the mechanism, with a line to the part. */
+  placeLabels() {
     const places = this.view.labels();
-    for (const [name, label] of this.labels) {
-      const [x, y] = places[name];
-      label.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px) translate(-50%, -50%)`;
+    for (const [name, label, line] of this.labels) {
+      const { point, side, x } = places[name];
+      const ends = { x1: point[0], y1: point[1], x2: x, y2: point[1] };
+      for (const [key, value] of Object.entries(ends)) line.setAttribute(key, value.toFixed(1));
+      label.style.transform = `translate(${x.toFixed(1)}px, ${point[1].toFixed(1)}px) translate(${side < 0 ? -100 : 0}%, -50%)`;
     }
   }
 
@@ -174,15 +186,15 @@ export class Drawings {
         z: 1e3 * now.z,
         slope: at(this.shape, this.curves[k].slope, now.theta),
         reaction: now[`${name}.reaction`],
-        friction: now[`${name}.friction`],
+        friction: this.player.engine.get(this.coefficient.replace("cam1", name)),
         sigma,
       });
     });
   }
 
   drawTimes() {
-    const { rangeX, least } = this.torque;
+    const { rangeX, chart } = this.torque;
     const room = 0.05 * (rangeX[1] - rangeX[0]);
-    this.times.draw(this.player, [rangeX[0] - room, rangeX[1] + room], least);
+    this.times.draw(this.player, [rangeX[0] - room, rangeX[1] + room], chart.y);
   }
 }

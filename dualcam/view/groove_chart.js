@@ -49,24 +49,17 @@ export class GrooveChart {
     const { chart, curve, pin } = this;
     const { context: c } = chart;
     const points = curve.x.map((x, k) => [x, curve.z[k]]);
-    c.globalAlpha = 0.28;
-    c.lineWidth = 2 * pin * chart.kx;
-    c.strokeStyle = colour;
-    chart.line(points);
-    c.globalAlpha = 1;
-    c.lineWidth = 1;
+    const width = 2 * pin * chart.kx;
+    const stroke = (lineWidth, style, alpha) => {
+      Object.assign(c, { lineWidth, strokeStyle: style, globalAlpha: alpha });
+      chart.line(points);
+    };
+    stroke(width + 3, colour, 1); // the flanks are what the narrower strokes leave of this one
+    stroke(width, colours.panel, 1);
+    stroke(width, colour, 0.2);
     c.setLineDash([5, 4]);
-    chart.line(points);
+    stroke(1, colour, 1);
     c.setLineDash([]);
-    c.lineWidth = 1.6;
-    for (const side of [-1, 1]) {
-      chart.line(
-        curve.x.map((x, k) => {
-          const h = Math.hypot(1, curve.slope[k]);
-          return [x - (side * pin * curve.slope[k]) / h, curve.z[k] + (side * pin) / h];
-        }),
-      );
-    }
   }
 
   drawPin({ x, z }) {
@@ -81,7 +74,7 @@ export class GrooveChart {
   /** Normal force of the flank on the pin and, in slip, friction against the motion. */
   drawForces({ x, z, slope, reaction, friction, sigma }, colour) {
     const { chart, pin } = this;
-    const longest = Math.min(0.34 * chart.height, 90);
+    const longest = Math.min(0.36 * chart.height, 110);
     const length = Math.min(1.3, Math.abs(reaction) / this.scale) * longest * Math.sign(reaction);
     const h = Math.hypot(1, slope);
     const [nx, nz] = [-slope / h, 1 / h];
@@ -90,8 +83,8 @@ export class GrooveChart {
     if (Math.abs(length) < 2) return;
     chart.arrow(u - nx * (edge + length), v + nz * (edge + length), nx * length, -nz * length, colours.text, 2.5);
     const words = `N ${text(reaction, 3)} N`;
-    const drag = -sigma * friction * length;
-    if (sigma !== 0) chart.arrow(u, v, (drag / h) * 1.0, (-drag * slope) / h, colours.bad, 2.5);
+    const drag = -sigma * friction * Math.abs(length); // along the groove, at the flank
+    if (sigma !== 0) chart.arrow(u - nx * edge, v + nz * edge, drag / h, (-drag * slope) / h, colours.bad, 2.5);
     chart.words(words, chart.width - 14, chart.height - chart.margins.bottom - 24, colours.text, "right");
     chart.words(
       sigma === 0 ? "friction: not unique" : `friction ${text(Math.abs(friction * reaction), 3)} N`,

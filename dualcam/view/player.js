@@ -21,6 +21,9 @@ export function valueAt(history, time) {
   return x[k - 1] + ((x[k] - x[k - 1]) * (time - t[k - 1])) / (t[k] - t[k - 1]);
 }
 
+/** The text of a refusal without the name of the FMI function. */
+const withoutFunction = (message) => message.replace(/^fmi2\w+: /, "").replace(/\.$/, "");
+
 export class Player {
   /**
    * @param {import("dualcam/engine").Engine} engine of the design
@@ -155,7 +158,7 @@ export class Player {
       if (!(error instanceof ModelError)) throw error;
       this.hand = null;
       this.pause();
-      this.refuse(`${error.message} The clock rests. Change a value, or press reset.`);
+      this.refuse(`${withoutFunction(error.message)}. The clock rests. Change a value, or press Reset.`);
       return;
     }
     this.record();
@@ -263,6 +266,7 @@ export class Player {
     delete this.histories[name];
     if (name === "tau") this.drive = null;
     this.base[name] = value;
+    if (!this.running) this.send(name, value);
     this.tell("torque");
   }
 
@@ -275,7 +279,7 @@ export class Player {
       this.engine.set(name, value);
     } catch (error) {
       if (!(error instanceof ModelError)) throw error;
-      this.refuse(error.message);
+      this.refuse(`${withoutFunction(error.message)}. The last good value stays.`);
       return false;
     }
     this.mode = this.engine.get("mode");

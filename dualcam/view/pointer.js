@@ -2,7 +2,6 @@
 import { clamp, fixed } from "dualcam/units";
 
 const RADIANS_PER_PIXEL = 0.008; // of the view
-const HAND_RADIANS_PER_PIXEL = 0.007; // of cam 2
 const KEY_TURN = 0.06; // rad of the view for each key press
 const HAND_SPEED = 0.02; // rad of the hand for each repetition of a key
 
@@ -49,7 +48,7 @@ export class Pointer {
     this.pointers.set(event.pointerId, [event.clientX, event.clientY]);
     const { direction } = this.view;
     if (this.pointers.size === 2) direction.distance = clamp(direction.distance * (before / this.spread()), 0.4, 2.5);
-    else if (this.turns && this.player.hand !== null) this.player.moveHand(dx * HAND_RADIANS_PER_PIXEL);
+    else if (this.turns && this.player.hand !== null) this.player.moveHand(dx / this.view.radiusInPixels);
     else {
       direction.azimuth -= dx * RADIANS_PER_PIXEL;
       direction.height = clamp(direction.height + dy * RADIANS_PER_PIXEL, -0.4, 1.45);

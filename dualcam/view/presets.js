@@ -30,12 +30,12 @@ export const PRESETS = [
   },
   {
     name: "Wedge",
-    words: "Very flat grooves of unequal radius: the pin is wedged. Even a large negative torque does not move cam 2.",
+    words: "Very flat grooves of unequal radius: the pin is wedged. Four times the loading torque, turned back, moves nothing.",
     start: {
       ...SMOOTH, "cam1.radius": 0.06, "cam2.radius": 0.02, "cam1.lead_angle": 0.01, "cam2.lead_angle": 0.15,
       "initial.theta": 0.8,
     },
-    histories: { tau: { time: [0, 0.5, 3], value: [0, 0, -8] } },
+    histories: { tau: { time: [0, 0.5, 3], value: [0, 0, -1] } },
     seconds: 3.2,
   },
   {
@@ -50,7 +50,7 @@ export const PRESETS = [
     name: "Stick-slip",
     words: "A torque that rises and trembles: cam 2 sticks and slips in turn, one small move for each tremble.",
     start: { "shaft.damping": 0.02 },
-    histories: { tau: tremble(2.2, 8, 1.2, 0.12, 4) },
+    histories: { tau: tremble(0.9, 8, 1.2, 0.12, 4) },
     seconds: 4,
   },
 ];

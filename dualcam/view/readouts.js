@@ -32,7 +32,7 @@ const RARE = ["energy.heat_damper", "energy.heat_shaft", "energy.heat_stop", "en
 export const FRAME_NAMES = [
   ...READINGS.map(([name]) => name),
   ...ENERGIES.map(([name]) => name),
-  ...["energy.residual", "mode", "events", "gamma", "cam1.reaction", "cam2.reaction", "cam1.friction", "cam2.friction", "time"],
+  ...["energy.residual", "mode", "events", "gamma", "cam1.reaction", "cam2.reaction", "time"],
 ];
 
 const element = (id) => document.getElementById(id);
@@ -69,7 +69,8 @@ export class Readouts {
   /** @param {Record<string, number>} now values of FRAME_NAMES */
   draw(now) {
     for (const [name, , factor, decimals, unit] of READINGS) {
-      this.values.get(name).number.textContent = `${fixed(now[name] * factor, decimals)} ${unit}`;
+      if (name === "efficiency" && now[name] <= 0) this.values.get(name).number.textContent = "self-locking";
+      else this.values.get(name).number.textContent = `${fixed(now[name] * factor, decimals)} ${unit}`;
     }
     const [word, meaning] = MODES[now.mode] ?? [String(now.mode), ""];
     element("mode").textContent = word;
@@ -86,6 +87,7 @@ export class Readouts {
       const { box, fill, number } = this.values.get(name);
       box.hidden = RARE.includes(name) && Math.abs(now[name]) < 1e-9;
       box.style.display = box.hidden ? "none" : "";
+      fill.classList.toggle("negative", now[name] < 0);
       fill.style.transform = `scaleX(${Math.min(1, Math.abs(now[name]) / this.scale)})`;
       number.textContent = `${fixed(now[name], 4)} J`;
     }

@@ -1,6 +1,6 @@
 /** The mechanism in 3D: cams, pin, carriage, spring and the arrow of the torque. One unit is the outer radius. */
 import {
-  AmbientLight, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group,
+  AmbientLight, Color, CylinderGeometry, DirectionalLight, DoubleSide, FrontSide, Group,
   HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from "three";
@@ -40,10 +40,11 @@ export class MechanismView {
 
   materials() {
     const make = (options) => new MeshStandardMaterial({ roughness: 0.55, metalness: 0.15, side: DoubleSide, ...options });
-    const glass = { transparent: true, opacity: 0.34, depthWrite: false };
+    const glass = { transparent: true, opacity: 0.2, side: FrontSide, depthWrite: false };
     this.material = {
       solid: [make({}), make({})], // of cam 1 and cam 2
       glass: [make(glass), make(glass)],
+      shade: [make({ roughness: 0.9 }), make({ roughness: 0.9 })], // inside of a solid tube
       dark: [make({ roughness: 0.9 }), make({ roughness: 0.9 })], // flanks of the grooves
       pin: make({ metalness: 0.3, roughness: 0.4 }),
       carriage: make({}),
@@ -59,13 +60,14 @@ export class MechanismView {
     const { material: m } = this;
     const [cam1, cam2] = [new Color(colours.cam1), new Color(colours.cam2)];
     [cam1, cam2].forEach((colour, k) => {
-      m.solid[k].color.copy(colour).lerp(new Color(0xffffff), 0.35);
-      m.glass[k].color.copy(colour).lerp(new Color(0xffffff), 0.25);
-      m.dark[k].color.copy(colour).multiplyScalar(0.45);
-      m.line[k].color.copy(colour).multiplyScalar(0.8);
+      m.solid[k].color.copy(colour).lerp(new Color(0xffffff), 0.14);
+      m.shade[k].color.copy(colour).multiplyScalar(0.5);
+      m.glass[k].color.copy(colour).lerp(new Color(0xffffff), 0.55);
+      m.dark[k].color.copy(colour).multiplyScalar(0.3);
+      m.line[k].color.copy(colour).multiplyScalar(0.75);
     });
     m.pin.color.set(colours.pin);
-    m.carriage.color.set(colours.pin).lerp(new Color(0xffffff), 0.62);
+    m.carriage.color.set(colours.pin).lerp(new Color(colours.soft), 0.65);
     m.spring.color.set(colours.spring);
     m.ground.color.set(colours.line);
     m.arrow.color.set(colours.cam2);
@@ -104,11 +106,10 @@ export class MechanismView {
     this.high = this.stroke + MARGIN + PIN;
     this.arcY = this.low - ARC_Y;
     this.arcRadius = this.outerCam === 1 ? 1 : this.radius[1];
-    this.rod = Math.max(CARRIAGE, this.high - 0 + 0.15);
-    this.ceiling = this.rod + this.stroke * 1.25 + 0.55;
+    this.rod = Math.max(CARRIAGE, this.high + 0.12);
+    this.ceiling = this.rod + this.stroke * 1.2 + 0.5;
     this.base = this.low - 2 * ARC_Y;
     this.middle = (this.ceiling + this.base) / 2;
-    this.extent = Math.max(1.25, (this.ceiling - this.base) / 2 + 0.12);
   }
 
   drawnZ(z) {
@@ -131,7 +132,8 @@ export class MechanismView {
     const surfaces = tube({ outer, inner: outer - WALL, low, high, slots, pin: PIN });
     const skin = isOuter ? this.material.glass[k] : this.material.solid[k];
     const group = new Group();
-    for (const name of ["outside", "inside", "rims"]) group.add(new Mesh(surfaces[name], skin));
+    for (const name of ["outside", "rims"]) group.add(new Mesh(surfaces[name], skin));
+    group.add(new Mesh(surfaces.inside, isOuter ? skin : this.material.shade[k]));
     group.add(new Mesh(surfaces.flanks, this.material.dark[k]));
     group.add(new LineSegments(surfaces.edges, this.material.line[k]));
     if (isOuter) group.children.slice(0, 3).forEach((mesh) => (mesh.renderOrder = 2));
@@ -198,33 +200,49 @@ export class MechanismView {
     this.arc.show(torque);
   }
 
-  /** Places of the parts' names in pixels. */
+  /** Points of the parts that have a name, in pixels, and the side of the picture on which the name stands. */
   labels() {
-    const { gamma, z } = this.last ?? { gamma: 0, z: this.zLow };
+    const { gamma, z } = this.last;
     const y = this.drawnZ(z);
-    const side = this.direction.azimuth;
-    const edge = (r, h) => new Vector3(r * Math.sin(side + 1.35), h, r * Math.cos(side + 1.35));
+    const isOut = this.outerCam === 1; // is cam 2 outside?
+    const edge = (side, radius, height) => {
+      const angle = this.direction.azimuth + side;
+      return new Vector3(radius * Math.sin(angle), height, radius * Math.cos(angle));
+    };
     const places = {
-      cam1: this.outerCam === 1 ? edge(-this.radius[0], this.base + 0.12) : edge(-1, this.high - 0.1),
-      cam2: this.outerCam === 1 ? edge(1, this.high - 0.12) : edge(this.radius[1], this.arcY),
-      pin: new Vector3(1.08 * Math.sin(gamma), y, 1.08 * Math.cos(gamma)),
-      spring: edge(0.3, (y + this.rod + this.ceiling) / 2),
+      cam1: [edge(-0.9, this.radius[0], isOut ? this.high + 0.02 : 0.2), -1],
+      cam2: isOut ? [edge(1.3, 1, 0.3 * this.high), 1] : [edge(0.9, this.radius[1], this.high + 0.02), 1],
+      pin: [new Vector3(1.08 * Math.sin(gamma), y, 1.08 * Math.cos(gamma)), -1],
+      spring: [edge(1.5, 0.32, (y + this.rod + this.ceiling) / 2), 1],
     };
     const { clientWidth: w, clientHeight: h } = this.canvas;
+    const pixels = (place) => {
+      place.project(this.camera);
+      return [((place.x + 1) / 2) * w, ((1 - place.y) / 2) * h];
+    };
+    const [right] = pixels(edge(Math.PI / 2, 1.18, 0));
+    this.radiusInPixels = (right - w / 2) / 1.18;
+    const reach = Math.min(right - w / 2 + 12, w / 2 - 92);
     return Object.fromEntries(
-      Object.entries(places).map(([name, place]) => {
-        place.project(this.camera);
-        return [name, [((place.x + 1) / 2) * w, ((1 - place.y) / 2) * h]];
-      }),
+      Object.entries(places).map(([name, [place, side]]) => [name, { point: pixels(place), side, x: w / 2 + side * reach }]),
     );
   }
 
+  /** Puts the camera so far away that everything is in the picture. */
   aim() {
     const { azimuth, height, distance } = this.direction;
-    const aspect = this.camera.aspect;
-    const reach = (Math.max(this.extent, 1.35 / aspect) / Math.tan((15 * Math.PI) / 180)) * 1.12 * distance;
-    const flat = Math.cos(height) * reach;
-    this.camera.position.set(flat * Math.sin(azimuth), this.middle + Math.sin(height) * reach, flat * Math.cos(azimuth));
+    const half = Math.tan((this.camera.fov * Math.PI) / 360);
+    const [sin, cos] = [Math.sin(height), Math.cos(height)];
+    let far = 0;
+    for (const [radius, y] of [[1.18, this.base - 0.06], [0.55, this.ceiling + 0.06], [1, this.high]]) {
+      const rise = y - this.middle;
+      for (const front of [-radius, radius]) {
+        far = Math.max(far, sin * rise + cos * front + Math.abs(cos * rise - sin * front) / half);
+      }
+      far = Math.max(far, sin * rise + radius / (half * this.camera.aspect));
+    }
+    const reach = far * 1.03 * distance;
+    this.camera.position.set(cos * reach * Math.sin(azimuth), this.middle + sin * reach, cos * reach * Math.cos(azimuth));
     this.camera.lookAt(0, this.middle, 0);
   }
 

@@ -14,7 +14,8 @@ const END_COLUMNS = 9; // of the round end of a slot
 function cutAt(slot, angle, radius, pin) {
   const { angle: a, z } = slot;
   const last = a.length - 1;
-  if (radius * (angle - a[last]) >= pin || radius * (a[0] - angle) >= pin) return null;
+  const past = radius * Math.max(angle - a[last], a[0] - angle);
+  if (past >= pin * (1 - 1e-6)) return null;
   let k = 0;
   while (k < last - 1 && a[k + 1] < angle) k += 1;
   const slope = (z[k + 1] - z[k]) / (radius * Math.max(1e-9, a[k + 1] - a[k]));

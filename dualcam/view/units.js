@@ -42,7 +42,7 @@ export function fixed(value, decimals) {
 export const MODES = {
   1: ["stick", "Friction holds cam 2. The torque is inside the stick band."],
   2: ["loading", "Cam 2 turns forward. The spring is compressed."],
-  3: ["releasing", "Cam 2 turns back. The spring drives it."],
+  3: ["releasing", "Cam 2 turns back. The spring relaxes."],
   4: ["lower stop", "Cam 2 rests at the lower end stop."],
   5: ["upper stop", "Cam 2 rests at the upper end stop."],
   6: ["wedged", "The pin is wedged between the grooves. No torque in the releasing direction moves cam 2."],
