@@ -140,10 +140,10 @@ case $command in
         ;;
     test)
         if [ $# -eq 0 ]; then
-            install_dependencies '.[test,study]'
+            install_dependencies '.[test,study,docs]'
             build all
         fi
-        run_program '.[test,study]' -m pytest -n 2 "$@"
+        run_program '.[test,study,docs]' -m pytest -n 2 "$@"
         ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;

@@ -32,7 +32,7 @@ PAGE_OF = {
 LIVING_PAGE = "_static/view.html"
 SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
 LINK = re.compile(r"\]\((?!\w+:)([^)#\s]+)((?:#[^)\s]*)?)\)")
-COLUMNS = re.compile(r"^\S.*?\S {3,}\S")
+COLUMNS = re.compile(r"^\S(.*\S)? {3,}\S")
 BACK_LINK = re.compile(r'href="([^"#]*/)([\w.]+)\.html#([\w.]+)"')
 TEXT_OF_LINK = re.compile(r"\[[\w/-]+\.md\]\((?=[^)]+\.md\))")
 PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
