@@ -20,6 +20,7 @@ usage: ./build.sh [command] [arguments]
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
+  fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -152,6 +153,7 @@ case $command in
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
+    fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
