@@ -12,7 +12,7 @@ from pathlib import Path
 import house
 import pytest
 from driver import ROOT, models
-from pages import DOCS, PAGES, TEXTS, load
+from pages import DOCS, OF_DOCS, PAGES, TEXTS, load
 from svg_files import assert_same_picture
 
 from dualcam.__main__ import main
@@ -214,7 +214,7 @@ def test_readme_is_short():
 
 def test_index_names_every_page():
     linked = {link.partition("#")[0] for link in LINK.findall(TEXTS["docs/README.md"])}
-    assert linked == {path.name for path in DOCS.glob("*.md")} - {"README.md"}
+    assert linked == {path.name for path in OF_DOCS} - {"README.md"}
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -7,7 +7,9 @@ from driver import ROOT
 
 DOCS = ROOT / "docs"
 TOP = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
-PAGES = {path.relative_to(ROOT).as_posix(): path for path in [*TOP, *sorted(DOCS.glob("*.md"))]}
+FRONT = DOCS / "index.md"  # of the documentation site: tests/test_site.py
+OF_DOCS = sorted(path for path in DOCS.glob("*.md") if path != FRONT)
+PAGES = {path.relative_to(ROOT).as_posix(): path for path in [*TOP, *OF_DOCS]}
 TEXTS = {name: path.read_text(encoding="utf-8") for name, path in PAGES.items()}
 
 
