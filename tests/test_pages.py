@@ -303,7 +303,8 @@ def test_words_of_the_core_named_exist():
 def test_main_headers_are_those_of_the_house():
     """Their first comment describes the room: tests/test_house.py."""
     column = dict(re.findall(r"^\| `(\w+)` \| `([\w/]+\.h)` \|", ARCHITECTURE, re.MULTILINE))
-    assert column == house.MAIN_HEADER
+    inside = {room: name for room, name in house.MAIN_HEADER.items() if room not in house.OUTSIDE_THE_FMUS}
+    assert column == inside
 
 
 def test_functions_are_where_the_page_says():

@@ -23,7 +23,7 @@ COMMANDS = {
     "export": "Make an FMU with an own name and own start values.",
     "report": "Write one HTML page about a design.",
     "study": "Make many runs by a plan, and draw the results.",
-    "design": "Find the groove that makes a wanted torque.",
+    "design": "Find the groove that makes a wanted torque; cut grooves (CSV, DXF, STEP).",
     "ssp": "Make an SSP package with the FMU of a design.",
 }
 
