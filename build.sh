@@ -43,6 +43,8 @@ usage: ./build.sh [command] [arguments]
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
+  docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
+           also checks the links to other sites
   check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code, then the C code under
            sanitizers and valgrind
   help     this text
@@ -172,6 +174,7 @@ case $command in
         .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
+    docs) run_program '.[docs]' docs/tools/build_site.py "$@" ;;
     all)
         install_dependencies '.[build]'
         build all

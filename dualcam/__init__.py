@@ -9,6 +9,7 @@
     simulate, export_fmu        its scenario over time, and an FMU with its values
     write_report, export_ssp    a page about the design, and an SSP package
     Fleet                       thousands of instances, stepped by one call
+    write_view                  a page in which the design moves
     PlantCoupling               an own plant in Python on the FMU
     dualcam.design              best lead angles, and grooves that give a wanted torque
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         ssp,
         study,
         systems,
+        view,
     )
     from dualcam.bridge import to_nonlinear_io_system
     from dualcam.checking import Verdict, check_design
@@ -66,6 +68,7 @@ if TYPE_CHECKING:
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
+    from dualcam.view import write_view
 
     __version__: str
 
@@ -119,7 +122,9 @@ __all__ = [
     "study",
     "systems",
     "to_nonlinear_io_system",
+    "view",
     "write_report",
+    "write_view",
 ]
 
 _MODULE_OF = {
@@ -162,6 +167,7 @@ _MODULE_OF = {
     "simulate": "simulation",
     "to_nonlinear_io_system": "bridge",
     "write_report": "report",
+    "write_view": "view",
 }
 _MODULES = (
     "checking",
@@ -175,6 +181,7 @@ _MODULES = (
     "ssp",
     "study",
     "systems",
+    "view",
 )
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names
