@@ -39,9 +39,12 @@ usage: ./build.sh [command] [arguments]
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
+  web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
+  docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
+           also checks the links to other sites
   check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code, then the C code under
            sanitizers and valgrind
   help     this text
@@ -155,6 +158,7 @@ case $command in
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
     firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
@@ -170,6 +174,7 @@ case $command in
         .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
+    docs) run_program '.[docs]' docs/tools/build_site.py "$@" ;;
     all)
         install_dependencies '.[build]'
         build all

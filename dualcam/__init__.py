@@ -8,6 +8,7 @@
     read_design, check_design   a design from a TOML file, and whether the design works
     simulate, export_fmu        its scenario over time, and an FMU with its values
     write_report, export_ssp    a page about the design, and an SSP package
+    Fleet                       thousands of instances, stepped by one call
     write_view                  a page in which the design moves
     PlantCoupling               an own plant in Python on the FMU
     dualcam.design              best lead angles, and grooves that give a wanted torque
@@ -48,12 +49,14 @@ if TYPE_CHECKING:
         DualcamError,
         DualcamWarning,
         ExportError,
+        FleetError,
         FmuError,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
     )
     from dualcam.export import export_fmu
+    from dualcam.fleet import Fleet, FleetState
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
     from dualcam.hysteresis import CamHysteresis
@@ -79,6 +82,9 @@ __all__ = [
     "DualcamError",
     "DualcamWarning",
     "ExportError",
+    "Fleet",
+    "FleetError",
+    "FleetState",
     "Fmu",
     "FmuError",
     "FmuState",
@@ -131,6 +137,9 @@ _MODULE_OF = {
     "DualcamError": "errors",
     "DualcamWarning": "errors",
     "ExportError": "errors",
+    "Fleet": "fleet",
+    "FleetError": "errors",
+    "FleetState": "fleet",
     "Fmu": "fmu",
     "FmuError": "errors",
     "FmuState": "handle",

@@ -6,6 +6,7 @@ import math
 import re
 
 import pytest
+from pages import TEXTS
 from view_scenes import CHROMIUM
 
 from dualcam import Fmu, read_design, write_view
@@ -192,6 +193,16 @@ def test_an_unknown_variable_is_named(show, call):
     assert "torque" in page.evaluate(
         f"(() => {{ try {{ {call} }} catch (e) {{ return e instanceof Error && e.message }} }})()"
     )
+
+
+def test_the_block_of_the_documentation_runs(show):
+    page = show()
+    (block,) = re.findall(r"^```js\n(.*?)^```", TEXTS["docs/command-line.md"], re.M | re.S)
+    page.evaluate(f"(async () => {{ {block} }})()")
+    assert get(page, "time") == pytest.approx(0.5)
+    assert get(page, "mode") == UPPER_STOP
+    page.evaluate(f"(async () => {{ {block.partition('await dualcam.choose')[0]} }})()")
+    assert get(page, "time") == pytest.approx(0.01)
 
 
 # ---- scenes ----
