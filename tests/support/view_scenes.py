@@ -125,7 +125,7 @@ SCENES = {
     "steepening ellipse": Scene({**STEEP, **DAMPED, "stop.upper": 1.0}, loading(10.0)),
     "both ellipses": Scene({**FLAT, **STEEP, **HEAVY, "stop.upper": 1.0}, loading(9.0, 50.0)),
     "tables": Scene({**TABLES, **HEAVY}, loading(9.0), TABLE_FILES),
-    "table and helix": Scene({**TABLES, "cam2.profile": 1}, loading(9.0), TABLE_FILES),
+    "table and helix": Scene({"cam1.profile": 3, "cam1.table": "first.csv"}, loading(9.0), TABLE_FILES),
     "without inertia": Scene({"inertia.shaft": 0.0}, loading(10.0)),
     "start in between": Scene({"initial.theta": 0.7, "initial.omega": 5.0}, loading(10.0)),
 }
