@@ -90,8 +90,8 @@ class CamBody:
         if not (depth > 0.0 and floor > cut.pin_radius):
             raise DesignError(
                 f"{name}: depth = {1e3 * depth:.6g} mm: allowed is a length > 0 and below"
-                f" {2e3 * (radius - cut.pin_radius):.6g} mm, so that the floor of the groove is outside"
-                " of the pin's radius"
+                f" {2e3 * (radius - cut.pin_radius):.6g} mm, so that the floor's radius stays"
+                " above the pin's radius"
             )
         outer = radius + 0.5 * depth if outer_radius is None else outer_radius
         if not radius <= outer < math.inf:
