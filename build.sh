@@ -13,6 +13,8 @@ usage: ./build.sh [command] [arguments]
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
+  cad      install the CAD kernel OpenCASCADE (400 MB), draw docs/cut_grooves.png with solids of cams, then test the
+           STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
   test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -174,6 +176,11 @@ case $command in
         .venv/bin/python docs/figures/architecture.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
+        ;;
+    cad)
+        install_dependencies '.[test,cad]'
+        .venv/bin/python docs/figures/groove_cut.py
+        run_program '.[test,cad]' -m pytest tests/test_cam_solid.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
     docs) run_program '.[docs]' docs/tools/build_site.py "$@" ;;
