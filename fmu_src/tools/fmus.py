@@ -15,6 +15,7 @@ from compiler import compile_program, run
 from workspace import (
     BARE,
     BUILD,
+    COMPONENT_ROOM,
     CORE,
     DESCRIPTIONS,
     ROOT,
@@ -71,7 +72,8 @@ def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[P
     """The files of one FMU in the rooms of fmu_src."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
-    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not {TOOLS, WEB_ROOM} & {*p.parents}]
+    apart = {TOOLS, COMPONENT_ROOM, WEB_ROOM}
+    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not apart & {*p.parents}]
     return sorted(p for p in files if not p.name.startswith(tuple(others)))
 
 
