@@ -12,8 +12,7 @@
  *
  * A host cannot call the component while the component calls the host. So there is one call at a time.
  *
- * May include: platform, numerics, model, geometry, contact, closed_form, collocation, forward, inverse, sensitivity,
- * fmi. */
+ * May include: no other room. The functions of the room fmi are those of FMI 3.0's header. */
 #ifndef DUALCAM_COMPONENT_H
 #define DUALCAM_COMPONENT_H
 

@@ -20,6 +20,7 @@ X86_MAC, ARM_MAC = "x86_64-macos.11.0", "aarch64-macos.11.0"
 # Windows 10 and newer, where the C library (ucrt) belongs to the system.
 X86_WINDOWS, X86_32_WINDOWS = "x86_64-windows-gnu", "x86-windows-gnu"
 WASM = "wasm32-wasi"
+STACK = 1 << 20  # bytes, of WebAssembly
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror")
 # -ffp-contract=off forbids fused multiply-add: the last digit is the same on every processor.
@@ -67,7 +68,8 @@ class Platform:
     def linking(self, identifier: str) -> list[str]:
         """Options that make one library from the compiled files."""
         if self.is_component:  # `reactor` is WASI's name of a module without main()
-            return [OPTIMISATION, "-mexec-model=reactor", "-s", LTO]
+            # The linker's default of 16 MB would be in the memory of each instance of the component.
+            return [OPTIMISATION, "-mexec-model=reactor", "-s", LTO, f"-Wl,-z,stack-size={STACK}"]
         options = [OPTIMISATION, "-shared", "-s"]
         if self.suffix == ".so":  # -z defs: an undefined symbol is an error, as on the other systems anyway
             return [*options, LTO, "-Wl,-z,defs"]

@@ -31,6 +31,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
         *("platform", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
         *("forward", "inverse", "sensitivity"),
     ),
+    "component": (),
     "tools": ("fmi",),
 }
 # The file of each room whose first comment says what the room is for, and from which rooms it may include.
