@@ -98,6 +98,18 @@ def test_all_fmus_for_all_platforms(members, model, version):
     }
 
 
+FOR_A_PAGE = {f"dualcam/web/{m}.wasm": f"{m}.wasm" for m in build_fmu.MODELS} | {
+    f"dualcam/web/three/{file}": f"three/{file}"
+    for file in ("LICENSE", "three.core.min.js", "three.module.min.js")
+}
+
+
+@pytest.mark.parametrize("name", FOR_A_PAGE)
+def test_files_for_a_page(members, name):
+    """Those of the build folder; the licence of three.js beside its code."""
+    assert members[name] == (build_fmu.BUILD / "web" / FOR_A_PAGE[name]).read_bytes()
+
+
 def test_nothing_else_but_the_package(members):
     """No test, no C file, no product; every file of the package, whatever its kind."""
     package = ROOT / "dualcam"
@@ -105,8 +117,8 @@ def test_nothing_else_but_the_package(members):
     expected = {path.relative_to(ROOT).as_posix() for path in files}
     fmus = {f"dualcam/fmus/fmi{version}/{m}.fmu" for version in build_fmu.ALL for m in build_fmu.MODELS}
     about = f"dualcam-{VERSION}.dist-info/"
-    assert {name for name in members if not name.startswith(about)} == expected | fmus
-    assert "dualcam/py.typed" in expected and not (package / "fmus").exists()
+    assert {name for name in members if not name.startswith(about)} == expected | fmus | set(FOR_A_PAGE)
+    assert "dualcam/py.typed" in expected and not any((package / n).exists() for n in ("fmus", "web"))
 
 
 def test_record_lists_every_file_with_its_hash(members):

@@ -11,6 +11,7 @@ import base64
 import hashlib
 import io
 import os
+import shutil
 import tarfile
 import tomllib
 import urllib.request
@@ -98,6 +99,21 @@ def archive_of(package: Package) -> bytes:
     return content
 
 
+def used_files(package: Package) -> dict[str, bytes]:
+    """Name without folder -> content, of the files that are used."""
+    found = {}
+    with tarfile.open(fileobj=io.BytesIO(archive_of(package)), mode="r:gz") as archive:
+        for file in package.files:
+            try:
+                member = archive.extractfile(f"package/{file}")
+            except KeyError:
+                member = None
+            if member is None:
+                raise BuildError(f"{package.archive.name} has no file {file}, which pyproject.toml names")
+            found[Path(file).name] = member.read()
+    return found
+
+
 def install(name: str, folder: Path) -> Path:
     """Writes the used files of a package into `folder`/`name`, without their folders; returns that folder.
 
@@ -110,15 +126,10 @@ def install(name: str, folder: Path) -> Path:
     stamp = fingerprint([], package.name, package.version, package.integrity, *package.files)
     if is_fresh(place, stamp) and all((place / Path(file).name).is_file() for file in package.files):
         return place
-    place.mkdir(parents=True, exist_ok=True)
-    with tarfile.open(fileobj=io.BytesIO(archive_of(package)), mode="r:gz") as archive:
-        for file in package.files:
-            try:
-                member = archive.extractfile(f"package/{file}")
-            except KeyError:
-                member = None
-            if member is None:
-                raise BuildError(f"{package.archive.name} has no file {file}, which pyproject.toml names")
-            (place / Path(file).name).write_bytes(member.read())
+    contents = used_files(package)
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir(parents=True)
+    for name, content in contents.items():
+        (place / name).write_bytes(content)
     set_stamp(place, stamp)
     return place

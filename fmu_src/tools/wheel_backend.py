@@ -2,7 +2,8 @@
 
     python -m pip wheel --no-deps --wheel-dir dist .
 
-A wheel holds the FMUs of FMI 2.0 and FMI 3.0 for all platforms, so that an installation needs no compiler.
+A wheel holds the FMUs of FMI 2.0 and FMI 3.0 for all platforms and the files for a page in a browser, so that
+an installation needs no compiler. The build of the wheel downloads three.js, once.
 An editable installation (`pip install -e .`) compiles nothing; its FMUs are those in build/.
 """
 
@@ -41,7 +42,9 @@ __all__ = [
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STAGING = ROOT / "build" / "package"  # what setuptools copies together before it packs
-FOLDER = Path("dualcam") / "fmus"  # of the FMUs in the wheel; dualcam/library.py looks there
+# Folders in the wheel; dualcam/library.py looks there.
+FMUS = Path("dualcam") / "fmus"
+WEB = Path("dualcam") / "web"
 FIRST_DATE = "315532800"  # s since 1970: 1 January 1980, the earliest date in a zip file
 Settings = Mapping[str, str | list[str] | None] | None
 
@@ -84,14 +87,15 @@ class BuildIntoFolder(build):
 
 
 class BuildPackageWithFmus(build_py):
-    """setuptools' command `build_py`, which copies the package, and then the FMUs."""
+    """setuptools' command `build_py`, which copies the package, then the FMUs and the files for a page."""
 
     def run(self) -> None:
         super().run()
         if self.editable_mode:
             return
         package = Path(self.build_lib)
-        copy_fmus(package / FOLDER)
+        copy_fmus(package / FMUS)
+        copy_web(package / WEB)
         for file in package.rglob("*"):
             if file.is_file():
                 file.chmod(0o644)
@@ -109,3 +113,15 @@ def copy_fmus(folder: Path) -> None:
                 fmu = build_fmu.dual_cam(model, check=False, version=version)
                 build_fmu.build(fmu, for_all=True)
                 shutil.copyfile(fmu.path, there / fmu.path.name)
+
+
+def copy_web(folder: Path) -> None:
+    """Builds the files for a page in a browser and copies them to `folder`: WebAssembly and three.js."""
+    import build_fmu
+
+    folder.mkdir(parents=True)
+    with build_fmu.locked():
+        for model in build_fmu.MODELS:
+            module = build_fmu.build_wasm(build_fmu.dual_cam(model, check=False))
+            shutil.copyfile(module, folder / module.name)
+        shutil.copytree(build_fmu.build_three(), folder / "three")

@@ -32,6 +32,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
         *("forward", "inverse", "sensitivity"),
     ),
     "component": (),
+    "web": (),
     "tools": ("fmi",),
 }
 # The file of each room whose first comment says what the room is for, and from which rooms it may include.
