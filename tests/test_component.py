@@ -11,13 +11,15 @@ import build_fmu
 import pytest
 from component_host import CALLBACKS, Handle, Host, Refused, Run, component_of
 from driver3 import models
-from exported_fmus import HELIX, Design
+from exported_fmus import HELIX, Design, designs
 from fmi3_scenes import GENERAL, wave
 from webassembly.core import callers, filler
 from webassembly.encoding import signed, unsigned
 
 import dualcam
+from dualcam.errors import ExportError
 from dualcam.export import export_fmu
+from dualcam.export.component_files import with_files
 from dualcam.model_description import read_model_description
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
@@ -368,6 +370,89 @@ def test_an_exported_fmu_starts_from_the_design_in_webassembly_too(tmp_path, con
             either.set("tau", 5.0)
             either.step(0.05)
         compare(run, native, NAMES)
+
+
+@pytest.fixture(scope="module")
+def with_tables(tmp_path_factory):
+    """The FMU of a design with two groove tables, and its component."""
+    folder = tmp_path_factory.mktemp("tables")
+    target = export_fmu(Design(designs(folder)["table"]), folder / "Tables.fmu", fmi=3)
+    return target, component_of(target)
+
+
+def test_a_component_holds_the_tables_of_its_design(with_tables):
+    """The host shows no file, and the numbers are those of the native library with the FMU's resources."""
+    target, content = with_tables
+    modes = set()
+    with dualcam.Fmu(target) as native:
+        native.start()
+        run = Run(content, native.description)
+        for k in range(300):
+            for either in (native, run):
+                either.set("tau", wave(k * 1e-3))
+                either.step(1e-3)
+            modes.add(run.get("mode"))
+            compare(run, native, (*NAMES, "mode", "events"))
+    assert {2, 3} <= modes
+
+
+def test_tables_are_read_again_by_each_instance_and_reset(with_tables):
+    target, content = with_tables
+    description = read_model_description(target)
+    host, vr = Host(content), references(description)
+    results = set()
+    for _ in range(20):
+        handle = host.instantiate(description.guid)
+        for _ in range(2):
+            handle.enter_initialization_mode(None, 0.0, None)
+            handle.exit_initialization_mode()
+            handle.set_float64([vr["tau"]], [5.0])
+            handle.do_step(0.0, 0.05, True)
+            results.add(tuple(handle.get_float64([vr["theta"], vr["omega"]])))
+            handle.reset()
+        handle.drop()
+    assert len(results) == 1
+
+
+def test_a_table_that_the_component_does_not_hold_is_refused(content, description, with_tables):
+    """In the project's own component there is no table at all."""
+    for binary, token in (
+        (content, description.guid),
+        (with_tables[1], read_model_description(with_tables[0]).guid),
+    ):
+        run = Host(binary).instantiate(token)
+        vr = references(description)
+        run.set_int32([vr["cam1.profile"]], [3])
+        run.set_string([vr["cam1.table"]], ["other.csv"])
+        run.enter_initialization_mode(None, 0.0, None)
+        with pytest.raises(Refused, match=r'cam1.table = "other.csv": this file cannot be opened'):
+            run.exit_initialization_mode()
+
+
+@pytest.mark.parametrize("size", [0, 1, 65536, 300_000])
+def test_a_component_with_files_of_any_size_is_valid(content, description, size):
+    files = {"cam1.csv": b"1" * size, "cam2.csv": b"2" * 100}
+    changed = with_files(content, files)
+    assert changed.count(files["cam1.csv"]) and changed.count(files["cam2.csv"]) == 1
+    Host(changed).instantiate(description.guid).drop()
+    assert with_files(content, {}) == content
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"a": b"", "b": b"", "c": b""}, "3 tables for one component: allowed are up to 2"),
+        ({"a" * 32: b""}, "has a name of 32 bytes: allowed are up to 31"),
+    ],
+)
+def test_files_that_a_component_cannot_hold(content, files, message):
+    with pytest.raises(ExportError, match=message):
+        with_files(content, files)
+
+
+def test_a_component_of_another_project_is_refused(content):
+    with pytest.raises(ExportError, match="0 places for tables, allowed is one"):
+        with_files(content.replace(b"dualcam table files", b"another table files"), {"a": b""})
 
 
 # ---- the encoder ----

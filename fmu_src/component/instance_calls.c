@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "component/component.h"
+#include "component/resource_files.h"
 
 IMPORT("log-message")
 void host_log_message(const char *name, size_t name_length, uint32_t status, const char *category,
@@ -70,10 +71,11 @@ OptionalHandle *instantiate_co_simulation(const char *name, size_t name_length, 
                                           const char *path, size_t path_length, bool visible, bool logging_on,
                                           bool event_mode_used, bool early_return_allowed,
                                           const fmi3ValueReference *required, size_t required_count) {
+    (void)path, (void)path_length; /* the component holds its resources */
     Handle *const me = new_handle(name, name_length);
     if (required_count == 0)
-        me->fmu = fmi3InstantiateCoSimulation(me->name, hold_text(token, token_length), hold_text(path, path_length),
-                                              visible, logging_on, event_mode_used, early_return_allowed, required,
+        me->fmu = fmi3InstantiateCoSimulation(me->name, hold_text(token, token_length), RESOURCES_DIRECTORY, visible,
+                                              logging_on, event_mode_used, early_return_allowed, required,
                                               required_count, me, pass_message, NULL);
     else
         log_message(me, fmi3Error, "logStatusError",
@@ -85,9 +87,10 @@ OptionalHandle *instantiate_co_simulation(const char *name, size_t name_length, 
 EXPORT("instantiate-model-exchange")
 OptionalHandle *instantiate_model_exchange(const char *name, size_t name_length, const char *token, size_t token_length,
                                            const char *path, size_t path_length, bool visible, bool logging_on) {
+    (void)path, (void)path_length; /* the component holds its resources */
     Handle *const me = new_handle(name, name_length);
-    me->fmu = fmi3InstantiateModelExchange(me->name, hold_text(token, token_length), hold_text(path, path_length),
-                                           visible, logging_on, me, pass_message);
+    me->fmu = fmi3InstantiateModelExchange(me->name, hold_text(token, token_length), RESOURCES_DIRECTORY, visible,
+                                           logging_on, me, pass_message);
     return optional_handle(me, new_model_exchange_handle);
 }
 

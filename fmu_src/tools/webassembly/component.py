@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from workspace import BuildError
+
 from webassembly import core
 from webassembly.encoding import name, section, unsigned, vector
 from webassembly.interface import (
@@ -34,6 +36,7 @@ EQUAL, NEW_RESOURCE = b"\x03\0", b"\x03\x01"  # an imported or exported type
 
 INTERFACES = (CO_SIMULATION, MODEL_EXCHANGE)
 HOST = "host"  # the module from which the core imports
+SYSTEM = b"wasi_snapshot_preview1"  # the module of system calls
 START, ALLOCATE, RELEASE, DROP = "_initialize", "allocate", "release", "drop"  # functions of the core
 LATE = (core.Late(LOG_MESSAGE.name, ("i32",) * 7), core.Late(DROP, ("i32",)))
 
@@ -216,7 +219,17 @@ def inner_component(interface: Interface) -> Component:
 
 
 def wrapped(module: bytes) -> bytes:
-    """The component around a compiled core, which exports the functions of the room fmu_src/component."""
+    """The component around a compiled core, which exports the functions of the room fmu_src/component.
+
+    Raises
+    ------
+    BuildError
+        The core imports a system call, because its C library makes one that the room does not answer.
+    """
+    if SYSTEM in module:
+        raise BuildError(
+            "the core of the component imports a system call that system_calls.c does not answer"
+        )
     it = Component()
     types = it.import_instance("types", described_types())
     for named in TYPES:
