@@ -20,6 +20,7 @@ usage: ./build.sh [command] [arguments]
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
+  fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -42,6 +43,8 @@ usage: ./build.sh [command] [arguments]
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
+  docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
+           also checks the links to other sites
   check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code, then the C code under
            sanitizers and valgrind
   help     this text
@@ -150,6 +153,7 @@ case $command in
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
+    fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
@@ -170,6 +174,7 @@ case $command in
         .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
+    docs) run_program '.[docs]' docs/tools/build_site.py "$@" ;;
     all)
         install_dependencies '.[build]'
         build all

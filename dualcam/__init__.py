@@ -8,6 +8,8 @@
     read_design, check_design   a design from a TOML file, and whether the design works
     simulate, export_fmu        its scenario over time, and an FMU with its values
     write_report, export_ssp    a page about the design, and an SSP package
+    Fleet                       thousands of instances, stepped by one call
+    write_view                  a page in which the design moves
     PlantCoupling               an own plant in Python on the FMU
     dualcam.design              best lead angles, and grooves that give a wanted torque
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
         ssp,
         study,
         systems,
+        view,
     )
     from dualcam.bridge import to_nonlinear_io_system
     from dualcam.checking import Verdict, check_design
@@ -46,12 +49,14 @@ if TYPE_CHECKING:
         DualcamError,
         DualcamWarning,
         ExportError,
+        FleetError,
         FmuError,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
     )
     from dualcam.export import export_fmu
+    from dualcam.fleet import Fleet, FleetState
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
     from dualcam.hysteresis import CamHysteresis
@@ -63,6 +68,7 @@ if TYPE_CHECKING:
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
+    from dualcam.view import write_view
 
     __version__: str
 
@@ -76,6 +82,9 @@ __all__ = [
     "DualcamError",
     "DualcamWarning",
     "ExportError",
+    "Fleet",
+    "FleetError",
+    "FleetState",
     "Fmu",
     "FmuError",
     "FmuState",
@@ -113,7 +122,9 @@ __all__ = [
     "study",
     "systems",
     "to_nonlinear_io_system",
+    "view",
     "write_report",
+    "write_view",
 ]
 
 _MODULE_OF = {
@@ -126,6 +137,9 @@ _MODULE_OF = {
     "DualcamError": "errors",
     "DualcamWarning": "errors",
     "ExportError": "errors",
+    "Fleet": "fleet",
+    "FleetError": "errors",
+    "FleetState": "fleet",
     "Fmu": "fmu",
     "FmuError": "errors",
     "FmuState": "handle",
@@ -153,6 +167,7 @@ _MODULE_OF = {
     "simulate": "simulation",
     "to_nonlinear_io_system": "bridge",
     "write_report": "report",
+    "write_view": "view",
 }
 _MODULES = (
     "checking",
@@ -166,6 +181,7 @@ _MODULES = (
     "ssp",
     "study",
     "systems",
+    "view",
 )
 
 if not TYPE_CHECKING:  # type checkers see the imports above, and report other names

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
 
 class DualcamError(ValueError):
     """This package refuses a request. The message names the value and what is allowed."""
@@ -9,6 +15,27 @@ class DualcamError(ValueError):
 
 class FmuError(DualcamError):
     """The FMU, or its handle, refuses a call."""
+
+
+class FleetError(FmuError):
+    """Some instances of a fleet failed. The others did what was asked.
+
+    Attributes
+    ----------
+    instances : tuple of int
+        The instances that failed in this call.
+    reasons : dict of int to str
+        Why, of the first 16 of them at most.
+    outputs : ndarray or None
+        What `Fleet.step` or `Fleet.rollout` would have returned: NaN where an instance has failed.
+    """
+
+    def __init__(
+        self, message: str, instances: tuple[int, ...] = (), reasons: dict[int, str] | None = None
+    ) -> None:
+        super().__init__(message)
+        self.instances, self.reasons = instances, reasons or {}
+        self.outputs: NDArray[np.float64] | None = None
 
 
 class UnknownVariableError(FmuError):

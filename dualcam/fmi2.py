@@ -9,8 +9,9 @@ from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_void
 from functools import partial
 from typing import Any, ClassVar, Literal
 
+from dualcam.binary import Use
 from dualcam.errors import FmuError
-from dualcam.instance import Function, Instance, Reals, References, Use
+from dualcam.instance import Function, Instance, Reals, References
 from dualcam.model_description import ModelDescription
 
 LOGGER = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)

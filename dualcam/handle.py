@@ -15,10 +15,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.binary import Use
 from dualcam.errors import FmuError, UnknownVariableError
 from dualcam.fmi2 import Fmi2Instance
 from dualcam.fmi3 import Fmi3Instance
-from dualcam.instance import START_FAILED, Instance, References, Use
+from dualcam.instance import START_FAILED, Instance, References
 from dualcam.library import source_path
 from dualcam.model_description import Interface, Kind, Scalar, Variable, read_model_description
 from dualcam.reals import Array, Reals, number_of, vector_of
@@ -168,7 +169,7 @@ class Handle:
             raise UnknownVariableError(f"variable {name!r}: allowed is the name of one variable, a text")
         variable = self._variables.get(name)
         if variable is None:
-            raise UnknownVariableError(_unknown(name, self.names, self.description.model_name))
+            raise UnknownVariableError(unknown_variable(name, self.names, self.description.model_name))
         if kinds and variable.kind not in kinds:
             allowed = " or ".join(kind.capitalize() for kind in kinds)
             raise FmuError(f"{name} is {variable.type}: allowed is {allowed}")
@@ -268,7 +269,7 @@ class Handle:
 
     def _set(self, name: str, value: Scalar) -> None:
         variable = self.variable(name)
-        self._instance.set(variable, _suitable(variable, value))
+        self._instance.set(variable, suitable_value(variable, value))
 
     def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> Array:
         """Partial derivatives at the present point.
@@ -407,7 +408,7 @@ def names_of(names: Sequence[str], argument: str) -> list[str]:
     return list(names)
 
 
-def _unknown(name: str, names: list[str], model: str) -> str:
+def unknown_variable(name: str, names: list[str], model: str) -> str:
     """A message with names near the unknown one."""
     near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
     group = name.split(".")[0]
@@ -418,7 +419,7 @@ def _unknown(name: str, names: list[str], model: str) -> str:
     return f"{model} has no variable {name!r}: {guess} are {', '.join(listed[:NAMES_LISTED])}{more}"
 
 
-def _suitable(variable: Variable, value: object) -> Scalar:
+def suitable_value(variable: Variable, value: object) -> Scalar:
     """`value` as the kind of the variable. FmuError if it is something else."""
     if variable.kind == "string":
         if not isinstance(value, str):

@@ -6,12 +6,8 @@ of Instance alone.
 
 from __future__ import annotations
 
-import _ctypes
 import ctypes
 import shutil
-import sys
-import tempfile
-import zipfile
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -20,19 +16,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Literal, NoReturn
 
+from dualcam.binary import Use, interface_of, library_file, load, unload, unpack
 from dualcam.errors import FmuError
-from dualcam.model_description import Interface, ModelDescription, Scalar, Variable
-from dualcam.platforms import binary_folders, folders_of, library_suffix, platform_tuple
+from dualcam.model_description import ModelDescription, Scalar, Variable
 
 OK_OR_WARNING = 1  # FMI's status up to this is success
 MESSAGES_KEPT = 8  # an FMU may log warnings without end
-SEARCH_LIBRARY_FOLDER = 0x8  # LOAD_WITH_ALTERED_SEARCH_PATH: libraries beside the FMU's are found (Windows)
 
 CALL_START = "no run has begun: call start() first"
 START_FAILED = "the last start() failed: call start() with values that the FMU accepts"
 CLOSED = "this FMU is closed: open a new one"
 
-Use = Literal["co-simulation", "model exchange"]
 References = ctypes.Array[c_uint]
 Reals = ctypes.Array[c_double]
 Function = Callable[..., int]
@@ -68,10 +62,10 @@ class Instance(ABC):
         self.is_open = False
         self.refusal = CALL_START
         self._refuse_fast_calls()
-        interface = _interface(path, description, use)
-        self.directory = _extracted(path, description.fmi_major)
+        interface = interface_of(path, description, use)
+        self.directory = unpack(path, description.fmi_major)
         try:
-            self._open(path, _library_file(path, self.directory, interface, description.fmi_major))
+            self._open(path, library_file(path, self.directory, interface, description.fmi_major))
             try:
                 self.component = self._made(path, description, use)
             except BaseException:
@@ -83,10 +77,10 @@ class Instance(ABC):
         self.is_open = True
 
     def _open(self, path: Path, file: Path) -> None:
-        self.library = _load(ctypes.CDLL, path, file)
+        self.library = load(ctypes.CDLL, path, file)
         # Calls through it keep Python's lock: giving it away and taking it back takes longer than a call that
         # only copies values.
-        self.brief = _load(ctypes.PyDLL, path, file)
+        self.brief = load(ctypes.PyDLL, path, file)
 
     def _made(self, path: Path, description: ModelDescription, use: Use) -> c_void_p:
         try:
@@ -186,7 +180,7 @@ class Instance(ABC):
 
     def _unload(self) -> None:
         for library in (self.brief, self.library):
-            _unload(library._handle)
+            unload(library._handle)
 
     # ---- a run ----
 
@@ -323,56 +317,3 @@ def _scalar(variable: Variable) -> Variable:
         kind = "an array" if variable.is_array else f"of the type {variable.type}"
         raise FmuError(f"{variable.name} is {kind}: allowed are scalar numbers, booleans and texts")
     return variable
-
-
-# ---- files ----
-
-
-def _interface(path: Path, description: ModelDescription, use: Use) -> Interface:
-    found = description.co_simulation if use == "co-simulation" else description.model_exchange
-    if found is None:
-        raise FmuError(f"{path} has no {use}: use an FMU that has, or the handle for its other use")
-    return found
-
-
-def _extracted(path: Path, fmi_major: int) -> Path:
-    """A new folder with the resources and this platform's binary. FmuError if these parts are damaged or
-    there is no room."""
-    wanted = ("resources/", *(f"binaries/{folder}/" for folder in binary_folders(fmi_major)))
-    folder = Path(tempfile.mkdtemp(prefix="dualcam_")).resolve()
-    try:
-        with zipfile.ZipFile(path) as archive:
-            archive.extractall(folder, [name for name in archive.namelist() if name.startswith(wanted)])
-        (folder / "resources").mkdir(exist_ok=True)
-    except Exception as error:  # zipfile's, zlib's and the system's
-        shutil.rmtree(folder, ignore_errors=True)
-        raise FmuError(f"{path} cannot be unpacked into {folder}: {error}") from error
-    return folder
-
-
-def _library_file(path: Path, directory: Path, interface: Interface, fmi_major: int) -> Path:
-    name = interface.model_identifier + library_suffix()
-    folders = binary_folders(fmi_major)
-    for folder in folders:
-        file = directory / "binaries" / folder / name
-        if file.is_file():
-            return file
-    others = folders_of(path)
-    raise FmuError(
-        f"{path} has no library for this platform ({platform_tuple()}), no binaries/{folders[0]}/{name}:"
-        f" the FMU has {', '.join(others) or 'no binaries at all'}"
-    )
-
-
-def _load(kind: type[ctypes.CDLL] | type[ctypes.PyDLL], path: Path, file: Path) -> ctypes.CDLL:
-    try:
-        return kind(str(file), winmode=SEARCH_LIBRARY_FOLDER)
-    except OSError as error:
-        raise FmuError(f"{path}: the library cannot be loaded: {error}") from error
-
-
-def _unload(handle: int) -> None:
-    if sys.platform == "win32":
-        _ctypes.FreeLibrary(handle)
-    else:
-        _ctypes.dlclose(handle)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from dualcam.errors import FmuError
+from dualcam.platforms import library_suffix, platform_tuple
 
 MODELS = {"forward": "DualCamForward", "inverse": "DualCamInverse"}
 PACKAGE = Path(__file__).resolve().parent
@@ -54,6 +55,20 @@ def fmu_path(kind: str, fmi: int = 2) -> Path:
         f"{file} of FMI {fmi}.0 is missing: looked for {' and '.join(map(str, places))}. In a checkout run"
         " ./build.sh, which makes the FMUs in build/; an installed package has the FMUs inside: install"
         " the package again"
+    )
+
+
+def fleet_library_path() -> Path:
+    """Path of the library of `dualcam.Fleet` for the running Python. FmuError where there is none."""
+    file, platform = f"dualcam_fleet{library_suffix()}", platform_tuple()
+    places = [folder / platform / file for folder in (PACKAGE / "fleet/lib", PACKAGE.parent / "build/fleet")]
+    for path in places:
+        if path.is_file():
+            return path
+    raise FmuError(
+        f"the library of dualcam.Fleet for {platform} is missing: looked for"
+        f" {' and '.join(map(str, places))}. In a checkout run ./build.sh, which makes the library; an"
+        " installed package has those for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS"
     )
 
 

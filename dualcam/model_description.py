@@ -85,6 +85,7 @@ class Interface:
 
     model_identifier: str
     needs_execution_tool: bool = False
+    allows_one_instance: bool = False  # in one process
     can_save_state: bool = False
     can_serialize_state: bool = False
     provides_directional_derivatives: bool = False
@@ -283,6 +284,7 @@ def _interface(element: ElementTree.Element | None) -> Interface | None:
     return Interface(
         element.attrib["modelIdentifier"],
         needs_execution_tool=has("needsExecutionTool"),
+        allows_one_instance=has("canBeInstantiatedOnlyOncePerProcess"),
         can_save_state=has("canGetAndSetFMUstate", "canGetAndSetFMUState"),
         can_serialize_state=has("canSerializeFMUstate", "canSerializeFMUState"),
         provides_directional_derivatives=has(

@@ -14,6 +14,7 @@ CALLS = {
     "dualcam.report": "dualcam.write_report(design, path)",
     "dualcam.ssp": "dualcam.export_ssp(design, path)",
     "dualcam.study": "dualcam.study.read_study(path)",
+    "dualcam.view": "dualcam.write_view(design, path)",
 }
 
 

@@ -132,7 +132,9 @@ class System:
 
 
 def add_units(root: ET.Element, prefix: str, units: Mapping[str, dict[str, str]]) -> None:
-    """The units by their exponents of base units."""
+    """The units by their exponents of base units. The schema allows no empty list."""
+    if not units:
+        return
     element = add(root, f"{prefix}:Units")
     for name, base in sorted(units.items()):
         add(add(element, "ssc:Unit", name=name), "ssc:BaseUnit", **base)

@@ -5,6 +5,7 @@ import zipfile
 import build_fmu
 import house
 import pytest
+from decay_fmu import make_decay_fmu
 from driver import ROOT, Driver, layout_code, load, models
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
@@ -107,3 +108,9 @@ def core(tmp_path_factory):
         return ctypes.CDLL(str(library))
 
     return compiled
+
+
+@pytest.fixture(scope="session")
+def decay(tmp_path_factory):
+    """An FMU that is not the cam's."""
+    return make_decay_fmu(tmp_path_factory.mktemp("other"))

@@ -34,7 +34,7 @@ MODULES = (
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque")
 # Results of functions: users make none.
 RETURNED = (
-    *("FmuState", "ModelDescription", "OperatingPoint", "Variable"),
+    *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
     *("DesignFile", "Trajectory", "Verdict"),
 )
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)

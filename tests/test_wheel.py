@@ -117,7 +117,11 @@ def test_nothing_else_but_the_package(members):
     expected = {path.relative_to(ROOT).as_posix() for path in files}
     fmus = {f"dualcam/fmus/fmi{version}/{m}.fmu" for version in build_fmu.ALL for m in build_fmu.MODELS}
     about = f"dualcam-{VERSION}.dist-info/"
-    assert {name for name in members if not name.startswith(about)} == expected | fmus | set(FOR_A_PAGE)
+    fleets = {
+        f"dualcam/fleet/lib/{platform.folder}/dualcam_fleet{platform.suffix}" for platform in build_fmu.ALL[3]
+    }
+    others = fmus | fleets | set(FOR_A_PAGE)
+    assert {name for name in members if not name.startswith(about)} == expected | others
     assert "dualcam/py.typed" in expected and not any((package / n).exists() for n in ("fmus", "web"))
 
 

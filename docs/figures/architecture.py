@@ -17,7 +17,7 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "fmu_src"
-TOOLS = "tools"  # programs that build the FMUs: no part of an FMU
+OUTSIDE = {"tools", "fleet"}  # no part of an FMU: the build, and the library of dualcam.Fleet
 
 INK = "#222222"
 ARROW = "#5a5a5a"
@@ -44,7 +44,7 @@ LABEL_SIZE, TEXT_SIZE = 16.0, 13.0
 
 def rooms_of_tree() -> set[str]:
     """The folders of fmu_src that hold C code of the FMUs."""
-    return {path.name for path in SOURCES.iterdir() if path.is_dir() and any(path.glob("*.[ch]"))} - {TOOLS}
+    return {path.name for path in SOURCES.iterdir() if path.is_dir() and any(path.glob("*.[ch]"))} - OUTSIDE
 
 
 def includes() -> set[tuple[str, str]]:
@@ -53,7 +53,7 @@ def includes() -> set[tuple[str, str]]:
     for path in sorted(SOURCES.glob("*/*.[ch]")):
         for included in re.findall(r'^#include "(\w+)/', path.read_text(encoding="utf-8"), re.MULTILINE):
             found.add((path.parent.name, included))
-    return {(user, used) for user, used in found if user != used and user != TOOLS}
+    return {(user, used) for user, used in found if user != used and user not in OUTSIDE}
 
 
 def without_shortcuts(arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:

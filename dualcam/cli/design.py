@@ -1,14 +1,15 @@
-"""`dualcam design`: the groove that makes a wanted torque."""
+"""`dualcam design`: the groove that makes a wanted torque, and grooves for a workshop."""
 
 from __future__ import annotations
 
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from dualcam.cli.groove_export import GrooveExport, export_options, say_written
 from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, say
 from dualcam.errors import DesignError
@@ -26,13 +27,13 @@ GROOVE2 = ("equal", "given")
     epilog=example(
         "dualcam design my.toml --torque 5 -o groove.csv",
         "dualcam design my.toml --torque torque.csv --direction releasing -o groove.csv",
+        "dualcam design my.toml --export groove.dxf --export cam.step",
     ),
 )
 @design_file
-@output_file("CSV file for the table of the groove.")
+@output_file("CSV file for the table of the groove that makes the wanted torque.", required=False)
 @click.option(
     "--torque",
-    required=True,
     metavar="N.m|FILE.csv",
     help="Wanted torque: a number in N.m, or with its unit as '6 N.m'; or a CSV file with a header such as"
     " theta_deg,torque_Nm and 4 or more rows.",
@@ -51,44 +52,75 @@ GROOVE2 = ("equal", "given")
     show_default=True,
     help="equal: both grooves become the same. given: groove 2 is that of the design file.",
 )
-@click.option("--force", is_flag=True, help="Replace an existing table.")
+@export_options
+@click.option("--force", is_flag=True, help="Replace existing files.")
 @as_json
 def command(
     design_file: Path,
-    output: Path,
-    torque: str,
+    output: Path | None,
+    torque: str | None,
     direction: str,
     groove2: str,
     force: bool,
     as_json: bool,
+    **export: Any,  # noqa: ANN401
 ) -> None:
-    """Find the groove that makes a wanted torque, all friction included.
+    """Find the groove that makes a wanted torque, all friction included; or cut grooves.
 
-    Spring, friction, radius and the upper stop are those of the design file. The command writes the table of
-    the groove and prints the lines that put the table into the design file.
+    With --torque: spring, friction, radius and the upper stop are those of the design file. The command
+    writes the table of the groove and prints the lines that put the table into the design file.
+
+    With --export: the command writes the path of the pin and the flanks of both grooves for a workshop. The
+    grooves are those of the design file, or those for the wanted torque.
     """
-    refuse_to_overwrite(output, force)
-    found = _designed(open_design(design_file), torque, direction, groove2 == "given")
-    found.table.write(output)
+    exported = GrooveExport.from_options(**export)
+    if torque is None and not exported.files:
+        raise click.UsageError(
+            "nothing to do: give --torque and --output for a groove that makes a torque, or --export for the"
+            " grooves of the design file"
+        )
+    if (output is None) != (torque is None) and not (torque and exported.files):
+        raise click.UsageError(
+            "-o is the table of a groove for a wanted torque: give --torque and --output together"
+        )
+    if output is not None:
+        refuse_to_overwrite(output, force)
+    exported.prepare(force)
+    design = open_design(design_file)
+    found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
+    if found is not None and output is not None:
+        found.table.write(output)
+    files = exported.write(design, design.mechanism() if found is None else found.mechanism)
     cams = (1,) if groove2 == "given" else (1, 2)
     if as_json:
-        band = found.torque_band()
-        print_json(
-            {
-                "table": output,
-                "cams": cams,
-                "samples": len(found.table.psi),
-                "largest_error": found.largest_error,
-                "self_locking": band.self_locking,
-                "jams": band.jams,
-            }
-        )
+        designed = {} if found is None else _facts(found, output, cams)
+        print_json({**designed, "files": files} if exported.files else designed)
         return
-    say(found.summary())
+    if found is not None:
+        say(found.summary())
+    if output is not None:
+        _say_how_to_use(output, design_file, cams)
+    say_written(files)
+
+
+def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str, Any]:
+    """The result of a design as plain data."""
+    band = found.torque_band()
+    return {
+        "table": table,
+        "cams": cams,
+        "samples": len(found.table.psi),
+        "largest_error": found.largest_error,
+        "self_locking": band.self_locking,
+        "jams": band.jams,
+    }
+
+
+def _say_how_to_use(table: Path, design_file: Path, cams: tuple[int, ...]) -> None:
     tables = " and ".join(f"[cam{cam}]" for cam in cams)
-    say(f"{output} written. Replace the lines profile and table in your {tables} of {design_file}:")
+    say(f"{table} written. Replace the lines profile and table in your {tables} of {design_file}:")
     for cam in cams:
-        say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design_file, output)}"')
+        say(f'[cam{cam}]\nprofile = "table"\ntable = "{_path_from(design_file, table)}"')
 
 
 def _path_from(design_file: Path, table: Path) -> str:

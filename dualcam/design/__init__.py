@@ -8,11 +8,15 @@
     torque_band                             torque band and efficiency over the whole range
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
+    export_groove, GrooveCut, CamBody       files for a workshop: points, drawing, solid
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
 """
 
+from dualcam.design.cut.cam_body import CamBody
+from dualcam.design.cut.export import export_groove
+from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
 from dualcam.design.design import Design
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
 from dualcam.design.mechanism import Mechanism, Spring
@@ -34,12 +38,16 @@ from dualcam.module_calls import explain_call_of
 
 __all__ = [
     "Assessment",
+    "CamBody",
+    "Curve",
     "Design",
     "DesignError",
     "EfficiencyMap",
     "Ellipse",
     "Finding",
+    "Flanks",
     "Groove",
+    "GrooveCut",
     "Helix",
     "Limits",
     "Mechanism",
@@ -56,6 +64,7 @@ __all__ = [
     "design_groove",
     "efficiency",
     "efficiency_map",
+    "export_groove",
     "hertz_pressure",
     "optimum",
     "propose_spring",

@@ -150,6 +150,8 @@ def _parsed(
     if not lines:
         raise DesignError(f"the file is empty: its first line must be a header such as {HEADER} or {USUAL}")
     header, numbers = (lines[0], lines[1:]) if _is_header(lines[0]) else (None, lines)
+    if header is not None and header.text.startswith(f"{HEADER},"):
+        numbers = [_Line(line.number, ",".join(line.text.split(",")[:2])) for line in numbers]
     if not numbers:
         raise DesignError(f"there is no line of numbers below the header {header.text if header else ''!r}")
     if len(numbers) > MOST:

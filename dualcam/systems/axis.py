@@ -1,9 +1,11 @@
 """The forward FMU as a motor-driven axis: a closed loop of controller, current loop, load and cam.
 
-with Fmu("forward") as fmu:
-    axis = CamAxis(fmu)
-    axis.start({"inertia.shaft": 0.2, **cam.parameters()}, angle=0.1)
-    record = simulate_closed_loop(axis, load, controller, CurrentLoop(motor), motion.sample(time))
+    with Fmu("forward") as fmu:
+        axis = CamAxis(fmu)
+        axis.start({"inertia.shaft": 0.2, **cam.parameters()}, angle=0.1)
+        record = simulate_closed_loop(axis, load, controller, CurrentLoop(motor), motion.sample(time))
+
+The result is a `Record` of the motor and of the cam over time.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ from fmus import (
     null_fmu,
 )
 from platforms import ALL, PLATFORMS, SHARED, TARGET, host_platform, host_target
-from products import build, build_library, build_native_drivers
+from products import build, build_fleets, build_library, build_native_drivers
 from web_build import build_three, build_wasm
 from workspace import (
     BARE,
@@ -71,6 +71,7 @@ __all__ = [
     "BuildError",
     "Fmu",
     "build",
+    "build_fleets",
     "build_library",
     "build_native_drivers",
     "build_three",
@@ -124,6 +125,8 @@ def main(words: Sequence[str] | None = None) -> int:
             else:
                 for fmu in fmus:
                     build(fmu, for_all)
+                if for_all or host_target() is not None:
+                    build_fleets(for_all)
                 if host_target() is not None:
                     build(null_fmu(fmus[0]))
                 for fmu in fmus:

@@ -18,6 +18,7 @@ from workspace import (
     COMPONENT_ROOM,
     CORE,
     DESCRIPTIONS,
+    FLEET,
     ROOT,
     TOOLS,
     WEB_ROOM,
@@ -69,11 +70,11 @@ def identity(fmu: Fmu) -> list[str]:
 
 
 def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
-    """The files of one FMU in the rooms of fmu_src."""
+    """The files of one FMU in the rooms of fmu_src. The rooms `component`, `fleet` and `web` are not among them."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
-    apart = {TOOLS, COMPONENT_ROOM, WEB_ROOM}
-    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not apart & {*p.parents}]
+    outside = {TOOLS, COMPONENT_ROOM, FLEET, WEB_ROOM}
+    files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not outside & {*p.parents}]
     return sorted(p for p in files if not p.name.startswith(tuple(others)))
 
 

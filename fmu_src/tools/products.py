@@ -14,6 +14,7 @@ from webassembly.component import wrapped
 from webassembly.interface import manifests
 from workspace import (
     BUILD,
+    FLEET,
     ROOT,
     build_program,
     component_files,
@@ -49,6 +50,23 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     library.write_bytes(slices[0] if len(slices) == 1 else universal(slices))
     set_stamp(library, stamp)
     return library
+
+
+def build_fleet(platform: Platform) -> Path:
+    """The library of `dualcam.Fleet` for `platform`, one of FMI 3.0's."""
+    library = BUILD / "fleet" / platform.folder / f"dualcam_fleet{platform.suffix}"
+    sources = sorted(FLEET.glob("*.c"))
+    stamp = fingerprint([*sources, *headers(), *build_program()], *platform.targets)
+    if not is_fresh(library, stamp):
+        say(f"compile {relative(library)} ({len(sources)} files)")
+        compile_library(platform, platform.targets[0], [], sources, library)
+        set_stamp(library, stamp)
+    return library
+
+
+def build_fleets(for_all: bool = False) -> list[Path]:
+    """The library of `dualcam.Fleet` for this machine or, with `for_all`, for all platforms."""
+    return [build_fleet(platform) for platform in (ALL[3] if for_all else (host_platform(3),))]
 
 
 def build(fmu: Fmu, for_all: bool = False) -> None:

@@ -45,6 +45,7 @@ STAGING = ROOT / "build" / "package"  # what setuptools copies together before i
 # Folders in the wheel; dualcam/library.py looks there.
 FMUS = Path("dualcam") / "fmus"
 WEB = Path("dualcam") / "web"
+FLEET = Path("dualcam") / "fleet" / "lib"
 FIRST_DATE = "315532800"  # s since 1970: 1 January 1980, the earliest date in a zip file
 Settings = Mapping[str, str | list[str] | None] | None
 
@@ -96,6 +97,7 @@ class BuildPackageWithFmus(build_py):
         package = Path(self.build_lib)
         copy_fmus(package / FMUS)
         copy_web(package / WEB)
+        copy_fleet_libraries(package / FLEET)
         for file in package.rglob("*"):
             if file.is_file():
                 file.chmod(0o644)
@@ -113,6 +115,17 @@ def copy_fmus(folder: Path) -> None:
                 fmu = build_fmu.dual_cam(model, check=False, version=version)
                 build_fmu.build(fmu, for_all=True)
                 shutil.copyfile(fmu.path, there / fmu.path.name)
+
+
+def copy_fleet_libraries(folder: Path) -> None:
+    """Builds the libraries of `dualcam.Fleet` for all platforms and copies each to a folder of its own."""
+    import build_fmu
+
+    with build_fmu.locked():
+        for library in build_fmu.build_fleets(for_all=True):
+            there = folder / library.parent.name
+            there.mkdir(parents=True)
+            shutil.copyfile(library, there / library.name)
 
 
 def copy_web(folder: Path) -> None:

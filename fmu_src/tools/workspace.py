@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / "fmu_src"
 TOOLS = CORE / "tools"
 COMPONENT_ROOM = CORE / "component"  # C code of the WebAssembly component alone
+FLEET = CORE / "fleet"  # the library of dualcam.Fleet, which is part of no FMU
 WEB_ROOM = CORE / "web"  # C code of the modules for a browser, of no FMU
 BUILD = ROOT / "build"
 DESCRIPTIONS = ROOT / "modelDescription"

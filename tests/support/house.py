@@ -32,9 +32,11 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
         *("forward", "inverse", "sensitivity"),
     ),
     "component": (),
+    "fleet": (),
     "web": (),
     "tools": ("fmi",),
 }
+OUTSIDE_THE_FMUS = ("fleet",)  # rooms with C code of other libraries
 # The file of each room whose first comment says what the room is for, and from which rooms it may include.
 MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tools"} | {
     "numerics": "numerics/root.h",
@@ -46,7 +48,10 @@ MAIN_HEADER = {room: f"{room}/{room}.h" for room in MAY_INCLUDE if room != "tool
 }
 # Files that an #include names without a room: the list of variables, the standards' headers, and the header
 # that the archive of an FMU adds to its sources.
-WITHOUT_ROOM = ("variables.def", "dependencies.def", "fmi2Functions.h", "fmi3Functions.h", "identity.h")
+WITHOUT_ROOM = (
+    *("variables.def", "dependencies.def", "identity.h"),
+    *("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi3Functions.h"),
+)
 MOST_PAIRS = 16  # of one room; a pair is the .c and .h of one stem
 MOST_LINES = {"tests": 800, "system_examples": 800, "case_studies": 800}
 MOST_LINES_ELSEWHERE = 500

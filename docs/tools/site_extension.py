@@ -1,0 +1,126 @@
+"""The parts of the documentation site that no extension of Sphinx offers.
+
+Pages from outside of docs/ (README.md, CONTRIBUTING.md, CHANGELOG.md) with their links, blocks of docstrings,
+pictures that open in full size, and links from source code back to the API.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from sphinx.application import Sphinx
+
+DOCS = Path(__file__).resolve().parent.parent
+ROOT = DOCS.parent
+# The pages of the site that show a file of the repository's root.
+PAGE_OF = {
+    ROOT / "README.md": DOCS / "site/overview.md",
+    ROOT / "CONTRIBUTING.md": DOCS / "site/contributing.md",
+    ROOT / "CHANGELOG.md": DOCS / "site/changelog.md",
+}
+SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
+LINK = re.compile(r"\]\((?!\w+:)([^)#\s]+)((?:#[^)\s]*)?)\)")
+COLUMNS = re.compile(r"^\S.*?\S {3,}\S")
+BACK_LINK = re.compile(r'href="([^"#]*/)([\w.]+)\.html#([\w.]+)"')
+TEXT_OF_LINK = re.compile(r"\[[\w/-]+\.md\]\((?=[^)]+\.md\))")
+PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
+IMAGE = re.compile(r'<img src="([^"]+)" alt="([^"]*)"[^>]*>')
+
+
+def show_file(app: Sphinx, name: str, source: list[str]) -> None:
+    """Put the text of the file in place of the comment that names the file, and mend the links."""
+    page = Path(app.env.doc2path(name))
+    base = page.parent
+    text = source[0]
+    shown = SHOWN.search(text)
+    if shown:
+        file = (base / shown[1]).resolve()
+        app.env.note_dependency(str(file))
+        text = text.replace(shown[0], IMAGE.sub(r"![\2](\1)", file.read_text(encoding="utf-8")))
+        base = file.parent
+    text = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
+    source[0] = TEXT_OF_LINK.sub("[](", text)  # the title of the page in place of the file's name
+
+
+def site_target(file: Path, page: Path) -> str:
+    """The path by which `page` of the site links to `file`."""
+    resolved = Path(os.path.normpath(file))
+    return os.path.relpath(PAGE_OF.get(resolved, resolved), page.parent).replace(os.sep, "/")
+
+
+# ---- docstrings ----
+
+
+def mark_blocks(_: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """Make literal blocks of what docstrings indent below a blank line, or lay out in columns.
+
+    Such a block is code or a table in plain text. reStructuredText takes it for a quotation.
+    """
+    marked: list[str] = []
+    margin, in_block, announced = 0, False, False  # margin: indent of the latest line of text
+    for paragraph in split_paragraphs(lines):
+        first, last = indent_of(paragraph[0]), indent_of(paragraph[-1])
+        columns = COLUMNS.match(paragraph[0]) is not None
+        in_block = columns or first > margin + (0 if in_block else 3)
+        if in_block and not announced:
+            marked += [" " * margin + "::", ""]
+        marked += ["    " + line for line in paragraph] if columns else paragraph
+        marked.append("")
+        announced = in_block or paragraph[-1].endswith("::")
+        margin = margin if in_block else last
+    lines[:] = marked
+
+
+def split_paragraphs(lines: list[str]) -> list[list[str]]:
+    """Lines between blank lines."""
+    groups = groupby(lines, key=lambda line: bool(line.strip()))
+    return [list(group) for is_text, group in groups if is_text]
+
+
+def indent_of(line: str) -> int:
+    """Number of spaces before the text."""
+    return len(line) - len(line.lstrip())
+
+
+# ---- HTML ----
+
+
+def link_pictures(_: Sphinx, name: str, __: str, context: dict[str, Any], ___: object) -> None:
+    """Let each picture of a page lead to its file: a phone shows the page's picture too small to read."""
+    if "body" in context:
+        context["body"] = PICTURE.sub(r'<p><a href="\2">\1</a>', context["body"])
+
+
+def mend_back_links(app: Sphinx, name: str, _: str, context: dict[str, Any], __: object) -> None:
+    """Let the links of a page of source code lead to the name by which the API documents the thing.
+
+    sphinx.ext.viewcode keeps one module's name per file, but a file has names of `dualcam` and of its own.
+    """
+    if name.startswith("_modules/"):
+        objects = app.env.domaindata["py"]["objects"]
+        context["body"] = BACK_LINK.sub(lambda link: back_link(link, objects), context["body"])
+
+
+def back_link(link: re.Match[str], objects: Mapping[str, Any]) -> str:
+    """The link with the anchor that its page has."""
+    folder, page, anchor = link.groups()
+    known = [full for full, entry in objects.items() if entry.docname.endswith(f"/{page}")]
+    for full in known:
+        if anchor not in known and full.startswith(page) and full.endswith(anchor.partition(".")[2]):
+            anchor = full
+            break
+    return f'href="{folder}{page}.html#{anchor}"'
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Called by Sphinx."""
+    app.connect("source-read", show_file)
+    app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
+    app.connect("html-page-context", mend_back_links)
+    app.connect("html-page-context", link_pictures)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

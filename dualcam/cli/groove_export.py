@@ -1,0 +1,176 @@
+"""`dualcam design --export`: the grooves as files for a workshop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from dualcam.cli.options import FILE
+from dualcam.cli.output import refuse_to_overwrite, say
+from dualcam.errors import DesignError
+
+if TYPE_CHECKING:
+    from dualcam.design import Mechanism
+    from dualcam.design_file import DesignFile
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+SOLID_ENDINGS = (".step", ".stp")
+
+
+class Length(click.ParamType):
+    """A length as a text with its unit, or a number in m."""
+
+    name = "length"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The length [m]."""
+        from dualcam.design_file.units import quantity
+
+        name = param.opts[0] if param else "length"
+        try:
+            return float(value)
+        except ValueError:
+            pass
+        try:
+            return quantity(value, "m")
+        except DesignError as error:
+            raise DesignError(f'{name} "{value}": {error}') from None
+
+
+def _length(name: str, what: str) -> Callable[[Command], Command]:
+    return click.option(name, type=Length(), metavar="LENGTH", help=what)
+
+
+OPTIONS = (
+    click.option(
+        "--export",
+        "exports",
+        type=FILE,
+        multiple=True,
+        metavar="FILE",
+        help="Write the grooves for a workshop: .csv points in space, .dxf unwrapped drawing, .step solid."
+        " With both cams the files are FILE_cam1 and FILE_cam2. May be given several times.",
+    ),
+    click.option(
+        "--cam",
+        type=click.Choice(["1", "2", "both"]),
+        default="both",
+        show_default=True,
+        help="Which cam --export writes.",
+    ),
+    _length("--pin-diameter", "Diameter of the pin, such as '6 mm'. Default: that of [pin]."),
+    _length("--run-out", "Length of groove beyond both stops, such as '3 mm'. Default: 0."),
+    click.option(
+        "--loading",
+        type=click.Choice(["counterclockwise", "clockwise"]),
+        default="counterclockwise",
+        show_default=True,
+        help="How cam 2 turns while the spring is loaded, seen from +z: counterclockwise makes groove 1"
+        " right-handed.",
+    ),
+    _length(
+        "--depth",
+        "Of a solid: length of the pin on the flank, with its middle at the cam's radius. Default:"
+        " pin.width.",
+    ),
+    _length("--outer-diameter", "Of a solid. Default: twice the radius, and the depth."),
+    _length(
+        "--bore-diameter", "Of a solid. Default: that of the groove's floor, so that the groove is a slot."
+    ),
+    _length("--length", "Of a solid, along the axis. Default: the groove and two pin diameters."),
+)
+
+
+def export_options(command: Command) -> Command:
+    """The options of --export."""
+    for option in reversed(OPTIONS):
+        command = option(command)
+    return command
+
+
+@dataclass(frozen=True)
+class GrooveExport:
+    """What --export and its options ask for. Lengths in m."""
+
+    files: tuple[Path, ...]
+    cams: tuple[int, ...]
+    pin_diameter: float | None
+    run_out: float | None
+    loading: str
+    depth: float | None
+    outer_diameter: float | None
+    bore_diameter: float | None
+    length: float | None
+
+    @classmethod
+    def from_options(cls, exports: tuple[Path, ...], cam: str, **lengths: Any) -> GrooveExport:  # noqa: ANN401
+        """Checks that the options go together; click.UsageError if they do not."""
+        asked = cls(exports, (1, 2) if cam == "both" else (int(cam),), **lengths)
+        solid = any(path.suffix.lower() in SOLID_ENDINGS for path in exports)
+        for name in ("depth", "outer_diameter", "bore_diameter", "length"):
+            if getattr(asked, name) is not None and not solid:
+                option = name.replace("_", "-")
+                raise click.UsageError(f"--{option} is the size of a solid: give --export with a .step file")
+        return asked
+
+    def prepare(self, force: bool) -> None:
+        """DualcamError if a file exists or its library is not installed."""
+        from dualcam.design.cut.export import groove_files, require_libraries
+
+        for path in self.files:
+            for file in groove_files(path, self.cams).values():
+                refuse_to_overwrite(file, force)
+            require_libraries(path)
+
+    def write(self, design: DesignFile, mechanism: Mechanism) -> tuple[Path, ...]:
+        """Write all files. A pin and a depth that are not given are those of the design file."""
+        from dualcam.design import export_groove
+
+        written: list[Path] = []
+        for path in self.files:
+            written += export_groove(
+                mechanism,
+                path,
+                self._pin_radius(design),
+                cams=self.cams,
+                run_out=self.run_out or 0.0,
+                loading=self.loading,
+                depth=self._depth(design) if path.suffix.lower() in SOLID_ENDINGS else None,
+                outer_radius=_half(self.outer_diameter),
+                bore_radius=_half(self.bore_diameter),
+                length=self.length,
+            )
+        return tuple(written)
+
+    def _pin_radius(self, design: DesignFile) -> float:
+        if self.pin_diameter is not None:
+            return 0.5 * self.pin_diameter
+        if design.pin is None:
+            raise DesignError(
+                f"{design.path} has no [pin]: add radius and width of the pin there, or give"
+                " --pin-diameter '6 mm'"
+            )
+        return design.pin.radius
+
+    def _depth(self, design: DesignFile) -> float:
+        if self.depth is not None:
+            return self.depth
+        if design.pin is None:
+            raise DesignError(
+                f"{design.path} has no [pin]: add radius and width of the pin there, or give --depth '8 mm',"
+                " the length of the pin on the flank"
+            )
+        return design.pin.width
+
+
+def _half(diameter: float | None) -> float | None:
+    return None if diameter is None else 0.5 * diameter
+
+
+def say_written(files: tuple[Path, ...]) -> None:
+    for file in files:
+        say(f"{file} written")

@@ -1,0 +1,109 @@
+"""The unwrapped groove as a DXF drawing in millimetres."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dualcam.design.cut.groove_cut import Curve, GrooveCut
+from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
+from dualcam.design.statics import Array, DesignError
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+MM = 1e3  # per metre
+LAYERS = {  # name: colour of AutoCAD's index
+    "CENTRE": 1,
+    "FLANK_UPPER": 5,
+    "FLANK_LOWER": 3,
+    "ENDS": 4,
+    "STOPS": 6,
+    "CYLINDER": 8,
+    "TEXT": 7,
+}
+
+
+def write_dxf(cut: GrooveCut, path: Path) -> None:
+    """Write the drawing: the cam's surface seen from outside, x = radius times angle, y = z."""
+    drawing = _drawing()
+    for end in range(cut.mechanism.contacts):
+        _draw_groove(drawing, cut, end)
+    _draw_cylinder(drawing, cut)
+    _write_text(drawing, cut)
+    drawing.saveas(path)
+
+
+def require_ezdxf() -> Any:  # noqa: ANN401
+    """The library; DesignError if the library is not installed."""
+    try:
+        import ezdxf
+    except ImportError:
+        raise DesignError('a .dxf file needs the library ezdxf: pip install "dualcam[dxf]"') from None
+    return ezdxf
+
+
+def _drawing() -> Drawing:
+    ezdxf = require_ezdxf()
+    drawing = ezdxf.new("R2010", setup=["linetypes"])
+    drawing.units = ezdxf.units.MM
+    for name, color in LAYERS.items():
+        drawing.layers.add(name, color=color, linetype="CENTER" if name == "CENTRE" else "CONTINUOUS")
+    return drawing
+
+
+def _draw_groove(drawing: Drawing, cut: GrooveCut, end: int) -> None:
+    psi = places(cut, unwrapped(cut))
+    flanks = cut.flanks(psi)
+    _line(drawing, "CENTRE", _flat(cut, Curve(psi, cut.centre(psi).z), end))
+    _line(drawing, "FLANK_UPPER", _flat(cut, flanks.upper, end))
+    _line(drawing, "FLANK_LOWER", _flat(cut, flanks.lower, end))
+    points = 2 * math.ceil(math.pi / math.sqrt(8.0 * CHORD_ERROR / (2.0 * cut.pin_radius))) + 1
+    for at_end in (False, True):
+        _line(drawing, "ENDS", _flat(cut, cut.round_end(at_end, np.linspace(0.0, 1.0, points)), end))
+    for x, y in _flat(cut, cut.stops(), end):
+        _line(drawing, "STOPS", np.array([(x, y - MM * cut.pin_radius), (x, y + MM * cut.pin_radius)]))
+        _line(drawing, "STOPS", np.array([(x - MM * cut.pin_radius, y), (x + MM * cut.pin_radius, y)]))
+
+
+def _flat(cut: GrooveCut, curve: Curve, end: int) -> Array:
+    """Points of the drawing [mm], shape (n, 2)."""
+    return MM * np.stack([cut.radius * cut.angle(curve.psi, end), curve.z], axis=-1)
+
+
+def _line(drawing: Drawing, layer: str, points: Array) -> None:
+    drawing.modelspace().add_lwpolyline(points.tolist(), dxfattribs={"layer": layer})
+
+
+def _draw_cylinder(drawing: Drawing, cut: GrooveCut) -> None:
+    """The mark of the cam (angle 0) over the groove's height, and one turn of the cylinder from there."""
+    turn = MM * 2.0 * math.pi * cut.radius
+    low, high = (MM * float(cut.centre(psi).z) for psi in (cut.begin, cut.end))
+    margin = 2.0 * MM * cut.pin_radius
+    for x in (0.0, math.copysign(turn, cut.hand)):
+        _line(drawing, "CYLINDER", np.array([(x, low - margin), (x, high + margin)]))
+
+
+def _write_text(drawing: Drawing, cut: GrooveCut) -> None:
+    height = MM * cut.radius / 12.0
+    y = MM * float(cut.centre(cut.begin).z) - 3.0 * MM * cut.pin_radius
+    for k, line in enumerate(describe(cut)):
+        text = drawing.modelspace().add_text(line, height=height, dxfattribs={"layer": "TEXT"})
+        text.set_placement((0.0, y - 1.6 * height * (k + 1)))
+
+
+def describe(cut: GrooveCut) -> list[str]:
+    """What a workshop must know, in lines of ASCII."""
+    ends = cut.mechanism.contacts
+    return [
+        f"dualcam: cam {cut.cam} ({'stands still' if cut.cam == 1 else 'turns'}), unwrapped at the radius"
+        f" {MM * cut.radius:.6g} mm, seen from outside, units mm",
+        f"{'2 grooves, half a turn apart' if ends == 2 else '1 groove'},"
+        f" {'right' if cut.hand > 0 else 'left'}-handed, radial pin of diameter"
+        f" {2.0 * MM * cut.pin_radius:.6g} mm, run-out {MM * cut.run_out:.6g} mm",
+        f"x = 0, y = 0: axis of the pin at theta = 0. The lower flank carries the spring. Lines are within"
+        f" {1e6 * CHORD_ERROR:g} um of the curves",
+    ]

@@ -1,0 +1,116 @@
+"""Grooves of a mechanism to files for a workshop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from dualcam.design.cut.cam_body import CamBody
+from dualcam.design.cut.csv_file import write_csv
+from dualcam.design.cut.dxf_file import require_ezdxf, write_dxf
+from dualcam.design.cut.groove_cut import GrooveCut
+from dualcam.design.cut.solid import require_kernel
+from dualcam.design.cut.step_file import write_step
+from dualcam.design.mechanism import Mechanism
+from dualcam.design.statics import DesignError
+
+ENDINGS = (".csv", ".dxf", ".step", ".stp")
+
+
+def export_groove(
+    mechanism: Mechanism,
+    path: str | Path,
+    pin_radius: float,
+    *,
+    cams: Sequence[int] = (1, 2),
+    run_out: float = 0.0,
+    loading: str = "counterclockwise",
+    depth: float | None = None,
+    outer_radius: float | None = None,
+    bore_radius: float | None = None,
+    length: float | None = None,
+) -> tuple[Path, ...]:
+    """Write the grooves of a mechanism to files for a workshop.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Both grooves and the stops.
+    path : str or Path
+        Name of the file; its ending is the format. `.csv`: points of centre line and flanks in space [m],
+        which are also a groove table. `.dxf`: drawing of the unwrapped cylinder [mm]. `.step`: solid of the
+        cam [mm]. With two cams there are two files: `groove_cam1.dxf` and `groove_cam2.dxf` for
+        `groove.dxf`.
+    pin_radius : float
+        Radius of the pin [m].
+    cams : sequence of {1, 2}
+        Which cams.
+    run_out, loading
+        As in `GrooveCut`.
+    depth, outer_radius, bore_radius, length
+        As in `CamBody.around`, for `.step`.
+
+    Returns
+    -------
+    tuple of Path
+        The files.
+
+    Raises
+    ------
+    DesignError
+        A groove or a body that cannot be made, another ending, or a library that is not installed: `.dxf`
+        needs ezdxf, `.step` needs OpenCASCADE (`pip install "dualcam[cad]"` brings both).
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.design import Helix, Mechanism, Spring, export_groove
+    >>> helix = Helix(radius=0.02, lead_angle=0.7854)
+    >>> mechanism = Mechanism((helix, helix), (0.14, 0.14), Spring(50.0, 5e4), upper=1.3963)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = export_groove(mechanism, f"{folder}/groove.csv", pin_radius=0.003)
+    >>> [file.name for file in files]
+    ['groove_cam1.csv', 'groove_cam2.csv']
+    """
+    files = groove_files(path, cams)
+    ending = Path(path).suffix.lower()
+    require_libraries(path)
+    cuts = {cam: GrooveCut(mechanism, cam, pin_radius, run_out, loading) for cam in files}
+    if ending == ".csv":
+        for cam, file in files.items():
+            write_csv(cuts[cam], file)
+    elif ending == ".dxf":
+        for cam, file in files.items():
+            write_dxf(cuts[cam], file)
+    else:
+        if depth is None:
+            raise DesignError(
+                f"{path}: a solid needs depth: allowed is the length of the pin on the flank [m]"
+            )
+        size = {"outer_radius": outer_radius, "bore_radius": bore_radius, "length": length}
+        bodies = {cam: CamBody.around(cut, depth, **size) for cam, cut in cuts.items()}
+        for cam, file in files.items():
+            write_step(cuts[cam], bodies[cam], file)
+    return tuple(files.values())
+
+
+def groove_files(path: str | Path, cams: Sequence[int] = (1, 2)) -> dict[int, Path]:
+    """The file of each cam: `groove_cam1.dxf` and `groove_cam2.dxf` for `groove.dxf`, the path itself for one
+    cam alone. DesignError for an unknown ending or cam."""
+    path = Path(path)
+    if path.suffix.lower() not in ENDINGS:
+        raise DesignError(f"{path}: allowed endings are {', '.join(ENDINGS)}")
+    if not cams or any(cam not in (1, 2) for cam in cams) or len(set(cams)) != len(cams):
+        raise DesignError(f"cams = {cams!r}: allowed are (1,), (2,) and (1, 2)")
+    if len(cams) == 1:
+        return {cams[0]: path}
+    return {cam: path.with_name(f"{path.stem}_cam{cam}{path.suffix}") for cam in cams}
+
+
+def require_libraries(path: str | Path) -> None:
+    """DesignError if the library for a file of this ending is not installed."""
+    ending = Path(path).suffix.lower()
+    if ending == ".dxf":
+        require_ezdxf()
+    elif ending in (".step", ".stp"):
+        require_kernel()

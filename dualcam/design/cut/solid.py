@@ -1,0 +1,233 @@
+"""The solid of a cam by the CAD kernel OpenCASCADE, in millimetres.
+
+The flanks are surfaces over the angle psi and the radius rho. They are cubic splines through exact points;
+the number of points grows until the splines are within SPLINE_ERROR. A tool in the shape of the groove is
+closed by two round ends and two pieces of cylinders, and cut from a tube.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from dualcam.design.cut.cam_body import CamBody
+from dualcam.design.cut.groove_cut import Curve, GrooveCut
+from dualcam.design.statics import Array, DesignError
+
+if TYPE_CHECKING:
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Shape, TopoDS_Solid
+
+MM = 1e3  # per metre
+SPLINE_ERROR = 1e-4  # mm
+SEWING = 1e-3  # mm between edges that are one
+RADII = 9  # nodes of the splines along the pin
+MOST_NODES = 4_000
+
+Outline = Callable[[Array, float], Curve]  # parameters (n,) and a radius [m] -> points of the groove's edge
+
+
+def require_kernel() -> None:
+    """DesignError if the CAD kernel is not installed."""
+    try:
+        import OCP.BRepAlgoAPI  # noqa: F401
+    except ImportError:
+        raise DesignError(
+            'a .step file needs the CAD kernel OpenCASCADE (380 MB): pip install "dualcam[cad]"; .dxf and'
+            " .csv files need no CAD kernel"
+        ) from None
+
+
+def cam_solid(cut: GrooveCut, body: CamBody) -> TopoDS_Shape:
+    """The cam with all its grooves [mm]."""
+    require_kernel()
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepCheck import BRepCheck_Analyzer
+
+    shape: TopoDS_Shape = _tube(body)
+    for end in range(cut.mechanism.contacts):
+        shape = BRepAlgoAPI_Cut(shape, _tool(cut, body, end)).Shape()
+    if not BRepCheck_Analyzer(shape).IsValid():
+        raise DesignError(
+            f"cam {cut.cam}: the CAD kernel makes no valid solid of this groove: write .dxf or .csv"
+        )
+    return shape
+
+
+def _tube(body: CamBody) -> TopoDS_Shape:
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+
+    axes = gp_Ax2(gp_Pnt(0.0, 0.0, MM * body.low), gp_Dir(0.0, 0.0, 1.0))
+    height = MM * (body.high - body.low)
+    outer = BRepPrimAPI_MakeCylinder(axes, MM * body.outer_radius, height).Shape()
+    if body.bore_radius == 0.0:
+        return outer
+    return BRepAlgoAPI_Cut(
+        outer, BRepPrimAPI_MakeCylinder(axes, MM * body.bore_radius, height).Shape()
+    ).Shape()
+
+
+# ---- the tool: a body in the shape of one groove ----
+
+
+def _tool(cut: GrooveCut, body: CamBody, end: int) -> TopoDS_Solid:
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Sewing
+    from OCP.BRepLib import BRepLib
+    from OCP.TopoDS import TopoDS
+
+    low, high = _radii(cut, body)
+    sides = _sides(cut, np.linspace(low, high, RADII))
+    sewing = BRepBuilderAPI_Sewing(SEWING)
+    for outline, nodes in sides:
+        sewing.Add(_side_face(cut, outline, nodes, np.linspace(low, high, RADII), end))
+    for radius in (low, high):
+        sewing.Add(_cylinder_face(cut, sides, radius, end))
+    sewing.Perform()
+    solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell(sewing.SewedShape())).Solid()
+    BRepLib.OrientClosedSolid_s(solid)
+    return solid
+
+
+def _radii(cut: GrooveCut, body: CamBody) -> tuple[float, float]:
+    """Radii between which the tool is [m]: beyond the wall where the groove is open."""
+    high = 1.02 * body.outer_radius
+    if not body.is_slot:
+        return body.floor_radius, high
+    return 0.5 * (body.bore_radius + max(0.98 * body.bore_radius, cut.pin_radius)), high
+
+
+def _sides(cut: GrooveCut, radii: Array) -> list[tuple[Outline, Array]]:
+    """The edge of the groove in pieces, once around, each with the nodes of its spline."""
+    pieces: list[tuple[Outline, Array]] = []
+    borders = np.unique([cut.begin, *cut.travel, cut.end])
+
+    def upper(psi: Array, radius: float) -> Curve:
+        return cut.flanks(psi, radius).upper
+
+    def lower(psi: Array, radius: float) -> Curve:
+        return cut.flanks(psi, radius).lower
+
+    def last(share: Array, radius: float) -> Curve:
+        return cut.round_end(True, share, radius)
+
+    def first(share: Array, radius: float) -> Curve:
+        return cut.round_end(False, 1.0 - share, radius)
+
+    for begin, end in pairwise(borders):
+        pieces.append((upper, _nodes(cut, upper, begin, end, radii)))
+    pieces.append((last, _nodes(cut, last, 0.0, 1.0, radii)))
+    for begin, end in pairwise(borders[::-1]):
+        pieces.append((lower, _nodes(cut, lower, begin, end, radii)))
+    pieces.append((first, _nodes(cut, first, 0.0, 1.0, radii)))
+    return pieces
+
+
+def _nodes(cut: GrooveCut, outline: Outline, begin: float, end: float, radii: Array) -> Array:
+    """Nodes between which a cubic spline is within SPLINE_ERROR of the outline."""
+    count = 9
+    while count < MOST_NODES:
+        nodes = np.linspace(begin, end, count)
+        between = begin + (end - begin) * (np.arange(4 * (count - 1)) + 0.5) / (4 * (count - 1))
+        error = 0.0
+        for radius in (radii[0], radii[-1]):
+            spline = _spline(nodes, _in_space(cut, outline(nodes, radius), radius, 0))
+            wanted = _in_space(cut, outline(between, radius), radius, 0)
+            error = max(error, float(np.abs(spline(_share(between, nodes)) - wanted).max()))
+        if error < SPLINE_ERROR:
+            return nodes
+        count = 2 * count - 1
+    raise DesignError(f"cam {cut.cam}: the groove bends too sharply for a STEP file: write .dxf or .csv")
+
+
+def _share(values: Array, nodes: Array) -> Array:
+    """Parameters of a spline: 0 at the first node, 1 at the last."""
+    return (values - nodes[0]) / (nodes[-1] - nodes[0])
+
+
+def _spline(nodes: Array, points: Array) -> BSpline:
+    return make_interp_spline(_share(nodes, nodes), points, k=3)
+
+
+def _in_space(cut: GrooveCut, curve: Curve, radius: float, end: int) -> Array:
+    """Points [mm], shape (n, 3)."""
+    angle = cut.angle(curve.psi, end)
+    return MM * np.stack([radius * np.cos(angle), radius * np.sin(angle), curve.z], axis=-1)
+
+
+def _side_face(cut: GrooveCut, outline: Outline, nodes: Array, radii: Array, end: int) -> TopoDS_Face:
+    """A flank or a round end: a spline surface over nodes and radii."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+
+    points = np.stack([_in_space(cut, outline(nodes, float(rho)), float(rho), end) for rho in radii], axis=1)
+    along = _spline(nodes, points)
+    across = make_interp_spline(np.linspace(0.0, 1.0, len(radii)), np.moveaxis(along.c, 1, 0), k=3)
+    surface = _surface(np.moveaxis(across.c, 0, 1), along.t, across.t)
+    return BRepBuilderAPI_MakeFace(surface, 1e-7).Face()
+
+
+def _surface(poles: Array, u_knots: Array, v_knots: Array) -> Geom_BSplineSurface:
+    """A bicubic surface; poles of shape (m, n, 3)."""
+    from OCP.collections import Array2_gp_Pnt
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+
+    rows, columns = poles.shape[:2]
+    array = Array2_gp_Pnt(1, rows, 1, columns)
+    for i in range(rows):
+        for j in range(columns):
+            array.SetValue(i + 1, j + 1, gp_Pnt(*poles[i, j].tolist()))
+    (u, u_mults), (v, v_mults) = _knots(u_knots), _knots(v_knots)
+    return Geom_BSplineSurface(array, u, v, u_mults, v_mults, 3, 3)
+
+
+def _knots(knots: Array) -> tuple[object, object]:
+    """Distinct knots and their multiplicities, as arrays of the kernel."""
+    from OCP.collections import Array1_double, Array1_int
+
+    values, counts = np.unique(knots, return_counts=True)
+    numbers, multiplicities = Array1_double(1, len(values)), Array1_int(1, len(values))
+    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
+        numbers.SetValue(k, value)
+        multiplicities.SetValue(k, count)
+    return numbers, multiplicities
+
+
+def _cylinder_face(
+    cut: GrooveCut, sides: list[tuple[Outline, Array]], radius: float, end: int
+) -> TopoDS_Face:
+    """The piece of a cylinder inside the groove's edge: the floor, or the lid outside of the cam."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+    from OCP.BRepLib import BRepLib
+    from OCP.Geom import Geom_CylindricalSurface
+    from OCP.gp import gp_Ax3, gp_Dir, gp_Pnt
+
+    # the seam of the cylinder is half a turn from the middle of the groove
+    seam = float(cut.angle(0.5 * (cut.begin + cut.end), end)) - math.pi
+    axes = gp_Ax3(gp_Pnt(0.0, 0.0, 0.0), gp_Dir(0.0, 0.0, 1.0), gp_Dir(math.cos(seam), math.sin(seam), 0.0))
+    cylinder = Geom_CylindricalSurface(axes, MM * radius)
+    wire = BRepBuilderAPI_MakeWire()
+    for outline, nodes in sides:
+        curve = outline(nodes, radius)
+        points = np.stack([cut.angle(curve.psi, end) - seam, MM * curve.z], axis=-1)
+        wire.Add(BRepBuilderAPI_MakeEdge(_curve_2d(_spline(nodes, points)), cylinder).Edge())
+    BRepLib.BuildCurves3d_s(wire.Wire())
+    return BRepBuilderAPI_MakeFace(cylinder, wire.Wire(), True).Face()
+
+
+def _curve_2d(spline: BSpline) -> object:
+    from OCP.collections import Array1_gp_Pnt2d
+    from OCP.Geom2d import Geom2d_BSplineCurve
+    from OCP.gp import gp_Pnt2d
+
+    poles = Array1_gp_Pnt2d(1, len(spline.c))
+    for k, pole in enumerate(spline.c.tolist(), 1):
+        poles.SetValue(k, gp_Pnt2d(*pole))
+    knots, multiplicities = _knots(spline.t)
+    return Geom2d_BSplineCurve(poles, knots, multiplicities, 3)

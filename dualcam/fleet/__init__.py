@@ -1,0 +1,12 @@
+"""Thousands of instances of one FMU, stepped by one call.
+
+Fleet        the instances, with arrays of inputs and outputs
+FleetState   saved states of a fleet
+FleetError   which instances failed, and why
+"""
+
+from dualcam.errors import FleetError
+from dualcam.fleet.fleet import Fleet
+from dualcam.fleet.state import FleetState
+
+__all__ = ["Fleet", "FleetError", "FleetState"]

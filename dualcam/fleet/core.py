@@ -1,0 +1,152 @@
+"""A loaded FMU with its instances in C: opened, closed once, and the reasons of failures."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import threading
+from ctypes import POINTER, byref
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.binary import interface_of, library_file, load, unload, unpack
+from dualcam.errors import FleetError, FmuError
+from dualcam.fleet.native import FATAL, NOT_FINITE, Experiment, Report, address, functions_of, native
+from dualcam.model_description import ModelDescription
+
+CLOSED = "this fleet is closed: open a new one"
+BUSY = "this fleet is at work in another thread: one call at a time"
+LOST = "the FMU returned fmi2Fatal: FMI allows no further call of this FMU in this process"
+REASONS_TOLD = 3  # in a message
+
+
+class NotFiniteError(Exception):
+    """An input is not finite, and no instance was stepped."""
+
+
+class Core:
+    """The instances, not yet started. No reference leads from here to the Fleet, so that a dropped Fleet can
+    close this."""
+
+    def __init__(
+        self,
+        path: Path,
+        description: ModelDescription,
+        count: int,
+        threads: int,
+        time: float,
+        tolerance: float,
+    ) -> None:
+        self.count = count
+        self._handle: int | None = None
+        self._states: dict[int, NDArray[np.uintp]] = {}
+        self._lock = threading.Lock()
+        self._native = native()
+        interface = interface_of(path, description, "co-simulation")
+        self._directory = unpack(path, description.fmi_major)
+        self._library: ctypes.CDLL | None = None
+        try:
+            file = library_file(path, self._directory, interface, description.fmi_major)
+            self._library = load(ctypes.CDLL, path, file)
+            self._experiment = Experiment(
+                description.model_name.encode(),
+                description.guid.encode(),
+                (self._directory / "resources").as_uri().encode(),
+                time,
+                tolerance,
+            )
+            functions = functions_of(self._library, interface.can_save_state)
+            self._handle = self._native.fleet_open(byref(functions), byref(self._experiment), count, threads)
+            if self._handle is None:
+                raise FmuError(f"no memory for {count} instances, or no {threads} threads: use fewer")
+            self.check(self._native.fleet_instantiate(self._handle))
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def is_open(self) -> bool:
+        return self._handle is not None
+
+    def close(self) -> None:
+        """Free all instances and the unpacked files, once."""
+        if self._handle is not None:
+            for key in list(self._states):
+                self.forget_states(key)
+            self._native.fleet_close(self._handle)
+            self._handle = None
+        if self._library is not None:
+            unload(self._library._handle)
+            self._library = None
+        shutil.rmtree(self._directory, ignore_errors=True)
+
+    def call(self, name: str, *arguments: object) -> None:
+        """A function of fleet.h. FleetError where instances fail, FmuError where the fleet is closed."""
+        if self._handle is None:
+            raise FmuError(CLOSED)
+        if not self._lock.acquire(blocking=False):
+            raise FmuError(BUSY)
+        try:
+            failures = getattr(self._native, name)(self._handle, *arguments)
+            if failures:
+                self.check(failures)
+        finally:
+            self._lock.release()
+
+    # ---- failures ----
+
+    def failed(self) -> NDArray[np.bool_]:
+        """Which instances have failed, shape (count,)."""
+        return self._told("fleet_failed", np.uint8).astype(bool)
+
+    def times(self) -> NDArray[np.float64]:
+        """Present time of each instance [s], shape (count,)."""
+        return self._told("fleet_times", np.float64)
+
+    def _told(self, name: str, kind: type[np.generic]) -> NDArray[Any]:
+        if self._handle is None:
+            raise FmuError(CLOSED)
+        values = np.zeros(self.count, kind)
+        getattr(self._native, name)(self._handle, address(values))
+        return values
+
+    def check(self, failures: int) -> None:
+        """FleetError that names the instances which failed in the last call."""
+        if failures == FATAL:
+            raise FmuError(LOST)
+        if failures == NOT_FINITE:
+            raise NotFiniteError
+        if failures == 0:
+            return
+        reports = POINTER(Report)()
+        listed = self._native.fleet_reports(self._handle, byref(reports))
+        reasons = {reports[k].instance: _plain(reports[k].text) for k in range(listed)}
+        reasons = dict(sorted(reasons.items()))
+        told = "; ".join(f"instance {i}: {reason}" for i, reason in list(reasons.items())[:REASONS_TOLD])
+        more = f"; and {failures - REASONS_TOLD} more" if failures > REASONS_TOLD else ""
+        head = f"{failures} of {self.count} instances failed: " if failures > 1 else ""
+        instances = tuple(reasons) if failures <= len(reasons) else self._all_failed()
+        raise FleetError(f"{head}{told}{more}", instances, reasons)
+
+    def _all_failed(self) -> tuple[int, ...]:
+        return tuple(int(i) for i in np.flatnonzero(self.failed()))
+
+    # ---- states ----
+
+    def keep_states(self, states: NDArray[np.uintp]) -> int:
+        """A key for states that `close` is to free."""
+        self._states[id(states)] = states
+        return id(states)
+
+    def forget_states(self, key: int) -> None:
+        """Free saved states, once."""
+        states = self._states.pop(key, None)
+        if states is not None and self._handle is not None:
+            self._native.fleet_free_states(self._handle, address(states))
+
+
+def _plain(text: bytes) -> str:
+    return text.decode(errors="replace").replace("##", "#")

@@ -1,0 +1,454 @@
+"""Thousands of instances of one FMU, stepped by one call."""
+
+from __future__ import annotations
+
+import math
+import weakref
+from collections.abc import Iterable, Mapping, Sequence
+from ctypes import addressof, byref
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.errors import FleetError, FmuError, UnknownVariableError
+from dualcam.fleet.arguments import (
+    chosen_instances,
+    numbers_of,
+    output_buffer,
+    whole_number,
+)
+from dualcam.fleet.core import Core, NotFiniteError
+from dualcam.fleet.native import Ports, address, native
+from dualcam.fleet.state import FleetState
+from dualcam.fleet.values import NUMBERS, FleetValue, Layout
+from dualcam.handle import OWN_NAMES, names_of, unknown_variable
+from dualcam.library import source_path
+from dualcam.model_description import Variable, read_model_description
+from dualcam.reals import Array, number_of
+from dualcam.unit_guards import warn_units
+
+MOST_THREADS = 256
+GETTERS = {"real": "fleet_get_reals", "integer": "fleet_get_integers", "boolean": "fleet_get_booleans"}
+
+
+class Fleet:
+    """Many instances of one FMU of FMI 2.0 for co-simulation. A run of all instances has begun when the fleet
+    is made, and again after `reset`.
+
+    Each instance moves bit for bit as if the instance were alone. An instance that fails makes the call an
+    error, and is left alone from then on: its outputs are NaN, and the others go on. `reset` and `restore`
+    bring a failed instance back.
+
+    Parameters
+    ----------
+    fmu : str or Path
+        "forward" or "inverse" for this package's own FMUs, or the path of any FMU of FMI 2.0.
+    count : int
+        Number of instances, > 0.
+    inputs : sequence of str, shape (n,)
+        Real variables that are set before each step.
+    outputs : sequence of str, shape (m,)
+        Real variables that are read after each step.
+    parameters : mapping of str to value, optional
+        Start values of parameters and inputs, in the FMU's units: one value for all instances, or an array of
+        shape (count,). Default: the FMU's.
+    threads : int
+        Threads that share the instances of a call, 1 to 256. An FMU whose instances are not independent
+        allows one thread only.
+    time : float
+        Start time [s].
+    tolerance : float, optional
+        Relative tolerance of the FMU's integrator. None: the FMU's default, here 1e-9.
+
+    Raises
+    ------
+    FleetError
+        The FMU refuses a start value of an instance.
+    UnknownVariableError
+        The FMU has no variable of a name.
+    FmuError
+        Another argument is wrong, or the FMU is not of FMI 2.0 or has no co-simulation.
+
+    See Also
+    --------
+    dualcam.Fmu : One instance, of FMI 2.0 or FMI 3.0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualcam import Fleet
+    >>> stiffness = np.linspace(40e3, 60e3, 5)  # N/m
+    >>> with Fleet("forward", 5, parameters={"spring.stiffness": stiffness, "inertia.shaft": 0.01}) as fleet:
+    ...     for _ in range(50):
+    ...         angles_and_speeds = fleet.step(np.full((5, 1), 5.0), 1e-3)  # N.m, s
+    ...     angles_and_speeds[:, 0].round(4).tolist()  # rad
+    [0.4867, 0.4789, 0.4713, 0.464, 0.457]
+    """
+
+    def __init__(
+        self,
+        fmu: str | Path,
+        count: int,
+        inputs: Sequence[str] = ("tau",),
+        outputs: Sequence[str] = ("theta", "omega"),
+        parameters: Mapping[str, FleetValue] | None = None,
+        threads: int = 1,
+        *,
+        time: float = 0.0,
+        tolerance: float | None = None,
+    ) -> None:
+        self.path = source_path(fmu)
+        self.count = whole_number(count, "count", "a whole number > 0", math.inf)
+        self.threads = whole_number(
+            threads, "threads", f"a whole number from 1 to {MOST_THREADS}", MOST_THREADS
+        )
+        self.description = read_model_description(self.path)
+        if self.description.fmi_major != 2:
+            raise FmuError(f"{self.path} is of FMI {self.description.fmi_version}: allowed is FMI 2.0")
+        interface = self.description.co_simulation
+        if interface is not None and interface.allows_one_instance and count > 1:
+            raise FmuError(f"count = {count}: {self.path} allows one instance in a process")
+        self._variables = {variable.name: variable for variable in self.description.variables}
+        self.inputs = tuple(names_of(inputs, "inputs"))
+        self.outputs = tuple(names_of(outputs, "outputs"))
+        self._references = [self._real_references(names) for names in (self.inputs, self.outputs)]
+        sizes = (len(self.inputs), len(self.outputs))
+        self._ports = Ports(*sizes, *(address(references) for references in self._references))
+        self._ports_address = addressof(self._ports)
+        self._parameters: dict[str, FleetValue] = {}
+        start_time = number_of(time, "time")
+        relative = (
+            0.0 if tolerance is None else number_of(tolerance, "tolerance", "a finite number > 0, or None")
+        )
+        if tolerance is not None and relative <= 0.0:
+            raise FmuError(f"tolerance = {tolerance!r}: allowed is a finite number > 0, or None")
+        self._layout(parameters or {})  # refuses wrong values before an instance is made
+        self._core = Core(self.path, self.description, self.count, self.threads, start_time, relative)
+        self._close = weakref.finalize(self, self._core.close)
+        try:
+            self.reset(parameters=parameters)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        self._core.times()  # an error where the fleet is closed
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __repr__(self) -> str:
+        state = "" if self._core.is_open else ", closed"
+        return f"<Fleet of {self.count} {self.description.model_name}{state}>"
+
+    def close(self) -> None:
+        """Free all instances and the unpacked files. Any later call is an FmuError."""
+        self._close()
+
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which instances have failed since their last `reset` or `restore`, shape (count,)."""
+        return self._core.failed()
+
+    @property
+    def times(self) -> Array:
+        """Present time of each instance [s], shape (count,)."""
+        return self._core.times()
+
+    # ---- steps ----
+
+    def step(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
+        """One step of all instances.
+
+        Parameters
+        ----------
+        u : array_like, shape (count, n)
+            Inputs in the FMU's units, constant over the step. No copy is made of a C-contiguous array of
+            float64.
+        h : float
+            Length of the step [s], > 0.
+        out : ndarray of float64, shape (count, m), optional
+            Where the outputs go. Default: a new array.
+
+        Returns
+        -------
+        ndarray, shape (count, m)
+            Outputs after the step.
+
+        Raises
+        ------
+        FleetError
+            An instance failed in this call. The others made the step; `outputs` of the error has their rows.
+        FmuError
+            A wrong shape or type, or a value that is not finite: no instance made the step.
+        """
+        return self._roll(u, (self.count, len(self.inputs)), 1, h, out, (self.count, len(self.outputs)))
+
+    def rollout(self, u: ArrayLike, h: float, out: Array | None = None) -> Array:
+        """Many steps of all instances, with a history of inputs for each.
+
+        Parameters
+        ----------
+        u : array_like, shape (count, steps, n)
+            Inputs in the FMU's units, constant over each step.
+        h : float
+            Length of each step [s], > 0.
+        out : ndarray of float64, shape (count, steps, m), optional
+            Where the outputs go. Default: a new array.
+
+        Returns
+        -------
+        ndarray, shape (count, steps, m)
+            Outputs after each step.
+
+        Raises
+        ------
+        FleetError
+            An instance failed. Its outputs are NaN from that step on; the others made all steps.
+        FmuError
+            A wrong shape or type, or a value that is not finite: no instance made a step.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam import Fleet
+        >>> torque = np.full((2, 100, 1), 5.0)  # N.m
+        >>> torque[1, 50:] = 0.0
+        >>> with Fleet("forward", 2, parameters={"inertia.shaft": 0.01}) as fleet:
+        ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
+        [[0.991, 0.0], [0.834, 0.0]]
+        """
+        shape = np.shape(u)
+        steps = shape[1] if len(shape) == 3 else 1
+        wanted = (self.count, steps, len(self.inputs))
+        return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
+
+    def _roll(
+        self,
+        u: ArrayLike,
+        shape: tuple[int, ...],
+        steps: int,
+        h: float,
+        out: Array | None,
+        wanted: tuple[int, ...],
+    ) -> Array:
+        inputs = numbers_of(u, shape)
+        size = h if type(h) is float else number_of(h, "h", "a finite number > 0, in s")
+        if not 0.0 < size < math.inf:
+            raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")
+        outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
+        try:
+            self._core.call("fleet_roll", self._ports_address, address(inputs), steps, size, address(outputs))
+        except FleetError as error:
+            error.outputs = outputs
+            raise
+        except NotFiniteError:
+            raise FmuError(self._not_finite(inputs, steps)) from None
+        return outputs
+
+    def _not_finite(self, u: Array, steps: int) -> str:
+        place = native().fleet_first_not_finite(address(u), u.size)
+        rest, column = divmod(place, len(self.inputs))
+        instance, step = divmod(rest, steps)
+        at = f" in step {step}" if u.ndim == 3 else ""
+        return (
+            f"{self.inputs[column]} of instance {instance}{at} = {u.flat[place]}: allowed are finite numbers;"
+            " no instance was stepped"
+        )
+
+    # ---- runs, values, states ----
+
+    def reset(
+        self,
+        instances: ArrayLike | None = None,
+        parameters: Mapping[str, FleetValue] | None = None,
+    ) -> None:
+        """Begin a new run of some instances, at the start time.
+
+        Parameters
+        ----------
+        instances : array_like of int or of bool with shape (count,), optional
+            Numbers of the instances, or which instances. Default: all.
+        parameters : mapping of str to value, optional
+            Start values that replace earlier ones of these instances: one value, or an array of shape
+            (count,).
+
+        Raises
+        ------
+        FleetError
+            The FMU refuses a start value of an instance. The others have begun a new run.
+        FmuError
+            A wrong argument: no instance was reset.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam import Fleet
+        >>> with Fleet("forward", 3) as fleet:
+        ...     before = fleet.step([[8.0], [9.0], [10.0]], 0.02)  # N.m, s
+        ...     fleet.reset([1], {"initial.theta": 0.5})
+        ...     fleet.get("theta").round(3).tolist()  # rad
+        [0.48, 0.5, 0.652]
+        """
+        chosen = chosen_instances(instances, self.count)
+        merged = self._merged(parameters or {}, chosen)
+        layout = self._layout(merged)
+        self._warn_units(parameters or {})
+        self._parameters = merged
+        self._core.call("fleet_start", byref(layout.struct), address(chosen))
+
+    def get(self, name: str) -> NDArray[Any]:
+        """The value of one variable in each instance.
+
+        Parameters
+        ----------
+        name : str
+            A real, integer or boolean variable.
+
+        Returns
+        -------
+        ndarray, shape (count,)
+            In the variable's unit. Instances that have failed: NaN, or 0 where the variable is not real.
+        """
+        variable = self._variable(name)
+        if variable.kind not in GETTERS:
+            raise FmuError(f"{name} is {variable.type}: allowed are Real, Integer and Boolean")
+        kind = NUMBERS[variable.kind]
+        values = np.full(self.count, math.nan if variable.kind == "real" else 0, kind)
+        self._core.call(GETTERS[variable.kind], variable.value_reference, address(values))
+        return values.astype(bool) if variable.kind == "boolean" else values
+
+    def set(self, name: str, values: FleetValue, instances: ArrayLike | None = None) -> None:
+        """Set one variable in some instances: inputs and tunable parameters.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+        values : value, or array_like of shape (count,)
+            In the variable's unit.
+        instances : array_like of int or of bool with shape (count,), optional
+            Numbers of the instances, or which instances. Default: all.
+
+        Raises
+        ------
+        FleetError
+            The FMU refuses the value of an instance.
+        """
+        layout = Layout([self._variable(name)], {name: values}, self.count)
+        self._core.call("fleet_set", byref(layout.struct), address(chosen_instances(instances, self.count)))
+
+    def save(self, instances: ArrayLike | None = None) -> FleetState:
+        """The whole state of some instances now.
+
+        Parameters
+        ----------
+        instances : array_like of int or of bool with shape (count,), optional
+            Numbers of the instances, or which instances. Default: all.
+
+        Returns
+        -------
+        FleetState
+            For `restore` of this fleet.
+
+        Raises
+        ------
+        FmuError
+            The FMU cannot save its state.
+        """
+        interface = self.description.co_simulation
+        if interface is None or not interface.can_save_state:
+            raise FmuError(f"{self.path} cannot save its state: canGetAndSetFMUstate is not set")
+        chosen = chosen_instances(instances, self.count)
+        addresses, times = np.zeros(self.count, np.uintp), np.zeros(self.count)
+        state = FleetState(self._core, chosen.astype(bool), addresses, times)
+        self._core.call("fleet_save", address(chosen), address(addresses), address(times))
+        return state
+
+    def restore(self, state: FleetState, instances: ArrayLike | None = None) -> None:
+        """Go back to saved states, with their times.
+
+        Parameters
+        ----------
+        state : FleetState
+            From `save` of this fleet.
+        instances : array_like of int or of bool with shape (count,), optional
+            Which of the saved instances. Default: all of them.
+
+        Raises
+        ------
+        FmuError
+            `state` is of another fleet, or does not have the state of an instance.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam import Fleet
+        >>> with Fleet("forward", 2) as fleet:
+        ...     start = fleet.save()
+        ...     moved = fleet.step([[8.0], [9.0]], 0.02)  # N.m, s
+        ...     fleet.restore(start, [0])
+        ...     fleet.times.tolist(), fleet.get("theta").round(3).tolist()  # s, rad
+        ([0.0, 0.02], [0.0, 0.566])
+        """
+        if not isinstance(state, FleetState) or state._core is not self._core:
+            raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
+        chosen = (
+            chosen_instances(instances, self.count)
+            if instances is not None
+            else state.instances.astype(np.uint8)
+        )
+        missing = np.flatnonzero(chosen.astype(bool) & ~state.instances)
+        if missing.size:
+            raise FmuError(f"the state of instance {missing[0]} was not saved: save had other instances")
+        self._core.call("fleet_restore", address(chosen), address(state._addresses), address(state._times))
+
+    # ---- arguments ----
+
+    def _variable(self, name: str) -> Variable:
+        variable = self._variables.get(name) if isinstance(name, str) else None
+        if variable is None:
+            raise UnknownVariableError(
+                unknown_variable(str(name), list(self._variables), self.description.model_name)
+            )
+        return variable
+
+    def _real_references(self, names: Iterable[str]) -> NDArray[np.uintc]:
+        variables = [self._variable(name) for name in names]
+        for variable in variables:
+            if variable.kind != "real":
+                raise FmuError(f"{variable.name} is {variable.type}: allowed is Real")
+        return np.array([variable.value_reference for variable in variables], np.uintc)
+
+    def _layout(self, parameters: Mapping[str, FleetValue]) -> Layout:
+        if not (isinstance(parameters, Mapping) and all(isinstance(name, str) for name in parameters)):
+            raise FmuError(f"parameters = {parameters!r}: allowed is a dict of names and values, or nothing")
+        return Layout([self._variable(name) for name in parameters], parameters, self.count)
+
+    def _merged(self, new: Mapping[str, FleetValue], chosen: NDArray[np.uint8]) -> dict[str, FleetValue]:
+        """The start values of all instances, where `new` holds for the chosen ones."""
+        self._layout(new)
+        if chosen.all():
+            return {**self._parameters, **new}
+        merged = dict(self._parameters)
+        for name, values in new.items():
+            kept = self._parameters.get(name, self._variable(name).start)
+            merged[name] = np.where(chosen.astype(bool), np.array(values), np.array(kept))
+        return merged
+
+    def _warn_units(self, parameters: Mapping[str, FleetValue]) -> None:
+        if not set(self._variables) >= OWN_NAMES:
+            return
+        for name, values in parameters.items():
+            if self._variable(name).kind == "real":
+                for extreme in {float(np.min(values)), float(np.max(values))}:
+                    warn_units({name: (name, extreme)}, stacklevel=4)

@@ -1,0 +1,135 @@
+"""The library of the C loop, fmu_src/fleet/fleet.h: its structs and functions for ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import POINTER, c_char, c_char_p, c_double, c_long, c_size_t, c_uint, c_void_p
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.errors import FmuError
+from dualcam.library import fleet_library_path
+
+TEXT = 512  # FLEET_TEXT
+FATAL, NOT_FINITE = -1, -2  # FLEET_FATAL, FLEET_NOT_FINITE
+
+# Members of FleetFunctions, in order
+FUNCTIONS = (
+    "fmi2Instantiate",
+    "fmi2FreeInstance",
+    "fmi2SetupExperiment",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2Reset",
+    "fmi2SetReal",
+    "fmi2SetInteger",
+    "fmi2SetBoolean",
+    "fmi2SetString",
+    "fmi2GetReal",
+    "fmi2GetInteger",
+    "fmi2GetBoolean",
+    "fmi2DoStep",
+)
+STATE_FUNCTIONS = ("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate")
+
+
+class Functions(ctypes.Structure):
+    """FleetFunctions."""
+
+    _fields_ = tuple((name, c_void_p) for name in (*FUNCTIONS, *STATE_FUNCTIONS))
+
+
+class Experiment(ctypes.Structure):
+    """FleetExperiment."""
+
+    _fields_ = (
+        ("model", c_char_p),
+        ("guid", c_char_p),
+        ("resources", c_char_p),
+        ("start_time", c_double),
+        ("tolerance", c_double),
+    )
+
+
+class Values(ctypes.Structure):
+    """FleetValues."""
+
+    _fields_ = (
+        *((f"{kind}_count", c_size_t) for kind in ("real", "integer", "boolean", "string")),
+        *((f"{kind}_references", c_void_p) for kind in ("real", "integer", "boolean", "string")),
+        *((f"{kind}s", c_void_p) for kind in ("real", "integer", "boolean", "string")),
+    )
+
+
+class Ports(ctypes.Structure):
+    """FleetPorts."""
+
+    _fields_ = (
+        ("input_count", c_size_t),
+        ("output_count", c_size_t),
+        ("input_references", c_void_p),
+        ("output_references", c_void_p),
+    )
+
+
+class Report(ctypes.Structure):
+    """FleetReport."""
+
+    _fields_ = (("instance", c_size_t), ("text", c_char * TEXT))
+
+
+SIGNATURES = {
+    "fleet_open": (c_void_p, (POINTER(Functions), POINTER(Experiment), c_size_t, c_uint)),
+    "fleet_close": (None, (c_void_p,)),
+    "fleet_instantiate": (c_long, (c_void_p,)),
+    "fleet_start": (c_long, (c_void_p, POINTER(Values), c_void_p)),
+    "fleet_set": (c_long, (c_void_p, POINTER(Values), c_void_p)),
+    "fleet_get_reals": (c_long, (c_void_p, c_uint, c_void_p)),
+    "fleet_get_integers": (c_long, (c_void_p, c_uint, c_void_p)),
+    "fleet_get_booleans": (c_long, (c_void_p, c_uint, c_void_p)),
+    "fleet_roll": (c_long, (c_void_p, c_void_p, c_void_p, c_size_t, c_double, c_void_p)),
+    "fleet_save": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
+    "fleet_restore": (c_long, (c_void_p, c_void_p, c_void_p, c_void_p)),
+    "fleet_free_states": (c_long, (c_void_p, c_void_p)),
+    "fleet_first_not_finite": (c_size_t, (c_void_p, c_size_t)),
+    "fleet_failed": (None, (c_void_p, c_void_p)),
+    "fleet_times": (None, (c_void_p, c_void_p)),
+    "fleet_reports": (c_size_t, (c_void_p, POINTER(POINTER(Report)))),
+}
+
+
+@cache
+def native() -> ctypes.CDLL:
+    """The library, loaded once. Python's lock is free during its calls.
+
+    Raises
+    ------
+    FmuError
+        There is no library for this platform, or the system refuses to load the library.
+    """
+    path = fleet_library_path()
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise FmuError(f"{path} cannot be loaded: {error}") from error
+    for name, (result, arguments) in SIGNATURES.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+def functions_of(library: ctypes.CDLL, saves_states: bool) -> Functions:
+    """The addresses of an FMU's functions. FmuError if the library lacks one."""
+    wanted = (*FUNCTIONS, *(STATE_FUNCTIONS if saves_states else ()))
+    try:
+        return Functions(**{name: ctypes.cast(library[name], c_void_p) for name in wanted})
+    except AttributeError as error:
+        raise FmuError(f"the library lacks an FMI function: {error}") from error
+
+
+def address(array: NDArray[np.generic]) -> int:
+    """Where the elements of an array begin."""
+    place: int = array.__array_interface__["data"][0]  # takes half as long as array.ctypes.data
+    return place

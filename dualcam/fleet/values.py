@@ -1,0 +1,80 @@
+"""Values of variables for each instance, laid out as the C loop reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from ctypes import addressof, c_char_p
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.errors import FmuError
+from dualcam.fleet.native import Values, address
+from dualcam.handle import suitable_value
+from dualcam.model_description import Kind, Variable
+
+NUMBERS: dict[Kind, type[np.generic]] = {"real": np.float64, "integer": np.intc, "boolean": np.intc}
+KINDS: tuple[Kind, ...] = ("real", "integer", "boolean", "string")
+FleetValue = ArrayLike | str | Sequence[str]
+
+
+class Layout:
+    """Values of some variables for each of `count` instances. `struct` points into arrays of this object.
+
+    FmuError where a value does not suit its variable, or its shape is neither () nor (count,)."""
+
+    def __init__(self, variables: Sequence[Variable], values: Mapping[str, FleetValue], count: int) -> None:
+        self.struct = Values()
+        self._kept: list[Any] = []
+        for kind in KINDS:
+            chosen = [variable for variable in variables if variable.kind == kind]
+            columns = [column_of(variable, values[variable.name], count) for variable in chosen]
+            references = np.array([variable.value_reference for variable in chosen], np.uintc)
+            self._put(f"{kind}_references", references)
+            setattr(self.struct, f"{kind}_count", len(chosen))
+            if kind == "string":
+                self._put_texts(columns)
+            else:
+                self._put(f"{kind}s", np.ascontiguousarray(np.transpose(columns), NUMBERS[kind]))
+
+    def _put(self, member: str, array: NDArray[Any]) -> None:
+        self._kept.append(array)
+        setattr(self.struct, member, address(array))
+
+    def _put_texts(self, columns: list[NDArray[Any]]) -> None:
+        rows = [text.encode() for row in np.transpose(columns) for text in row]
+        pointers = (c_char_p * len(rows))(*rows)
+        self._kept.append(pointers)
+        self.struct.strings = addressof(pointers)
+
+
+def column_of(variable: Variable, value: FleetValue, count: int) -> NDArray[Any]:
+    """One value per instance, shape (count,), each of the variable's kind."""
+    if isinstance(value, str) or np.ndim(value) == 0:
+        return np.full(count, suitable_value(variable, _plain(value)), dtype=_dtype(variable))
+    if np.shape(value) != (count,):
+        raise FmuError(
+            f"{variable.name} has shape {np.shape(value)}: allowed are one value for all instances, or"
+            f" the shape ({count},), one value per instance"
+        )
+    given = np.asarray(value)
+    if variable.kind == "real" and given.dtype.kind in "fiu":
+        return given.astype(np.float64)
+    numbered = enumerate(given.tolist())
+    return np.array([_numbered(variable, i, item) for i, item in numbered], dtype=_dtype(variable))
+
+
+def _numbered(variable: Variable, instance: int, value: object) -> object:
+    try:
+        return suitable_value(variable, value)
+    except FmuError as error:
+        raise FmuError(f"instance {instance}: {error}") from None
+
+
+def _plain(value: object) -> object:
+    return value.item() if isinstance(value, np.ndarray | np.generic) else value
+
+
+def _dtype(variable: Variable) -> type:
+    return object if variable.kind == "string" else NUMBERS[variable.kind]

@@ -1,0 +1,226 @@
+"""Puts the page together: template, style, modules, three.js, WebAssembly and the values of the design."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Mapping
+from html import escape
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import dualcam
+from dualcam.design_file import as_design
+from dualcam.errors import DualcamError, ExportError
+from dualcam.export.scenario import scenario_for, scenario_table
+from dualcam.fmu import Fmu
+from dualcam.library import MODELS, fmu_path, web_path
+from dualcam.model_description import Scalar, read_model_description
+from dualcam.paths import path_of
+from dualcam.unit_guards import units_checked_before
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile, DesignSource
+
+FOLDER = Path(__file__).resolve().parent
+MODEL = "forward"
+THREE = "three"  # the folder of three.js among the files for the page
+LIBRARY = {"three": "three.module.min.js"}  # bare name of an import -> file of three.js
+RELATIVE_IMPORT = re.compile(r"""(from\s*|import\s*)(["'])\./([\w.]+\.js)\2""")
+INVERSE = (
+    "The scenario of this design imposes the motion. The page shows the forward model of the same mechanism:"
+    " torque in, motion out."
+)
+
+
+def write_view(design: DesignSource | None, path: str | Path) -> Path:
+    """Write the page in which a design lives.
+
+    The page is one HTML file: the FMU's C code as WebAssembly, the mechanism in 3D, sliders for all
+    parameters. The page opens from disk and asks no network for anything.
+
+    Parameters
+    ----------
+    design : DesignFile, str, Path or None
+        The design, from `read_design`, or the path of its file. None: the default mechanism of the FMU.
+    path : str or Path
+        The HTML file. An existing file is replaced.
+
+    Returns
+    -------
+    Path
+        The written file.
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses the design. The message is the FMU's. Also where the package lacks the WebAssembly.
+    DualcamError
+        For another ending than .html, or a groove table that cannot be read.
+
+    Notes
+    -----
+    The page runs the forward model, also for a design whose scenario imposes the motion.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.design_file import write_template
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     design = write_template("minimal", Path(folder) / "my.toml")
+    ...     write_view(design, Path(folder) / "my.html").name
+    'my.html'
+    """
+    path = path_of(path, "the page")
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise DualcamError(f"{path}: allowed are names that end in .html")
+    path.write_text(view_page(None if design is None else as_design(design)), encoding="utf-8")
+    return path
+
+
+def view_page(design: DesignFile | None = None) -> str:
+    """The page as the text of an HTML file.
+
+    Parameters
+    ----------
+    design : DesignFile, optional
+        The design; the default mechanism of the FMU if not given.
+
+    Returns
+    -------
+    str
+        The text of the page.
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses the design.
+    """
+    content = page_content(design)
+    model = base64.b64encode(web_path(f"{MODELS[MODEL]}.wasm").read_bytes()).decode()
+    parts = {
+        "title": escape(content["title"]),
+        "style": (FOLDER / "style.css").read_text(encoding="utf-8"),
+        "imports": json.dumps({"imports": _modules()}),
+        "content": _in_script(json.dumps(content)),
+        "model": model,
+        "licences": _licences(),
+        "version": escape(dualcam.__version__),
+    }
+    template = (FOLDER / "page.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
+
+
+def page_content(design: DesignFile | None) -> dict[str, Any]:
+    """What the page knows of the design: words, the FMU's variables, start values, tables and scenario.
+
+    Parameters
+    ----------
+    design : DesignFile or None
+        The design; None for the default mechanism.
+
+    Returns
+    -------
+    dict
+        For JSON.
+    """
+    parameters = {} if design is None else design.parameters_for(MODEL)
+    with Fmu(fmu_path(MODEL)) as fmu, units_checked_before():
+        fmu.start(parameters)  # refuses a design that cannot work, with the FMU's own words
+    start, files = _with_tables(parameters)
+    return {
+        "title": "Dual cam" if design is None else design.title or design.name,
+        "source": "" if design is None else design.path.name,
+        "note": INVERSE if design is not None and design.model != MODEL else "",
+        "description": _description(),
+        "start": start,
+        "files": files,
+        "scenario": None if design is None else _scenario(design, start),
+    }
+
+
+def _description() -> dict[str, Any]:
+    """The FMU's variables, as engine.js reads them."""
+    read = read_model_description(fmu_path(MODEL))
+    variables = [
+        {
+            "name": variable.name,
+            "vr": variable.value_reference,
+            "type": variable.type,
+            "causality": variable.causality,
+            "variability": variable.variability,
+            "start": variable.start,
+            "min": variable.min,
+            "max": variable.max,
+            "unit": variable.unit,
+            "description": variable.description,
+        }
+        for variable in read.variables
+    ]
+    return {"guid": read.guid, "variables": variables}
+
+
+def _with_tables(parameters: Mapping[str, Scalar]) -> tuple[dict[str, Scalar], dict[str, str]]:
+    """Start values with the tables by short names, and the texts of the tables by these names."""
+    start, files = dict(parameters), {}
+    for name, value in parameters.items():
+        if name.endswith(".table") and value:
+            start[name] = f"{name.partition('.')[0]}.csv"
+            try:
+                files[str(start[name])] = Path(str(value)).read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as error:
+                raise ExportError(f"{name} = {value!r}: the file cannot be read ({error})") from error
+    return start, files
+
+
+def _scenario(design: DesignFile, start: Mapping[str, Scalar]) -> dict[str, list[float]] | None:
+    """Columns time and inputs of a scenario that drives the forward model."""
+    scenario = scenario_for(design.scenario, MODEL)
+    if scenario is None:
+        return None
+    head, *rows = scenario_table(scenario, MODEL, start).decode().splitlines()
+    columns = zip(*([float(cell) for cell in row.split(",")] for row in rows), strict=True)
+    return {name.strip('"'): list(column) for name, column in zip(head.split(","), columns, strict=True)}
+
+
+def _modules() -> dict[str, str]:
+    """Bare name of an import -> module as a data URL: a page from disk can import no file beside it."""
+    own = {f"dualcam/{path.stem}": path for path in sorted(FOLDER.glob("*.js"))}
+    folder = web_path(THREE)
+    library = {f"three/{path.name}": path for path in sorted(folder.glob("*.js"))}
+    library |= {name: folder / file for name, file in LIBRARY.items()}
+    found = {name: _data_url(path.read_text(encoding="utf-8"), name) for name, path in own.items()}
+    for name, path in library.items():
+        if path.name in LIBRARY.values() and name not in LIBRARY:
+            continue  # imported by its bare name
+        text = RELATIVE_IMPORT.sub(r"\1\2three/\3\2", path.read_text(encoding="utf-8"))
+        found[name] = _data_url(text, name)
+    return found
+
+
+def _data_url(text: str, name: str) -> str:
+    named = f"{text}\n//# sourceURL={name}.js\n"  # the name in messages of the browser
+    return f"data:text/javascript;base64,{base64.b64encode(named.encode()).decode()}"
+
+
+def _in_script(text: str) -> str:
+    """JSON that cannot end the element that holds the JSON."""
+    return text.replace("<", "\\u003c")
+
+
+def _licences() -> str:
+    return f"<h3>dualcam</h3><pre>{escape(_own_licence())}</pre>\n<h3>three.js</h3><pre>" + (
+        f"{escape((web_path(THREE) / 'LICENSE').read_text(encoding='utf-8'))}</pre>"
+    )
+
+
+def _own_licence() -> str:
+    beside = FOLDER.parent.parent / "LICENSE"  # in a clone
+    if beside.is_file():
+        return beside.read_text(encoding="utf-8")
+    try:
+        return distribution("dualcam").read_text("licenses/LICENSE") or ""
+    except PackageNotFoundError:
+        return ""

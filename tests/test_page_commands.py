@@ -1,0 +1,132 @@
+"""The commands, files and outputs on README.md, CONTRIBUTING.md and docs/*.md.
+
+docs/tools/run_page.py runs a page as its reader would. Here it runs all pages that have files or commands.
+"""
+
+from pathlib import Path
+
+import pytest
+from pages import DOCS, TEXTS, load
+
+from dualcam.study import read_results
+
+run_page = load(DOCS / "tools" / "run_page.py")
+BLOCKS = {name: run_page.blocks_of(text) for name, text in TEXTS.items()}
+
+
+RUN = [name for name, blocks in BLOCKS.items() if run_page.has_commands(blocks)]
+STUDIES = "docs/use-studies.md"
+
+
+@pytest.mark.parametrize("page", [name for name in RUN if name != STUDIES])
+def test_page_runs_as_its_reader_runs_it(page, tmp_path):
+    run_page.run_page(DOCS.parent / page, tmp_path)
+
+
+def test_studies_of_the_page(tmp_path):
+    """The best efficiency is that of the closed form, ((1 - mu)/(1 + mu))^2 at 45 deg."""
+    run_page.run_page(DOCS.parent / STUDIES, tmp_path)
+    table = read_results(tmp_path / "study_results" / "angles")
+    assert table["efficiency"].max() == pytest.approx((0.92 / 1.08) ** 2, rel=1e-12)
+    assert len((tmp_path / "angles.csv").read_text().splitlines()) == 1 + 63
+    assert len(read_results(tmp_path / "study_results" / "my_study")["run"]) == 200
+    for name in ("angles", "my_study"):
+        assert set(read_results(tmp_path / "study_results" / name)["message"]) == {""}
+        assert (tmp_path / "study_results" / name / f"{name}.png").is_file()
+
+
+def commands():
+    return [
+        (name, block, command)
+        for name, blocks in BLOCKS.items()
+        for block in blocks
+        if block.language == "sh" and not block.is_marked
+        for command in block.commands
+    ]
+
+
+@pytest.mark.parametrize("page, block, command", commands(), ids=lambda x: x if isinstance(x, str) else "")
+def test_every_command_is_run_or_known(page, block, command):
+    """Of `./build.sh WORD` tests/test_pages.py looks for the word. Others have a mark with the reason."""
+    assert run_page.is_run(command) or command.split()[0] in run_page.KNOWN_ELSEWHERE
+
+
+@pytest.mark.parametrize("page", TEXTS)
+def test_every_block_has_a_language(page):
+    """Sphinx and GitHub colour the blocks by their language. An indented block has none."""
+    languages = {"sh", "python", "toml", "text", "c", "lua", "powershell", "bibtex"}
+    assert {block.language for block in BLOCKS[page]} <= languages
+    outside = run_page.FENCE.sub("", TEXTS[page])
+    assert "```" not in outside
+    paragraphs = outside.split("\n\n")
+    assert [part for part in paragraphs if part.startswith("    ")] == []
+
+
+PAGE = """# A page
+
+Save these lines as `one.py`:
+
+```python
+print(0.25)  # 0.25
+```
+
+```sh
+python one.py
+```
+
+Output:
+
+```text
+0.25
+```
+
+```python
+from pathlib import Path
+
+print(Path("one.py").stat().st_size / 3)  # {number}
+```
+
+<!-- not run: there is no such command -->
+```sh
+nothing
+```
+"""
+
+
+@pytest.mark.parametrize(
+    "before, after, message",
+    [
+        ("0.25\n```\n\n```python", "0.26\n```\n\n```python", "block at line 15: the page shows"),
+        ("{number}", "6.68", "6.68 is not printed"),
+        ("print(0.25)", "print(1/0)", "block at line 9: python one.py: exit code 1"),
+        ("# 0.25", "# 0.4", "block at line 9: python one.py: 0.4 is not printed"),
+    ],
+)
+def test_runner_finds_what_is_wrong(before, after, message, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(PAGE.replace(before, after).replace("{number}", "6.67"))
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    with pytest.raises(run_page.PageError) as error:
+        run_page.run_page(page, folder)
+    assert message in str(error.value)
+
+
+def test_runner_runs_a_right_page(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(PAGE.replace("{number}", "6.67"))
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    run_page.run_page(page, folder)
+    assert {path.name for path in folder.iterdir()} == {"one.py", "block.py"}
+
+
+def test_pictures_of_the_tutorials_are_those_of_their_commands():
+    """Each picture beside a tutorial is written by a command or a line of code on the page."""
+    for path in DOCS.glob("tutorial-*.md"):
+        text = path.read_text(encoding="utf-8")
+        code = "".join(block.code for block in run_page.blocks_of(text))
+        pictures = run_page.PICTURE.findall(text)
+        assert pictures
+        assert [name for name in pictures if name not in code] == []
+        assert all(Path(DOCS / name).is_file() for name in pictures)
