@@ -66,7 +66,8 @@ def build_fleet(platform: Platform) -> Path:
 
 def build_fleets(for_all: bool = False) -> list[Path]:
     """The library of `dualcam.Fleet` for this machine or, with `for_all`, for all platforms."""
-    return [build_fleet(platform) for platform in (ALL[3] if for_all else (host_platform(3),))]
+    natives = [platform for platform in ALL[3] if not platform.is_component]
+    return [build_fleet(platform) for platform in (natives if for_all else [host_platform(3)])]
 
 
 def build(fmu: Fmu, for_all: bool = False) -> None:
