@@ -96,6 +96,8 @@ PLATFORMS_3 = (
     Platform(COMPONENT_FOLDER, (WASM,), ".wasm", 3),
 )
 ALL = {2: PLATFORMS, 3: PLATFORMS_3}
+# Those of operating systems, by the names of FMI 3.0.
+NATIVE = tuple(platform for platform in PLATFORMS_3 if not platform.is_webassembly)
 
 # ---- the machine on which the build runs ----
 

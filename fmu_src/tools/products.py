@@ -9,7 +9,7 @@ from pathlib import Path
 from archive import validate, write_archive
 from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
 from fmus import Fmu, identity
-from platforms import ALL, TARGET, Platform, executable, host_platform
+from platforms import ALL, NATIVE, TARGET, Platform, executable, host_platform
 from webassembly.component import wrapped
 from webassembly.interface import manifests
 from workspace import (
@@ -66,7 +66,7 @@ def build_fleet(platform: Platform) -> Path:
 
 def build_fleets(for_all: bool = False) -> list[Path]:
     """The library of `dualcam.Fleet` for this machine or, with `for_all`, for all platforms."""
-    return [build_fleet(platform) for platform in (ALL[3] if for_all else (host_platform(3),))]
+    return [build_fleet(platform) for platform in (NATIVE if for_all else (host_platform(3),))]
 
 
 def build(fmu: Fmu, for_all: bool = False) -> None:
