@@ -229,14 +229,14 @@ def design() -> DoorCam:
 
     Notes
     -----
-    The statics are those of two equal helices: rho = (r/2) tan(lambda +- phi), phi = atan(mu). C and O are the
-    weight's largest closing and opening torque.
+    The statics are those of two equal helices: rho = (r/2) tan(lambda +- phi), phi = atan(mu). C and O are
+    the weight's largest closing and opening torque.
 
     - Lead angle: T_load : -T_release = C : O, so sin(2 lambda) = sin(2 phi) (C - O)/(C + O).
     - Preload: N T_load = 1.1 C at theta = 0, where the spring is weakest. The 10 % cover a friction 5 % below
       and a mass 3 % above the believed one.
-    - Damper: one-way orifice, D = q v^2. With a hand that keeps pushing with 60 N on the worst slope, the door
-      settles at CLOSING_LIMIT.
+    - Damper: one-way orifice, D = q v^2. With a hand that keeps pushing with 60 N on the worst slope, the
+      door settles at CLOSING_LIMIT.
     """
     closing, opening = extreme_weight_torques()
     sine = math.sin(2.0 * math.atan(FRICTION)) * (closing - opening) / (closing + opening)
