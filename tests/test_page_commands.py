@@ -60,7 +60,7 @@ def test_every_command_is_run_or_known(page, block, command):
 @pytest.mark.parametrize("page", TEXTS)
 def test_every_block_has_a_language(page):
     """Sphinx and GitHub colour the blocks by their language. An indented block has none."""
-    languages = {"sh", "python", "toml", "text", "powershell", "bibtex"}
+    languages = {"sh", "python", "toml", "text", "js", "powershell", "bibtex"}
     assert {block.language for block in BLOCKS[page]} <= languages
     outside = run_page.FENCE.sub("", TEXTS[page])
     assert "```" not in outside

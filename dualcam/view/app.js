@@ -142,8 +142,8 @@ class Page {
     drawings.invalidate(kind);
   }
 
-  refresh() {
-    this.drawings.invalidate("script");
+  refresh(kind) {
+    this.drawings.invalidate(kind);
   }
 
   frame(time) {
@@ -186,7 +186,7 @@ async function begin() {
   const started = page.start();
   giveAccess(started, {
     takeOver: () => page.takeOver(),
-    refresh: () => page.refresh(),
+    refresh: (kind) => page.refresh(kind),
     choose: (name) => page.choose(name),
   });
   try {

@@ -64,7 +64,7 @@ export class Drawings {
   /** Something has changed: what must be made anew? */
   invalidate(kind) {
     this.dirty = true;
-    if (["geometry", "parameter", "reset", "script"].includes(kind)) this.stale = { shape: true, band: true, fields: true };
+    if (["geometry", "parameter", "reset"].includes(kind)) this.stale = { shape: true, band: true, fields: true };
     if (kind === "torque") this.stale.band = true;
   }
 

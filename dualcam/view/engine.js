@@ -58,7 +58,7 @@ class Files {
       fd_prestat_dir_name: (_file, address, size) => this.#fill("/".charCodeAt(0), address, size),
       fd_fdstat_get: (file, address) => this.#describe(file, address),
       path_open: (folder, _follow, name, size, _create, _rights, _inherited, _flags, address) =>
-        this.#openFile(this.#text(name, size), address),
+        this.#openFile(new TextDecoder().decode(this.#bytes.slice(name, name + size)), address),
       fd_read: (file, buffers, count, address) => this.#read(file, buffers, count, address),
       fd_seek: (file, offset, from, address) => this.#seek(file, offset, from, address),
       fd_close: (file) => (this.#open.delete(file) ? GOOD : BAD_FILE),
@@ -75,10 +75,6 @@ class Files {
     const view = new DataView(this.memory.buffer);
     for (const [address, value] of pairs) view.setUint32(address, value, true);
     return GOOD;
-  }
-
-  #text(address, size) {
-    return new TextDecoder().decode(this.#bytes.slice(address, address + size));
   }
 
   #describe(file, address) {
@@ -132,12 +128,8 @@ class Library {
   #functions;
   #scratch;
   #guid;
+  #lastView;
 
-  /**
-   * @param {BufferSource} wasm
-   * @param {string} guid
-   * @param {Record<string, string>} files
-   */
   static async load(wasm, guid, files) {
     if (typeof WebAssembly === "undefined") {
       throw new ModelError("this browser has no WebAssembly, in which the model is compiled: use another browser");
@@ -157,8 +149,9 @@ class Library {
     return this.#functions.memory.buffer; // another one after the memory has grown
   }
 
-  #numberAt(address) {
-    return new DataView(this.#memory).getUint32(address, true);
+  get #view() {
+    if (this.#lastView?.buffer !== this.#memory) this.#lastView = new DataView(this.#memory);
+    return this.#lastView;
   }
 
   #textAt(address) {
@@ -174,7 +167,7 @@ class Library {
 
   /** Writes references to the scratch memory. Returns the address behind them, for the values. */
   #writeReferences(references) {
-    new Uint32Array(this.#memory, this.#scratch, references.length).set(references);
+    for (let i = 0; i < references.length; i++) this.#view.setUint32(this.#scratch + 4 * i, references[i], true);
     return this.#scratch + 8 * Math.ceil(references.length / 2);
   }
 
@@ -211,7 +204,7 @@ class Library {
 
   set(instance, variable, value) {
     const content = this.#writeReferences([variable.vr]);
-    const view = new DataView(this.#memory);
+    const view = this.#view;
     if (variable.type === "Real") view.setFloat64(content, value, true);
     else if (variable.type === "String") {
       this.#writeText(content + 8, value);
@@ -223,9 +216,9 @@ class Library {
   get(instance, variable) {
     const content = this.#writeReferences([variable.vr]);
     this.#check(this.#functions[`fmi2Get${variable.type}`](instance, this.#scratch, 1, content));
-    const view = new DataView(this.#memory);
+    const view = this.#view;
     if (variable.type === "Real") return view.getFloat64(content, true);
-    if (variable.type === "String") return this.#textAt(this.#numberAt(content));
+    if (variable.type === "String") return this.#textAt(this.#view.getUint32(content, true));
     const number = view.getInt32(content, true);
     return variable.type === "Boolean" ? number !== 0 : number;
   }
@@ -248,9 +241,9 @@ class Library {
   save(instance) {
     const [handle, size] = [this.#scratch, this.#writeReferences([0])]; // 0: no state to write over
     this.#check(this.#functions.fmi2GetFMUstate(instance, handle));
-    const state = this.#numberAt(handle);
+    const state = this.#view.getUint32(handle, true);
     this.#check(this.#functions.fmi2SerializedFMUstateSize(instance, state, size));
-    const bytes = this.#numberAt(size);
+    const bytes = this.#view.getUint32(size, true);
     const copy = this.#functions.malloc(bytes);
     this.#check(this.#functions.fmi2SerializeFMUstate(instance, state, copy, bytes));
     const saved = new Uint8Array(this.#memory, copy, bytes).slice();
@@ -267,7 +260,7 @@ class Library {
     const read = this.#functions.fmi2DeSerializeFMUstate(instance, copy, saved.length, handle);
     this.#functions.free(copy);
     this.#check(read);
-    const set = this.#functions.fmi2SetFMUstate(instance, this.#numberAt(handle));
+    const set = this.#functions.fmi2SetFMUstate(instance, this.#view.getUint32(handle, true));
     this.#functions.fmi2FreeFMUstate(instance, handle);
     this.#check(set);
   }
@@ -368,7 +361,11 @@ export class Engine {
    * @param {Value} value in the FMU's unit
    */
   set(name, value) {
-    this.setAll({ [name]: value });
+    const variable = this.#check(name, value);
+    if (isLive(variable)) {
+      this.#library.set(this.#instance, variable, value);
+      this.#values[name] = value;
+    } else this.setAll({ [name]: value });
   }
 
   /**
@@ -382,14 +379,13 @@ export class Engine {
   setAll(values) {
     const names = Object.keys(values);
     for (const name of names) this.#check(name, values[name]);
-    const chosen = { ...this.#values, ...values };
     if (names.every((name) => isLive(this.#find(name)))) {
       const references = names.map((name) => this.#find(name).vr);
       this.#library.setReals(this.#instance, references, Object.values(values));
-      this.#values = chosen;
+      Object.assign(this.#values, values);
     } else {
       const moves = START_ANGLE in values || START_SPEED in values;
-      this.#restart(chosen, moves ? {} : this.#motion(), this.#time);
+      this.#restart({ ...this.#values, ...values }, moves ? {} : this.#motion(), this.#time);
     }
   }
 
@@ -450,13 +446,15 @@ export class Engine {
     return variable;
   }
 
-  /** Refuses a value of another type. Whether its size is allowed, the FMU says. */
+  /** The variable, unless the value is of another type. Whether its size is allowed, the FMU says. */
   #check(name, value) {
-    const { type, causality } = this.#find(name);
+    const variable = this.#find(name);
+    const { type, causality } = variable;
     if (causality !== "input" && causality !== "parameter") {
       throw new ModelError(`${name} is calculated: allowed are parameters and inputs`);
     }
     if (!isOfType(type, value)) throw new ModelError(`${name} = ${value} is refused: allowed is ${ALLOWED[type]}`);
+    return variable;
   }
 
   /** The present angle and speed, as the parameters with which a new model starts there. */

@@ -203,16 +203,25 @@ export class Player {
     for (let k = 0; k < count; k += 1) this.microStep(MICRO_STEP);
   }
 
-  /** A script has set a variable: the clock later goes on with what the script has set. */
+  /**
+   * A script has set a variable: the clock later goes on with what the script has set.
+   * @returns {"torque" | "parameter"} what has changed
+   */
   scripted(name) {
     if (name in this.base) {
       delete this.histories[name];
       if (name === "tau") this.drive = null;
       this.base[name] = this.engine.get(name);
       this.sent[name] = this.base[name];
+      return "torque";
     }
+    this.parametersChanged();
+    return "parameter";
+  }
+
+  parametersChanged() {
     this.mode = this.engine.get("mode");
-    this.count = this.engine.get("events");
+    this.count = this.engine.get("events"); // starts at 0 again where the model starts anew
     this.measureHand();
   }
 
@@ -282,9 +291,7 @@ export class Player {
       this.refuse(`${withoutFunction(error.message)}. The last good value stays.`);
       return false;
     }
-    this.mode = this.engine.get("mode");
-    this.count = this.engine.get("events"); // starts at 0 again where the model starts anew
-    this.measureHand();
+    this.parametersChanged();
     this.tell("parameter");
     return true;
   }

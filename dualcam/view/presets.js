@@ -17,7 +17,7 @@ export const PRESETS = [
   {
     name: "Release",
     words: "The torque falls. Cam 2 stands still through the whole stick band, and then the spring turns cam 2 back.",
-    start: { ...SMOOTH, "initial.theta": 1.2 },
+    start: { ...SMOOTH, "initial.theta": 1.2, tau: 7 },
     histories: { tau: { time: [0, 0.3, 3.3], value: [7, 7, 0] } },
     seconds: 3.6,
   },

@@ -2,7 +2,7 @@
 
 /**
  * @param {Promise<import("dualcam/player").Player>} started
- * @param {{takeOver: () => void, refresh: () => void, choose: (name: string) => Promise<void>}} page
+ * @param {{takeOver: () => void, refresh: (kind: string) => void, choose: (name: string) => Promise<void>}} page
  */
 export function giveAccess(started, page) {
   let player = null;
@@ -24,14 +24,12 @@ export function giveAccess(started, page) {
     /** The design's start values, at time 0. */
     reset() {
       model().toDesign();
-      page.refresh();
     },
     /** Sets an input or a parameter. An Error names a variable that does not exist, or says why a value is refused. */
     set(name, value) {
       const it = model();
       it.engine.set(name, value);
-      it.scripted(name);
-      page.refresh();
+      page.refresh(it.scripted(name));
     },
     /** The present value of any variable, or "time". */
     get(name) {
@@ -43,7 +41,7 @@ export function giveAccess(started, page) {
       const it = model();
       it.engine.step(seconds);
       it.record();
-      page.refresh();
+      page.refresh("step");
     },
     /** Chooses a scene by the word on its button; its clock rests. */
     async choose(name) {
@@ -56,7 +54,7 @@ export function giveAccess(started, page) {
     run(seconds) {
       const it = model();
       it.run(seconds);
-      page.refresh();
+      page.refresh("step");
     },
   };
   Object.defineProperty(window, "dualcam", { value: Object.freeze(access) });
