@@ -13,7 +13,7 @@ export function tickDistance(span, count) {
 export const colours = {};
 export function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["text", "soft", "line", "panel", "cam1", "cam2", "pin", "spring", "band", "trail", "bad"]) {
+  for (const name of ["text", "soft", "line", "panel", "cam1", "cam2", "pin", "spring", "band", "trail", "bad", "stage"]) {
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }

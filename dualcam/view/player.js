@@ -37,7 +37,7 @@ export class Player {
     this.speed = 1;
     this.preset = null;
     this.histories = {};
-    this.drive = null; // a shaft that a motor turns: {stiffness, speed, start}
+    this.drive = null; // a shaft that a motor turns: {stiffness, speed, until}
     this.hand = null; // angle that the hand wants [rad]
     this.base = { tau: 0, F_ext: 0 }; // what the sliders say
     this.sent = {};
@@ -114,8 +114,8 @@ export class Player {
   /** Torque of a motor that turns at constant speed behind a soft shaft [N.m]. */
   driveTorque() {
     if (this.drive === null) return 0;
-    const { stiffness, speed, start } = this.drive;
-    return stiffness * (start + speed * this.time - this.engine.get("theta"));
+    const { stiffness, speed, until } = this.drive;
+    return stiffness * (speed * Math.min(this.time, until) - this.engine.get("theta"));
   }
 
   /** Inputs of the next micro step, sent only where they changed. */

@@ -6,7 +6,7 @@
 
 const SMOOTH = { "shaft.damping": 0.04 };
 
-export const PRESETS = [
+const PRESETS = [
   {
     name: "Load",
     words: "The torque rises. Above the stick band cam 2 follows, and the spring takes up the work.",
@@ -48,12 +48,32 @@ export const PRESETS = [
   },
   {
     name: "Stick-slip",
+    needs: "cam1.friction_peak",
+    words: "A motor pulls slowly through a soft shaft. Friction at rest is twice that in motion: cam 2 sticks and slips in turn.",
+    start: {
+      "shaft.damping": 0.02, "inertia.shaft": 0.004, "cam1.friction_peak": 2, "cam2.friction_peak": 2,
+      "cam1.stribeck_velocity": 0.01, "cam2.stribeck_velocity": 0.01,
+    },
+    drive: { stiffness: 20, speed: 0.5, until: 4 },
+    seconds: 4.2,
+  },
+  {
+    name: "Stick-slip",
     words: "A torque that rises and trembles: cam 2 sticks and slips in turn, one small move for each tremble.",
     start: { "shaft.damping": 0.02 },
     histories: { tau: tremble(0.9, 8, 1.2, 0.12, 4) },
     seconds: 4,
   },
 ];
+
+/**
+ * The scenes that a model can play. A scene may need a variable; the first scene of a name that can play counts.
+ * @param {Set<string>} variables of the model
+ */
+export function scenesOf(variables) {
+  const able = PRESETS.filter(({ needs }) => needs === undefined || variables.has(needs));
+  return able.filter((scene, k) => able.findIndex(({ name }) => name === scene.name) === k);
+}
 
 /** A rising torque [N.m] with a triangular tremble on top. */
 function tremble(low, high, size, period, seconds) {
