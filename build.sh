@@ -13,6 +13,8 @@ usage: ./build.sh [command] [arguments]
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
   all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
+  cad      install the CAD kernel OpenCASCADE (400 MB), draw docs/cut_grooves.png with solids of cams, then test the
+           STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
   test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
   fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
@@ -20,6 +22,7 @@ usage: ./build.sh [command] [arguments]
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
+  fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -143,10 +146,10 @@ case $command in
         ;;
     test)
         if [ $# -eq 0 ]; then
-            install_dependencies '.[test,study]'
+            install_dependencies '.[test,study,docs]'
             build all
         fi
-        run_program '.[test,study]' -m pytest -n 2 "$@"
+        run_program '.[test,study,docs]' -m pytest -n 2 "$@"
         ;;
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
@@ -155,6 +158,7 @@ case $command in
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
+    fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
@@ -175,6 +179,11 @@ case $command in
         .venv/bin/python docs/figures/architecture.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
+        ;;
+    cad)
+        install_dependencies '.[test,cad]'
+        .venv/bin/python docs/figures/groove_cut.py
+        run_program '.[test,cad]' -m pytest tests/test_cam_solid.py "$@"
         ;;
     masters) run_program '.[build]' masters/run.py "$@" ;;
     docs) run_program '.[docs]' docs/tools/build_site.py "$@" ;;

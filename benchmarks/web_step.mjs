@@ -7,11 +7,14 @@ const [engine, wasm] = process.argv.slice(2);
 const { Engine } = await import(pathToFileURL(engine));
 const { description, scenes, step, torque, rounds, angles } = JSON.parse(readFileSync(0, "utf8"));
 
-/** Seconds of `work`. */
+const WARM_UP = 5; // rounds that do not count: V8 compiles the functions that are called often
+
+/** Seconds of the processor that `work` takes; other programs on the machine do not count. */
 function seconds(work) {
-  const start = performance.now();
+  const start = process.cpuUsage();
   work();
-  return (performance.now() - start) / 1000;
+  const { user, system } = process.cpuUsage(start);
+  return 1e-6 * (user + system);
 }
 
 const blocks = {};
@@ -31,7 +34,7 @@ for (const [name, start] of Object.entries(scenes)) {
 }
 
 const times = Object.fromEntries(Object.keys(blocks).map((name) => [name, []]));
-for (let round = -1; round < rounds; round++) {
+for (let round = -WARM_UP; round < rounds; round++) {
   for (const [name, [count, work]] of Object.entries(blocks)) {
     const time = seconds(work) / count;
     if (round >= 0) times[name].push(time);

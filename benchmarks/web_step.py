@@ -3,8 +3,8 @@
     ./build.sh web
 
 Node runs dualcam/view/engine.js and the WebAssembly module. Timed are, in two designs: to set a torque and
-step 1 ms, to begin a new run with another radius, and to compute one angle of the stick band. The median over
-the rounds is reported, with quartiles.
+step 1 ms, to begin a new run with another radius, and to compute one angle of the stick band. The time is
+that of the processor. The median over the rounds is reported, with quartiles.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dualcam.library import web_path
 STEP = 1e-3  # s
 TURNS = 10_000
 TORQUE = [4.0 + 4.0 * math.sin(2.0 * math.pi * 5.0 * k * STEP) for k in range(TURNS)]  # N.m
-ANGLES = [1.3 * k / 99 for k in range(100)]  # rad
+ANGLES = [1.3 * k / 999 for k in range(1000)]  # rad
 ELLIPSES = {
     f"cam{cam}.{name}": value for cam in (1, 2) for name, value in (("profile", 2), ("ellipse_a", 0.08))
 }

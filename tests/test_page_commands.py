@@ -3,6 +3,8 @@
 docs/tools/run_page.py runs a page as its reader would. Here it runs all pages that have files or commands.
 """
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -14,7 +16,11 @@ run_page = load(DOCS / "tools" / "run_page.py")
 BLOCKS = {name: run_page.blocks_of(text) for name, text in TEXTS.items()}
 
 
-RUN = [name for name, blocks in BLOCKS.items() if run_page.has_commands(blocks)]
+RUN = [
+    name
+    for name, text in TEXTS.items()
+    if run_page.is_one_piece(text) or any(block.is_output for block in BLOCKS[name])
+]
 STUDIES = "docs/use-studies.md"
 
 
@@ -54,12 +60,38 @@ def test_every_command_is_run_or_known(page, block, command):
 @pytest.mark.parametrize("page", TEXTS)
 def test_every_block_has_a_language(page):
     """Sphinx and GitHub colour the blocks by their language. An indented block has none."""
-    languages = {"sh", "python", "toml", "text", "c", "js", "lua", "powershell", "bibtex"}
+    languages = {"sh", "python", "toml", "text", "js", "powershell", "bibtex"}
     assert {block.language for block in BLOCKS[page]} <= languages
     outside = run_page.FENCE.sub("", TEXTS[page])
     assert "```" not in outside
     paragraphs = outside.split("\n\n")
     assert [part for part in paragraphs if part.startswith("    ")] == []
+
+
+TOML = [(name, block) for name, blocks in BLOCKS.items() for block in blocks if block.language == "toml"]
+
+
+@pytest.mark.parametrize("page, block", TOML, ids=[f"{name}-{block.file}" for name, block in TOML])
+def test_every_toml_block_is_a_file_that_a_command_reads(page, block):
+    """That command runs with its page."""
+    commands = [words for other in BLOCKS[page] if other.language == "sh" for words in other.commands]
+    assert block.file and any(block.file in words.split() for words in commands)
+
+
+def powershell_lines():
+    blocks = [block for found in BLOCKS.values() for block in found if block.language == "powershell"]
+    return [line for block in blocks for line in block.code.splitlines()]
+
+
+@pytest.mark.parametrize("line", powershell_lines())
+def test_powershell_names_what_exists(line):
+    """The tests run on no Windows. The files and the extras of the package that a line names exist."""
+    named = [word for word in line.split() if "/" in word and not word.startswith("-")]
+    assert [word for word in named if not (DOCS.parent / word).is_file()] == []
+    extras = tomllib.loads((DOCS.parent / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert {extra for words in re.findall(r"\.\[(.*?)\]", line) for extra in words.split(",")} <= set(extras)
+    program = line.split()[0].removeprefix(".venv\\Scripts\\")
+    assert program in ("py", "python", "Activate.ps1")
 
 
 PAGE = """# A page

@@ -25,8 +25,8 @@ BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTAL
 BLOCKS = [(name, code) for name, text in TEXTS.items() for mark, code in BLOCK.findall(text) if not mark]
 STUDIES = "docs/use-studies.md"
 run_page = load(DOCS / "tools" / "run_page.py")
-# tests/test_page_commands.py runs the blocks of pages with commands, which may need files that these make.
-ALONE = [(name, code) for name, code in BLOCKS if not run_page.has_commands(run_page.blocks_of(TEXTS[name]))]
+# Readers copy one block, so it must run alone. Where blocks belong together: tests/test_page_commands.py.
+ALONE = [(name, code) for name, code in BLOCKS if not run_page.is_one_piece(TEXTS[name])]
 LINK = re.compile(r"(?:\]\(|<img src=\")([^)\"\s]+)[)\"]")
 
 

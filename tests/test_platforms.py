@@ -142,10 +142,11 @@ def shipped(model, platform) -> bytes:
         return archive.read(member)
 
 
+NATIVE = {version: [p for p in found if not p.is_component] for version, found in build_fmu.ALL.items()}
 each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
 each_binary = pytest.mark.parametrize(
     ("model", "platform"),
-    [(m, p) for version, found in VERSIONS.items() for m in found.values() for p in build_fmu.ALL[version]],
+    [(m, p) for version, found in VERSIONS.items() for m in found.values() for p in NATIVE[version]],
     ids=lambda one: repr(one) if hasattr(one, "fmu") else f"{one.folder}-{one.version}",
 )
 

@@ -72,7 +72,7 @@ def test_page_in_chromium(name, browser, on_fmu, tmp_path):
     design.write_text(view_scenes.design_text(scene), encoding="utf-8")
     for file, text in scene.files.items():
         (tmp_path / file).write_text(text, encoding="utf-8")
-    page = browser.new_page()
+    page = browser.new_page(viewport={"width": 320, "height": 200})
     page.goto(dualcam.view.write_view(design, tmp_path / "page.html").as_uri())
     try:
         view_scenes.assert_equal(view_scenes.run_in_page(page, scene), on_fmu(name))

@@ -10,12 +10,12 @@ What a fenced block means:
     sh          commands: `dualcam`, `python`, `pythonfmu` run, with exit code 0 or that of a comment
                 `# exit code 1`; `./build.sh` does not run, because the tests run the same programs; any other
                 command needs the mark below
-    python      runs, unless saved as a file; numbers in comments beside print() must be printed; where the page
-                says "one Python session" the blocks share their names
+    python      runs, unless saved as a file; numbers in comments beside print() must be printed; where the
+                page says "one Python session" the blocks share their names
     text, and "Output" begins the paragraph above
                 these lines are in the output of the last command or code; a line of three points stands for
                 lines left out
-    toml, c, lua, powershell, other text
+    toml, powershell, other text
                 not run here
 
 The mark `<!-- not run: reason -->` above a block keeps the block from being run.
@@ -101,10 +101,12 @@ def is_run(command: str) -> bool:
     return command.split()[0] in RUNS
 
 
-def has_commands(blocks: list[Block]) -> bool:
-    """Whether a page has files or commands, so that its blocks belong together."""
+def is_one_piece(text: str) -> bool:
+    """Whether a page has files, commands or one session, so that its blocks belong together."""
+    blocks = blocks_of(text)
     shells = [block for block in blocks if block.language == "sh" and not block.is_marked]
-    return any(block.file for block in blocks) or any(is_run(c) for block in shells for c in block.commands)
+    commands = any(is_run(command) for block in shells for command in block.commands)
+    return commands or any(block.file for block in blocks) or bool(SESSION.search(text))
 
 
 def compare_numbers(code: str, printed: str, where: str = "") -> None:
@@ -176,7 +178,7 @@ def run_code(code: str, names: dict[str, Any] | None = None) -> str:
 
 
 def run_blocks(blocks: list[Block], names: dict[str, Any] | None) -> Iterator[Block]:
-    """Runs the blocks in the present folder; gives each one before it is run. Blocks in Python share `names`."""
+    """Runs the blocks in the present folder; gives each one before. Blocks in Python share `names`."""
     printed = ""
     for block in blocks:
         yield block

@@ -1,7 +1,7 @@
 """The parts of the documentation site that no extension of Sphinx offers.
 
 Pages from outside of docs/ (README.md, CONTRIBUTING.md, CHANGELOG.md) with their links, blocks of docstrings,
-pictures that open in full size, and links from source code back to the API.
+the living page, pictures that open in full size, and links from source code back to the API.
 """
 
 from __future__ import annotations
@@ -9,11 +9,17 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping
+from html import escape
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from docutils import nodes
+from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+import dualcam
 
 DOCS = Path(__file__).resolve().parent.parent
 ROOT = DOCS.parent
@@ -23,9 +29,10 @@ PAGE_OF = {
     ROOT / "CONTRIBUTING.md": DOCS / "site/contributing.md",
     ROOT / "CHANGELOG.md": DOCS / "site/changelog.md",
 }
+LIVING_PAGE = "_static/view.html"
 SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
 LINK = re.compile(r"\]\((?!\w+:)([^)#\s]+)((?:#[^)\s]*)?)\)")
-COLUMNS = re.compile(r"^\S.*?\S {3,}\S")
+COLUMNS = re.compile(r"^\S(.*\S)? {3,}\S")
 BACK_LINK = re.compile(r'href="([^"#]*/)([\w.]+)\.html#([\w.]+)"')
 TEXT_OF_LINK = re.compile(r"\[[\w/-]+\.md\]\((?=[^)]+\.md\))")
 PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
@@ -87,6 +94,33 @@ def indent_of(line: str) -> int:
     return len(line) - len(line.lstrip())
 
 
+# ---- the living page ----
+
+
+class LivingPage(SphinxDirective):
+    """A frame with the page of `dualcam view`, and a picture of the page for readers without scripts."""
+
+    option_spec: ClassVar = {"title": directives.unchanged_required, "picture": directives.unchanged_required}
+
+    def run(self) -> list[nodes.Node]:
+        """Called by docutils."""
+        page, title = LIVING_PAGE, escape(self.options["title"])
+        picture = f"_static/{self.options['picture']}"
+        text = (
+            f'<iframe class="living-page" src="{page}" title="{title}"></iframe>\n'
+            f'<noscript><p class="living-page-still"><img src="{picture}" alt="{title}"></p></noscript>\n'
+            f'<p class="living-page-links"><a href="{page}">Open this page in the whole window</a>. The page'
+            " needs no network: save it, send it.</p>"
+        )
+        return [nodes.raw("", text, format="html")]
+
+
+def write_living_page(app: Sphinx, failure: Exception | None) -> None:
+    """Write the page of the default mechanism into the built site."""
+    if failure is None and app.builder.format == "html":
+        dualcam.write_view(None, Path(app.outdir) / LIVING_PAGE)
+
+
 # ---- HTML ----
 
 
@@ -119,6 +153,8 @@ def back_link(link: re.Match[str], objects: Mapping[str, Any]) -> str:
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Called by Sphinx."""
+    app.add_directive("living-page", LivingPage)
+    app.connect("build-finished", write_living_page)
     app.connect("source-read", show_file)
     app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
     app.connect("html-page-context", mend_back_links)

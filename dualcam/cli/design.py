@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from dualcam.cli.groove_export import GrooveExport, export_options, say_written
+from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, say
 from dualcam.errors import DesignError
@@ -100,7 +100,8 @@ def command(
         say(found.summary())
     if output is not None:
         _say_how_to_use(output, design_file, cams)
-    say_written(files)
+    if files:
+        exported.say_written(files, design)
 
 
 def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str, Any]:

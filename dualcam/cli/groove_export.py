@@ -146,6 +146,18 @@ class GrooveExport:
             )
         return tuple(written)
 
+    def say_written(self, files: tuple[Path, ...], design: DesignFile) -> None:
+        """The files, and what a workshop must know besides."""
+        for file in files:
+            say(f"{file} written")
+        first = "right" if self.loading == "counterclockwise" else "left"
+        hands = {1: first, 2: "left" if first == "right" else "right"}
+        grooves = " and ".join(f"groove {cam} is {hands[cam]}-handed" for cam in self.cams)
+        say(
+            f"{grooves}: cam 2 turns {self.loading} while the spring is loaded, seen from +z. Pin of diameter"
+            f" {2e3 * self._pin_radius(design):.6g} mm, run-out {1e3 * (self.run_out or 0.0):.6g} mm"
+        )
+
     def _pin_radius(self, design: DesignFile) -> float:
         if self.pin_diameter is not None:
             return 0.5 * self.pin_diameter
@@ -169,8 +181,3 @@ class GrooveExport:
 
 def _half(diameter: float | None) -> float | None:
     return None if diameter is None else 0.5 * diameter
-
-
-def say_written(files: tuple[Path, ...]) -> None:
-    for file in files:
-        say(f"{file} written")

@@ -15,6 +15,7 @@ from compiler import compile_program, run
 from workspace import (
     BARE,
     BUILD,
+    COMPONENT_ROOM,
     CORE,
     DESCRIPTIONS,
     FLEET,
@@ -69,10 +70,10 @@ def identity(fmu: Fmu) -> list[str]:
 
 
 def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
-    """The files of one FMU in the rooms of fmu_src. The rooms `fleet` and `web` are in no FMU."""
+    """The files of one FMU in the rooms of fmu_src, but for the rooms `component`, `fleet` and `web`."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
-    outside = {TOOLS, FLEET, WEB_ROOM}
+    outside = {TOOLS, COMPONENT_ROOM, FLEET, WEB_ROOM}
     files = [p for p in CORE.rglob("*") if p.suffix in suffixes and not outside & {*p.parents}]
     return sorted(p for p in files if not p.name.startswith(tuple(others)))
 

@@ -10,11 +10,14 @@ from archive import validate, write_archive
 from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
 from fmus import Fmu, identity
 from platforms import ALL, TARGET, Platform, executable, host_platform
+from webassembly.component import wrapped
+from webassembly.interface import manifests
 from workspace import (
     BUILD,
     FLEET,
     ROOT,
     build_program,
+    component_files,
     fingerprint,
     headers,
     is_fresh,
@@ -30,16 +33,19 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The library of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
     defines = [*fmu.defines, *identity(fmu)]
-    inputs = [*fmu.sources, *headers(), *build_program()]
+    apart = component_files() if platform.is_component else []
+    sources = [*fmu.sources, *sorted(path for path in apart if path.suffix == ".c")]
+    inputs = [*fmu.sources, *apart, *headers(), *build_program()]
     stamp = fingerprint(inputs, platform.folder, *platform.targets, *defines)
     if is_fresh(library, stamp):
         return library
-    say(f"compile {relative(library)} ({len(fmu.sources)} files)")
+    say(f"compile {relative(library)} ({len(sources)} files)")
     slices = []
     for target in platform.targets:
         part = BUILD / "parts" / f"fmi{fmu.version}" / target / library.name
-        compile_library(platform, target, defines, fmu.sources, part)
-        slices.append(part.read_bytes())
+        compile_library(platform, target, defines, sources, part)
+        content = part.read_bytes()
+        slices.append(wrapped(content) if platform.is_component else content)
     library.parent.mkdir(parents=True, exist_ok=True)
     library.write_bytes(slices[0] if len(slices) == 1 else universal(slices))
     set_stamp(library, stamp)
@@ -69,6 +75,7 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
     every = ALL[fmu.version]
     platforms = every if for_all else (host_platform(fmu.version),)
     inputs = [*fmu.sources, *fmu.extra.values(), *headers(), *build_program()]
+    inputs += component_files() if fmu.version == 3 else []
 
     def stamp(held: Sequence[Platform]) -> str:
         folders = [platform.folder for platform in held]
@@ -83,6 +90,8 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
     for platform in platforms:
         library = build_library(fmu, platform)
         members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
+    if any(platform.is_component for platform in platforms):
+        members |= {name: text.encode() for name, text in manifests().items()}
     unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
     try:
         write_archive(unfinished, members)

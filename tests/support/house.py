@@ -31,6 +31,7 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
         *("platform", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
         *("forward", "inverse", "sensitivity"),
     ),
+    "component": (),
     "fleet": (),
     "web": (),
     "tools": ("fmi",),

@@ -1,5 +1,5 @@
-"""What a new user does first with the installed package: new design, check, simulation, export, run of the
-exported FMU. No compiler and no FMPy is used, even where they are installed.
+"""What a new user does first with the installed package: new design, check, simulation, page, export, run of
+the exported FMU. No compiler and no FMPy is used, even where they are installed.
 
     python tests/support/smoke.py
 
@@ -60,13 +60,14 @@ def run_commands(folder: Path) -> None:
         ["new", "my.toml", "--from", "robot"],
         ["check", "my.toml"],
         ["simulate", "my.toml", "-o", "out.csv", "--plot", "out.png"],
+        ["view", "my.toml", "-o", "my.html"],
         ["export", "my.toml", "-o", "MyCam.fmu"],
         ["export", "my.toml", "-o", "MyCam3.fmu", "--fmi", "3"],
     ):
         begin = time.perf_counter()
         subprocess.run([sys.executable, "-c", COMMAND, *words], check=True, cwd=folder, timeout=120)
         print(f"dualcam {' '.join(words)}: {time.perf_counter() - begin:.1f} s")
-    for name in ("out.csv", "out.png"):
+    for name in ("out.csv", "out.png", "my.html"):
         assert (folder / name).stat().st_size > 1000, name
     angles = [run_from_rest(folder / name, FRICTIONLESS) for name in ("MyCam.fmu", "MyCam3.fmu")]
     assert abs(angles[0] - angles[1]) < 1e-12, angles

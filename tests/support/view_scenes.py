@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import shutil
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
@@ -249,13 +248,8 @@ def description(model: str) -> dict[str, Any]:
     return {"guid": read.guid, "variables": rows}
 
 
-def literal(value: object) -> str:
-    """JSON, but for NaN and Infinity, which JavaScript reads and JSON has not."""
-    return json.dumps(value)
-
-
-def run_in_node(scene: Scene, **more: object) -> Results:
-    """The results of the engine in node. `more` replaces parts of the job."""
+def run_in_node(scene: Scene) -> Results:
+    """The results of the engine in node. `json` writes NaN and Infinity as JavaScript does."""
     job = {
         "description": description(scene.model),
         "files": dict(scene.files),
@@ -265,7 +259,7 @@ def run_in_node(scene: Scene, **more: object) -> Results:
     }
     done = subprocess.run(
         [NODE, SUPPORT / "run_engine.mjs", ENGINE, web_path(f"{MODELS[scene.model]}.wasm")],
-        **{"input": literal(job | more), "capture_output": True, "encoding": "utf-8", "timeout": 120},
+        **{"input": json.dumps(job), "capture_output": True, "encoding": "utf-8", "timeout": 120},
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -313,8 +307,3 @@ def assert_equal(found: Results, expected: Results, model: str = "forward") -> N
         difference = np.abs(a[:, column] - b[:, column]).max()
         scale = 0.0 if name in EXACT else np.abs(b[:, column]).max()
         assert difference <= TOLERANCE * scale, (name, difference, scale)
-
-
-def fmu_text(text: str) -> str:
-    """The FMU's text within a message of the engine: without the name of the function."""
-    return re.sub(r"^fmi2\w+: | \(the present angle\)$", "", text)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import simpson
 
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.statics import Array, DesignError
@@ -89,8 +90,8 @@ class CamBody:
         if not (depth > 0.0 and floor > cut.pin_radius):
             raise DesignError(
                 f"{name}: depth = {1e3 * depth:.6g} mm: allowed is a length > 0 and below"
-                f" {2e3 * (radius - cut.pin_radius):.6g} mm, so that the floor of the groove is outside"
-                " of the pin's radius"
+                f" {2e3 * (radius - cut.pin_radius):.6g} mm, so that the floor's radius stays"
+                " above the pin's radius"
             )
         outer = radius + 0.5 * depth if outer_radius is None else outer_radius
         if not radius <= outer < math.inf:
@@ -122,9 +123,12 @@ class CamBody:
         middle = 0.5 * (groove[0] + groove[1])
         return middle - 0.5 * chosen, middle + 0.5 * chosen
 
-    def tube_volume(self) -> float:
-        """Volume without grooves [m3]."""
-        return math.pi * (self.outer_radius**2 - self.bore_radius**2) * (self.high - self.low)
+    def volume(self, cut: GrooveCut) -> float:
+        """Volume of the body with all its grooves [m3]."""
+        tube = math.pi * (self.outer_radius**2 - self.bore_radius**2) * (self.high - self.low)
+        radii = np.linspace(max(self.floor_radius, self.bore_radius), self.outer_radius, RADII)
+        areas = [groove_area(cut, float(radius)) for radius in radii]
+        return float(tube - cut.mechanism.contacts * simpson(areas, x=radii))
 
 
 def groove_area(cut: GrooveCut, radius: float, points: int = 4001) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dualcam.design.cut.groove_cut import GrooveCut
 from dualcam.design.cut.sampling import MOST_POINTS, SHARES, places, wrapped
@@ -48,7 +49,7 @@ def _close_enough(cut: GrooveCut, psi: Array) -> Array:
         psi = np.sort(np.append(psi, 0.5 * (psi[:-1] + psi[1:])[coarse]))
 
 
-def _table_errors(cut: GrooveCut, psi: Array) -> Array:
+def _table_errors(cut: GrooveCut, psi: Array) -> NDArray[np.bool_]:
     """Whether the curve through the points misses the groove, in each interval; shape (n - 1,)."""
     with units_checked_before():
         table = Table(cut.radius, psi, cut.centre(psi).z)
@@ -56,4 +57,5 @@ def _table_errors(cut: GrooveCut, psi: Array) -> Array:
     found, wanted = table.at(between), cut.centre(between)
     scale = max(float(np.max(wanted.slope)), np.finfo(float).tiny)
     missed = np.abs(found.z - wanted.z) > TABLE_ERROR
-    return np.asarray((missed | (np.abs(found.slope - wanted.slope) > SLOPE_ERROR * scale)).any(axis=1))
+    missed |= np.abs(found.slope - wanted.slope) > SLOPE_ERROR * scale
+    return np.asarray(missed.any(axis=1))

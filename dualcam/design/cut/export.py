@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from dualcam.design.cut.solid import require_kernel
 from dualcam.design.cut.step_file import write_step
 from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import DesignError
+from dualcam.errors import DualcamWarning
 
 ENDINGS = (".csv", ".dxf", ".step", ".stp")
 
@@ -61,6 +63,11 @@ def export_groove(
         A groove or a body that cannot be made, another ending, or a library that is not installed: `.dxf`
         needs ezdxf, `.step` needs OpenCASCADE (`pip install "dualcam[cad]"` brings both).
 
+    Warns
+    -----
+    DualcamWarning
+        Two solids that cannot stand inside one another.
+
     Examples
     --------
     >>> import tempfile
@@ -89,9 +96,25 @@ def export_groove(
             )
         size = {"outer_radius": outer_radius, "bore_radius": bore_radius, "length": length}
         bodies = {cam: CamBody.around(cut, depth, **size) for cam, cut in cuts.items()}
+        _warn_of_overlap(list(bodies.values()))
         for cam, file in files.items():
             write_step(cuts[cam], bodies[cam], file)
     return tuple(files.values())
+
+
+def _warn_of_overlap(bodies: Sequence[CamBody]) -> None:
+    if len(bodies) < 2:
+        return
+    inner, outer = sorted(bodies, key=lambda body: body.outer_radius)
+    if inner.outer_radius > outer.bore_radius:
+        walls = [f"{1e3 * body.bore_radius:.6g} to {1e3 * body.outer_radius:.6g} mm" for body in bodies]
+        warnings.warn(
+            DualcamWarning(
+                f"the walls of cam 1 (radius {walls[0]}) and cam 2 (radius {walls[1]}) overlap: the cams"
+                " cannot stand inside one another. Give the cams different radii, or a smaller depth"
+            ),
+            stacklevel=3,
+        )
 
 
 def groove_files(path: str | Path, cams: Sequence[int] = (1, 2)) -> dict[int, Path]:

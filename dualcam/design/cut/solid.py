@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 MM = 1e3  # per metre
 SPLINE_ERROR = 1e-4  # mm
 SEWING = 1e-3  # mm between edges that are one
-RADII = 9  # nodes of the splines along the pin
+FEWEST_RADII, MOST_RADII = 9, 200  # nodes of the splines along the pin
 MOST_NODES = 4_000
+LARGEST_TURN = math.radians(350.0)  # of one groove about the axis
 
 Outline = Callable[[Array, float], Curve]  # parameters (n,) and a radius [m] -> points of the groove's edge
 
@@ -44,19 +45,49 @@ def require_kernel() -> None:
 
 
 def cam_solid(cut: GrooveCut, body: CamBody) -> TopoDS_Shape:
-    """The cam with all its grooves [mm]."""
+    """The cam with all its grooves [mm]. DesignError if the kernel makes no valid solid."""
     require_kernel()
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
     from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.TopAbs import TopAbs_ShapeEnum
+    from OCP.TopExp import TopExp_Explorer
 
+    _require_less_than_a_turn(cut, body)
     shape: TopoDS_Shape = _tube(body)
     for end in range(cut.mechanism.contacts):
         shape = BRepAlgoAPI_Cut(shape, _tool(cut, body, end)).Shape()
-    if not BRepCheck_Analyzer(shape).IsValid():
+    solids = TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_SOLID)
+    solid = solids.Current()
+    solids.Next()
+    wanted = MM**3 * body.volume(cut)
+    if (
+        solids.More()
+        or not BRepCheck_Analyzer(solid).IsValid()
+        or not math.isclose(_volume(solid), wanted, rel_tol=1e-4)
+    ):
         raise DesignError(
             f"cam {cut.cam}: the CAD kernel makes no valid solid of this groove: write .dxf or .csv"
         )
-    return shape
+    return solid
+
+
+def _require_less_than_a_turn(cut: GrooveCut, body: CamBody) -> None:
+    low, _ = _radii(cut, body)
+    turn = cut.end - cut.begin + 2.0 * math.asin(cut.pin_radius / low)
+    if turn > LARGEST_TURN:
+        raise DesignError(
+            f"cam {cut.cam}: the groove goes over {math.degrees(turn):.4g} deg: allowed in a STEP file are"
+            f" {math.degrees(LARGEST_TURN):.4g} deg; write .dxf or .csv"
+        )
+
+
+def _volume(shape: TopoDS_Shape) -> float:
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, properties)
+    return float(properties.Mass())
 
 
 def _tube(body: CamBody) -> TopoDS_Shape:
@@ -83,10 +114,11 @@ def _tool(cut: GrooveCut, body: CamBody, end: int) -> TopoDS_Solid:
     from OCP.TopoDS import TopoDS
 
     low, high = _radii(cut, body)
-    sides = _sides(cut, np.linspace(low, high, RADII))
+    radii = _radius_nodes(cut, low, high)
+    sides = _sides(cut, radii)
     sewing = BRepBuilderAPI_Sewing(SEWING)
     for outline, nodes in sides:
-        sewing.Add(_side_face(cut, outline, nodes, np.linspace(low, high, RADII), end))
+        sewing.Add(_side_face(cut, outline, nodes, radii, end))
     for radius in (low, high):
         sewing.Add(_cylinder_face(cut, sides, radius, end))
     sewing.Perform()
@@ -101,6 +133,37 @@ def _radii(cut: GrooveCut, body: CamBody) -> tuple[float, float]:
     if not body.is_slot:
         return body.floor_radius, high
     return 0.5 * (body.bore_radius + max(0.98 * body.bore_radius, cut.pin_radius)), high
+
+
+def _radius_nodes(cut: GrooveCut, low: float, high: float) -> Array:
+    """Radii between which a cubic spline is within SPLINE_ERROR of the flanks and of the round ends [m]."""
+    psi = np.linspace(cut.begin, cut.end, 17)
+
+    def points(radii: Array) -> Array:
+        curves = [
+            (rho, curve)
+            for rho in radii.tolist()
+            for curve in (
+                *cut.flanks(psi, rho),
+                cut.round_end(True, 0.5, rho),
+                cut.round_end(False, 0.5, rho),
+            )
+        ]
+        space = [_in_space(cut, Curve(*map(np.atleast_1d, curve)), rho, 0) for rho, curve in curves]
+        return np.concatenate(space).reshape(len(radii), -1)
+
+    count = FEWEST_RADII
+    while count < MOST_RADII:
+        radii = np.linspace(low, high, count)
+        between = 0.5 * (radii[1:] + radii[:-1])
+        spline = _spline(radii, points(radii))
+        if np.abs(spline(_share(between, radii)) - points(between)).max() < SPLINE_ERROR:
+            return radii
+        count = 2 * count - 1
+    raise DesignError(
+        f"cam {cut.cam}: the pin is almost as wide as the floor of the groove, of radius {MM * low:.4g} mm:"
+        " allowed in a STEP file is a thinner pin or a smaller depth"
+    )
 
 
 def _sides(cut: GrooveCut, radii: Array) -> list[tuple[Outline, Array]]:
@@ -167,7 +230,7 @@ def _side_face(cut: GrooveCut, outline: Outline, nodes: Array, radii: Array, end
 
     points = np.stack([_in_space(cut, outline(nodes, float(rho)), float(rho), end) for rho in radii], axis=1)
     along = _spline(nodes, points)
-    across = make_interp_spline(np.linspace(0.0, 1.0, len(radii)), np.moveaxis(along.c, 1, 0), k=3)
+    across = make_interp_spline(_share(radii, radii), np.moveaxis(along.c, 1, 0), k=3)
     surface = _surface(np.moveaxis(across.c, 0, 1), along.t, across.t)
     return BRepBuilderAPI_MakeFace(surface, 1e-7).Face()
 

@@ -1,0 +1,213 @@
+"""The documentation site: Sphinx builds it without a warning, no link is broken, every page and every public
+name is on it.
+
+The build takes about half a minute and needs the extra `docs`. All other tests need none.
+"""
+
+import importlib
+import importlib.util
+import pkgutil
+import re
+import runpy
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from driver import ROOT
+from pages import DOCS, FRONT, OF_DOCS, load
+
+import dualcam
+from dualcam import design, study, systems
+
+check_site = load(DOCS / "tools" / "check_site.py")
+run_page = load(DOCS / "tools" / "run_page.py")
+needs_sphinx = pytest.mark.skipif(
+    importlib.util.find_spec("sphinx_gallery") is None, reason="needs the extra `docs`"
+)
+TOCTREE = re.compile(r"^```\{toctree\}\n(.*?)^```", re.MULTILINE | re.DOTALL)
+API = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "api").glob("*.rst")}
+ANSWERS = ("command-line", "stick-band", "masters", "accuracy", "cite")  # what a new user looks for first
+
+
+@needs_sphinx
+def test_site_builds_without_a_warning(tmp_path):
+    """With the gallery's scripts, which run, and with the living page."""
+    script = DOCS / "tools" / "build_site.py"
+    done = subprocess.run(
+        [sys.executable, script, "--output", tmp_path / "site"], capture_output=True, text=True, timeout=280
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "none broken" in done.stdout
+    pages = {path.relative_to(tmp_path / "site").as_posix() for path in (tmp_path / "site").rglob("*.html")}
+    assert {f"{path.stem}.html" for path in [*OF_DOCS, FRONT]} <= pages
+    assert {"_static/view.html", "search.html", "site/changelog.html", "gallery/index.html"} <= pages
+    assert {f"gallery/{path.stem}.html" for path in (DOCS / "gallery_scripts").glob("plot_*.py")} <= pages
+
+
+# ---- pages ----
+
+
+def entries(path):
+    """Pages below docs in the toctrees of a page, without ending."""
+    for body in TOCTREE.findall(path.read_text(encoding="utf-8")):
+        for line in body.split():
+            if not line.startswith(":"):
+                target = (path.parent / line.strip("<>")).resolve().relative_to(DOCS).as_posix()
+                listed = sorted(DOCS.glob(f"{target}.md")) if "*" in target else [DOCS / target]
+                yield from (page.relative_to(DOCS).with_suffix("").as_posix() for page in listed)
+
+
+def test_every_page_is_in_one_toctree():
+    sections = sorted((DOCS / "site").glob("*.md"))
+    listed = [name for path in [FRONT, *sections] for name in entries(path)]
+    pages = {path.stem for path in OF_DOCS} | {f"site/{path.stem}" for path in sections}
+    assert pages <= set(listed)
+    assert all(listed.count(page) == 1 for page in pages)
+
+
+def test_front_page_leads_to_each_answer_and_each_tutorial():
+    text = FRONT.read_text(encoding="utf-8")
+    first = text.partition(":::{living-page}")[0]
+    tutorials = sorted(path.stem for path in DOCS.glob("tutorial-*.md"))
+    assert re.findall(r"\]\(([\w-]+)\.md\)", first) == [*ANSWERS, "install"]
+    assert set(ANSWERS) | set(tutorials) <= set(re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE))
+    for name in re.findall(r"^:link: ([\w/-]+)$", text, re.MULTILINE):
+        assert (DOCS / f"{name}.md").is_file() or name == "gallery/index"
+
+
+def test_commands_of_the_front_page_run(tmp_path):
+    run_page.run_page(FRONT, tmp_path)
+    assert {"my.toml", "out.csv", "out.png", "my.html", "MyCam.fmu"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
+
+
+def test_cited_version_is_this_one():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    page, reference = ((ROOT / name).read_text(encoding="utf-8") for name in ("docs/cite.md", "CITATION.cff"))
+    assert re.findall(r"version\s*=?\s*\{?([\d.]+\d)", page) == [project["version"]] * 2
+    assert re.search(r"^version: (.*)$", reference, re.MULTILINE)[1] == project["version"]
+    (date,) = re.findall(r"date\s*= \{(.*)\}", page)
+    assert re.search(r"^date-released: (.*)$", reference, re.MULTILINE)[1] == date
+    title = re.search(r"^ {4}title: (.*)$", reference, re.MULTILINE)[1]  # of the paper
+    assert title in page and title in " ".join(page.replace("> ", "").split())
+
+
+# ---- Python API ----
+
+
+def listed_names(page):
+    """Names in the autosummaries of a page."""
+    return set(re.findall(r"^   ([A-Za-z_]\w*)$", API[page], re.MULTILINE))
+
+
+@pytest.mark.parametrize("page, module", [("index", dualcam), ("design", design), ("study", study)])
+def test_every_public_name_is_on_the_page(page, module):
+    """A module of dualcam.__all__ stands by its own names; a name of dualcam is not repeated."""
+    elsewhere = set() if module is dualcam else set(dualcam.__all__)
+    modules = {entry.name for entry in pkgutil.iter_modules(dualcam.__path__)}
+    public = {name for name in module.__all__ if not name.startswith("_")} - elsewhere - modules
+    assert public <= listed_names(page)
+
+
+def test_every_module_of_systems_is_on_the_page():
+    assert {entry.name for entry in pkgutil.iter_modules(systems.__path__)} == listed_names("systems")
+
+
+@pytest.mark.parametrize("page", [page for page in API if page != "systems"])
+def test_names_of_the_api_exist(page):
+    parts = re.split(r"^\.\. currentmodule:: (\S+)$", API[page], flags=re.MULTILINE)
+    assert len(parts) > 1
+    for module, text in zip(parts[1::2], parts[2::2], strict=True):
+        names = re.findall(r"^   ([A-Za-z_]\w*)$", text, re.MULTILINE)
+        holder = importlib.import_module(module)
+        assert [name for name in names if not hasattr(holder, name)] == []
+
+
+# ---- the check of links ----
+
+GOOD = '<p id="top"><a href="#top">up</a> <a href="b.html#one">b</a> <img src="p.png" alt="p"></p>'
+
+
+@pytest.fixture
+def site(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "a.html").write_text(GOOD)
+    (tmp_path / "b.html").write_text('<h1 id="one">b</h1><a href="sub/">folder</a>')
+    (tmp_path / "sub/index.html").write_text('<a href="../a.html#top">a</a> <a href="https://x.org/#y">x</a>')
+    (tmp_path / "p.png").write_bytes(b"")
+    return tmp_path
+
+
+def test_check_finds_nothing_in_a_good_site(site):
+    assert check_site.check(site) == []
+
+
+@pytest.mark.parametrize(
+    "html, message",
+    [
+        ('<a href="c.html">c</a>', "c.html: no such file"),
+        ('<a href="b.html#two">b</a>', "b.html#two: no anchor 'two' there"),
+        ('<a href="#lost">lost</a>', "#lost: no anchor 'lost' there"),
+        ('<a href="../other.html">out</a>', "../other.html: leads out of the site"),
+        ('<img src="q.png" alt="q">', "q.png: no such file"),
+        ('<img src="p.png">', "picture without alt text: p.png"),
+        ('<img srcset="p.png, q.png 2x" alt="two sizes">', "q.png: no such file"),
+        ('<iframe src="view.html"></iframe>', "view.html: no such file"),
+        ('<script src="https://cdn.org/x.js"></script>', "asks another server for https://cdn.org/x.js"),
+        ('<link rel="stylesheet" href="//cdn.org/x.css">', "asks another server for //cdn.org/x.css"),
+    ],
+)
+def test_check_finds_what_is_broken(site, html, message):
+    (site / "more.html").write_text(html)
+    (found,) = check_site.check(site)
+    assert found.startswith("more.html: ") and message in found
+    assert check_site.main([str(site)]) == 1
+
+
+# ---- the site's own extension of Sphinx ----
+
+
+@pytest.fixture(scope="module")
+def extension():
+    pytest.importorskip("sphinx", reason="needs the extra `docs`")
+    return runpy.run_path(str(DOCS / "tools" / "site_extension.py"))
+
+
+def marked(extension, docstring):
+    lines = docstring.split("\n")
+    extension["mark_blocks"](None, "function", "name", None, None, lines)
+    return "\n".join(lines).strip()
+
+
+@pytest.mark.parametrize(
+    "before, after",
+    [
+        ("Text.\n\n    x = 1\n\n    y = 2\n\nText.", "Text.\n\n::\n\n    x = 1\n\n    y = 2\n\nText."),
+        ("a    first\nb    second\n\nText.", "::\n\n    a    first\n    b    second\n\nText."),
+        ("Text::\n\n    x = 1", "Text::\n\n    x = 1"),
+    ],
+)
+def test_blocks_of_docstrings_become_literal(extension, before, after):
+    assert marked(extension, before) == after
+
+
+@pytest.mark.parametrize(
+    "docstring",
+    [
+        "Parameters\n----------\nx : float\n    One paragraph.\n\n    Another paragraph.",
+        "- a point\n\n  that goes on",
+        ">>> f(1)\n1",
+    ],
+)
+def test_text_of_docstrings_stays(extension, docstring):
+    assert marked(extension, docstring) == docstring
+
+
+def test_links_of_pages_outside_of_docs(extension):
+    """README.md is a page of the site; what has no page stays a file."""
+    target, page = extension["site_target"], DOCS / "site" / "overview.md"
+    assert target(ROOT / "docs/accuracy.md", page) == "../accuracy.md"
+    assert target(ROOT / "CHANGELOG.md", page) == "changelog.md"
+    assert target(ROOT / "CITATION.cff", DOCS / "cite.md") == "../CITATION.cff"
