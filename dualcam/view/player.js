@@ -62,6 +62,7 @@ export class Player {
   /** Forget what was recorded. */
   clear() {
     this.trail = []; // [theta, tau, time] of each micro step
+    this.extremes = [0, 0]; // least and largest torque
     this.events = []; // {time, from, to, theta}
     this.mode = this.engine.get("mode");
     this.count = this.engine.get("events");
@@ -167,7 +168,9 @@ export class Player {
   /** After a step: one point of the trail, and the change of mode. */
   record() {
     const { engine } = this;
-    this.trail.push([engine.get("theta"), engine.get("tau"), engine.time]);
+    const tau = engine.get("tau");
+    this.trail.push([engine.get("theta"), tau, engine.time]);
+    this.extremes = [Math.min(this.extremes[0], tau), Math.max(this.extremes[1], tau)];
     if (this.trail.length > TRAIL) this.trail.splice(0, TRAIL / 4);
     const mode = engine.get("mode");
     const count = engine.get("events");

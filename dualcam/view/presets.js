@@ -30,7 +30,7 @@ const PRESETS = [
   },
   {
     name: "Wedge",
-    words: "Very flat grooves of unequal radius: the pin is wedged. Four times the loading torque, turned back, moves nothing.",
+    words: "Very flat grooves of unequal radii wedge the pin: the largest negative torque moves nothing.",
     start: {
       ...SMOOTH, "cam1.radius": 0.06, "cam2.radius": 0.02, "cam1.lead_angle": 0.01, "cam2.lead_angle": 0.15,
       "initial.theta": 0.8,
@@ -49,7 +49,7 @@ const PRESETS = [
   {
     name: "Stick-slip",
     needs: "cam1.friction_peak",
-    words: "A motor pulls slowly through a soft shaft. Friction at rest is twice that in motion: cam 2 sticks and slips in turn.",
+    words: "A soft shaft pulls slowly, and friction is larger at rest than in motion: cam 2 sticks and slips in turn.",
     start: {
       "shaft.damping": 0.02, "inertia.shaft": 0.004, "cam1.friction_peak": 2, "cam2.friction_peak": 2,
       "cam1.stribeck_velocity": 0.01, "cam2.stribeck_velocity": 0.01,
