@@ -3,17 +3,24 @@
 import doctest
 import importlib
 import inspect
+import pkgutil
 import re
 
 import pytest
 
 import dualcam
+import dualcam.study
+import dualcam.systems
 
+SYSTEMS = tuple(f"dualcam.systems.{module.name}" for module in pkgutil.iter_modules(dualcam.systems.__path__))
 MODULES = (
+    *SYSTEMS,
+    *(f"dualcam.study.{name}" for name in ("plan", "scenario", "study", "store", "description")),
     *("dualcam.fmu", "dualcam.continuous_fmu", "dualcam.handle", "dualcam.reals", "dualcam.library"),
     *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
+    *("dualcam.design.cut.groove_cut", "dualcam.design.cut.cam_body", "dualcam.design.cut.export"),
     *(
         "dualcam.simulation",
         "dualcam.report",
@@ -31,7 +38,7 @@ MODULES = (
     *("dualcam.view.page", "dualcam.design_file.templates.template", "dualcam.unit_guards"),
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
-WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque")
+WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque", *SYSTEMS)
 # Results of functions: users make none.
 RETURNED = (
     *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
@@ -44,6 +51,7 @@ ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)
 def public_names():
     """Public functions and classes by a name that a failed test shows."""
     found = {name: getattr(dualcam, name) for name in dualcam.__all__}
+    found |= {f"dualcam.study.{name}": getattr(dualcam.study, name) for name in dualcam.study.__all__}
     for module in map(importlib.import_module, WHOLE):
         own = {name: thing for name, thing in vars(module).items() if not name.startswith("_")}
         found |= {

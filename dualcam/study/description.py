@@ -48,9 +48,13 @@ def read_study(path: str | Path) -> Study:
 
     Parameters
     ----------
-    path
+    path : str or Path
         A plan, or a design file with a section [study]. Paths in the file are relative to the file.
-        `fmu` is a path, "forward" or "inverse".
+
+    Returns
+    -------
+    Study
+        Its `run` makes the runs.
 
     Raises
     ------
@@ -58,6 +62,27 @@ def read_study(path: str | Path) -> Study:
         The file describes no study.
     DesignFileError
         The file is a design file with errors.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from dualcam.study import read_study
+    >>> text = '''
+    ... fmu = "forward"
+    ... results = ["efficiency"]
+    ... [plan]
+    ... kind = "grid"
+    ... vary."cam1.lead_angle" = {from = "35 deg", to = "55 deg", count = 5}
+    ... [scenario]
+    ... stop = 0.1
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "angles.toml"
+    ...     _ = path.write_text(text)
+    ...     study = read_study(path)
+    >>> study.plan.count, study.plan.names
+    (5, ['cam1.lead_angle'])
     """
     path = Path(path)
     try:

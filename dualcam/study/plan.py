@@ -24,8 +24,27 @@ KINDS = ("grid", "latin", "sobol", "indices", "table")
 
 @dataclass(frozen=True)
 class Vary:
-    """The values of one variable: from `low` to `high` (in a grid `count` of them, evenly, or evenly in the
-    logarithm), or one of `values`."""
+    """The values of one variable: a range, or a list.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends of the range, in the FMU's unit.
+    count : int
+        Of a grid: values from `low` to `high`, both included, 2 or more.
+    log : bool
+        Whether the values are spread evenly in the logarithm.
+    values : sequence of float
+        These values, instead of a range.
+
+    Examples
+    --------
+    >>> from dualcam.study import Vary
+    >>> Vary(0.5, 1.0, count=3).points().tolist()
+    [0.5, 0.75, 1.0]
+    >>> Vary(values=[0.08, 0.14]).size()
+    2
+    """
 
     low: float = math.nan
     high: float = math.nan
@@ -34,7 +53,18 @@ class Vary:
     values: Sequence[float] = ()
 
     def problem(self, in_grid: bool) -> str | None:
-        """What is wrong with it, if anything is."""
+        """What is wrong with the values, if anything is.
+
+        Parameters
+        ----------
+        in_grid : bool
+            Whether the plan is a grid, which needs a count.
+
+        Returns
+        -------
+        str or None
+            What is given and what is allowed.
+        """
         if len(self.values) > 0:
             strange = [value for value in self.values if not math.isfinite(value)]
             return f"values with {strange[0]}: allowed are finite numbers" if strange else None
@@ -50,11 +80,29 @@ class Vary:
         return None
 
     def limits(self) -> tuple[float, float]:
+        """Least and greatest value.
+
+        Returns
+        -------
+        tuple of float
+            In the FMU's unit.
+        """
         values = self.values if len(self.values) > 0 else (self.low, self.high)
         return float(min(values)), float(max(values))
 
     def at(self, share: Array) -> Array:
-        """Values at these shares, in [0, 1], of the way through the range."""
+        """Values at shares of the way through the range.
+
+        Parameters
+        ----------
+        share : ndarray, shape (n,)
+            Shares in [0, 1].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Values, in the FMU's unit.
+        """
         if len(self.values) > 0:
             chosen = np.minimum((share * len(self.values)).astype(int), len(self.values) - 1)
             return np.asarray(self.values, float)[chosen]
@@ -65,11 +113,23 @@ class Vary:
         return np.clip(grown, self.low, self.high)  # rounding must not leave the range
 
     def size(self) -> int:
-        """How many values it has in a grid."""
+        """How many values there are in a grid.
+
+        Returns
+        -------
+        int
+            Number of values.
+        """
         return len(self.values) or self.count
 
     def points(self) -> Array:
-        """Its values in a grid."""
+        """The values in a grid.
+
+        Returns
+        -------
+        ndarray, shape (size,)
+            Values, in the FMU's unit.
+        """
         if len(self.values) > 0:
             return np.asarray(self.values, float)
         return self.at(np.linspace(0.0, 1.0, self.count))
@@ -77,15 +137,45 @@ class Vary:
 
 @dataclass(frozen=True)
 class Plan:
-    """Runs by number, row by row, made when they are asked for.
+    """Which values each run has: rows by the number of the run, made when they are asked for.
 
-    grid     every combination of the values, the last variable fastest
-    latin    `runs` runs of a Latin hypercube
-    sobol    `runs` runs of a scrambled Sobol sequence
-    indices  what Sobol's indices need: `runs` (a power of 2) times (variables + 2) runs, as Saltelli puts
-             them: all of A, all of B, then for each variable all of A with B's column of that variable
-    table    the rows of `table`, shape (runs, variables), in the order of `vary`'s names
-    `same_as` gives variables the value of another one in every run."""
+    Parameters
+    ----------
+    kind : {"grid", "latin", "sobol", "indices", "table"}
+        "grid": every combination of the values, the last variable fastest. "latin": `runs` runs of a Latin
+        hypercube. "sobol": `runs` runs of a scrambled Sobol sequence. "indices": the runs for Sobol's
+        indices, see Notes. "table": the rows of `table`.
+    vary : mapping of str to Vary
+        Values by the name of the variable.
+    runs : int
+        Number of runs of "latin" and "sobol"; a power of 2 for "indices".
+    seed : int
+        Start of the random numbers, 0 or more.
+    table : array_like, shape (runs, variables), optional
+        Of "table": values, columns in the order of `vary`.
+    same_as : mapping of str to str
+        Variables that get the value of another one in every run.
+
+    Raises
+    ------
+    StudyError
+        An unknown kind, a number or a range outside of what is allowed, a table of another shape, or no runs.
+
+    Notes
+    -----
+    "indices" makes `runs` times (variables + 2) runs, as Saltelli puts them: all of A, all of B, then for
+    each variable all of A with B's column of that variable.
+
+    Examples
+    --------
+    >>> from dualcam.study import Plan, Vary
+    >>> preload = Vary(50.0, 70.0, count=3)  # N
+    >>> plan = Plan("grid", {"cam1.friction": Vary(values=[0.1, 0.2]), "spring.preload": preload})
+    >>> plan.count
+    6
+    >>> plan.rows(0, 2).tolist()
+    [[0.1, 50.0], [0.1, 60.0]]
+    """
 
     kind: str
     vary: Mapping[str, Vary] = field(default_factory=dict)
@@ -134,7 +224,24 @@ class Plan:
 
     @classmethod
     def from_csv(cls, path: str | Path) -> Plan:
-        """A table whose first line names the variables."""
+        """A plan of kind "table" from a CSV file.
+
+        Parameters
+        ----------
+        path : str or Path
+            File whose first line names the variables. Each other line has the numbers of a run, in the FMU's
+            units.
+
+        Returns
+        -------
+        Plan
+            One run for each line.
+
+        Raises
+        ------
+        StudyError
+            The file is no table of numbers, or names a variable twice.
+        """
         try:
             with Path(path).open(newline="", encoding="utf-8-sig") as file:
                 reader = csv.reader(file)
@@ -150,10 +257,12 @@ class Plan:
 
     @property
     def names(self) -> list[str]:
+        """The variables that get values, those of `same_as` last."""
         return [*self.vary, *self.same_as]
 
     @cached_property
     def count(self) -> int:
+        """The number of runs."""
         if self.kind == "grid":
             return math.prod(vary.size() for vary in self.vary.values())
         if self.kind == "table":
@@ -161,7 +270,13 @@ class Plan:
         return self.runs * (len(self.vary) + 2 if self.kind == "indices" else 1)
 
     def limits(self) -> dict[str, tuple[float, float]]:
-        """Least and greatest value of each variable."""
+        """Least and greatest value of each variable.
+
+        Returns
+        -------
+        dict of str to tuple of float
+            Least and greatest value by the name of the variable, in the FMU's units.
+        """
         if self.kind == "table":
             ends = [(float(column.min()), float(column.max())) for column in self._rows.T if len(column)]
             found = dict(zip(self.vary, ends, strict=False))
@@ -170,7 +285,18 @@ class Plan:
         return found | {name: found[other] for name, other in self.same_as.items()}
 
     def is_whole(self, name: str) -> bool:
-        """Whether that variable gets whole numbers only."""
+        """Whether a variable gets whole numbers only.
+
+        Parameters
+        ----------
+        name : str
+            One of `names`.
+
+        Returns
+        -------
+        bool
+            True for whole numbers.
+        """
         source = self.same_as.get(name, name)
         if self.kind == "table":
             values = self._rows[:, list(self.vary).index(source)]
@@ -179,7 +305,18 @@ class Plan:
         return len(values) > 0 and bool(np.all(values == np.round(values)))
 
     def rows(self, start: int, stop: int) -> Array:
-        """Runs start to stop - 1, shape (stop - start, names)."""
+        """The values of some runs.
+
+        Parameters
+        ----------
+        start, stop : int
+            First run, and the run after the last one.
+
+        Returns
+        -------
+        ndarray, shape (stop - start, names)
+            A row for each run, columns in the order of `names`.
+        """
         numbers = np.arange(start, min(stop, self.count))
         if self.kind == "grid":
             points = [vary.points() for vary in self.vary.values()]
@@ -220,7 +357,13 @@ class Plan:
         return np.where(from_second, second, first)
 
     def facts(self) -> dict[str, Any]:
-        """What the plan is, to be compared with that of a study begun earlier."""
+        """What the plan is, to be compared with that of a study begun earlier.
+
+        Returns
+        -------
+        dict
+            Plain data.
+        """
         table = hashlib.sha256(self._rows.tobytes()).hexdigest() if self.kind == "table" else ""
         vary = {
             name: [v.low, v.high, v.count, v.log, [float(x) for x in v.values]]

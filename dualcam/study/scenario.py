@@ -21,13 +21,29 @@ Law = Callable[[float, list[float]], Sequence[float]]
 
 @dataclass(frozen=True)
 class History:
-    """One input over time [s]. The same time twice is a jump; before the first time and after the last the
-    value stands still.
+    """One input over time.
 
-    linear  straight lines between the points
-    smooth  the cubic spline through them that starts and ends at rest, so that a derivative of it is defined
-    An input that is the time derivative of another one (omega of theta) has `derivative_of` instead of
-    points."""
+    Before the first time and after the last one the value stands still. An input that is the time derivative
+    of another one, such as omega of theta, has `derivative_of` instead of points.
+
+    Parameters
+    ----------
+    time : sequence of float
+        Times [s], not decreasing. The same time twice is a jump.
+    value : sequence of float
+        Values at these times, in the FMU's unit.
+    shape : {"linear", "smooth"}
+        Between the points: straight lines, or the cubic spline that starts and ends at rest.
+    derivative_of : str
+        Name of the input whose time derivative this one is.
+
+    Examples
+    --------
+    >>> from dualcam.study import History
+    >>> push = History(time=[0.0, 0.2, 0.2], value=[8.0, 8.0, 0.0])  # s, N.m: 8 N.m for 0.2 s, then nothing
+    >>> push.problem() is None
+    True
+    """
 
     time: Sequence[float] = ()
     value: Sequence[float] = ()
@@ -35,6 +51,13 @@ class History:
     derivative_of: str = ""
 
     def problem(self) -> str | None:
+        """What is wrong with the points, if anything is.
+
+        Returns
+        -------
+        str or None
+            What is given and what is allowed.
+        """
         if self.derivative_of:
             return None
         if self.shape not in ("linear", "smooth"):
@@ -50,7 +73,13 @@ class History:
         return None
 
     def taylor(self) -> list[tuple[float, list[float]]]:
-        """Pieces: where each starts, and there the value and its derivatives of orders 1 to ORDER."""
+        """The history as pieces of polynomials.
+
+        Returns
+        -------
+        list of tuple
+            The time [s] at which each piece starts, and there the value and its derivatives of orders 1 to 3.
+        """
         time, value = np.asarray(self.time, float), np.asarray(self.value, float)
         before = (-math.inf, [float(value[0]), 0.0, 0.0, 0.0])
         after = (float(time[-1]), [float(value[-1]), 0.0, 0.0, 0.0])
@@ -76,10 +105,27 @@ class History:
 
 @dataclass(frozen=True)
 class Controller:
-    """A closed loop: every `period` [s] the reals `reads` are read, the law is asked for those named in
-    `writes`, and these are held. `create_law` gives a new law for each run. The law is a function of time [s]
-    and of the values read, and returns the values to write. `create_law` must be a function of a module that
-    the workers can import."""
+    """A closed loop in each run: a law is asked every period, and the FMU's inputs are held in between.
+
+    Parameters
+    ----------
+    create_law : callable
+        Function of a module that the workers can import. It returns a new law for each run: a function of the
+        time [s] and of the values read, in the order of `reads`. The law returns the values to write.
+    period : float
+        Time between two calls of the law [s].
+    reads : sequence of str
+        Real variables that the law gets.
+    writes : sequence of str
+        Inputs that the law gives.
+
+    Examples
+    --------
+    >>> from dualcam.study import Controller
+    >>> def create_law():
+    ...     return lambda time, values: [5.0 - 20.0 * values[0]]  # N.m, from theta [rad]
+    >>> loop = Controller(create_law, period=1e-3, reads=["theta"], writes=["tau"])
+    """
 
     create_law: Callable[[], Law]
     period: float
@@ -101,10 +147,35 @@ class Step:
 
 @dataclass(frozen=True)
 class Scenario:
-    """Histories of inputs, and perhaps a controller, from 0 to `stop` [s]. `step` [s] is for FMUs that do
-    not take derivatives of inputs, which get values held over steps of that length (that of the middle),
-    and for those that need steps of one length; other steps are as long as the histories allow.
-    `tolerance`: for the FMU's integrator."""
+    """What is done in each run, from 0 to `stop`.
+
+    Parameters
+    ----------
+    stop : float
+        End of the run [s].
+    inputs : mapping of str to History
+        Inputs over time, by name. All others keep their start values.
+    step : float, optional
+        Step [s] for FMUs that take no derivatives of inputs, and for FMUs that need steps of one length. The
+        inputs are then held over each step at their value in the middle. Other steps are as long as the
+        histories allow.
+    tolerance : float, optional
+        Relative tolerance of the FMU's integrator.
+    controller : Controller, optional
+        A closed loop.
+
+    Raises
+    ------
+    StudyError
+        A number that is not finite and above 0, a history with a mistake, or an input with both a history and
+        a controller.
+
+    Examples
+    --------
+    >>> from dualcam.study import History, Scenario
+    >>> Scenario(0.4, {"tau": History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])}).stop
+    0.4
+    """
 
     stop: float
     inputs: Mapping[str, History] = field(default_factory=dict)
@@ -146,7 +217,27 @@ class Scenario:
         return [(start, [*values[1:], 0.0]) for start, values in pieces]
 
     def steps(self, reads: Sequence[float], interpolates: bool, fixed: bool) -> list[Step]:
-        """The steps of a run that can be read at these times; of one length if `fixed`."""
+        """The steps of a run that can be read at given times.
+
+        Parameters
+        ----------
+        reads : sequence of float
+            Times [s].
+        interpolates : bool
+            Whether the FMU takes derivatives of inputs.
+        fixed : bool
+            Whether the FMU needs steps of one length.
+
+        Returns
+        -------
+        list of Step
+            From 0 to `stop`.
+
+        Raises
+        ------
+        StudyError
+            The FMU needs `step`, or a time is no multiple of `step`.
+        """
         laws = {name: self._laws(name) for name in self.inputs}
         marks = [start for pieces in laws.values() for start, _ in pieces] + list(reads)
         bends = any(any(values[1:]) for pieces in laws.values() for _, values in pieces)

@@ -213,8 +213,38 @@ def _differing(begun: dict[str, Any], facts: dict[str, Any], where: str = "") ->
 
 
 def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> dict[str, Column]:
-    """Columns of a study by name, all if none are named, in the order of the runs; `run` is the run's number,
-    `message` why it failed, if it did."""
+    """The results of a study as one table, in the order of the runs.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder of the study.
+    columns : sequence of str, optional
+        Names of columns. None: all.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (runs,)
+        Columns by name: `run` (number of the run, from 0), the values that vary and the results in the FMU's
+        units, and `message` (why the run failed, or empty). Results of a failed run are NaN.
+
+    Raises
+    ------
+    StudyError
+        The folder holds no runs, a file is damaged, or there is no such column.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.study import Plan, Scenario, Study, Vary, read_results
+    >>> plan = Plan("grid", {"spring.preload": Vary(values=[50.0, 60.0])})  # N
+    >>> study = Study("forward", plan, Scenario(0.1), ["torque_load"])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = study.run(folder, workers=0)
+    ...     table = read_results(folder, ["run", "torque_load"])
+    >>> table["torque_load"].round(4).tolist()  # N.m
+    [0.6628, 0.7953]
+    """
     folder = Path(folder)
     record = _record(folder)
     if record is None:

@@ -30,8 +30,39 @@ CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end do
 
 @dataclass(frozen=True)
 class Study:
-    """`parameters` are start values that no run changes. `results` are variables at the end of the scenario,
-    or, as `name@time`, at that time [s]."""
+    """Many runs of one co-simulation FMU: plan, scenario and results.
+
+    Parameters
+    ----------
+    fmu : str or Path
+        "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
+    plan : Plan
+        Which values the runs have.
+    scenario : Scenario
+        What is done in each run.
+    results : sequence of str
+        Variables at the end of the scenario, or at a time [s] as "name@time".
+    parameters : mapping of str to float, int, bool or str
+        Start values that are the same in every run.
+    plots : sequence of mapping
+        Pictures for `dualcam study`, as in the section [[plots]] of a plan.
+
+    Raises
+    ------
+    StudyError
+        `results` is no list of names.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from dualcam.study import History, Plan, Scenario, Study, Vary
+    >>> plan = Plan("grid", {"cam1.friction": Vary(values=[0.1, 0.2])})
+    >>> push = Scenario(0.4, {"tau": History([0.0, 0.2, 0.2], [8.0, 8.0, 0.0])})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     table = Study("forward", plan, push, ["efficiency", "theta@0.2"]).run(folder, workers=0)
+    >>> table["efficiency"].round(3).tolist()
+    [0.617, 0.503]
+    """
 
     fmu: str | Path
     plan: Plan
@@ -50,6 +81,13 @@ class Study:
         return source_path(self.fmu)
 
     def job(self) -> Job:
+        """What a worker needs for the runs.
+
+        Returns
+        -------
+        Job
+            Path, names, scenario and results.
+        """
         return Job(str(self.path), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
 
     def run(
@@ -61,12 +99,33 @@ class Study:
         runs_per_file: int | None = None,
         console: Console | None = None,
     ) -> dict[str, Column]:
-        """Makes the runs that `folder` does not hold yet, and reads all of them.
+        """Make the runs that a folder does not hold yet, and read all of them.
 
-        `workers`: processes of this machine (0: in this one; None: as many as it has processors);
-        `scheduler`: the address of a Dask scheduler, to be used instead. `file_format`: "parquet" (the
-        default if pyarrow is there) or "csv". `runs_per_file`: at most, in a file of results. `console`:
-        shows progress there. StudyError if the study is wrong or cannot go on."""
+        Parameters
+        ----------
+        folder : str or Path
+            Folder of the results; made if it is missing.
+        workers : int, optional
+            Processes of this machine. 0: in this process. None: as many as there are processors.
+        scheduler : str, optional
+            Address of a Dask scheduler, which is used instead.
+        file_format : {"parquet", "csv"}, optional
+            None: "parquet" if pyarrow is installed.
+        runs_per_file : int, optional
+            Most runs in a file of results.
+        console : rich.console.Console, optional
+            Shows the progress.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (runs,)
+            As of `read_results`.
+
+        Raises
+        ------
+        StudyError
+            The study is wrong or cannot go on; the message says what to do.
+        """
         self.run_to_files(folder, workers, scheduler, file_format, runs_per_file, console)
         return read_results(folder)
 
@@ -80,8 +139,20 @@ class Study:
         console: Console | None = None,
         on_file_written: Callable[[], None] = lambda: None,
     ) -> None:
-        """As `run`, without reading the results back. `on_file_written` is called after every file of
-        results."""
+        """Make the runs as `run` does, without reading them.
+
+        Parameters
+        ----------
+        folder, workers, scheduler, file_format, runs_per_file, console
+            As in `run`.
+        on_file_written : callable
+            Is called without arguments after each file of results.
+
+        Raises
+        ------
+        StudyError
+            As in `run`.
+        """
         for name, number, least in (("workers", workers, 0), ("runs_per_file", runs_per_file, 1)):
             if number is not None and number < least:
                 raise StudyError(f"{name} = {number}: allowed is {least} or more")
@@ -113,7 +184,13 @@ class Study:
                     on_file_written()
 
     def facts(self) -> dict[str, Any]:
-        """What makes two studies the same: their results could be mixed."""
+        """What makes two studies the same: their results could be mixed.
+
+        Returns
+        -------
+        dict
+            Plain data.
+        """
         scenario = asdict(self.scenario)
         if control := self.scenario.controller:
             scenario["controller"] |= {

@@ -30,7 +30,18 @@ class Load(Protocol):
     """A load by its angle."""
 
     def torque(self, theta: float, /) -> float:
-        """Torque [N.m] at theta [rad], + in the direction of theta."""
+        """The torque of the load.
+
+        Parameters
+        ----------
+        theta : float
+            Angle of the axis [rad].
+
+        Returns
+        -------
+        float
+            Torque [N.m], + in the direction of theta.
+        """
         ...
 
 
@@ -45,8 +56,22 @@ class Controller(Protocol):
         next_reference: tuple[float, float],
         /,
     ) -> float:
-        """Motor torque [N.m] for the coming period, from the state [rad, rad/s] and the planned (angle,
-        speed) at the beginning and at the end of the period."""
+        """The motor's torque for the coming period.
+
+        Parameters
+        ----------
+        angle, speed : float
+            Measured state [rad, rad/s].
+        reference : tuple of float
+            Planned angle [rad] and speed [rad/s] at the beginning of the period.
+        next_reference : tuple of float
+            Planned angle and speed at the end of the period.
+
+        Returns
+        -------
+        float
+            Torque of the motor at the output [N.m].
+        """
         ...
 
 
@@ -54,10 +79,30 @@ class CamAxis:
     """The forward FMU as an axis with its own angle: theta = ratio (angle - offset).
 
     A torque on the axis acts as tau = torque/ratio on the cam. With ratio < 0 the cam turns against the axis.
+
+    Parameters
+    ----------
+    fmu : Fmu
+        The forward FMU.
+    ratio : float
+        Angle of the cam over that of the axis [1], not 0.
+    offset : float
+        Angle of the axis at theta = 0 [rad].
+
+    Examples
+    --------
+    >>> from dualcam import Fmu
+    >>> from dualcam.systems.axis import CamAxis
+    >>> with Fmu("forward") as fmu:
+    ...     axis = CamAxis(fmu, ratio=2.0)
+    ...     axis.start({}, angle=0.1)
+    ...     axis.set_torque(20.0)
+    ...     axis.advance(0.01)
+    ...     print(f"{axis.angle:.4f} rad, {axis.speed:.3f} rad/s")
+    0.1974 rad, 18.941 rad/s
     """
 
     def __init__(self, fmu: Fmu, ratio: float = 1.0, offset: float = 0.0) -> None:
-        """`ratio`: angle of the cam over that of the axis; `offset` [rad]: the axis' angle at theta = 0."""
         self.fmu, self.ratio, self.offset = fmu, ratio, offset
         self._tau = fmu.reals("tau")
         self._state = fmu.reals("theta", "omega")
@@ -66,8 +111,20 @@ class CamAxis:
         self.angle = self.speed = 0.0  # rad, rad/s, of the axis
 
     def start(self, parameters: Mapping[str, Scalar], angle: float, speed: float = 0.0) -> None:
-        """Begin a run at this angle [rad] and speed [rad/s] of the axis, with these start values of the FMU.
-        FmuError if the FMU refuses a value."""
+        """Begin a run.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float, int, bool or str
+            Start values of the FMU.
+        angle, speed : float
+            State of the axis [rad, rad/s].
+
+        Raises
+        ------
+        FmuError
+            The FMU refuses a value.
+        """
         state = {"initial.theta": self.ratio * (angle - self.offset)}
         if speed != 0.0:
             state["initial.omega"] = self.ratio * speed
@@ -75,9 +132,29 @@ class CamAxis:
         self._read_state()
 
     def step(self, torque: float, load: Load, size: float) -> float:
-        """Advance by `size` [s] under `torque` [N.m] on the axis and the load; returns the load's torque.
+        """Advance by a step under the motor's torque and the load.
 
-        Both torques are held over the step, the load's at the angle that the axis reaches at half of it.
+        Both torques are held over the step, the load's at the angle that the axis reaches at half of the
+        step.
+
+        Parameters
+        ----------
+        torque : float
+            Torque of the motor on the axis [N.m].
+        load : Load
+            The load on the axis.
+        size : float
+            Length of the step [s].
+
+        Returns
+        -------
+        float
+            Torque of the load [N.m].
+
+        Raises
+        ------
+        FmuError
+            The FMU refuses the step.
         """
         load_torque = load.torque(self.angle + 0.5 * size * self.speed)
         self.set_torque(torque + load_torque)
@@ -85,30 +162,66 @@ class CamAxis:
         return load_torque
 
     def set_torque(self, torque: float) -> None:
-        """Set the torque on the axis [N.m] from now on."""
+        """Set the torque on the axis from now on.
+
+        Parameters
+        ----------
+        torque : float
+            Torque [N.m].
+        """
         self._tau.values[0] = torque / self.ratio
         self._tau.write()
 
     def acceleration(self) -> float:
-        """Angular acceleration of the axis [rad/s2] now."""
+        """The angular acceleration of the axis now.
+
+        Returns
+        -------
+        float
+            Acceleration [rad/s2].
+        """
         return self._alpha.read()[0] / self.ratio
 
     def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
-        """Advance by `size` [s]. The torque is a polynomial of time with these first, second (and third) time
-        derivatives [N.m/s, N.m/s2, N.m/s3] at the beginning of the step; none: the torque is held."""
+        """Advance by a step. The torque is held, or a polynomial of time.
+
+        Parameters
+        ----------
+        size : float
+            Length of the step [s].
+        derivatives : tuple of float
+            First, second and third time derivative of the torque at the beginning of the step [N.m/s, N.m/s2,
+            N.m/s3], as many as there are. Empty: the torque is held.
+
+        Raises
+        ------
+        FmuError
+            The FMU refuses the step.
+        """
         for order, derivative in enumerate(derivatives, start=1):
             self._tau.write_derivatives(order, [derivative / self.ratio])
         self.fmu.step(size)
         self._read_state()
 
     def ledger(self) -> Array:
-        """The FMU's energy accounts since the start [J] in the order of LEDGER, shape (8,); valid until the
-        next call."""
+        """The FMU's energy accounts since the start.
+
+        Returns
+        -------
+        ndarray, shape (8,)
+            Accounts [J] in the order of LEDGER; valid until the next call.
+        """
         self._ledger.read()
         return self._ledger.values
 
     def largest_pin_force(self) -> float:
-        """Largest normal force at one pin of cam 1 since the start [N]."""
+        """The largest normal force at one pin of cam 1 since the start.
+
+        Returns
+        -------
+        float
+            Force [N].
+        """
         return self.fmu.real("peak.reaction1")
 
     def _read_state(self) -> None:
@@ -118,26 +231,70 @@ class CamAxis:
 
 @dataclass(frozen=True)
 class Record:
-    """A run of the closed loop. Arrays have shape (n,), one entry per control period: states and ledger at
-    its end, all else over the period."""
+    """A run of the closed loop, one entry per control period.
 
-    period: float  # s
-    time: Array  # s
-    reference: Array  # rad, planned angle
-    angle: Array  # rad
-    speed: Array  # rad/s
-    command: Array  # N.m, asked of the motor
-    motor_torque: Array  # N.m, mean
-    peak_torque: Array  # N.m, largest magnitude
-    motor_heat: Array  # J
-    supply_energy: Array  # J
-    motor_work: Array  # J, done on the axis
-    load_work: Array  # J, done on the axis
-    ledger: dict[str, Array]  # J, the FMU's energy accounts since the start
-    wall_time: float  # s of computing time for the loop
+    States and ledger are those at the end of the period, all else is over the period.
+
+    Attributes
+    ----------
+    period : float
+        Control period [s].
+    time : ndarray, shape (n,)
+        Time at the end of the period [s].
+    reference : ndarray, shape (n,)
+        Planned angle [rad].
+    angle : ndarray, shape (n,)
+        Angle [rad].
+    speed : ndarray, shape (n,)
+        Speed [rad/s].
+    command : ndarray, shape (n,)
+        Torque asked of the motor [N.m].
+    motor_torque : ndarray, shape (n,)
+        Torque of the motor, mean of the period [N.m].
+    peak_torque : ndarray, shape (n,)
+        Torque of the motor, largest magnitude [N.m].
+    motor_heat : ndarray, shape (n,)
+        Heat in the motor's winding [J].
+    supply_energy : ndarray, shape (n,)
+        Energy from the supply [J].
+    motor_work : ndarray, shape (n,)
+        Work of the motor on the axis [J].
+    load_work : ndarray, shape (n,)
+        Work of the load on the axis [J].
+    ledger : dict of str to ndarray, shape (n,)
+        The FMU's energy accounts since the start [J].
+    wall_time : float
+        Computing time of the loop [s].
+    """
+
+    period: float
+    time: Array
+    reference: Array
+    angle: Array
+    speed: Array
+    command: Array
+    motor_torque: Array
+    peak_torque: Array
+    motor_heat: Array
+    supply_energy: Array
+    motor_work: Array
+    load_work: Array
+    ledger: dict[str, Array]
+    wall_time: float
 
     def last(self, duration: float) -> Record:
-        """The last `duration` [s] of the run, with accounts since the beginning of that time."""
+        """The end of the run, with accounts since the beginning of that time.
+
+        Parameters
+        ----------
+        duration : float
+            Length of that time [s].
+
+        Returns
+        -------
+        Record
+            The last `duration` of the run; the whole run if the run is shorter.
+        """
         begin = len(self.time) - round(duration / self.period)
         if begin <= 0:
             return self
@@ -195,7 +352,15 @@ class Record:
 
 
 class Recorder:
-    """Collects a Record period by period."""
+    """Collects a Record period by period.
+
+    Parameters
+    ----------
+    periods : int
+        Number of control periods of the run.
+    period : float
+        Control period [s].
+    """
 
     def __init__(self, periods: int, period: float) -> None:
         self._period = period
@@ -207,7 +372,21 @@ class Recorder:
     def add(
         self, axis: CamAxis, command: float, motor: MotorPeriod, load_torque: float, before: float
     ) -> None:
-        """One period: the axis at its end, and its angle [rad] before."""
+        """Add a period.
+
+        Parameters
+        ----------
+        axis : CamAxis
+            The axis at the end of the period.
+        command : float
+            Torque asked of the motor [N.m].
+        motor : MotorPeriod
+            What the motor did.
+        load_torque : float
+            Torque of the load [N.m].
+        before : float
+            Angle of the axis at the beginning of the period [rad].
+        """
         advance = axis.angle - before
         self._rows[self._count] = (
             axis.angle,
@@ -224,7 +403,18 @@ class Recorder:
         self._count += 1
 
     def record(self, reference: Array) -> Record:
-        """The run, with the planned angle [rad] at the ends of the periods, shape (n,)."""
+        """The run so far.
+
+        Parameters
+        ----------
+        reference : ndarray, shape (n,)
+            Planned angle at the ends of the periods [rad].
+
+        Returns
+        -------
+        Record
+            One entry per period.
+        """
         wall_time = clock.perf_counter() - self._begin
         return Record(
             period=self._period,
@@ -255,12 +445,48 @@ def simulate_closed_loop(
 ) -> Record:
     """Run the closed loop from the axis' present state along a reference motion.
 
-    reference    angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the
-                 last one, shape (n + 1,) each
-    mean_speed   the current loop gets the measured speed plus half the planned change, the period's mean.
-                 With the measured speed alone, energies from the supply are off by O(period).
+    Parameters
+    ----------
+    axis : CamAxis
+        The axis, started.
+    load : Load
+        The load on the axis.
+    controller : Controller
+        Is asked once per control period.
+    current_loop : CurrentLoop
+        The motor under its current loop; gives the control period.
+    reference : tuple of two ndarray, shape (n + 1,) each
+        Angle [rad] and speed [rad/s] at the beginning of each control period and at the end of the last one.
+    mean_speed : bool
+        Whether the current loop gets the measured speed plus half the planned change, the mean of the period.
+        With the measured speed alone, energies from the supply are off by O(period).
 
-    FmuError where the FMU refuses a step.
+    Returns
+    -------
+    Record
+        One entry per control period.
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses a step.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualcam import Fmu
+    >>> from dualcam.systems import elbow
+    >>> from dualcam.systems.axis import CamAxis, simulate_closed_loop
+    >>> from dualcam.systems.current_loop import CurrentLoop
+    >>> cam, angles, speeds = elbow.design_cam(), *elbow.reference_motion()
+    >>> with Fmu("forward") as fmu:
+    ...     axis = CamAxis(fmu)
+    ...     axis.start(elbow.plant_parameters(cam, 1.5), angle=float(angles[0]))
+    ...     loop = CurrentLoop(elbow.AK80_6)
+    ...     plan = angles[:2001], speeds[:2001]  # the first 2 s
+    ...     record = simulate_closed_loop(axis, elbow.weight(1.5), elbow.controller(cam, 1.5), loop, plan)
+    >>> record.max_error < 1e-3  # rad
+    True
     """
     angles, speeds = reference
     planned = list(zip(angles.tolist(), speeds.tolist(), strict=True))

@@ -71,21 +71,46 @@ REST_MARGIN = 0.01  # share of the band kept between a held weight and the band'
 
 @cache
 def weight(attitude: str, mass: float = MASS) -> GravityLoad:
-    """The weight of the door, `mass` [kg], about its hinge with the car parked in this attitude."""
+    """The weight of the door about its hinge.
+
+    Parameters
+    ----------
+    attitude : str
+        How the car is parked: a key of ATTITUDES or ATTITUDES_NOT_DESIGNED_FOR.
+    mass : float
+        Mass of the door [kg].
+
+    Returns
+    -------
+    GravityLoad
+        The weight as an equivalent pendulum.
+    """
     return hinged_load(
         mass, HINGE, CENTRE, vertical_in_car(*(ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR)[attitude])
     )
 
 
 def hinge_tilt() -> float:
-    """Angle between the hinge and the vertical on level ground [deg]."""
+    """The angle between the hinge and the vertical on level ground.
+
+    Returns
+    -------
+    float
+        Angle [deg].
+    """
     axis = HINGE[1] - HINGE[0]
     return math.degrees(math.acos(axis[2] / float(np.linalg.norm(axis))))
 
 
 @cache
 def extreme_weight_torques() -> tuple[float, float]:
-    """Largest closing and largest opening torque of the weight [N.m] over all angles and design attitudes."""
+    """The largest closing and the largest opening torque of the weight, over all angles and design attitudes.
+
+    Returns
+    -------
+    tuple of float
+        Both as magnitudes [N.m].
+    """
     angles = np.linspace(0.0, OPEN, 200)
     torques = [weight(attitude).torque(angle) for attitude in ATTITUDES for angle in angles]
     return -min(torques), max(torques)
@@ -96,54 +121,122 @@ def extreme_weight_torques() -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class DoorCam:
-    """Cam and damper as the door feels them: by the door's angle [rad], as torque about the hinge [N.m]."""
+    """Cam and damper as the door feels them: by the door's angle, as torque about the hinge.
+
+    Parameters
+    ----------
+    cam : HelicalCam
+        The cam beside the hinge.
+    orifice : float
+        Quadratic damper on the follower while the door closes [N.s2/m2].
+    """
 
     cam: HelicalCam
-    orifice: float = 0.0  # N.s2/m2, damper on the follower while the door closes
+    orifice: float = 0.0
 
     def band(self, angle: float) -> tuple[float, float]:
-        """The torques [N.m] that just close and just open the door; between them the door rests."""
+        """The stick band about the hinge.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the door [rad].
+
+        Returns
+        -------
+        tuple of float
+            The torques [N.m] that just close and just open the door; between them the door rests.
+        """
         release, load = self.cam.band(RATIO * (OPEN - angle))
         return -RATIO * load, -RATIO * release
 
     @cached_property
     def damping(self) -> float:
-        """Torque of the damper over the squared speed of the door while the door closes [N.m.s2]:
-        N rho_+ q v^2."""
+        """Torque of the damper over the squared speed of the closing door [N.m.s2]: N rho_+ q v^2."""
         return RATIO * self.cam.load_arm * self.orifice * (RATIO * self.cam.dz_dtheta) ** 2
 
     def torque(self, angle: float, speed: float) -> float:
-        """Torque [N.m] that keeps the door moving at `speed` [rad/s]; 0 at rest."""
+        """The torque that keeps the door moving.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the door [rad].
+        speed : float
+            Speed of the door [rad/s].
+
+        Returns
+        -------
+        float
+            Torque about the hinge [N.m]; 0 at rest.
+        """
         closes, opens = self.band(angle)
         if speed < 0.0:
             return closes - self.damping * speed**2
         return opens if speed > 0.0 else 0.0
 
     def with_spring_force(self, share: float) -> DoorCam:
-        """With `share` of the spring's force."""
+        """The same with another spring.
+
+        Parameters
+        ----------
+        share : float
+            Share of the spring's force [1].
+
+        Returns
+        -------
+        DoorCam
+            Preload and stiffness times `share`.
+        """
         spring = replace(self.cam, preload=share * self.cam.preload, stiffness=share * self.cam.stiffness)
         return replace(self, cam=spring)
 
     def parameters(self) -> dict[str, float]:
-        """The same as start values of the FMU."""
+        """The same as start values of the FMU.
+
+        Returns
+        -------
+        dict of str to float
+            Values by name, in SI units.
+        """
         return {**self.cam.parameters(), "damper.q_load": self.orifice}
 
 
 def stroke(cam: HelicalCam) -> float:
-    """Travel of the follower over the door's range [m]."""
+    """The travel of the follower over the door's range.
+
+    Parameters
+    ----------
+    cam : HelicalCam
+        The cam beside the hinge.
+
+    Returns
+    -------
+    float
+        Travel [m].
+    """
     return cam.dz_dtheta * RATIO * OPEN
 
 
 @cache
 def design() -> DoorCam:
-    """Lead angle, preload, stiffness and damper, by the statics of two equal helices: rho = (r/2) tan(lambda
-    +- phi), phi = atan(mu). C and O are the weight's largest closing and opening torque.
+    """Lead angle, preload, stiffness and damper of the door's cam.
 
-    lead angle   T_load : -T_release = C : O, so sin(2 lambda) = sin(2 phi) (C - O)/(C + O)
-    preload      N T_load = 1.1 C at theta = 0, where the spring is weakest. The 10 % cover a friction 5 %
-                 below and a mass 3 % above the believed one
-    damper       one-way orifice, D = q v^2: with a hand that keeps pushing with 60 N on the worst slope, the
-                 door settles at CLOSING_LIMIT
+    Returns
+    -------
+    DoorCam
+        The designed cam and damper.
+
+    Notes
+    -----
+    The statics are those of two equal helices: rho = (r/2) tan(lambda +- phi), phi = atan(mu). C and O are
+    the weight's largest closing and opening torque.
+
+    - Lead angle: T_load : -T_release = C : O, so sin(2 lambda) = sin(2 phi) (C - O)/(C + O).
+    - Preload: N T_load = 1.1 C at theta = 0, where the spring is weakest. The 10 % cover a friction 5 % below
+      and a mass 3 % above the believed one.
+    - Damper: one-way orifice, D = q v^2. With a hand that keeps pushing with 60 N on the worst slope, the
+      door settles at CLOSING_LIMIT.
     """
     closing, opening = extreme_weight_torques()
     sine = math.sin(2.0 * math.atan(FRICTION)) * (closing - opening) / (closing + opening)
@@ -157,14 +250,35 @@ def design() -> DoorCam:
 
 
 def plain_door() -> DoorCam:
-    """The door without cam and damper: no spring, no friction."""
+    """The door without cam and damper: no spring, no friction.
+
+    Returns
+    -------
+    DoorCam
+        Without any torque.
+    """
     return DoorCam(replace(design().cam, friction=(0.0, 0.0), preload=0.0, stiffness=0.0))
 
 
 def share_of_angles_held(
     cam: DoorCam, attitudes: Sequence[str] = tuple(ATTITUDES), points: int = 1000
 ) -> float:
-    """Share of `points` angles in these attitudes at which the door stays where it is let go."""
+    """How often the door stays where it is let go.
+
+    Parameters
+    ----------
+    cam : DoorCam
+        Cam and damper.
+    attitudes : sequence of str
+        How the car is parked.
+    points : int
+        Number of angles of the door, evenly over its range.
+
+    Returns
+    -------
+    float
+        Share of all angles and attitudes [1].
+    """
     held = 0
     for attitude in attitudes:
         load = weight(attitude)
@@ -175,7 +289,20 @@ def share_of_angles_held(
 
 
 def handle_force(cam: DoorCam, attitudes: Sequence[str]) -> float:
-    """Largest force at the handle that moves the door slowly, either way, over all its angles [N]."""
+    """The largest force at the handle that moves the door slowly, either way, over all its angles.
+
+    Parameters
+    ----------
+    cam : DoorCam
+        Cam and damper.
+    attitudes : sequence of str
+        How the car is parked.
+
+    Returns
+    -------
+    float
+        Force [N].
+    """
     largest = 0.0
     for attitude in attitudes:
         load = weight(attitude)
@@ -189,12 +316,34 @@ def handle_force(cam: DoorCam, attitudes: Sequence[str]) -> float:
 
 
 def door_axis(fmu: Fmu) -> CamAxis:
-    """The FMU as the door: its angle and speed are those about the hinge."""
+    """The FMU as the door: its angle and speed are those about the hinge.
+
+    Parameters
+    ----------
+    fmu : Fmu
+        The forward FMU.
+
+    Returns
+    -------
+    CamAxis
+        The door.
+    """
     return CamAxis(fmu, ratio=-RATIO, offset=OPEN)
 
 
 def plant_parameters(cam: DoorCam) -> dict[str, float]:
-    """Start values of the FMU for the door with this cam."""
+    """Start values of the FMU for the door.
+
+    Parameters
+    ----------
+    cam : DoorCam
+        Cam and damper.
+
+    Returns
+    -------
+    dict of str to float
+        Values by name, in SI units.
+    """
     return {
         **cam.parameters(),
         "inertia.shaft": INERTIA / RATIO**2,
@@ -204,12 +353,36 @@ def plant_parameters(cam: DoorCam) -> dict[str, float]:
 
 
 def cam_in_controller(cam: DoorCam) -> DoorCam:
-    """The cam as the controller believes it."""
+    """The cam as the controller believes it.
+
+    Parameters
+    ----------
+    cam : DoorCam
+        The true one.
+
+    Returns
+    -------
+    DoorCam
+        With FRICTION_BELIEVED times the friction.
+    """
     return replace(cam, cam=cam.cam.with_friction_scaled(FRICTION_BELIEVED))
 
 
 def controller(cam: DoorCam, attitude: str) -> SpeedController:
-    """The speed controller, whose mass and friction are off by MASS_BELIEVED and FRICTION_BELIEVED."""
+    """The speed controller, whose mass and friction are off by MASS_BELIEVED and FRICTION_BELIEVED.
+
+    Parameters
+    ----------
+    cam : DoorCam
+        The true cam and damper.
+    attitude : str
+        How the car is parked.
+
+    Returns
+    -------
+    SpeedController
+        With the model of the door that it believes.
+    """
     return SpeedController(
         inertia=INERTIA,
         load=weight(attitude, MASS_BELIEVED * MASS),
@@ -223,14 +396,26 @@ def controller(cam: DoorCam, attitude: str) -> SpeedController:
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """Planned angle [rad] and speed [rad/s] at the control periods' ends: open, hold, close."""
+    """The plan: open, hold, close.
+
+    Returns
+    -------
+    tuple of two ndarray, shape (n + 1,) each
+        Angle [rad] and speed [rad/s] at the control periods' ends.
+    """
     periods = round(DURATION / CONTROL_PERIOD)
     return MOTION.sample(MOTION.dwell + CONTROL_PERIOD * np.arange(periods + 1))
 
 
 @dataclass(frozen=True)
 class MotorCycle:
-    """Figures of a run in which the motor opens, holds and closes the door."""
+    """Figures of a run in which the motor opens, holds and closes the door.
+
+    Parameters
+    ----------
+    record : Record
+        The run.
+    """
 
     record: Record
 
@@ -263,6 +448,18 @@ class MotorCycle:
 
 
 def break_even(plain: MotorCycle, cam: MotorCycle) -> float:
-    """Seconds of holding after which the cycle with the cam has taken less from the supply than the plain
-    door's."""
+    """The time of holding from which on the cam saves energy.
+
+    Parameters
+    ----------
+    plain : MotorCycle
+        The run of the door without cam.
+    cam : MotorCycle
+        The run of the door with the cam.
+
+    Returns
+    -------
+    float
+        Time [s] after which the cycle with the cam has taken less from the supply.
+    """
     return (cam.move_energy - plain.move_energy) / (plain.hold_power - cam.hold_power)

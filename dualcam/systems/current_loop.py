@@ -14,12 +14,24 @@ CURRENT_BANDWIDTH = 1e3  # Hz
 
 @dataclass(frozen=True)
 class MotorPeriod:
-    """What a motor did within one control period."""
+    """What a motor did within one control period.
 
-    torque: float  # N.m at the output, mean
-    peak_torque: float  # N.m at the output, largest magnitude
-    heat: float  # J, integral of R i^2
-    energy: float  # J from the supply, integral of v i
+    Parameters
+    ----------
+    torque : float
+        Torque at the output, mean [N.m].
+    peak_torque : float
+        Torque at the output, largest magnitude [N.m].
+    heat : float
+        Heat in the winding, the integral of R i^2 [J].
+    energy : float
+        Energy from the supply, the integral of v i [J].
+    """
+
+    torque: float
+    peak_torque: float
+    heat: float
+    energy: float
 
 
 class CurrentLoop:
@@ -33,6 +45,26 @@ class CurrentLoop:
     Design, on the sampled winding b/(z - a) with b = (1 - a)/R: the PI's zero cancels the winding's pole. The
     PI's gain puts the remaining pole at exp(-2 pi bandwidth Ts). A step r of the reference is answered by
     i_k = r (1 - exp(-2 pi bandwidth k Ts)), without overshoot. So a limited reference limits the current.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor, which starts without current.
+    bandwidth : float
+        Bandwidth of the current loop [Hz].
+    rate : float
+        Samples of the current loop [Hz].
+    control_period : float
+        Period of the outer loop [s].
+
+    Examples
+    --------
+    >>> from dualcam.systems.current_loop import CurrentLoop
+    >>> from dualcam.systems.motor import AK80_6
+    >>> loop = CurrentLoop(AK80_6)
+    >>> period = [loop.run(torque=5.0, speed=1.0) for _ in range(5)][-1]
+    >>> round(period.torque, 3), round(period.heat, 4)  # N.m, J: R (5 N.m/(0.546 N.m/A))^2 times 1 ms
+    (5.0, 0.0143)
     """
 
     def __init__(
@@ -42,7 +74,6 @@ class CurrentLoop:
         rate: float = CURRENT_RATE,
         control_period: float = CONTROL_PERIOD,
     ) -> None:
-        """`bandwidth` and `rate` of the current loop in Hz, `control_period` of the outer loop in s."""
         self.motor = motor
         self.control_period = control_period
         self.samples = round(control_period * rate)
@@ -55,7 +86,20 @@ class CurrentLoop:
         self._integral_voltage = 0.0  # V, the PI's integral part
 
     def run(self, torque: float, speed: float) -> MotorPeriod:
-        """One control period towards `torque` [N.m] at the output, which turns at `speed` [rad/s]."""
+        """Run one control period.
+
+        Parameters
+        ----------
+        torque : float
+            Torque asked for at the output [N.m]; larger ones than the motor's peak torque are cut.
+        speed : float
+            Speed of the output [rad/s].
+
+        Returns
+        -------
+        MotorPeriod
+            What the motor did.
+        """
         motor = self.motor
         torque = min(max(torque, -motor.peak_torque), motor.peak_torque)
         reference = torque / motor.output_constant

@@ -45,22 +45,63 @@ REST = RestLimits(
 
 
 def weight(payload: float) -> GravityLoad:
-    """The arm's weight on the elbow with `payload` [kg]."""
+    """The arm's weight on the elbow.
+
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    GravityLoad
+        The weight.
+    """
     return arm_weight(payload, LEAN)
 
 
 def inertia(payload: float) -> float:
-    """Inertia of arm and rotor about the elbow [kg.m2] with `payload` [kg]."""
+    """The inertia of arm and rotor about the elbow.
+
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    float
+        Inertia [kg.m2].
+    """
     return AK80_6.inertia + arm_inertia(payload)
 
 
 def design_cam() -> HelicalCam:
-    """The cam whose stick band has its middle on gravity at the design payload, by least squares."""
+    """The cam whose stick band has its middle on gravity at the design payload, by least squares.
+
+    Returns
+    -------
+    HelicalCam
+        The cam with its spring.
+    """
     return fit_spring(HELIX, weight(DESIGN_PAYLOAD).torque, 0.0, RANGE)
 
 
 def plant_parameters(cam: HelicalCam, payload: float) -> dict[str, float | int]:
-    """Start values of the FMU for the joint with this cam and `payload` [kg]."""
+    """Start values of the FMU for the joint.
+
+    Parameters
+    ----------
+    cam : HelicalCam
+        The cam.
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    dict of str to float or int
+        Values by name, in SI units.
+    """
     return {
         **cam.parameters(),
         "inertia.shaft": inertia(payload),
@@ -71,8 +112,22 @@ def plant_parameters(cam: HelicalCam, payload: float) -> dict[str, float | int]:
 
 
 def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIEVED) -> PositionController:
-    """The position controller for this cam, which believes in `payload` + PAYLOAD_ERROR [kg] and in the share
-    `friction` of the cam's friction."""
+    """The position controller, which believes in PAYLOAD_ERROR more payload.
+
+    Parameters
+    ----------
+    cam : HelicalCam
+        The true cam.
+    payload : float
+        True mass of the payload [kg].
+    friction : float
+        Share of the cam's friction that the controller believes [1].
+
+    Returns
+    -------
+    PositionController
+        With the model of the joint that it believes.
+    """
     told = payload + PAYLOAD_ERROR
     return PositionController(
         inertia=inertia(told),
@@ -86,18 +141,46 @@ def controller(cam: HelicalCam, payload: float, friction: float = FRICTION_BELIE
 
 
 def reference_motion() -> tuple[Array, Array]:
-    """Planned angle [rad] and speed [rad/s] at the control periods' ends, all cycles."""
+    """The plan: all cycles of pick and place.
+
+    Returns
+    -------
+    tuple of two ndarray, shape (n + 1,) each
+        Angle [rad] and speed [rad/s] at the control periods' ends.
+    """
     periods = round(CYCLES * MOTION.period / CONTROL_PERIOD)
     return MOTION.sample(CONTROL_PERIOD * np.arange(periods + 1))
 
 
 def horizontal_torque(payload: float) -> float:
-    """Gravity's torque about the elbow with the arm horizontal [N.m]."""
+    """Gravity's torque about the elbow with the arm horizontal.
+
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    float
+        Torque [N.m].
+    """
     return weight(payload).torque(0.5 * math.pi - LEAN)
 
 
 def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
-    """Friction heat of a slow cycle over the motion's travel [J]: the area between T_load and T_release."""
+    """The friction heat of a slow cycle over the motion's travel: the area between T_load and T_release.
+
+    Parameters
+    ----------
+    cam : HelicalCam
+        The cam.
+
+    Returns
+    -------
+    float
+        Heat [J].
+    """
     middle = 0.5 * (MOTION.start + MOTION.end)  # the band is affine in theta, so its mean is its middle
     release, load = cam.band(middle)
     return (load - release) * (MOTION.end - MOTION.start)
@@ -105,9 +188,19 @@ def friction_heat_of_slow_cycle(cam: HelicalCam) -> float:
 
 @dataclass(frozen=True)
 class Cycle:
-    """Figures of the last cycle of a run, `full_record` being the run from the start."""
+    """Figures of the last cycle of a run.
 
-    payload: float  # kg
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+    joint : str
+        Name of the joint.
+    full_record : Record
+        The run from the start.
+    """
+
+    payload: float
     joint: str
     full_record: Record
 

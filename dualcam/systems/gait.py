@@ -22,18 +22,42 @@ FOOT_LENGTH, FOOT_ALONG, FOOT_AHEAD = 0.394, 1.090, 0.094
 
 @dataclass(frozen=True)
 class Walker:
-    """A measured walker. Fourier coefficients are over one stride from heel strike: mean, then cosine and
-    sine of each harmonic. The knee's path is seen from beside the walker, at constant speed of walking."""
+    """A measured walker.
+
+    Fourier coefficients are over one stride from heel strike: mean, then cosine and sine of each harmonic.
+    The knee's path is seen from beside the walker, at constant speed of walking.
+
+    Parameters
+    ----------
+    name : str
+        Name of the walker.
+    mass : float
+        Mass of the body [kg].
+    shank : float
+        Length from knee to ankle [m].
+    stride : float
+        Duration of a stride at the self-selected cadence [s].
+    thigh : tuple of float
+        Series of the thigh's inclination [rad], + knee ahead of the hip.
+    knee : tuple of float
+        Series of the knee's flexion [rad].
+    forward : tuple[float, ...]
+        m, the knee's path
+    upward : tuple[float, ...]
+        m
+    published : tuple of tuple of float
+        Published figures: percent of the stride, knee flexion [deg], knee extension moment [N.m per kg of
+        body mass].
+    """
 
     name: str
-    mass: float  # kg
-    shank: float  # m, knee to ankle
-    stride: float  # s, self-selected
-    thigh: tuple[float, ...]  # rad, inclination, + knee ahead of the hip
-    knee: tuple[float, ...]  # rad, flexion
-    forward: tuple[float, ...]  # m, the knee's path
-    upward: tuple[float, ...]  # m
-    # Published: percent of the stride, knee flexion [deg], knee extension moment [N.m per kg of body mass].
+    mass: float
+    shank: float
+    stride: float
+    thigh: tuple[float, ...]
+    knee: tuple[float, ...]
+    forward: tuple[float, ...]
+    upward: tuple[float, ...]
     published: tuple[tuple[float, float, float], ...]
 
     @property

@@ -12,32 +12,85 @@ from dualcam.design.statics import Array
 
 @dataclass(frozen=True)
 class GravityLoad:
-    """A mass on an arm: a pendulum that leans from upright at theta = 0 and falls as theta grows."""
+    """A mass on an arm: a pendulum that leans from upright at theta = 0 and falls as theta grows.
 
-    moment: float  # kg.m, mass times distance of its centre from the axis
-    lean: float  # rad from upright at theta = 0
-    gravity: float = 9.81  # m/s2
+    Parameters
+    ----------
+    moment : float
+        Mass times distance of its centre from the axis [kg.m].
+    lean : float
+        Lean from upright at theta = 0 [rad].
+    gravity : float
+        Acceleration of gravity [m/s2].
+
+    Examples
+    --------
+    >>> import math
+    >>> from dualcam.systems.gravity import GravityLoad
+    >>> round(GravityLoad(moment=0.75, lean=0.0).torque(math.pi / 2), 3)  # N.m, the arm is horizontal
+    7.357
+    """
+
+    moment: float
+    lean: float
+    gravity: float = 9.81
 
     def torque(self, theta: float) -> float:
-        """Torque about the axis [N.m] at theta [rad], + in the direction of theta."""
+        """The torque of the weight about the axis.
+
+        Parameters
+        ----------
+        theta : float
+            Angle [rad].
+
+        Returns
+        -------
+        float
+            Torque [N.m], + in the direction of theta.
+        """
         return self.moment * self.gravity * math.sin(self.lean + theta)
 
     def energy(self, theta: float) -> float:
-        """Potential energy [J] at theta [rad], 0 with the arm horizontal."""
+        """The potential energy of the weight.
+
+        Parameters
+        ----------
+        theta : float
+            Angle [rad].
+
+        Returns
+        -------
+        float
+            Energy [J], 0 with the arm horizontal.
+        """
         return self.moment * self.gravity * math.cos(self.lean + theta)
 
 
 def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Array) -> GravityLoad:
-    """The weight of a body [kg] about a tilted hinge, as an equivalent pendulum.
+    """The weight of a body about a tilted hinge, as an equivalent pendulum.
 
-    hinge    two points of its axis [m], shape (3,) each; theta is right-handed about the vector from the
-             first to the second
-    centre   the body's centre of mass at theta = 0 [m], shape (3,)
-    up       the upward vertical, a unit vector of shape (3,), in the same axes
+    Parameters
+    ----------
+    mass : float
+        Mass of the body [kg].
+    hinge : tuple of two ndarray, shape (3,) each
+        Two points of the hinge's axis [m]; theta is right-handed about the vector from the first to the
+        second.
+    centre : ndarray, shape (3,)
+        The body's centre of mass at theta = 0 [m].
+    up : ndarray, shape (3,)
+        The upward vertical, a unit vector, in the same axes.
 
-    Let e1 point from the axis to the centre and e2 = axis x e1, both unit vectors. The centre's height is
-    r up.(e1 cos theta + e2 sin theta). That is a pendulum which leans atan2(-up.e2, up.e1) from upright,
-    under the component of gravity across the axis.
+    Returns
+    -------
+    GravityLoad
+        The equivalent pendulum.
+
+    Notes
+    -----
+    Let e1 point from the axis to the centre and e2 = axis x e1, both unit vectors. The centre's height is r
+    up.(e1 cos theta + e2 sin theta). That is a pendulum which leans atan2(-up.e2, up.e1) from upright, under
+    the component of gravity across the axis.
     """
     first, second = hinge
     axis = (second - first) / np.linalg.norm(second - first)
@@ -47,9 +100,20 @@ def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Arra
 
 
 def vertical_in_car(pitch: float, roll: float) -> Array:
-    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof), shape (3,).
+    """The upward vertical in the car's axes (x to the rear, y to the right, z to the roof).
 
-    `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side [rad]. The car is turned by
-    R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
+    Parameters
+    ----------
+    pitch, roll : float
+        Angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the right side.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        Unit vector.
+
+    Notes
+    -----
+    The car is turned by R_x(roll) R_y(pitch). The vertical is the last row of that matrix.
     """
     return np.array([-math.cos(roll) * math.sin(pitch), math.sin(roll), math.cos(roll) * math.cos(pitch)])

@@ -19,13 +19,33 @@ class HelicalCam:
 
     The velocity ratio and the torque per axial force do not depend on theta. So the stick band is affine in
     theta, and one evaluation costs a few multiplications.
+
+    Parameters
+    ----------
+    radius : tuple of float
+        Radii of cams 1 and 2 [m].
+    lead_angle : tuple of float
+        Lead angles [rad].
+    friction : tuple of float
+        Coulomb coefficients [1].
+    preload : float
+        Force of the spring at theta = 0 [N].
+    stiffness : float
+        Stiffness of the spring [N/m].
+
+    Examples
+    --------
+    >>> from dualcam.systems.helical_cam import HelicalCam
+    >>> cam = HelicalCam((0.02, 0.02), (0.7854, 0.7854), (0.14, 0.14), preload=50.0, stiffness=5e4)
+    >>> [round(edge, 3) for edge in cam.band(0.7)]  # N.m
+    [3.018, 5.302]
     """
 
-    radius: tuple[float, float]  # m, cams 1 and 2
-    lead_angle: tuple[float, float]  # rad
-    friction: tuple[float, float]  # Coulomb coefficients
-    preload: float = 0.0  # N
-    stiffness: float = 0.0  # N/m
+    radius: tuple[float, float]
+    lead_angle: tuple[float, float]
+    friction: tuple[float, float]
+    preload: float = 0.0
+    stiffness: float = 0.0
 
     @cached_property
     def _slopes(self) -> tuple[float, float]:
@@ -66,21 +86,62 @@ class HelicalCam:
         return (1.0 - self.efficiency) / (1.0 + self.efficiency)
 
     def band(self, theta: float) -> tuple[float, float]:
-        """The torques [N.m] that just release and just load at theta [rad]; between them the cam rests."""
+        """The stick band.
+
+        Parameters
+        ----------
+        theta : float
+            Angle [rad].
+
+        Returns
+        -------
+        tuple of float
+            The torques [N.m] that just release and just load; between them the cam rests.
+        """
         force = self.preload + self.stiffness * self.dz_dtheta * theta
         return self.release_arm * force, self.load_arm * force
 
     def torque(self, theta: float, direction: float) -> float:
-        """Torque [N.m] of slow motion through theta [rad] in `direction` (> 0 loads, else releases)."""
+        """The torque of slow motion.
+
+        Parameters
+        ----------
+        theta : float
+            Angle [rad].
+        direction : float
+            > 0 loads, else releases.
+
+        Returns
+        -------
+        float
+            Torque [N.m].
+        """
         release, load = self.band(theta)
         return load if direction > 0.0 else release
 
     def with_friction_scaled(self, factor: float) -> HelicalCam:
-        """The same cam with `factor` times the friction, as in a controller with that error."""
+        """The same cam with another friction, as in a controller with that error.
+
+        Parameters
+        ----------
+        factor : float
+            Factor of both coefficients [1].
+
+        Returns
+        -------
+        HelicalCam
+            With `factor` times the friction.
+        """
         return replace(self, friction=(factor * self.friction[0], factor * self.friction[1]))
 
     def parameters(self) -> dict[str, float]:
-        """The same mechanism as start values of the FMU."""
+        """The same mechanism as start values of the FMU.
+
+        Returns
+        -------
+        dict of str to float
+            Values by name, in SI units.
+        """
         values = {"spring.preload": self.preload, "spring.stiffness": self.stiffness}
         for i in (0, 1):
             values[f"cam{i + 1}.radius"] = self.radius[i]
@@ -92,9 +153,26 @@ class HelicalCam:
 def fit_spring(
     cam: HelicalCam, load: Callable[[float], float], lower: float, upper: float, points: int = 400
 ) -> HelicalCam:
-    """`cam` with the spring that puts the middle of the stick band on `load(theta)` [N.m]: least squares at
-    `points` angles of the range lower..upper [rad].
+    """The spring that puts the middle of the stick band on a load, by least squares.
 
+    Parameters
+    ----------
+    cam : HelicalCam
+        The cam; its spring is not used.
+    load : callable
+        Wanted torque [N.m] by theta [rad], not 0.
+    lower, upper : float
+        Ends of the range [rad].
+    points : int
+        Number of angles.
+
+    Returns
+    -------
+    HelicalCam
+        `cam` with the spring.
+
+    Notes
+    -----
     The middle is affine in theta, so both unknowns enter linearly. The deviation is weighted by 1/load: the
     width of the band grows with the torque that it carries, and only inside the band a load is held for free.
     """
@@ -108,5 +186,26 @@ def fit_spring(
 
 
 def holding_torque(band: tuple[float, float], weight: float, margin: float) -> float:
-    """The smallest torque [N.m] that keeps `weight` inside the stick band, `margin` [N.m] from its edges."""
+    """The smallest torque that keeps a load inside the stick band.
+
+    Parameters
+    ----------
+    band : tuple of float
+        Edges of the band [N.m].
+    weight : float
+        Torque of the load [N.m].
+    margin : float
+        Distance from both edges [N.m].
+
+    Returns
+    -------
+    float
+        Torque that is to be added to the load's [N.m].
+
+    Examples
+    --------
+    >>> from dualcam.systems.helical_cam import holding_torque
+    >>> holding_torque((3.0, 5.0), weight=4.0, margin=0.5), holding_torque((3.0, 5.0), weight=6.0, margin=0.5)
+    (0.0, -1.5)
+    """
     return min(max(weight, band[0] + margin), band[1] - margin) - weight

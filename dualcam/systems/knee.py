@@ -36,12 +36,36 @@ START_SINE = 0.995  # S at full extension: the arc starts near the ellipse's ste
 
 
 def inertia(walker: Walker) -> float:
-    """Inertia of shank, foot and rotor about the knee [kg.m2]."""
+    """The inertia of shank, foot and rotor about the knee.
+
+    Parameters
+    ----------
+    walker : Walker
+        The measured walker.
+
+    Returns
+    -------
+    float
+        Inertia [kg.m2].
+    """
     return walker.pendulum.inertia + MOTOR.inertia
 
 
 def swing(walker: Walker, cadence: float) -> Swing:
-    """The measured swing at `cadence`, a share of the self-selected one."""
+    """The measured swing of a walker.
+
+    Parameters
+    ----------
+    walker : Walker
+        The measured walker.
+    cadence : float
+        Share of the self-selected cadence [1].
+
+    Returns
+    -------
+    Swing
+        Sampled with the control period.
+    """
     return measured_swing(walker, cadence, MOTOR.inertia)
 
 
@@ -51,20 +75,64 @@ def swing(walker: Walker, cadence: float) -> Swing:
 def elliptical_cam(
     slope: float, end: float, stiffness: float, damping: float, friction: float
 ) -> EllipticalCam:
-    """A cam from its slope at full extension and the sine S of the arc at the end of the range, spring
-    stiffness [N/m] and damping [N.s/m]."""
+    """A cam from its slope at full extension and the sine S of the arc at the end of the range.
+
+    Parameters
+    ----------
+    slope : float
+        Tangent of the lead angle at full extension [1].
+    end : float
+        S at the end of the range [1].
+    stiffness : float
+        Stiffness of the spring [N/m].
+    damping : float
+        Damping while the spring is released [N.s/m].
+    friction : float
+        Coulomb coefficient [1].
+
+    Returns
+    -------
+    EllipticalCam
+        The cam.
+    """
     a = 0.5 * GROOVE_RADIUS * RANGE / (START_SINE - end)
     b = a * slope * math.sqrt(1.0 - START_SINE**2) / START_SINE
     return EllipticalCam(GROOVE_RADIUS, math.atan(slope), a, b, friction, stiffness, damping)
 
 
 def residual_torque(cam: EllipticalCam, motion: Swing) -> Array:
-    """Torque [N.m] that the motor must add for the joint to follow the measured motion, shape (n + 1,)."""
+    """The torque that the motor must add for the joint to follow the measured motion.
+
+    Parameters
+    ----------
+    cam : EllipticalCam
+        The cam.
+    motion : Swing
+        The measured motion.
+
+    Returns
+    -------
+    ndarray, shape (n + 1,)
+        Torque [N.m].
+    """
     return cam.torque(motion.angle, motion.speed) - motion.demand
 
 
 def residual_share(cam: EllipticalCam, motion: Swing) -> float:
-    """Mean square of the residual torque over that without the cam."""
+    """The mean square of the residual torque over that without the cam.
+
+    Parameters
+    ----------
+    cam : EllipticalCam
+        The cam.
+    motion : Swing
+        The measured motion.
+
+    Returns
+    -------
+    float
+        Share [1].
+    """
     return float(np.mean(residual_torque(cam, motion) ** 2) / np.mean(motion.demand**2))
 
 
@@ -74,6 +142,16 @@ def design_cam(friction: float = FRICTION) -> EllipticalCam:
 
     With the motor off the cam's torque should equal what the measured motion asks for. The squared torque
     left to the motor is minimal, and with it the motor's heat.
+
+    Parameters
+    ----------
+    friction : float
+        Coulomb coefficient [1].
+
+    Returns
+    -------
+    EllipticalCam
+        The cam with its spring and damper.
     """
     motion = swing(DESIGN_WALKER, 1.0)
 
@@ -90,7 +168,20 @@ def design_cam(friction: float = FRICTION) -> EllipticalCam:
 
 
 def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
-    """The damping, over that of `cam`, with the least residual torque."""
+    """The damping with the least residual torque.
+
+    Parameters
+    ----------
+    cam : EllipticalCam
+        The cam.
+    motion : Swing
+        The measured motion.
+
+    Returns
+    -------
+    float
+        Damping over that of `cam` [1].
+    """
 
     def cost(setting: float) -> float:
         return residual_share(cam.with_damping_scaled(setting), motion)
@@ -102,20 +193,67 @@ def best_damping_scale(cam: EllipticalCam, motion: Swing) -> float:
 
 
 def impedance(inertia: float, frequency: float = NATURAL_FREQUENCY) -> Impedance:
-    """The controller of all joints: `inertia` [kg.m2] has this natural frequency [Hz] on it."""
+    """The controller of all joints.
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia of the joint [kg.m2].
+    frequency : float
+        Natural frequency of the inertia on the virtual spring [Hz].
+
+    Returns
+    -------
+    Impedance
+        With DAMPING_RATIO.
+    """
     return Impedance.tuned(inertia, frequency, DAMPING_RATIO)
 
 
 def plant_parameters(cam: Mapping[str, float], walker: Walker) -> dict[str, float]:
-    """Start values of the FMU for the knee with the cam of these start values."""
+    """Start values of the FMU for the knee.
+
+    Parameters
+    ----------
+    cam : mapping of str to float
+        Start values of the cam.
+    walker : Walker
+        The measured walker.
+
+    Returns
+    -------
+    dict of str to float
+        Values by name, in SI units.
+    """
     return {**cam, "inertia.shaft": inertia(walker), "stop.lower": 0.0, "stop.upper": RANGE}
 
 
 def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impedance | None) -> KneeSwing:
-    """One swing with the cam of these start values under `controller`; None: the motor is off.
+    """One swing.
 
     The drive goes to the FMU as a polynomial of time with its first two derivatives, the motor's torque as
     the control period's mean.
+
+    Parameters
+    ----------
+    fmu : Fmu
+        The forward FMU.
+    motion : Swing
+        The measured motion, which is the plan.
+    cam : mapping of str to float
+        Start values of the cam.
+    controller : Impedance or None
+        None: the motor is off.
+
+    Returns
+    -------
+    KneeSwing
+        The run.
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses a value or a step.
     """
     walker, pendulum, period = motion.walker, motion.walker.pendulum, motion.period
     axis = CamAxis(fmu)
@@ -142,10 +280,20 @@ def simulate(fmu: Fmu, motion: Swing, cam: Mapping[str, float], controller: Impe
 
 @dataclass(frozen=True)
 class KneeSwing:
-    """One simulated swing and its figures."""
+    """One simulated swing and its figures.
+
+    Parameters
+    ----------
+    motion : Swing
+        The measured motion, which is the plan.
+    inertia : float
+        Inertia of shank, foot and rotor about the knee [kg.m2].
+    record : Record
+        The run.
+    """
 
     motion: Swing
-    inertia: float  # kg.m2, shank, foot and rotor
+    inertia: float
     record: Record
 
     @property

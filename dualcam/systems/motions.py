@@ -15,12 +15,31 @@ class PickAndPlace:
     """A cycle: rest at `start`, move to `end`, rest there, move back.
 
     Both moves are of minimum jerk, a quintic in time: from rest to rest, with zero acceleration at both ends.
+
+    Parameters
+    ----------
+    start : float
+        Angle of the first rest [rad].
+    end : float
+        Angle of the second rest [rad].
+    move : float
+        Duration of one move [s].
+    dwell : float
+        Duration of one rest [s].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualcam.systems.motions import PickAndPlace
+    >>> angle, speed = PickAndPlace(0.0, 1.0, move=1.0, dwell=0.5).sample(np.array([0.5, 1.0]))
+    >>> angle.tolist(), speed.tolist()  # rad, rad/s: beginning and middle of the first move
+    ([0.0, 0.5], [0.0, 1.875])
     """
 
-    start: float  # rad
-    end: float  # rad
-    move: float  # s, duration of one move
-    dwell: float  # s, duration of one rest
+    start: float
+    end: float
+    move: float
+    dwell: float
 
     @property
     def period(self) -> float:
@@ -38,7 +57,18 @@ class PickAndPlace:
         return 10.0 / math.sqrt(3.0) * abs(self.end - self.start) / self.move**2
 
     def sample(self, time: np.ndarray) -> tuple[Array, Array]:
-        """Angle [rad] and speed [rad/s] at these times [s], of the shape of `time`."""
+        """The motion at some times.
+
+        Parameters
+        ----------
+        time : ndarray
+            Times [s].
+
+        Returns
+        -------
+        tuple of two ndarray, of the shape of `time`
+            Angle [rad] and speed [rad/s].
+        """
         phase = np.mod(time, self.period)
         half = self.move + self.dwell
         outbound = phase < half
@@ -53,13 +83,34 @@ class PickAndPlace:
 
 @dataclass(frozen=True)
 class FourierSeries:
-    """A periodic function of time as a Fourier series, with its derivatives."""
+    """A periodic function of time as a Fourier series, with its derivatives.
 
-    coefficients: tuple[float, ...]  # mean, then cosine and sine of each harmonic
-    period: float  # s
+    Parameters
+    ----------
+    coefficients : tuple of float
+        Mean, then cosine and sine of each harmonic.
+    period : float
+        Period [s].
+    """
+
+    coefficients: tuple[float, ...]
+    period: float
 
     def sample(self, time: np.ndarray, order: int = 0) -> Array:
-        """The time derivative of this order at these times [s], of the shape of `time`."""
+        """A time derivative of the function at some times.
+
+        Parameters
+        ----------
+        time : ndarray
+            Times [s].
+        order : int
+            Order of the derivative; 0: the function.
+
+        Returns
+        -------
+        ndarray, of the shape of `time`
+            The derivative, in the unit of the coefficients over s^order.
+        """
         total = np.full_like(time, self.coefficients[0] if order == 0 else 0.0)
         pairs = zip(self.coefficients[1::2], self.coefficients[2::2], strict=True)
         for n, (cosine, sine) in enumerate(pairs, start=1):

@@ -16,17 +16,44 @@ class Motor:
     """A brushless motor with a gear, as one equivalent DC winding: v = R i + L di/dt + Kt gear omega.
 
     The gear is rigid and has no losses.
+
+    Parameters
+    ----------
+    resistance : float
+        Resistance of the winding [ohm].
+    inductance : float
+        Inductance of the winding [H].
+    torque_constant : float
+        Torque per current at the rotor [N.m/A], which is the back-EMF per speed [V.s/rad].
+    rotor_inertia : float
+        Inertia of the rotor [kg.m2].
+    gear : float
+        Turns of the rotor per turn of the output [1].
+    voltage : float
+        Largest voltage of the drive [V].
+    peak_torque : float
+        Largest torque at the output [N.m].
+    rated_torque : float
+        Continuous torque at the output [N.m].
+    peak_speed : float
+        Largest speed of the output [rad/s].
+
+    Examples
+    --------
+    >>> from dualcam.systems.motor import AK80_6
+    >>> round(AK80_6.output_constant, 3), round(AK80_6.inertia, 5)  # N.m/A, kg.m2
+    (0.546, 0.00219)
     """
 
-    resistance: float  # ohm
-    inductance: float  # H
-    torque_constant: float  # N.m/A at the rotor, and V.s/rad
-    rotor_inertia: float  # kg.m2
-    gear: float  # rotor turns per output turn
-    voltage: float  # V, the largest voltage of the drive
-    peak_torque: float  # N.m at the output
-    rated_torque: float  # N.m at the output, continuous
-    peak_speed: float  # rad/s at the output
+    resistance: float
+    inductance: float
+    torque_constant: float
+    rotor_inertia: float
+    gear: float
+    voltage: float
+    peak_torque: float
+    rated_torque: float
+    peak_speed: float
 
     @property
     def output_constant(self) -> float:
@@ -44,7 +71,18 @@ class Motor:
         return self.inductance / self.resistance
 
     def with_gear(self, ratio: float) -> Motor:
-        """The same motor behind another gear without losses, which divides the output speed by `ratio`."""
+        """The same motor behind another gear without losses.
+
+        Parameters
+        ----------
+        ratio : float
+            Turns of this motor's output per turn of the new one [1].
+
+        Returns
+        -------
+        Motor
+            With the output speed divided by `ratio`.
+        """
         return replace(
             self,
             gear=self.gear * ratio,
@@ -54,7 +92,20 @@ class Motor:
         )
 
     def rms_current(self, heat: float, duration: float) -> float:
-        """RMS current [A] that makes this heat [J] in the winding within this time [s]: heat = R I^2 t."""
+        """The RMS current that makes a heat in the winding: heat = R I^2 t.
+
+        Parameters
+        ----------
+        heat : float
+            Heat [J].
+        duration : float
+            Time [s].
+
+        Returns
+        -------
+        float
+            Current [A].
+        """
         return math.sqrt(heat / (self.resistance * duration))
 
 

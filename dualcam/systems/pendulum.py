@@ -8,11 +8,18 @@ from typing import NamedTuple
 
 
 class HingeMotion(NamedTuple):
-    """The motion of a hinge at one time, with time derivatives."""
+    """The motion of a hinge at one time, with time derivatives.
 
-    # rad, inclination of the carrier from straight down, + forward; derivatives 0 to 4
+    Parameters
+    ----------
+    tilt : tuple of float
+        Inclination of the carrier from straight down, + forward: derivatives 0 to 4 [rad, rad/s, ...].
+    forward, upward : tuple of float
+        The hinge's acceleration: derivatives 0 to 2 [m/s2, m/s3, m/s4].
+    """
+
     tilt: tuple[float, float, float, float, float]
-    forward: tuple[float, float, float]  # m/s2, the hinge's acceleration; derivatives 0 to 2
+    forward: tuple[float, float, float]
     upward: tuple[float, float, float]
 
 
@@ -27,18 +34,45 @@ class HingedPendulum:
         I chi'' + m d [a_x cos chi + (a_y + g) sin chi] = M
 
     or I theta'' = drive - M with drive = I psi'' + m d [a_x cos chi + (a_y + g) sin chi].
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia I about the hinge [kg.m2].
+    moment : float
+        Mass times distance of its centre from the hinge, m d [kg.m].
+    lead : float
+        Angle of the centre of mass ahead of the line that theta is measured to [rad].
+    gravity : float
+        Acceleration of gravity [m/s2].
     """
 
-    inertia: float  # kg.m2, I about the hinge
-    moment: float  # kg.m, m d
-    lead: float  # rad, angle of the centre of mass ahead of the line that theta is measured to
-    gravity: float = 9.81  # m/s2
+    inertia: float
+    moment: float
+    lead: float
+    gravity: float = 9.81
 
     def drive(
         self, hinge: HingeMotion, theta: float, omega: float = 0.0, alpha: float = 0.0
     ) -> tuple[float, float, float]:
-        """The torque [N.m] that bends the hinge, and its first two time derivatives [N.m/s, N.m/s2] along a
-        motion with this theta [rad], omega [rad/s] and alpha [rad/s2]."""
+        """The torque that bends the hinge, and its first two time derivatives along a motion.
+
+        Parameters
+        ----------
+        hinge : HingeMotion
+            The motion of the hinge.
+        theta : float
+            Flexion [rad].
+        omega : float
+            Its first time derivative [rad/s].
+        alpha : float
+            Its second time derivative [rad/s2].
+
+        Returns
+        -------
+        tuple of float
+            Torque and derivatives [N.m, N.m/s, N.m/s2].
+        """
         psi, psi1, psi2, psi3, psi4 = hinge.tilt
         x, x1, x2 = hinge.forward
         y, y1, y2 = hinge.upward

@@ -20,8 +20,17 @@ from dualcam.systems.helical_cam import HelicalCam, holding_torque
 
 
 class Gains(NamedTuple):
-    """Feedback of the angle's error [1/s2], of the speed's error [1/s], of the integral of the angle's error
-    [1/s3]."""
+    """Gains of the position controller, as acceleration per error.
+
+    Parameters
+    ----------
+    angle : float
+        Of the angle's error [1/s2].
+    speed : float
+        Of the speed's error [1/s].
+    integral : float
+        Of the integral of the angle's error [1/s3].
+    """
 
     angle: float
     speed: float
@@ -29,13 +38,33 @@ class Gains(NamedTuple):
 
 
 def lqi_gains(bandwidth: float, period: float) -> Gains:
-    """Gains for a double integrator theta'' = u, sampled with `period` [s].
+    """Gains for a double integrator theta'' = u, sampled.
 
+    Parameters
+    ----------
+    bandwidth : float
+        Radius of the poles over 2 pi [Hz]: the whole tuning.
+    period : float
+        Period of the controller [s].
+
+    Returns
+    -------
+    Gains
+        For every inertia M: torque = M u.
+
+    Notes
+    -----
     LQI: the state is extended by the integral of the error, so that a constant disturbance leaves no error.
     One linear quadratic problem gives all three gains. Only the integral is weighted, q integral^2 + u^2. In
     continuous time the optimum is then a third-order Butterworth pattern of radius w = q^(1/6), with the
-    gains 2 w^2, 2 w, w^3. The bandwidth w/(2 pi) [Hz] is the whole tuning. It holds for every inertia M:
-    torque = M u.
+    gains 2 w^2, 2 w, w^3. The bandwidth is w/(2 pi).
+
+    Examples
+    --------
+    >>> from dualcam.systems.position_controller import lqi_gains
+    >>> gains, w = lqi_gains(bandwidth=8.0, period=1e-5), 6.283185 * 8.0
+    >>> [round(gain, 2) for gain in (gains.angle / w**2, gains.speed / w, gains.integral / w**3)]
+    [2.0, 2.0, 1.0]
     """
     import control  # here, because that import takes seconds
 
@@ -55,15 +84,43 @@ def lqi_gains(bandwidth: float, period: float) -> Gains:
 
 @dataclass(frozen=True)
 class RestLimits:
-    """When the controller lets the joint rest in the stick band."""
+    """When the controller lets the joint rest in the stick band.
 
-    tolerance: float  # rad, largest error of the angle; twice that once the joint rests
-    speed: float  # rad/s, largest speed
-    margin: float  # share of the band's half width between a held load and the band's edge
+    Parameters
+    ----------
+    tolerance : float
+        Largest error of the angle [rad]; twice that once the joint rests.
+    speed : float
+        Largest speed [rad/s].
+    margin : float
+        Share of the band's half width between a held load and the band's edge [1].
+    """
+
+    tolerance: float
+    speed: float
+    margin: float
 
 
 class PositionController:
-    """LQI with feed-forward, and rest inside the stick band, from a model of the joint."""
+    """LQI with feed-forward, and rest inside the stick band, from a model of the joint.
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia of the joint [kg.m2].
+    load : GravityLoad
+        The load.
+    cam : HelicalCam
+        The cam.
+    torque_limit : float
+        Largest torque of the motor at the output [N.m].
+    gains : Gains
+        Feedback.
+    rest : RestLimits
+        When the joint may rest.
+    period : float
+        Period of the controller [s].
+    """
 
     def __init__(
         self,
@@ -75,8 +132,6 @@ class PositionController:
         rest: RestLimits,
         period: float,
     ) -> None:
-        """Model of the joint: `inertia` [kg.m2], `load`, `cam`. `torque_limit` [N.m] of the motor at the
-        output, `period` [s] of the controller."""
         self.inertia = inertia
         self.load = load
         self.cam = cam
@@ -90,11 +145,21 @@ class PositionController:
     def torque(
         self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
-        """Motor torque [N.m] for the coming period.
+        """The motor's torque for the coming period.
 
-        angle, speed     of the joint [rad, rad/s]
-        reference        planned (angle, speed) at the beginning of the period [rad, rad/s]
-        next_reference   planned (angle, speed) at the end of the period
+        Parameters
+        ----------
+        angle, speed : float
+            Of the joint [rad, rad/s].
+        reference : tuple of float
+            Planned angle [rad] and speed [rad/s] at the beginning of the period.
+        next_reference : tuple of float
+            Planned angle and speed at the end of the period.
+
+        Returns
+        -------
+        float
+            Torque at the output [N.m].
         """
         error, rate = angle - reference[0], speed - reference[1]
         advance = next_reference[0] - reference[0]

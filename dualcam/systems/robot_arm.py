@@ -17,19 +17,49 @@ ELBOW_SPEED_LIMIT = math.radians(180.0)  # rad/s
 
 
 def arm_moment(payload: float) -> float:
-    """First moment of the arm about the elbow [kg.m] with `payload` [kg].
+    """The first moment of the arm about the elbow.
 
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    float
+        First moment [kg.m].
+
+    Notes
+    -----
     Wrist and payload count at wrist 1's axis. For gravity that is exact while wrist 1 keeps wrist 2's axis
     upright (the tool grips from the side): wrist and payload are then straight below wrist 1's axis. With the
     tool pointing down they are 0.085 m beside it. That adds the same torque at every angle, about 2 N.m at
     1.5 kg.
+
+    Examples
+    --------
+    >>> from dualcam.systems.robot_arm import arm_moment
+    >>> round(arm_moment(1.5), 4)  # kg.m
+    0.9673
     """
     return FOREARM_MASS * FOREARM_CENTRE + (sum(WRIST_MASSES) + payload) * WRIST_DISTANCE
 
 
 def arm_inertia(payload: float) -> float:
-    """Inertia of the arm about the elbow [kg.m2] with `payload` [kg], without the rotor.
+    """The inertia of the arm about the elbow, without the rotor.
 
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+
+    Returns
+    -------
+    float
+        Inertia [kg.m2].
+
+    Notes
+    -----
     Wrist and payload move along without turning, so they add no inertia of their own. The moment with which
     wrist 1 keeps them level against acceleration, at most 0.4 N.m at 1.5 kg here, is left out.
     """
@@ -38,6 +68,18 @@ def arm_inertia(payload: float) -> float:
 
 
 def arm_weight(payload: float, lean: float) -> GravityLoad:
-    """The arm's weight on the elbow with `payload` [kg]; `lean`: the arm's angle from upright at theta = 0
-    [rad]."""
+    """The arm's weight on the elbow.
+
+    Parameters
+    ----------
+    payload : float
+        Mass of the payload [kg].
+    lean : float
+        The arm's angle from upright at theta = 0 [rad].
+
+    Returns
+    -------
+    GravityLoad
+        The weight.
+    """
     return GravityLoad(moment=arm_moment(payload), lean=lean)

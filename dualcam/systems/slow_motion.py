@@ -11,8 +11,39 @@ from dualcam.fmu import Fmu, Scalar
 
 
 def slow_torque(fmu: Fmu, parameters: Mapping[str, Scalar], theta: Array, speed: float) -> Array:
-    """tau [N.m], shape (n,), of the inverse FMU without inertia at theta [rad], shape (n,), in the order in
-    which a motion with `speed` [rad/s] passes them. FmuError if the FMU refuses a parameter or an angle."""
+    """The torque of the inverse FMU without inertia, along a slow motion.
+
+    Parameters
+    ----------
+    fmu : Fmu
+        The inverse FMU.
+    parameters : mapping of str to float, int, bool or str
+        Start values of the FMU.
+    theta : ndarray, shape (n,)
+        Angles [rad] in the order in which the motion passes them.
+    speed : float
+        Speed of the motion [rad/s]; its sign is that of the steps of theta.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Torque [N.m].
+
+    Raises
+    ------
+    FmuError
+        The FMU refuses a parameter or an angle.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualcam import Fmu
+    >>> from dualcam.systems.slow_motion import slow_torque
+    >>> with Fmu("inverse") as fmu:
+    ...     torque = slow_torque(fmu, {}, np.array([0.0, 0.7, 1.3]), speed=1e-3)
+    >>> torque.round(3).tolist()  # N.m
+    [0.663, 5.302, 9.279]
+    """
     fmu.start({**parameters, "inertia.shaft": 0.0, "theta": float(theta[0]), "omega": speed})
     motion, torque = fmu.reals("theta", "omega"), fmu.reals("tau")
     found = [torque.read()[0]]

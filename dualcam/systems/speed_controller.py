@@ -13,17 +13,61 @@ class HoldingCam(Protocol):
     """A cam that holds a load, by the load's angle [rad] and as torque about the load's axis [N.m]."""
 
     def band(self, angle: float) -> tuple[float, float]:
-        """Lower and upper edge of the stick band."""
+        """The stick band.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the load [rad].
+
+        Returns
+        -------
+        tuple of float
+            Lower and upper edge [N.m].
+        """
         ...
 
     def torque(self, angle: float, speed: float) -> float:
-        """The torque that keeps the load moving at `speed` [rad/s]."""
+        """The torque that keeps the load moving.
+
+        Parameters
+        ----------
+        angle : float
+            Angle of the load [rad].
+        speed : float
+            Speed of the load [rad/s].
+
+        Returns
+        -------
+        float
+            Torque [N.m].
+        """
         ...
 
 
 class SpeedController:
     """PI on speed with feed-forward of inertia, load, friction and damper, from a model of the plant. The
-    integral part is the distance to the planned angle. The motor is off where the cam holds the load."""
+    integral part is the distance to the planned angle. The motor is off where the cam holds the load.
+
+    Parameters
+    ----------
+    inertia : float
+        Inertia of the load [kg.m2].
+    load : GravityLoad
+        The weight.
+    cam : HoldingCam
+        The cam.
+    torque_limit : float
+        Largest torque of the motor [N.m].
+    bandwidth : float
+        Of both poles, critically damped [Hz].
+    rest_speed : float
+        Speed below which the load may rest [rad/s].
+    rest_margin : float
+        Share of the stick band between a held load and the band's edge [1].
+    period : float
+        Period of the controller [s].
+    """
 
     def __init__(
         self,
@@ -36,14 +80,6 @@ class SpeedController:
         rest_margin: float,
         period: float,
     ) -> None:
-        """Model of the plant: `inertia` [kg.m2], `load`, `cam`.
-
-        torque_limit  of the motor's torque [N.m]
-        bandwidth     of both poles, critically damped [Hz]
-        rest_speed    below it the load may rest [rad/s]
-        rest_margin   share of the stick band between a held load and the band's edge
-        period        of the controller [s]
-        """
         self.inertia, self.load, self.cam, self.torque_limit = inertia, load, cam, torque_limit
         self.rest_speed, self.rest_margin, self.period = rest_speed, rest_margin, period
         w = 2.0 * math.pi * bandwidth
@@ -53,11 +89,21 @@ class SpeedController:
     def torque(
         self, angle: float, speed: float, reference: tuple[float, float], next_reference: tuple[float, float]
     ) -> float:
-        """Motor torque [N.m] for the coming period.
+        """The motor's torque for the coming period.
 
-        angle, speed     of the load [rad, rad/s]
-        reference        planned (angle, speed) at the beginning of the period; the angle is not used
-        next_reference   planned (angle, speed) at the end of the period
+        Parameters
+        ----------
+        angle, speed : float
+            Of the load [rad, rad/s].
+        reference : tuple of float
+            Planned angle [rad] and speed [rad/s] at the beginning of the period; the angle is not used.
+        next_reference : tuple of float
+            Planned angle and speed at the end of the period.
+
+        Returns
+        -------
+        float
+            Torque [N.m].
         """
         weight = self.load.torque(angle)
         low, high = self.cam.band(angle)

@@ -23,18 +23,41 @@ SWING = (0.65, 1.0)  # toe-off to heel strike, in strides
 
 @dataclass(frozen=True)
 class Swing:
-    """One swing of a walker at a cadence. Arrays have shape (n + 1,), one entry per end of a control
-    period."""
+    """One swing of a walker at a cadence, one entry per end of a control period.
+
+    Attributes
+    ----------
+    walker : Walker
+        The measured walker.
+    cadence : float
+        Share of the self-selected cadence [1].
+    rotor_inertia : float
+        Inertia of the rotor at the knee [kg.m2].
+    period : float
+        Control period [s].
+    time : ndarray, shape (n + 1,)
+        Time from toe-off [s].
+    extension : float
+        Knee angle at the stop [rad].
+    angle : ndarray, shape (n + 1,)
+        Measured knee angle from the stop [rad].
+    speed : ndarray, shape (n + 1,)
+        Its first time derivative [rad/s].
+    acceleration : ndarray, shape (n + 1,)
+        Its second time derivative [rad/s2].
+    hinge : list of HingeMotion
+        The motion of the knee itself, n + 1 entries.
+    """
 
     walker: Walker
-    cadence: float  # of the self-selected one
-    rotor_inertia: float  # kg.m2 at the knee
-    period: float  # s, control period
-    time: Array  # s from toe-off
-    extension: float  # rad, knee angle at the stop
-    angle: Array  # rad, measured, from the stop
-    speed: Array  # rad/s
-    acceleration: Array  # rad/s2
+    cadence: float
+    rotor_inertia: float
+    period: float
+    time: Array
+    extension: float
+    angle: Array
+    speed: Array
+    acceleration: Array
     hinge: list[HingeMotion]
 
     @property
@@ -62,8 +85,32 @@ class Swing:
 def measured_swing(
     walker: Walker, cadence: float, rotor_inertia: float, period: float = CONTROL_PERIOD
 ) -> Swing:
-    """The measured swing at `cadence` (share of the self-selected one) for a knee whose rotor has
-    `rotor_inertia` [kg.m2], sampled with `period` [s]."""
+    """The measured swing of a walker, sampled.
+
+    Parameters
+    ----------
+    walker : Walker
+        The measured walker.
+    cadence : float
+        Share of the self-selected cadence [1].
+    rotor_inertia : float
+        Inertia of the rotor at the knee [kg.m2].
+    period : float
+        Control period [s].
+
+    Returns
+    -------
+    Swing
+        From toe-off to heel strike.
+
+    Examples
+    --------
+    >>> from dualcam.systems.gait import DESIGN_WALKER
+    >>> from dualcam.systems.swing import measured_swing
+    >>> swing = measured_swing(DESIGN_WALKER, cadence=1.0, rotor_inertia=0.0)
+    >>> len(swing.time), round(float(swing.time[-1]), 3)  # 35 % of the stride of 1.195 s, every ms
+    (419, 0.418)
+    """
     stride = walker.stride / cadence
     periods = round((SWING[1] - SWING[0]) * stride / period)
     time = period * np.arange(periods + 1, dtype=float)
@@ -91,7 +138,18 @@ def measured_swing(
 
 
 def full_extension(walker: Walker) -> float:
-    """Smallest knee angle of the measured swing [rad]: the wearer's own full extension."""
+    """The smallest knee angle of the measured swing: the wearer's own full extension.
+
+    Parameters
+    ----------
+    walker : Walker
+        The measured walker.
+
+    Returns
+    -------
+    float
+        Angle [rad].
+    """
     knee = FourierSeries(walker.knee, 1.0)
 
     def angle(phase: float) -> float:
