@@ -12,7 +12,8 @@ usage: ./build.sh [command] [arguments]
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
-  all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64)
+  all      build all FMUs for Linux (x86-64, aarch64), Windows (64 and 32 bits) and macOS (x86-64, arm64);
+           those of FMI 3.0 also as WebAssembly
   cad      install the CAD kernel OpenCASCADE (400 MB), draw docs/cut_grooves.png with solids of cams, then test the
            STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
@@ -42,6 +43,8 @@ usage: ./build.sh [command] [arguments]
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
+  view     build, then run benchmarks.view_page (a minute): how fast the page of `dualcam view` opens and draws; needs
+           Chromium
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
@@ -162,6 +165,7 @@ case $command in
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
     firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
     study)

@@ -50,6 +50,7 @@ autosummary_generate = True
 autosummary_imported_members = True
 autodoc_typehints = "none"  # numpydoc sections name the types
 autodoc_member_order = "bysource"
+maximum_signature_line_length = 60  # beyond, each parameter has a line of its own
 numpydoc_show_class_members = False
 numpydoc_class_members_toctree = False
 

@@ -15,6 +15,7 @@ from dualcam.design.cut.cam_body import groove_area
 
 pytest.importorskip("OCP.STEPControl", reason='the CAD kernel is not installed: pip install "dualcam[cad]"')
 
+pytestmark = pytest.mark.filterwarnings("ignore:the walls of cam 1:dualcam.errors.DualcamWarning")
 DEPTH = 0.008  # m
 MICROMETRE = 1e-6
 
@@ -45,7 +46,7 @@ def volume(shape):
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    BRepGProp.VolumeProperties_s(shape, properties, 1e-7)
     return 1e-9 * properties.Mass()
 
 

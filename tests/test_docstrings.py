@@ -20,6 +20,7 @@ MODULES = (
     *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
     *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
     *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
+    *("dualcam.design.cut.groove_cut", "dualcam.design.cut.cam_body", "dualcam.design.cut.export"),
     *(
         "dualcam.simulation",
         "dualcam.report",

@@ -187,6 +187,14 @@ def test_wrong_arguments_are_named(arguments, mention):
         GrooveCut(**{"mechanism": mechanism("helix"), "cam": 1, "pin_radius": PIN, **arguments})
 
 
+def test_a_groove_in_which_the_pin_stays_is_refused():
+    """Groove 1 is level, so that the pin stays at z = 0 and at psi = 0 of groove 2."""
+    cam = Mechanism((Helix(0.02, 0.0), LAWS["helix"]), (0.14, 0.14), SPRING, 1.0)
+    assert GrooveCut(cam, 1, PIN).travel == (0.0, 1.0)
+    with pytest.raises(DesignError, match="cam 2: the pin stays at psi = 0 rad of this groove"):
+        GrooveCut(cam, 2, PIN)
+
+
 def test_a_groove_that_ends_before_the_stop_is_refused():
     with pytest.raises(
         DesignError, match=r"the grooves end at theta = 1\.8 rad, before the upper stop at 1\.9"

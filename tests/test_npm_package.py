@@ -54,10 +54,12 @@ def registry(monkeypatch):
     class Registry(BaseHTTPRequestHandler):
         asked: ClassVar[list[str]] = []
         archive = ARCHIVE
+        missing = 0  # bytes that are announced and do not come
 
         def do_GET(self):
             self.asked.append(self.path)
             self.send_response(200 if self.path.endswith("/thing-1.2.3.tgz") else 404)
+            self.send_header("Content-Length", str(len(self.archive) + self.missing))
             self.end_headers()
             self.wfile.write(self.archive)
 
@@ -114,6 +116,13 @@ def test_a_changed_archive_is_refused(package, registry, tmp_path):
     with pytest.raises(build_fmu.BuildError, match="is not the archive that pyproject"):
         npm_package.install("thing", tmp_path / "web")
     assert not package.archive.exists() and not (tmp_path / "web/thing/LICENSE").exists()
+
+
+def test_a_download_that_is_cut_is_refused(package, registry, tmp_path):
+    registry.missing = 10
+    with pytest.raises(build_fmu.BuildError, match="was not downloaded"):
+        npm_package.install("thing", tmp_path / "web")
+    assert not package.archive.exists()
 
 
 def test_a_damaged_download_is_fetched_again(package, registry, tmp_path):

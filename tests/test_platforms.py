@@ -142,7 +142,7 @@ def shipped(model, platform) -> bytes:
         return archive.read(member)
 
 
-NATIVE = {version: [p for p in found if not p.is_component] for version, found in build_fmu.ALL.items()}
+NATIVE = {2: build_fmu.PLATFORMS, 3: platforms.NATIVE}
 each_model = pytest.mark.parametrize("model", models.values(), ids=repr)
 each_binary = pytest.mark.parametrize(
     ("model", "platform"),

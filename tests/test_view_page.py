@@ -23,7 +23,7 @@ def browser():
     api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: it drives Chromium")
     if CHROMIUM is None:
         pytest.skip("Chromium is not installed: the page runs in it")
-    options = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    options = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"]
     with api.sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=options)
         yield chromium

@@ -34,7 +34,7 @@ SHOWN = re.compile(r"<!-- text of (\S+) -->\n")
 LINK = re.compile(r"\]\((?!\w+:)([^)#\s]+)((?:#[^)\s]*)?)\)")
 COLUMNS = re.compile(r"^\S(.*\S)? {3,}\S")
 BACK_LINK = re.compile(r'href="([^"#]*/)([\w.]+)\.html#([\w.]+)"')
-TEXT_OF_LINK = re.compile(r"\[[\w/-]+\.md\]\((?=[^)]+\.md\))")
+FILE_AS_TEXT = re.compile(r"\[(?:docs/)?([\w-]+)\.md\]\((?=[^)]+\.md(#?))")
 PICTURE = re.compile(r'<p>(<img [^>]*src="([^"]+)"[^>]*>)')
 IMAGE = re.compile(r'<img src="([^"]+)" alt="([^"]*)"[^>]*>')
 
@@ -51,7 +51,8 @@ def show_file(app: Sphinx, name: str, source: list[str]) -> None:
         text = text.replace(shown[0], IMAGE.sub(r"![\2](\1)", file.read_text(encoding="utf-8")))
         base = file.parent
     text = LINK.sub(lambda link: f"]({site_target(base / link[1], page)}{link[2]})", text)
-    source[0] = TEXT_OF_LINK.sub("[](", text)  # the title of the page in place of the file's name
+    # In place of a file's name: the title of the page; to a section of a page: the name without its ending.
+    source[0] = FILE_AS_TEXT.sub(lambda link: f"[{link[1]}](" if link[2] else "[](", text)
 
 
 def site_target(file: Path, page: Path) -> str:
@@ -81,6 +82,11 @@ def mark_blocks(_: Sphinx, what: str, name: str, thing: object, options: object,
         announced = in_block or paragraph[-1].endswith("::")
         margin = margin if in_block else last
     lines[:] = marked
+
+
+def leave_out(_: Sphinx, what: str, name: str, thing: object, skip: bool, options: object) -> bool:
+    """Whether a member is left out: fields of a NamedTuple, which the section Attributes describes."""
+    return skip or (getattr(thing, "__doc__", "") or "").startswith("Alias for field number")
 
 
 def split_paragraphs(lines: list[str]) -> list[list[str]]:
@@ -157,6 +163,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("build-finished", write_living_page)
     app.connect("source-read", show_file)
     app.connect("autodoc-process-docstring", mark_blocks, priority=400)  # before numpydoc
+    app.connect("autodoc-skip-member", leave_out)
     app.connect("html-page-context", mend_back_links)
     app.connect("html-page-context", link_pictures)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

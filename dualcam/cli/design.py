@@ -88,9 +88,9 @@ def command(
     exported.prepare(force)
     design = open_design(design_file)
     found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
+    files = exported.write(design, design.mechanism() if found is None else found.mechanism)
     if found is not None and output is not None:
         found.table.write(output)
-    files = exported.write(design, design.mechanism() if found is None else found.mechanism)
     cams = (1,) if groove2 == "given" else (1, 2)
     if as_json:
         designed = {} if found is None else _facts(found, output, cams)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+SIZES = ("depth", "outer_diameter", "bore_diameter", "length")  # of a solid
 SOLID_ENDINGS = (".step", ".stp")
 
 
@@ -111,28 +112,34 @@ class GrooveExport:
         """Checks that the options go together; click.UsageError if they do not."""
         asked = cls(exports, (1, 2) if cam == "both" else (int(cam),), **lengths)
         solid = any(path.suffix.lower() in SOLID_ENDINGS for path in exports)
-        for name in ("depth", "outer_diameter", "bore_diameter", "length"):
-            if getattr(asked, name) is not None and not solid:
-                option = name.replace("_", "-")
-                raise click.UsageError(f"--{option} is the size of a solid: give --export with a .step file")
+        for name, value in lengths.items():
+            option = "--" + name.replace("_", "-")
+            if name in SIZES and value is not None and not solid:
+                raise click.UsageError(f"{option} is the size of a solid: give --export with a .step file")
+            if name in ("pin_diameter", "run_out") and value is not None and not exports:
+                raise click.UsageError(f"{option} belongs to --export: give --export with the name of a file")
         return asked
 
     def prepare(self, force: bool) -> None:
         """DualcamError if a file exists or its library is not installed."""
         from dualcam.design.cut.export import groove_files, require_libraries
 
+        seen: set[Path] = set()
         for path in self.files:
             for file in groove_files(path, self.cams).values():
                 refuse_to_overwrite(file, force)
+                if file in seen:
+                    raise DesignError(f"{file} is written twice: give each --export another name")
+                seen.add(file)
             require_libraries(path)
 
     def write(self, design: DesignFile, mechanism: Mechanism) -> tuple[Path, ...]:
         """Write all files. A pin and a depth that are not given are those of the design file."""
         from dualcam.design import export_groove
 
-        written: list[Path] = []
-        for path in self.files:
-            written += export_groove(
+        written: dict[Path, tuple[Path, ...]] = {}
+        for path in sorted(self.files, key=lambda path: path.suffix.lower() not in SOLID_ENDINGS):
+            written[path] = export_groove(  # solids first: they refuse most
                 mechanism,
                 path,
                 self._pin_radius(design),
@@ -144,7 +151,7 @@ class GrooveExport:
                 bore_radius=_half(self.bore_diameter),
                 length=self.length,
             )
-        return tuple(written)
+        return tuple(file for path in self.files for file in written[path])
 
     def say_written(self, files: tuple[Path, ...], design: DesignFile) -> None:
         """The files, and what a workshop must know besides."""

@@ -13,7 +13,7 @@ export function tickDistance(span, count) {
 export const colours = {};
 export function readColours() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["text", "soft", "line", "panel", "cam1", "cam2", "pin", "spring", "band", "trail", "bad"]) {
+  for (const name of ["text", "soft", "line", "panel", "cam1", "cam2", "pin", "spring", "band", "trail", "bad", "stage"]) {
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }
@@ -23,7 +23,7 @@ export class Chart {
   constructor(canvas, margins = {}) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.margins = { left: 46, right: 12, top: 10, bottom: 34, ...margins };
+    this.margins = { left: 46, right: 12, top: 24, bottom: 34, ...margins };
   }
 
   /** Fit the canvas to its box; returns false where the box is hidden. */
@@ -99,8 +99,7 @@ export class Chart {
     c.textBaseline = "bottom";
     c.fillText(labelX, this.width - m.right, this.height - 1);
     c.textAlign = "left";
-    c.textBaseline = "top";
-    c.fillText(labelY, m.left + 4, m.top + 2);
+    c.fillText(labelY, 2, m.top - 6);
   }
 
   /** A path through points [x, y]; those that are not finite interrupt the path. */

@@ -52,6 +52,8 @@ const GROUPS = {
   "": "General",
 };
 
+const WIDE = 700; // pixels: a narrower page begins with closed groups
+
 const ending = (name) => name.slice(name.indexOf(".") + 1);
 
 /** One input or parameter in the page. `send(value)` returns whether the model took the value. */
@@ -160,7 +162,7 @@ function integers({ min, max, start }) {
 
 export class Controls {
   /**
-   * @param {object} content of the page: description, files
+   * @param {object} content of the page: description, files, start
    * @param {() => import("dualcam/player").Player} player
    */
   constructor(content, player) {
@@ -172,18 +174,20 @@ export class Controls {
     for (const variable of content.description.variables) {
       const { name, causality } = variable;
       if (causality === "input") {
-        this.add(variable, inputs, (value) => this.sendInput(name, value), content.files);
+        this.add(variable, inputs, (value) => this.sendInput(name, value), content);
       } else if (causality === "parameter") {
         const prefix = name.includes(".") ? name.slice(0, name.indexOf(".")) : "";
         if (!groups.has(prefix)) groups.set(prefix, addGroup(parameters, GROUPS[prefix] ?? prefix));
-        this.add(variable, groups.get(prefix), (value) => player.setParameter(name, value), content.files);
+        this.add(variable, groups.get(prefix), (value) => player.setParameter(name, value), content);
       }
     }
     this.fields.get("F_ext")?.setRange([-500, 500]);
   }
 
-  add(variable, parent, send, files) {
-    const field = new Field(variable, send, files);
+  add(variable, parent, send, content) {
+    const field = new Field(variable, send, content.files);
+    const own = content.start[variable.name];
+    if (typeof own === "number" && own > 0.6 * field.high) field.setRange([field.low, 2 * own]);
     this.fields.set(variable.name, field);
     parent.append(field.box);
   }
@@ -227,10 +231,11 @@ export class Controls {
 }
 
 function addGroup(parent, title) {
-  const group = document.createElement("fieldset");
-  const legend = document.createElement("legend");
-  legend.textContent = title;
-  group.append(legend);
+  const group = document.createElement("details");
+  group.open = window.innerWidth >= WIDE;
+  const summary = document.createElement("summary");
+  summary.textContent = title;
+  group.append(summary);
   parent.append(group);
   return group;
 }

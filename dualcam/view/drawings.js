@@ -10,9 +10,12 @@ import { TorqueChart } from "dualcam/torque_chart";
 import { text } from "dualcam/units";
 
 const element = (id) => document.getElementById(id);
-const SLOW_FRAME = 0.03; // s: above this the 3D view gets fewer pixels
-const FAST_FRAME = 0.018;
-const LEAST_QUALITY = 0.4;
+const SLOW_FRAME = 0.028; // s: above this the 3D view gets fewer pixels
+const FAST_FRAME = 0.018; // s: below this the view gets more
+const LEAST_QUALITY = 0.35;
+const NUMBERS = 70; // ms between two pictures of the numbers
+const TRIAL = 8; // frames between two changes of the quality
+const STILL = 0.35; // s without motion, after which the picture is drawn once in full quality
 const PIN_SHARE = 0.085; // radius of the drawn pin over the smaller radius of the cams
 const HINT = "Drag cam 2 to turn it. Drag beside it to look around.";
 const LABELS = { cam1: "cam 1, fixed", cam2: "cam 2", pin: "pin", spring: "spring" };
@@ -32,6 +35,8 @@ export class Drawings {
     this.stale = { shape: true, band: true, fields: true };
     this.pace = 1 / 60;
     this.frames = 0;
+    this.trial = 0;
+    this.shown = -Infinity;
     // The coefficient in effect, where the friction law has more than one.
     this.coefficient = probe.has("cam1.friction_coefficient") ? "cam1.friction_coefficient" : "cam1.friction";
     this.makeView();
@@ -77,16 +82,14 @@ export class Drawings {
   /** @param {number} passed seconds since the last frame */
   frame(passed) {
     const { player } = this;
-    if (!player.running && !this.dirty) return;
+    if (!player.running && !this.dirty && (this.isFine || !this.view)) return;
     if (player.running) this.keepPace(passed);
     this.dirty = false;
     this.renew();
     const values = player.engine.getAll(FRAME_NAMES);
     const now = Object.fromEntries(FRAME_NAMES.map((name, k) => [name, values[k]]));
-    this.readouts.draw(now);
-    this.readouts.drawEvents(player.events, now.events);
-    this.controls.refreshInputs();
     this.drawView(now);
+    this.showNumbers(now);
     this.frames += 1;
     const part = this.pace > SLOW_FRAME && player.running ? this.frames % 3 : 3; // a slow machine: one chart per frame
     if (part === 0 || part === 3) this.torque.draw(player);
@@ -94,17 +97,26 @@ export class Drawings {
     if (part === 2 || part === 3) this.drawTimes();
   }
 
+  /** Numbers change at a rate at which a reader can follow, and at once where the clock rests. */
+  showNumbers(now) {
+    const time = performance.now();
+    if (this.player.running && time - this.shown < NUMBERS) return;
+    this.shown = time;
+    this.readouts.draw(now);
+    this.readouts.drawEvents(this.player.events, now.events);
+    this.controls.refreshInputs();
+  }
+
   /** Fewer pixels where frames take long, more where there is time. */
   keepPace(passed) {
-    if (passed <= 0 || passed > 0.5 || !this.view) return;
-    this.pace += 0.08 * (passed - this.pace);
-    this.sinceChange = (this.sinceChange ?? 0) + 1;
-    if (this.sinceChange < 25) return;
-    const { quality } = this.view;
-    if (this.pace > SLOW_FRAME && quality > LEAST_QUALITY) this.view.quality = Math.max(LEAST_QUALITY, quality * 0.8);
-    else if (this.pace < FAST_FRAME && quality < 1) this.view.quality = Math.min(1, quality * 1.12);
-    else return;
-    this.sinceChange = 0;
+    if (passed <= 0 || passed > 1 || !this.view) return;
+    this.pace += 0.2 * (passed - this.pace);
+    this.trial += 1;
+    if (this.trial < TRIAL) return;
+    const { view } = this;
+    if (this.pace > SLOW_FRAME) view.quality = Math.max(LEAST_QUALITY, view.quality * Math.max(0.6, Math.sqrt(SLOW_FRAME / this.pace)));
+    else if (this.pace < FAST_FRAME) view.quality = Math.min(1, view.quality * 1.08);
+    this.trial = 0;
   }
 
   renew() {
@@ -155,14 +167,18 @@ export class Drawings {
   drawView(now) {
     if (!this.view) return;
     const torque = now.tau / this.player.torqueScale;
-    const key = [now.theta, now.gamma, torque, this.key, colours.panel, this.view.quality, ...Object.values(this.view.direction)].join();
-    const size = `${this.view.canvas.clientWidth}x${this.view.canvas.clientHeight}`;
+    const { clientWidth, clientHeight } = this.view.canvas;
+    const key = [now.theta, now.gamma, torque, this.key, colours.panel, clientWidth, clientHeight];
+    const seen = [...key, ...Object.values(this.view.direction)].join();
     if (this.player.hand !== null) element("hand").textContent = handWords(this.player);
-    if (key === this.viewKey && size === this.viewSize) return; // nothing moves: no new picture
-    this.viewKey = key;
-    this.viewSize = size;
-    this.view.draw({ theta: now.theta, gamma: now.gamma, z: now.z, torque });
-    this.placeLabels();
+    const moves = seen !== this.seen;
+    const time = performance.now() / 1000;
+    if (moves) this.moved = time;
+    else if (this.isFine || time - this.moved < STILL) return; // no new picture
+    this.seen = seen;
+    this.isFine = !moves;
+    this.view.draw({ theta: now.theta, gamma: now.gamma, z: now.z, torque }, moves ? this.view.quality : this.view.stillQuality);
+    if (moves) this.placeLabels();
   }
 
   /** Names of the parts beside the mechanism, with a line to the part. */

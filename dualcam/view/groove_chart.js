@@ -2,6 +2,8 @@
 import { Chart, colours } from "dualcam/chart";
 import { text } from "dualcam/units";
 
+const FRICTION_SCALE = 4; // the arrow of friction is drawn longer than that of the normal force
+
 export class GrooveChart {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -83,16 +85,16 @@ export class GrooveChart {
     if (Math.abs(length) < 2) return;
     chart.arrow(u - nx * (edge + length), v + nz * (edge + length), nx * length, -nz * length, colours.text, 2.5);
     const words = `N ${text(reaction, 3)} N`;
-    const drag = -sigma * friction * Math.abs(length); // along the groove, at the flank
+    const drag = -sigma * FRICTION_SCALE * friction * Math.abs(length); // along the groove, at the flank
     if (sigma !== 0) chart.arrow(u - nx * edge, v + nz * edge, drag / h, (-drag * slope) / h, colours.bad, 2.5);
     chart.words(words, chart.width - 14, chart.height - chart.margins.bottom - 24, colours.text, "right");
     chart.words(
-      sigma === 0 ? "friction: not unique" : `friction ${text(Math.abs(friction * reaction), 3)} N`,
+      sigma === 0 ? "friction: not unique" : `friction ${text(Math.abs(friction * reaction), 3)} N (arrow x ${FRICTION_SCALE})`,
       chart.width - 14,
       chart.height - chart.margins.bottom - 9,
       sigma === 0 ? colours.soft : colours.bad,
       "right",
     );
-    chart.words(`cam ${this.number}`, chart.margins.left + 6, chart.margins.top + 24, colour);
+    chart.words(`cam ${this.number}`, chart.width - 14, chart.margins.top - 12, colour, "right");
   }
 }

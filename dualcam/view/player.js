@@ -37,7 +37,7 @@ export class Player {
     this.speed = 1;
     this.preset = null;
     this.histories = {};
-    this.drive = null; // a shaft that a motor turns: {stiffness, speed, start}
+    this.drive = null; // a shaft that a motor turns: {stiffness, speed, until}
     this.hand = null; // angle that the hand wants [rad]
     this.base = { tau: 0, F_ext: 0 }; // what the sliders say
     this.sent = {};
@@ -62,6 +62,7 @@ export class Player {
   /** Forget what was recorded. */
   clear() {
     this.trail = []; // [theta, tau, time] of each micro step
+    this.extremes = [0, 0]; // least and largest torque
     this.events = []; // {time, from, to, theta}
     this.mode = this.engine.get("mode");
     this.count = this.engine.get("events");
@@ -114,8 +115,8 @@ export class Player {
   /** Torque of a motor that turns at constant speed behind a soft shaft [N.m]. */
   driveTorque() {
     if (this.drive === null) return 0;
-    const { stiffness, speed, start } = this.drive;
-    return stiffness * (start + speed * this.time - this.engine.get("theta"));
+    const { stiffness, speed, until } = this.drive;
+    return stiffness * (speed * Math.min(this.time, until) - this.engine.get("theta"));
   }
 
   /** Inputs of the next micro step, sent only where they changed. */
@@ -167,7 +168,9 @@ export class Player {
   /** After a step: one point of the trail, and the change of mode. */
   record() {
     const { engine } = this;
-    this.trail.push([engine.get("theta"), engine.get("tau"), engine.time]);
+    const tau = engine.get("tau");
+    this.trail.push([engine.get("theta"), tau, engine.time]);
+    this.extremes = [Math.min(this.extremes[0], tau), Math.max(this.extremes[1], tau)];
     if (this.trail.length > TRAIL) this.trail.splice(0, TRAIL / 4);
     const mode = engine.get("mode");
     const count = engine.get("events");

@@ -6,7 +6,7 @@
 
 const SMOOTH = { "shaft.damping": 0.04 };
 
-export const PRESETS = [
+const PRESETS = [
   {
     name: "Load",
     words: "The torque rises. Above the stick band cam 2 follows, and the spring takes up the work.",
@@ -30,7 +30,7 @@ export const PRESETS = [
   },
   {
     name: "Wedge",
-    words: "Very flat grooves of unequal radius: the pin is wedged. Four times the loading torque, turned back, moves nothing.",
+    words: "Very flat grooves of unequal radii wedge the pin: the largest negative torque moves nothing.",
     start: {
       ...SMOOTH, "cam1.radius": 0.06, "cam2.radius": 0.02, "cam1.lead_angle": 0.01, "cam2.lead_angle": 0.15,
       "initial.theta": 0.8,
@@ -48,12 +48,32 @@ export const PRESETS = [
   },
   {
     name: "Stick-slip",
+    needs: "cam1.friction_peak",
+    words: "A soft shaft pulls slowly, and friction is larger at rest than in motion: cam 2 sticks and slips in turn.",
+    start: {
+      "shaft.damping": 0.02, "inertia.shaft": 0.004, "cam1.friction_peak": 2, "cam2.friction_peak": 2,
+      "cam1.stribeck_velocity": 0.01, "cam2.stribeck_velocity": 0.01,
+    },
+    drive: { stiffness: 20, speed: 0.5, until: 4 },
+    seconds: 4.2,
+  },
+  {
+    name: "Stick-slip",
     words: "A torque that rises and trembles: cam 2 sticks and slips in turn, one small move for each tremble.",
     start: { "shaft.damping": 0.02 },
     histories: { tau: tremble(0.9, 8, 1.2, 0.12, 4) },
     seconds: 4,
   },
 ];
+
+/**
+ * The scenes that a model can play. A scene may need a variable; the first scene of a name that can play counts.
+ * @param {Set<string>} variables of the model
+ */
+export function scenesOf(variables) {
+  const able = PRESETS.filter(({ needs }) => needs === undefined || variables.has(needs));
+  return able.filter((scene, k) => able.findIndex(({ name }) => name === scene.name) === k);
+}
 
 /** A rising torque [N.m] with a triangular tremble on top. */
 function tremble(low, high, size, period, seconds) {

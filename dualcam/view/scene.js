@@ -1,7 +1,7 @@
 /** The mechanism in 3D: cams, pin, carriage, spring and the arrow of the torque. One unit is the outer radius. */
 import {
   AmbientLight, Color, CylinderGeometry, DirectionalLight, DoubleSide, FrontSide, Group,
-  HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3,
+  HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3,
   WebGLRenderer,
 } from "three";
 import { Arc, Coil } from "dualcam/arrows";
@@ -17,15 +17,27 @@ const STROKE = [0.45, 1.5]; // least and greatest drawn stroke
 const CARRIAGE = 0.62; // from the pin to the top of the carriage at least
 const ARC_Y = 0.24; // of the torque's arrow, below the tubes
 
+/** Does WebGL draw without a GPU? Throws where there is no WebGL. */
+function drawsInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (gl === null) throw new Error("this browser has no WebGL 2");
+  const facts = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = facts ? gl.getParameter(facts.UNMASKED_RENDERER_WEBGL) : "";
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 export class MechanismView {
   /** @param {HTMLCanvasElement} canvas; throws where there is no WebGL */
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "low-power" });
+    this.isSoftware = drawsInSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.isSoftware, powerPreference: "low-power" });
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(30, 1, 0.1, 100);
     this.direction = { azimuth: 0.5, height: 0.42, distance: 1 };
-    this.quality = 1;
+    this.quality = this.isSoftware ? 0.6 : 1;
+    this.stillQuality = this.isSoftware ? 1.7 : 1; // of a picture that stands: more pixels in place of antialiasing
     this.raycaster = new Raycaster();
     this.lights();
     this.materials();
@@ -39,25 +51,26 @@ export class MechanismView {
   }
 
   materials() {
-    const make = (options) => new MeshStandardMaterial({ roughness: 0.55, metalness: 0.15, side: DoubleSide, ...options });
+    const make = (options) => new MeshLambertMaterial({ side: DoubleSide, ...options });
     const glass = { transparent: true, opacity: 0.2, side: FrontSide, depthWrite: false };
     this.material = {
       solid: [make({}), make({})], // of cam 1 and cam 2
       glass: [make(glass), make(glass)],
-      shade: [make({ roughness: 0.9 }), make({ roughness: 0.9 })], // inside of a solid tube
-      dark: [make({ roughness: 0.9 }), make({ roughness: 0.9 })], // flanks of the grooves
-      pin: make({ metalness: 0.3, roughness: 0.4 }),
+      shade: [make({}), make({})], // inside of a solid tube
+      dark: [make({}), make({})], // flanks of the grooves
+      pin: make({}),
       carriage: make({}),
-      spring: make({ metalness: 0.5, roughness: 0.35 }),
-      ground: make({ roughness: 0.9 }),
+      spring: make({ side: FrontSide }),
+      ground: make({ side: FrontSide }),
       line: [new LineBasicMaterial(), new LineBasicMaterial()],
-      arrow: make({ roughness: 0.8 }),
+      arrow: make({}),
     };
   }
 
   /** Colours of the theme. */
   paint() {
     const { material: m } = this;
+    this.renderer.setClearColor(colours.stage);
     const [cam1, cam2] = [new Color(colours.cam1), new Color(colours.cam2)];
     [cam1, cam2].forEach((colour, k) => {
       m.solid[k].color.copy(colour).lerp(new Color(0xffffff), 0.14);
@@ -246,11 +259,12 @@ export class MechanismView {
     this.camera.lookAt(0, this.middle, 0);
   }
 
-  draw(now) {
+  /** @param {object} now as place() takes it @param {number} quality share of the screen's pixels in each direction */
+  draw(now, quality) {
     this.last = now;
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (w < 20 || h < 20) return;
-    const ratio = Math.min(2, window.devicePixelRatio || 1) * this.quality;
+    const ratio = Math.min(2, window.devicePixelRatio || 1) * quality;
     const size = this.renderer.getSize(new Vector2());
     if (size.x !== w || size.y !== h || this.renderer.getPixelRatio() !== ratio) {
       this.renderer.setPixelRatio(ratio);

@@ -1,5 +1,6 @@
 /** Angle and torque over the last seconds. */
 import { Chart, colours } from "dualcam/chart";
+import { text } from "dualcam/units";
 
 const DEGREE = 180 / Math.PI;
 
@@ -31,10 +32,10 @@ export class TimeChart {
     chart.line(points.map((point) => [point[2], value(point)]));
     chart.unclip();
     const left = side === "left";
-    chart.words(label, left ? chart.margins.left + 6 : chart.width - chart.margins.right - 6, chart.margins.top + 9, colour, left ? "left" : "right");
+    chart.words(label, left ? 2 : chart.width - 2, chart.margins.top - 12, colour, left ? "left" : "right");
     if (!left) {
       for (const y of [range[0], (range[0] + range[1]) / 2, range[1]]) {
-        chart.words(String(Number(y.toPrecision(3))), chart.width - chart.margins.right + 5, chart.py(y), colour);
+        chart.words(text(y, 2), chart.width - chart.margins.right + 5, chart.py(y), colour);
       }
     }
   }

@@ -32,7 +32,7 @@ export class TorqueChart {
     const tau = player.engine.get("tau");
     const [x0, x1] = this.rangeX;
     const room = 0.04 * (x1 - x0);
-    chart.ranges([x0 - room, x1 + room], this.rangeY(tau));
+    chart.ranges([x0 - room, x1 + room], this.rangeY(player.extremes));
     chart.axes("angle theta [deg]", "torque tau [N.m]");
     chart.clip();
     this.drawBand();
@@ -45,11 +45,14 @@ export class TorqueChart {
     );
   }
 
-  /** The band's range, wider where the torque leaves it. */
-  rangeY(tau) {
+  /** The band's range, wider where the torque has left the band, up to some times the band. */
+  rangeY([least, most]) {
     const [low, high] = this.least;
     const room = 0.05 * (high - low);
-    return [Math.min(low, Math.max(tau, 4 * low - 3 * high) - room), Math.max(high, Math.min(tau, 4 * high - 3 * low) + room)];
+    return [
+      Math.min(low, Math.max(least, 4 * low - 3 * high) - room),
+      Math.max(high, Math.min(most, 4 * high - 3 * low) + room),
+    ];
   }
 
   drawBand() {

@@ -70,7 +70,7 @@ def identity(fmu: Fmu) -> list[str]:
 
 
 def core_files(identifier: str, version: int, suffixes: Sequence[str]) -> list[Path]:
-    """The files of one FMU in the rooms of fmu_src. The rooms `component`, `fleet` and `web` are not among them."""
+    """The files of one FMU in the rooms of fmu_src. Left out are `component`, `fleet` and `web`."""
     others = [f"model_{model}." for name, model in MODELS.items() if name != identifier]
     others += [beginning for v, names in ONLY_IN.items() if v != version for beginning in names]
     outside = {TOOLS, COMPONENT_ROOM, FLEET, WEB_ROOM}

@@ -16,13 +16,14 @@ import tarfile
 import tomllib
 import urllib.request
 from dataclasses import dataclass
+from http.client import HTTPException
 from pathlib import Path
 
 from workspace import BUILD, ROOT, BuildError, fingerprint, is_fresh, relative, say, set_stamp
 
 REGISTRY = "https://registry.npmjs.org"
 DOWNLOADS = BUILD / "npm"
-LONGEST = 60.0  # s without an answer from the registry
+LONGEST = 20.0  # s without an answer from the registry
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ def download(package: Package) -> bytes:
     try:
         with urllib.request.urlopen(package.url, timeout=LONGEST) as answer:
             content: bytes = answer.read()
-    except (OSError, ValueError) as error:  # no network, no such file, no address
+    except (OSError, ValueError, HTTPException) as error:  # no network, no such file, no address, a cut
         raise BuildError(f"{package.url} was not downloaded: {error}. {advice}") from error
     if not package.is_intact(content):
         raise BuildError(

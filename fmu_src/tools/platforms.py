@@ -54,20 +54,20 @@ class Platform:
         return place(self.version) / self.folder / f"{identifier}{self.suffix}"
 
     @property
-    def is_component(self) -> bool:
-        """WebAssembly: the linked core is wrapped into a component (webassembly/component.py)."""
+    def is_webassembly(self) -> bool:
+        """In an FMU the linked core is then wrapped into a component (webassembly/component.py)."""
         return self.suffix == ".wasm"
 
     @property
     def compilation(self) -> list[str]:
         """Options for each C file."""
-        if self.is_component:
+        if self.is_webassembly:
             return [OPTIMISATION, "-fvisibility=hidden", LTO]
         return [OPTIMISATION, *LIBRARY, *([LTO] if self.suffix == ".so" else SECTIONS)]
 
     def linking(self, identifier: str) -> list[str]:
         """Options that make one library from the compiled files."""
-        if self.is_component:  # `reactor` is WASI's name of a module without main()
+        if self.is_webassembly:  # `reactor` is WASI's name of a module without main()
             # The linker's default of 16 MB would be in the memory of each instance of the component.
             return [OPTIMISATION, "-mexec-model=reactor", "-s", LTO, f"-Wl,-z,stack-size={STACK}"]
         options = [OPTIMISATION, "-shared", "-s"]
@@ -96,6 +96,8 @@ PLATFORMS_3 = (
     Platform(COMPONENT_FOLDER, (WASM,), ".wasm", 3),
 )
 ALL = {2: PLATFORMS, 3: PLATFORMS_3}
+# Those of operating systems, by the names of FMI 3.0.
+NATIVE = tuple(platform for platform in PLATFORMS_3 if not platform.is_webassembly)
 
 # ---- the machine on which the build runs ----
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from archive import validate, write_archive
 from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
 from fmus import Fmu, identity
-from platforms import ALL, TARGET, Platform, executable, host_platform
+from platforms import ALL, NATIVE, TARGET, Platform, executable, host_platform
 from webassembly.component import wrapped
 from webassembly.interface import manifests
 from workspace import (
@@ -33,7 +33,7 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
     """The library of `fmu` for `platform`."""
     library = platform.library(fmu.identifier)
     defines = [*fmu.defines, *identity(fmu)]
-    apart = component_files() if platform.is_component else []
+    apart = component_files() if platform.is_webassembly else []
     sources = [*fmu.sources, *sorted(path for path in apart if path.suffix == ".c")]
     inputs = [*fmu.sources, *apart, *headers(), *build_program()]
     stamp = fingerprint(inputs, platform.folder, *platform.targets, *defines)
@@ -45,7 +45,7 @@ def build_library(fmu: Fmu, platform: Platform) -> Path:
         part = BUILD / "parts" / f"fmi{fmu.version}" / target / library.name
         compile_library(platform, target, defines, sources, part)
         content = part.read_bytes()
-        slices.append(wrapped(content) if platform.is_component else content)
+        slices.append(wrapped(content) if platform.is_webassembly else content)
     library.parent.mkdir(parents=True, exist_ok=True)
     library.write_bytes(slices[0] if len(slices) == 1 else universal(slices))
     set_stamp(library, stamp)
@@ -66,7 +66,7 @@ def build_fleet(platform: Platform) -> Path:
 
 def build_fleets(for_all: bool = False) -> list[Path]:
     """The library of `dualcam.Fleet` for this machine or, with `for_all`, for all platforms."""
-    return [build_fleet(platform) for platform in (ALL[3] if for_all else (host_platform(3),))]
+    return [build_fleet(platform) for platform in (NATIVE if for_all else (host_platform(3),))]
 
 
 def build(fmu: Fmu, for_all: bool = False) -> None:
@@ -90,7 +90,7 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
     for platform in platforms:
         library = build_library(fmu, platform)
         members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
-    if any(platform.is_component for platform in platforms):
+    if any(platform.is_webassembly for platform in platforms):
         members |= {name: text.encode() for name, text in manifests().items()}
     unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
     try:

@@ -14,7 +14,7 @@ from pathlib import Path
 import npm_package
 from compiler import compile_library
 from fmus import Fmu, identity
-from platforms import LTO, OPTIMISATION, Platform
+from platforms import LTO, OPTIMISATION, WASM, Platform
 from workspace import (
     BUILD,
     TOOLS,
@@ -29,7 +29,6 @@ from workspace import (
 )
 
 WEB = BUILD / "web"
-TARGET = "wasm32-wasi"
 
 
 @dataclass(frozen=True)
@@ -40,16 +39,12 @@ class WebAssembly(Platform):
     The compiler forms no fused multiply-add and no relaxed SIMD, so that only the functions of the C library
     (exp, sin, cos) can differ from those of another platform."""
 
-    @property
-    def compilation(self) -> list[str]:
-        return [OPTIMISATION, "-fvisibility=hidden", LTO]
-
     def linking(self, identifier: str) -> list[str]:
         exports = ["-rdynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
-        return ["-target", TARGET, OPTIMISATION, "-mexec-model=reactor", "-s", LTO, *exports]
+        return ["-target", WASM, OPTIMISATION, "-mexec-model=reactor", "-s", LTO, *exports]
 
 
-PLATFORM = WebAssembly("web", (TARGET,), ".wasm")
+PLATFORM = WebAssembly("web", (WASM,), ".wasm")
 
 
 def build_wasm(fmu: Fmu) -> Path:
@@ -58,11 +53,11 @@ def build_wasm(fmu: Fmu) -> Path:
     sources = [*fmu.sources, *sorted(WEB_ROOM.glob("*.c"))]
     defines = [*fmu.defines, *identity(fmu)]
     used = [*sources, *headers(), *build_program(), TOOLS / "web_build.py"]
-    stamp = fingerprint(used, TARGET, *defines)
+    stamp = fingerprint(used, WASM, *defines)
     if not is_fresh(module, stamp):
         say(f"compile {relative(module)} ({len(sources)} files)")
         part = BUILD / "parts/web" / module.name
-        compile_library(PLATFORM, TARGET, defines, sources, part)
+        compile_library(PLATFORM, WASM, defines, sources, part)
         module.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(part, module)
         set_stamp(module, stamp)

@@ -108,6 +108,7 @@ class CamBody:
         low, high = cls._ends(cut, length)
         for rho in np.linspace(max(floor, bore), outer, RADII):
             cut.require_no_undercut(float(rho))
+        cut.require_walls(max(floor, bore))
         return cls(outer, bore, floor, low, high)
 
     @staticmethod

@@ -16,6 +16,7 @@ from dualcam.design.mechanism import Mechanism
 from dualcam.design.statics import DesignError
 from dualcam.errors import DualcamWarning
 
+ROUNDING = 1e-9  # relative; walls that touch do not overlap
 ENDINGS = (".csv", ".dxf", ".step", ".stp")
 
 
@@ -106,7 +107,7 @@ def _warn_of_overlap(bodies: Sequence[CamBody]) -> None:
     if len(bodies) < 2:
         return
     inner, outer = sorted(bodies, key=lambda body: body.outer_radius)
-    if inner.outer_radius > outer.bore_radius:
+    if inner.outer_radius > outer.bore_radius * (1.0 + ROUNDING):
         walls = [f"{1e3 * body.bore_radius:.6g} to {1e3 * body.outer_radius:.6g} mm" for body in bodies]
         warnings.warn(
             DualcamWarning(

@@ -16,6 +16,7 @@ from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError
 from dualcam.unit_guards import warn_units
 
+LEAST_TRAVEL = 1e-6  # rad
 ROTATIONS = {"counterclockwise": 1, "clockwise": -1}  # of cam 2 while loading, seen from +z
 
 
@@ -111,8 +112,9 @@ class GrooveCut:
             raise DesignError(f"run_out = {self.run_out:g} m: allowed is a finite number >= 0")
         warn_units({"pin_radius": ("pin.radius", self.pin_radius)})
         self._require_reach()
+        self._require_travel()
         self.require_no_undercut(self.radius)
-        self._require_walls()
+        self.require_walls(self.radius)
 
     # ---- the path of the pin's axis ----
 
@@ -257,6 +259,14 @@ class GrooveCut:
                     f" allowed is a stop.{name} up to there, or grooves that go on"
                 )
 
+    def _require_travel(self) -> None:
+        low, high = self.travel
+        if not high - low > LEAST_TRAVEL:
+            raise DesignError(
+                f"cam {self.cam}: the pin stays at psi = {low:.6g} rad of this groove from stop to stop:"
+                " allowed is a groove along which the pin moves; the other groove must not be level"
+            )
+
     def require_no_undercut(self, radius: float) -> None:
         """DesignError if a flank folds on the cylinder of this radius [m]. The message names the place and
         the greatest pin that works."""
@@ -287,26 +297,28 @@ class GrooveCut:
             good, bad = (middle, bad) if fits else (good, middle)
         return math.floor(good * 1e6) * 1e-6
 
-    def _require_walls(self) -> None:
-        """DesignError where the grooves of both ends of the pin, or turns of one groove, run into one
-        another."""
+    def require_walls(self, radius: float) -> None:
+        """DesignError where the grooves of both ends of the pin, or turns of one groove, run into one another
+        on the cylinder of this radius [m].
+
+        Two sections of the pin, at two places, overlap if the middle between the places is inside a section:
+        the section is convex and symmetric about its centre."""
         turn = 2.0 * math.pi / self.mechanism.contacts
-        if self.end - self.begin < turn - 4.0 * math.asin(self.pin_radius / self.radius):
+        widest = 2.0 * math.asin(self.pin_radius / radius)
+        if self.end - self.begin < turn - widest:
             return
         psi = np.linspace(self.begin, self.end, POINTS)
         z = self.centre(psi).z
-        for k in range(1, math.ceil((self.end - self.begin) / turn) + 1):
-            across = self.radius * (psi[:, None] - psi[None, :] - k * turn)
-            apart = np.hypot(across, z[:, None] - z[None, :])
+        for k in range(1, math.ceil((self.end - self.begin + widest) / turn) + 1):
+            half_turned = 0.5 * (psi[:, None] - psi[None, :] - k * turn)
+            across = np.where(np.abs(half_turned) < 0.5 * math.pi, radius * np.sin(half_turned), np.inf)
+            apart = np.hypot(across, 0.5 * (z[:, None] - z[None, :]))
             row, column = np.unravel_index(int(np.argmin(apart)), apart.shape)
-            if apart[row, column] <= 2.0 * self.pin_radius:
-                what = (
-                    "grooves of both ends of the pin run"
-                    if k % self.mechanism.contacts
-                    else "turns of the groove run"
-                )
-                raise DesignError(
-                    f"cam {self.cam}: the {what} into one another at psi = {psi[column]:.4g} rad and"
-                    f" {psi[row]:.4g} rad: their centre lines are {1e3 * apart[row, column]:.4g} mm apart,"
-                    f" allowed is more than the pin's diameter, {2e3 * self.pin_radius:.6g} mm"
-                )
+            if apart[row, column] > self.pin_radius:
+                continue
+            ends = "grooves of both ends of the pin" if k % self.mechanism.contacts else "turns of the groove"
+            raise DesignError(
+                f"cam {self.cam}: the {ends} run into one another on the cylinder of radius"
+                f" {1e3 * radius:.6g} mm, at psi = {psi[column]:.4g} and {psi[row]:.4g} rad: allowed is a pin"
+                f" of diameter below {2e3 * apart[row, column]:.4g} mm, or less travel"
+            )

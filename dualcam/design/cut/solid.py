@@ -17,6 +17,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
+from dualcam.design.cut.sampling import SHARES
 from dualcam.design.statics import Array, DesignError
 
 if TYPE_CHECKING:
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
 MM = 1e3  # per metre
 SPLINE_ERROR = 1e-4  # mm
 SEWING = 1e-3  # mm between edges that are one
+VOLUME_ERROR = 1e-5  # relative, of the kernel's integration
 FEWEST_RADII, MOST_RADII = 9, 200  # nodes of the splines along the pin
-MOST_NODES = 4_000
+FEWEST_NODES, MOST_NODES = 9, 4_000  # along the groove
 LARGEST_TURN = math.radians(350.0)  # of one groove about the axis
 
 Outline = Callable[[Array, float], Curve]  # parameters (n,) and a radius [m] -> points of the groove's edge
@@ -86,7 +88,7 @@ def _volume(shape: TopoDS_Shape) -> float:
     from OCP.GProp import GProp_GProps
 
     properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, properties)
+    BRepGProp.VolumeProperties_s(shape, properties, VOLUME_ERROR)
     return float(properties.Mass())
 
 
@@ -194,18 +196,18 @@ def _sides(cut: GrooveCut, radii: Array) -> list[tuple[Outline, Array]]:
 
 def _nodes(cut: GrooveCut, outline: Outline, begin: float, end: float, radii: Array) -> Array:
     """Nodes between which a cubic spline is within SPLINE_ERROR of the outline."""
-    count = 9
-    while count < MOST_NODES:
-        nodes = np.linspace(begin, end, count)
-        between = begin + (end - begin) * (np.arange(4 * (count - 1)) + 0.5) / (4 * (count - 1))
-        error = 0.0
-        for radius in (radii[0], radii[-1]):
+    nodes = np.linspace(begin, end, FEWEST_NODES)
+    while len(nodes) < MOST_NODES:
+        between = nodes[:-1, None] + SHARES * np.diff(nodes)[:, None]
+        coarse = np.zeros(len(nodes) - 1, dtype=bool)
+        for radius in (float(radii[0]), float(radii[-1])):
             spline = _spline(nodes, _in_space(cut, outline(nodes, radius), radius, 0))
-            wanted = _in_space(cut, outline(between, radius), radius, 0)
-            error = max(error, float(np.abs(spline(_share(between, nodes)) - wanted).max()))
-        if error < SPLINE_ERROR:
+            wanted = _in_space(cut, outline(between.ravel(), radius), radius, 0)
+            error = np.abs(spline(_share(between.ravel(), nodes)) - wanted).max(axis=1)
+            coarse |= error.reshape(between.shape).max(axis=1) > SPLINE_ERROR
+        if not coarse.any():
             return nodes
-        count = 2 * count - 1
+        nodes = np.sort(np.append(nodes, 0.5 * (nodes[:-1] + nodes[1:])[coarse]))
     raise DesignError(f"cam {cut.cam}: the groove bends too sharply for a STEP file: write .dxf or .csv")
 
 
