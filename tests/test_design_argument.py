@@ -24,6 +24,7 @@ TAKERS = {
     "export_fmu": (dualcam.export_fmu, "MyCam.fmu"),
     "write_report": (dualcam.write_report, "my.html"),
     "export_ssp": (dualcam.export_ssp, "MyCam.ssp"),
+    "write_view": (dualcam.write_view, "my.html"),
 }
 each_taker = pytest.mark.parametrize("name", TAKERS)
 
@@ -50,6 +51,8 @@ def test_a_path_is_as_good_as_the_design_of_the_file(path, tmp_path, name):
 @each_taker
 @pytest.mark.parametrize("design", [None, 5, ["my.toml"], {"cam1.radius": 0.02}], ids=repr)
 def test_what_is_no_design_is_refused(tmp_path, name, design):
+    if name == "write_view" and design is None:
+        return  # the default mechanism
     with pytest.raises(DesignError, match="allowed is a design from read_design, or the path"):
         result_of(name, design, tmp_path)
 
@@ -60,7 +63,7 @@ def test_a_missing_file_is_named(tmp_path, name):
         result_of(name, tmp_path / "absent.toml", tmp_path)
 
 
-@pytest.mark.parametrize("name", ["export_fmu", "write_report", "export_ssp"])
+@pytest.mark.parametrize("name", ["export_fmu", "write_report", "export_ssp", "write_view"])
 def test_what_is_no_path_of_a_result_is_refused(path, name):
     with pytest.raises(DualcamError, match=r"None: allowed is the path of a file"):
         TAKERS[name][0](path, None)

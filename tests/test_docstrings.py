@@ -35,7 +35,7 @@ MODULES = (
         "dualcam.coupling",
         "dualcam.plant",
     ),
-    *("dualcam.design_file.templates.template", "dualcam.unit_guards"),
+    *("dualcam.view.page", "dualcam.design_file.templates.template", "dualcam.unit_guards"),
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque", *SYSTEMS)
