@@ -231,8 +231,8 @@ def test_points_in_space_of_the_csv_file(folder, law):
         for name in ("upper", "lower"):
             points = np.stack([rows[f"{name}_{axis}_m"] for axis in "xyz"], axis=-1)
             assert np.hypot(*points.T[:2]) == pytest.approx(radius, abs=1e-15)
-            assert distance_from_pin(cut, points, radius, dense) == pytest.approx(PIN, abs=1e-9)
-            middles = 0.5 * (points[1:] + points[:-1])
+            assert distance_from_pin(cut, points[::3], radius, dense) == pytest.approx(PIN, abs=1e-9)
+            middles = 0.5 * (points[1:] + points[:-1])[::3]
             assert distance_from_pin(cut, middles, radius, dense) == pytest.approx(PIN, abs=1e-6)
 
 
@@ -296,7 +296,7 @@ def test_the_drawing_read_again(folder, law):
             flanks = [upper[0], upper[-1], lower[0], lower[-1]]
             assert np.array(corners) == pytest.approx(np.array(flanks), abs=1e-12)
             for points in (upper, lower, begin, last):
-                for places, error in ((points, 1e-9), (0.5 * (points[1:] + points[:-1]), 1e-6)):
+                for places, error in ((points[::3], 1e-9), (0.5 * (points[1:] + points[:-1])[::3], 1e-6)):
                     angle = places[:, 0] / cut.radius
                     x, y = cut.radius * np.cos(angle), cut.radius * np.sin(angle)
                     space = np.stack([x, y, places[:, 1]], axis=-1)

@@ -472,6 +472,19 @@ def test_compact_fits_a_frame(show):
     page = show(width=1000, height=700, fragment="#compact")
     assert page.evaluate("document.documentElement.scrollHeight") <= 700
     assert not page.locator("#parameters").is_visible()
+    page.locator("#more").click()
+    assert page.locator("#parameters").is_visible()
+
+
+def test_the_frame_of_another_page_is_compact(tmp_path, default_page, show):
+    (tmp_path / "frame.html").write_text(
+        f'<iframe src="{default_page.as_uri()}" width="1000" height="700"></iframe>', encoding="utf-8"
+    )
+    page = show(tmp_path / "frame.html", width=1100, is_ready=False)
+    frame = page.frame_locator("iframe")
+    frame.locator("#more").wait_for()
+    assert not frame.locator("#parameters").is_visible()
+    assert not show().locator("#more").is_visible()
 
 
 def test_light_and_dark(show):

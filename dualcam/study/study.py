@@ -41,7 +41,7 @@ class Study:
     scenario : Scenario
         What is done in each run.
     results : sequence of str
-        Variables at the end of the scenario, or at a time [s] as "name@time".
+        Variables at the end of the scenario, or at a time [s] as `name@time`.
     parameters : mapping of str to float, int, bool or str
         Start values that are the same in every run.
     plots : sequence of mapping

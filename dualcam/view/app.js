@@ -175,11 +175,28 @@ function connectTheme(page) {
   apply();
 }
 
+/** In the frame of another page, or with #compact: the 3D view and the torque alone, and a button for the rest. */
+function connectCompact() {
+  const apply = (isCompact) => {
+    document.body.classList.toggle("compact", isCompact);
+    element("more").textContent = isCompact ? "All" : "Less";
+    element("more").title = isCompact ? "Parameters, grooves, events, help" : "The 3D view and the torque alone";
+  };
+  const wanted = () => location.hash === "#compact" || (window.self !== window.top && location.hash !== "#full");
+  const start = () => {
+    element("more").hidden = !wanted();
+    apply(wanted());
+  };
+  start();
+  window.addEventListener("hashchange", () => {
+    if (["", "#compact", "#full"].includes(location.hash)) start();
+  });
+  element("more").addEventListener("click", () => apply(!document.body.classList.contains("compact")));
+}
+
 async function begin() {
   const page = new Page();
-  const compact = () => document.body.classList.toggle("compact", location.hash === "#compact");
-  compact();
-  window.addEventListener("hashchange", compact);
+  connectCompact();
   connectTheme(page);
   element("note").textContent = content.note;
   element("note").hidden = !content.note;
