@@ -21,7 +21,7 @@ from case_studies.command_line import bullets, parse
 from dualcam import Fmu
 from dualcam.design.statics import sign_of, transfer
 from dualcam.systems import car_door
-from dualcam.systems.axis import LEDGER, CamAxis, simulate_closed_loop
+from dualcam.systems.axis import CamAxis, simulate_closed_loop
 from dualcam.systems.car_door import (
     ATTITUDES,
     ATTITUDES_NOT_DESIGNED_FOR,
@@ -51,6 +51,7 @@ from dualcam.systems.car_door import (
 )
 from dualcam.systems.current_loop import CONTROL_PERIOD as STEP
 from dualcam.systems.current_loop import CurrentLoop
+from dualcam.systems.record import LEDGER
 
 BARE, CAM, UNDAMPED = "plain door", "cam", "cam, no damper"
 PUSH_TIME = 0.1  # s, duration of a push

@@ -144,6 +144,9 @@ def test_volume_and_size_of_helical_cams(tmp_path, bore):
         cam, tmp_path / "cam.stp", PIN, run_out=run_out, depth=DEPTH, bore_radius=bore, length=0.04
     )
     for number, file in enumerate(files, 1):
+        text = file.read_text()
+        assert f"PRODUCT('dualcam cam {number}'" in text and "SI_UNIT(.MILLI.,.METRE.)" in text
+        assert "pin of diameter 6 mm" in "".join(text.splitlines())
         shape = read_step(file)
         (solid,) = parts(shape, "SOLID")
         assert BRepCheck_Analyzer(solid).IsValid()

@@ -643,7 +643,7 @@ def test_the_lines_on_the_page_play_the_scenario(tmp_path, monkeypatch, model, f
 
 
 def test_the_page_of_the_command_line_has_the_same_lines():
-    page = (driver.ROOT / "docs/command-line.md").read_text(encoding="utf-8").replace("\n    ", "\n")
+    page = (driver.ROOT / "docs/command-line.md").read_text(encoding="utf-8").replace("\n\n", "\n")
     assert python_lines("MyCam.fmu", Scenario(2.0), "forward") in page
 
 

@@ -285,6 +285,7 @@ def test_the_drawing_read_again(folder, law):
             "ENDS": 4,
             "STOPS": 8,
             "CYLINDER": 2,
+            "MARK": 1,
         }
         dense = np.linspace(cut.begin, cut.end, 20_001)
         for end in range(2):
@@ -301,6 +302,12 @@ def test_the_drawing_read_again(folder, law):
                     space = np.stack([x, y, places[:, 1]], axis=-1)
                     found = distance_from_pin(cut, space, cut.radius, dense)
                     assert found == pytest.approx(PIN, abs=error)
+        edges = sorted(float(line[0, 0]) for line in lines["CYLINDER"])
+        assert edges[1] - edges[0] == pytest.approx(2.0 * math.pi * cut.radius, rel=1e-12)
+        for layer in ("FLANK_UPPER", "FLANK_LOWER", "ENDS"):
+            assert all(
+                (edges[0] < line[:, 0]).all() and (line[:, 0] < edges[1]).all() for line in lines[layer]
+            )
         centre = lines["CENTRE"][0]
         psi = cut.hand * centre[:, 0] / cut.radius
         assert centre[:, 1] == pytest.approx(cut.centre(psi).z, abs=1e-12)

@@ -6,7 +6,7 @@
     helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design
     position_controller, speed_controller, impedance    controllers
     slow_motion                               the torque of slow motion from the inverse FMU
-    axis                                      the forward FMU in a closed loop of all of these, and its record
+    axis, record                              the forward FMU in a closed loop of all of these, and its record
 
 Complete systems of these blocks, which system_examples/ run:
 

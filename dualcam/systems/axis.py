@@ -10,20 +10,17 @@ The result is a `Record` of the motor and of the cam over time.
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from dualcam.design.statics import Array
 from dualcam.fmu import Fmu, Scalar
 from dualcam.systems.current_loop import CurrentLoop, MotorPeriod
-
-LEDGER = ("work_in", "spring", "kinetic", "heat_cam1", "heat_cam2", "heat_damper", "heat_stop", "residual")
+from dualcam.systems.record import LEDGER, Record
 
 
 class Load(Protocol):
@@ -227,128 +224,6 @@ class CamAxis:
     def _read_state(self) -> None:
         theta, omega = self._state.read()
         self.angle, self.speed = self.offset + theta / self.ratio, omega / self.ratio
-
-
-@dataclass(frozen=True)
-class Record:
-    """A run of the closed loop, one entry per control period.
-
-    States and ledger are those at the end of the period, all else is over the period.
-
-    Attributes
-    ----------
-    period : float
-        Control period [s].
-    time : ndarray, shape (n,)
-        Time at the end of the period [s].
-    reference : ndarray, shape (n,)
-        Planned angle [rad].
-    angle : ndarray, shape (n,)
-        Angle [rad].
-    speed : ndarray, shape (n,)
-        Speed [rad/s].
-    command : ndarray, shape (n,)
-        Torque asked of the motor [N.m].
-    motor_torque : ndarray, shape (n,)
-        Torque of the motor, mean of the period [N.m].
-    peak_torque : ndarray, shape (n,)
-        Torque of the motor, largest magnitude [N.m].
-    motor_heat : ndarray, shape (n,)
-        Heat in the motor's winding [J].
-    supply_energy : ndarray, shape (n,)
-        Energy from the supply [J].
-    motor_work : ndarray, shape (n,)
-        Work of the motor on the axis [J].
-    load_work : ndarray, shape (n,)
-        Work of the load on the axis [J].
-    ledger : dict of str to ndarray, shape (n,)
-        The FMU's energy accounts since the start [J].
-    wall_time : float
-        Computing time of the loop [s].
-    """
-
-    period: float
-    time: Array
-    reference: Array
-    angle: Array
-    speed: Array
-    command: Array
-    motor_torque: Array
-    peak_torque: Array
-    motor_heat: Array
-    supply_energy: Array
-    motor_work: Array
-    load_work: Array
-    ledger: dict[str, Array]
-    wall_time: float
-
-    def last(self, duration: float) -> Record:
-        """The end of the run, with accounts since the beginning of that time.
-
-        Parameters
-        ----------
-        duration : float
-            Length of that time [s].
-
-        Returns
-        -------
-        Record
-            The last `duration` of the run; the whole run if the run is shorter.
-        """
-        begin = len(self.time) - round(duration / self.period)
-        if begin <= 0:
-            return self
-        arrays = {f.name: getattr(self, f.name) for f in fields(self)}
-        cut: dict[str, Any] = {
-            name: values[begin:] for name, values in arrays.items() if isinstance(values, np.ndarray)
-        }
-        ledger = {name: values[begin:] - values[begin - 1] for name, values in self.ledger.items()}
-        return replace(self, **cut, ledger=ledger)
-
-    @property
-    def error(self) -> Array:
-        """Tracking error [rad], shape (n,)."""
-        return self.angle - self.reference
-
-    @property
-    def rms_error(self) -> float:
-        """RMS tracking error [rad]."""
-        return math.sqrt(float(np.mean(self.error**2)))
-
-    @property
-    def max_error(self) -> float:
-        """Largest tracking error [rad]."""
-        return float(np.max(np.abs(self.error)))
-
-    @property
-    def heat(self) -> float:
-        """Heat in the motor's winding [J]."""
-        return float(np.sum(self.motor_heat))
-
-    @property
-    def net_energy(self) -> float:
-        """Energy from the supply, energy that the motor gives back deducted [J]."""
-        return float(np.sum(self.supply_energy))
-
-    @property
-    def largest_torque(self) -> float:
-        """Largest torque of the motor at the output [N.m]."""
-        return float(np.max(self.peak_torque))
-
-    @property
-    def friction_heat(self) -> float:
-        """Friction heat of both contacts [J]."""
-        return float(self.ledger["heat_cam1"][-1] + self.ledger["heat_cam2"][-1])
-
-    @property
-    def cam_heat(self) -> float:
-        """Heat in contacts and damper [J]."""
-        return self.friction_heat + float(self.ledger["heat_damper"][-1])
-
-    @property
-    def transferred_energy(self) -> float:
-        """Energy through cam 2 in either direction [J]: the scale of the ledger's residual."""
-        return float(np.sum(np.abs(self.motor_work)) + np.sum(np.abs(self.load_work)))
 
 
 class Recorder:

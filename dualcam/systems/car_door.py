@@ -16,12 +16,13 @@ import numpy as np
 
 from dualcam.design.statics import Array
 from dualcam.fmu import Fmu
-from dualcam.systems.axis import CamAxis, Record
+from dualcam.systems.axis import CamAxis
 from dualcam.systems.current_loop import CONTROL_PERIOD
 from dualcam.systems.gravity import GravityLoad, hinged_load, vertical_in_car
 from dualcam.systems.helical_cam import HelicalCam
 from dualcam.systems.motions import PickAndPlace
 from dualcam.systems.motor import AK80_6
+from dualcam.systems.record import Record
 from dualcam.systems.speed_controller import SpeedController
 
 # Passenger's side door. Source: jandaa/door-model, door_model.py ("Parameters from OEM"), MIT licence.

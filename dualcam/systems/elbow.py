@@ -14,13 +14,13 @@ from functools import cached_property
 import numpy as np
 
 from dualcam.design.statics import Array
-from dualcam.systems.axis import Record
 from dualcam.systems.current_loop import CONTROL_PERIOD
 from dualcam.systems.gravity import GravityLoad
 from dualcam.systems.helical_cam import HelicalCam, fit_spring
 from dualcam.systems.motions import PickAndPlace
 from dualcam.systems.motor import AK80_6
 from dualcam.systems.position_controller import PositionController, RestLimits, lqi_gains
+from dualcam.systems.record import Record
 from dualcam.systems.robot_arm import arm_inertia, arm_weight
 
 RANGE = 1.3963  # rad, of the cam

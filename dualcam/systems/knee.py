@@ -17,12 +17,13 @@ from scipy.optimize import least_squares, minimize_scalar
 
 from dualcam.design.statics import Array
 from dualcam.fmu import Fmu
-from dualcam.systems.axis import CamAxis, Record, Recorder
+from dualcam.systems.axis import CamAxis, Recorder
 from dualcam.systems.current_loop import CURRENT_BANDWIDTH, CURRENT_RATE, CurrentLoop, MotorPeriod
 from dualcam.systems.elliptical_cam import EllipticalCam
 from dualcam.systems.gait import DESIGN_WALKER, Walker
 from dualcam.systems.impedance import Impedance
 from dualcam.systems.motor import AK80_6
+from dualcam.systems.record import Record
 from dualcam.systems.swing import Swing, measured_swing
 
 MOTOR = AK80_6.with_gear(2.0)  # a 2:1 belt follows the 6:1 gear

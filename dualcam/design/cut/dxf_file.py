@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
+from dualcam.design.cut.labels import cut_label, zero_label
 from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
 from dualcam.design.statics import Array, DesignError
 
@@ -23,6 +24,7 @@ LAYERS = {  # name: colour of AutoCAD's index
     "ENDS": 4,
     "STOPS": 6,
     "CYLINDER": 8,
+    "MARK": 9,
     "TEXT": 7,
 }
 
@@ -79,31 +81,25 @@ def _line(drawing: Drawing, layer: str, points: Array) -> None:
 
 
 def _draw_cylinder(drawing: Drawing, cut: GrooveCut) -> None:
-    """The mark of the cam (angle 0) over the groove's height, and one turn of the cylinder from there."""
-    turn = MM * 2.0 * math.pi * cut.radius
-    low, high = (MM * float(cut.centre(psi).z) for psi in (cut.begin, cut.end))
-    margin = 2.0 * MM * cut.pin_radius
-    for x in (0.0, math.copysign(turn, cut.hand)):
-        _line(drawing, "CYLINDER", np.array([(x, low - margin), (x, high + margin)]))
+    """Both edges of the unwrapped surface, a turn apart, with all grooves between them; and the mark."""
+    turn = 2.0 * math.pi * cut.radius
+    middle = cut.radius * float(cut.angle(0.5 * (cut.begin + cut.end)))
+    left = middle - 0.5 * turn / cut.mechanism.contacts
+    low, high = (float(cut.centre(psi).z) for psi in (cut.begin, cut.end))
+    margin = 2.0 * cut.pin_radius
+    for layer, x in (("CYLINDER", left), ("CYLINDER", left + turn), ("MARK", 0.0)):
+        _line(drawing, layer, MM * np.array([(x, low - margin), (x, high + margin)]))
 
 
 def _write_text(drawing: Drawing, cut: GrooveCut) -> None:
     height = MM * cut.radius / 12.0
     y = MM * float(cut.centre(cut.begin).z) - 3.0 * MM * cut.pin_radius
-    for k, line in enumerate(describe(cut)):
+    lines = [
+        cut_label(cut),
+        f"unwrapped at the radius {MM * cut.radius:.6g} mm, seen from outside, units mm",
+        zero_label(),
+        f"lines are within {1e6 * CHORD_ERROR:g} um of the curves",
+    ]
+    for k, line in enumerate(lines):
         text = drawing.modelspace().add_text(line, height=height, dxfattribs={"layer": "TEXT"})
         text.set_placement((0.0, y - 1.6 * height * (k + 1)))
-
-
-def describe(cut: GrooveCut) -> list[str]:
-    """What a workshop must know, in lines of ASCII."""
-    ends = cut.mechanism.contacts
-    return [
-        f"dualcam: cam {cut.cam} ({'stands still' if cut.cam == 1 else 'turns'}), unwrapped at the radius"
-        f" {MM * cut.radius:.6g} mm, seen from outside, units mm",
-        f"{'2 grooves, half a turn apart' if ends == 2 else '1 groove'},"
-        f" {'right' if cut.hand > 0 else 'left'}-handed, radial pin of diameter"
-        f" {2.0 * MM * cut.pin_radius:.6g} mm, run-out {MM * cut.run_out:.6g} mm",
-        f"x = 0, y = 0: axis of the pin at theta = 0. The lower flank carries the spring. Lines are within"
-        f" {1e6 * CHORD_ERROR:g} um of the curves",
-    ]

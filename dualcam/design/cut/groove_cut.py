@@ -88,8 +88,8 @@ class GrooveCut:
     >>> round(1e3 * float(cut.centre(cut.end).z), 4)  # mm, height of the pin's axis at the upper stop
     13.9631
     >>> flanks = cut.flanks(0.3)
-    >>> round(1e3 * float(flanks.upper.z - flanks.lower.z), 4)  # mm, from flank to flank
-    4.2307
+    >>> round(1e3 * float(flanks.upper.z - flanks.lower.z), 4)  # mm, between both contacts of the pin
+    4.2305
     """
 
     mechanism: Mechanism

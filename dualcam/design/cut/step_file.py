@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from dualcam.design.cut.cam_body import CamBody
 from dualcam.design.cut.groove_cut import GrooveCut
+from dualcam.design.cut.labels import cut_label, zero_label
 from dualcam.design.cut.solid import cam_solid, require_kernel
 from dualcam.design.statics import DesignError
+from dualcam.version import __version__
 
 
 def write_step(cut: GrooveCut, body: CamBody, path: Path) -> None:
@@ -24,9 +27,29 @@ def write_step(cut: GrooveCut, body: CamBody, path: Path) -> None:
         printers.Value(k).SetTraceLevel(Message_Gravity.Message_Fail)
     writer = STEPControl_Writer()
     Interface_Static.SetCVal_s("write.step.unit", "MM")
-    Interface_Static.SetCVal_s("write.step.product.name", f"cam {cut.cam}")
     done = writer.Transfer(solid, STEPControl_StepModelType.STEPControl_AsIs)
     if done == IFSelect_ReturnStatus.IFSelect_RetDone:
+        _name(writer.Model(), cut, path)
         done = writer.Write(str(path))
     if done != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise DesignError(f"{path} cannot be written: check folder and rights")
+
+
+def _name(model: Any, cut: GrooveCut, path: Path) -> None:  # noqa: ANN401
+    """The names in the file: what a CAD program shows."""
+    from OCP.APIHeaderSection import APIHeaderSection_MakeHeader
+    from OCP.StepBasic import StepBasic_Product
+    from OCP.TCollection import TCollection_HAsciiString
+
+    header = APIHeaderSection_MakeHeader(model)
+    header.SetName(TCollection_HAsciiString(path.name.encode("ascii", "replace").decode()))
+    header.SetAuthorValue(1, TCollection_HAsciiString(""))
+    header.SetOrganizationValue(1, TCollection_HAsciiString(""))
+    header.SetOriginatingSystem(TCollection_HAsciiString(f"dualcam {__version__}"))
+    header.SetDescriptionValue(1, TCollection_HAsciiString(f"{cut_label(cut)}; {zero_label()}; units mm"))
+    for k in range(1, model.NbEntities() + 1):
+        product = model.Value(k)
+        if isinstance(product, StepBasic_Product):
+            name = TCollection_HAsciiString(f"dualcam cam {cut.cam}")
+            product.SetName(name)
+            product.SetId(name)
