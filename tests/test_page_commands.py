@@ -3,6 +3,7 @@
 docs/tools/run_page.py runs a page as its reader would. Here it runs all pages that have files or commands.
 """
 
+import csv
 import re
 import tomllib
 from pathlib import Path
@@ -39,6 +40,19 @@ def test_studies_of_the_page(tmp_path):
     for name in ("angles", "my_study"):
         assert set(read_results(tmp_path / "study_results" / name)["message"]) == {""}
         assert (tmp_path / "study_results" / name / f"{name}.png").is_file()
+
+
+def test_speed_of_studies_is_the_measured_one():
+    """The table of the page is that of `./build.sh rate`."""
+    with (DOCS.parent / "benchmarks/results/study_rate.csv").open(newline="", encoding="utf-8") as file:
+        measured = {row["way"]: row for row in csv.DictReader(file)}
+    shown = re.findall(r"^\| .* \| ([\d.]+) us \| ([\d,]+) \|$", TEXTS[STUDIES], re.MULTILINE)
+    for (time, rate), way in zip(shown, ("cam", "cam, in C", "null", "naive"), strict=True):
+        digits = len(time.partition(".")[2])
+        assert float(time) == pytest.approx(float(measured[way]["us_per_run"]), abs=0.51 * 10.0**-digits)
+        assert float(rate.replace(",", "")) == pytest.approx(
+            float(measured[way]["runs_per_second"]), rel=2e-3
+        )
 
 
 def commands():
