@@ -114,7 +114,6 @@ export class Player {
 
   /** Torque of a motor that turns at constant speed behind a soft shaft [N.m]. */
   driveTorque() {
-    if (this.drive === null) return 0;
     const { stiffness, speed, until } = this.drive;
     return stiffness * (speed * Math.min(this.time, until) - this.engine.get("theta"));
   }
@@ -126,7 +125,8 @@ export class Player {
       const history = this.histories[name];
       if (history) this.base[name] = valueAt(history, middle);
     }
-    this.send("tau", this.base.tau + this.driveTorque() + this.handTorque());
+    if (this.drive !== null) this.base.tau = this.driveTorque();
+    this.send("tau", this.base.tau + this.handTorque());
     this.send("F_ext", this.base.F_ext);
   }
 
