@@ -283,6 +283,8 @@ def test_wrong_histories():
     with Fleet(FORWARD, 2) as fleet:
         with refused("allowed is \\(2, 1, 1\\)"):
             fleet.rollout(np.zeros((2, 1)), STEP)
+        with refused("real numbers"):
+            fleet.rollout([[[1.0]], [[1.0], [2.0]]], STEP)
         u = np.zeros((2, 7, 1))
         u[1, 3] = math.nan
         with refused("tau of instance 1 in step 3 = nan"):

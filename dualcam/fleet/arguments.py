@@ -63,6 +63,15 @@ def numbers_of(u: ArrayLike, shape: tuple[int, ...]) -> Array:
     return np.ascontiguousarray(given, np.float64)
 
 
+def steps_of(u: ArrayLike) -> int:
+    """The number of steps in a history of inputs; 1 where `u` is none, which `numbers_of` refuses."""
+    try:
+        shape = np.shape(u)
+    except ValueError:  # rows of different lengths
+        return 1
+    return shape[1] if len(shape) == 3 else 1
+
+
 def output_buffer(out: object, shape: tuple[int, ...]) -> Array:
     """`out`, where it can take the outputs."""
     suits = isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == shape

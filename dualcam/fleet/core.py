@@ -72,12 +72,13 @@ class Core:
         return self._handle is not None
 
     def close(self) -> None:
-        """Free all instances and the unpacked files, once."""
-        if self._handle is not None:
-            for key in list(self._states):
-                self.forget_states(key)
-            self._native.fleet_close(self._handle)
-            self._handle = None
+        """Free all instances and the unpacked files, once. Waits for a call of another thread."""
+        with self._lock:
+            if self._handle is not None:
+                for key in list(self._states):
+                    self.forget_states(key)
+                self._native.fleet_close(self._handle)
+                self._handle = None
         if self._library is not None:
             unload(self._library._handle)
             self._library = None

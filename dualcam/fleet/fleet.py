@@ -227,8 +227,7 @@ class Fleet:
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
         [[0.991, 0.0], [0.834, 0.0]]
         """
-        shape = np.shape(u)
-        steps = shape[1] if len(shape) == 3 else 1
+        steps = steps_of(u)
         wanted = (self.count, steps, len(self.inputs))
         return self._roll(u, wanted, steps, h, out, (self.count, steps, len(self.outputs)))
 
