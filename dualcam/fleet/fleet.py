@@ -18,6 +18,8 @@ from dualcam.fleet.arguments import (
     chosen_instances,
     numbers_of,
     output_buffer,
+    relative_tolerance,
+    steps_of,
     whole_number,
 )
 from dualcam.fleet.core import Core, NotFiniteError
@@ -120,11 +122,7 @@ class Fleet:
         self._ports_address = addressof(self._ports)
         self._parameters: dict[str, FleetValue] = {}
         start_time = number_of(time, "time")
-        relative = (
-            0.0 if tolerance is None else number_of(tolerance, "tolerance", "a finite number > 0, or None")
-        )
-        if tolerance is not None and relative <= 0.0:
-            raise FmuError(f"tolerance = {tolerance!r}: allowed is a finite number > 0, or None")
+        relative = relative_tolerance(tolerance)
         self._layout(parameters or {})  # refuses wrong values before an instance is made
         self._core = Core(self.path, self.description, self.count, self.threads, start_time, relative)
         self._close = weakref.finalize(self, self._core.close)
