@@ -70,6 +70,7 @@ export class Drawings {
   invalidate(kind) {
     this.dirty = true;
     if (["geometry", "parameter", "reset"].includes(kind)) this.stale = { shape: true, band: true, fields: true };
+    if (kind === "geometry" || kind === "reset") this.readouts.restart();
     if (kind === "torque") this.stale.band = true;
   }
 
