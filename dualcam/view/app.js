@@ -211,7 +211,8 @@ async function begin() {
   } catch (error) {
     say(
       typeof WebAssembly === "undefined"
-        ? "This browser has no WebAssembly, so the model cannot run. Use a current Firefox, Chrome, Edge or Safari, and allow WebAssembly in its settings."
+        ? "This browser has no WebAssembly, so the model cannot run. Use a current Firefox, Chrome, Edge or Safari," +
+          " and allow WebAssembly in its settings."
         : `The model does not start: ${error.message}`,
     );
     throw error;
