@@ -111,9 +111,9 @@ class Page {
   }
 
   /** Plays the scene of the design again and again, until somebody touches the page. */
-  async show() {
-    await this.choose(this.scenes[0].name);
-    this.showing = true;
+  show() {
+    this.showing = true; // before the scene begins: a script that comes in between ends the scene
+    this.choose(this.scenes[0].name);
     for (const name of ["pointerdown", "keydown"]) {
       document.addEventListener(name, () => (this.showing = false), { once: true });
     }
@@ -211,12 +211,13 @@ async function begin() {
   } catch (error) {
     say(
       typeof WebAssembly === "undefined"
-        ? "This browser has no WebAssembly, so the model cannot run. Use a current Firefox, Chrome, Edge or Safari, and allow WebAssembly in its settings."
+        ? "This browser has no WebAssembly, so the model cannot run. Use a current Firefox, Chrome, Edge or Safari," +
+          " and allow WebAssembly in its settings."
         : `The model does not start: ${error.message}`,
     );
     throw error;
   }
-  if (!calm && !page.scripted) await page.show();
+  if (!calm && !page.scripted) page.show();
 }
 
 begin();

@@ -1,5 +1,5 @@
 /** Sliders and number fields for inputs and parameters, made from the FMU's model description. */
-import { clamp, shownUnit, text } from "dualcam/units";
+import { shownUnit, text } from "dualcam/units";
 
 /** End of a name -> sensible range in SI units. Others: 0 to four times the start value. */
 const RANGES = {
@@ -147,7 +147,7 @@ class Field {
       return;
     }
     if (value < this.low || value > this.high) this.setRange([Math.min(value, this.low), Math.max(value, this.high)]);
-    if (document.activeElement !== this.entry || !sliding) this.entry.value = String(Number((value * this.factor).toPrecision(this.digits)));
+    this.entry.value = String(Number((value * this.factor).toPrecision(this.digits)));
     if (!sliding) this.slider.value = value;
     this.slider.setAttribute("aria-valuetext", `${text(value * this.factor)} ${this.unit}`);
     if (this.other) this.other.textContent = `${text(value)} rad`;
@@ -224,8 +224,8 @@ export class Controls {
   refreshInputs() {
     for (const name of ["tau", "F_ext"]) {
       const field = this.fields.get(name);
-      const value = this.player.base[name];
-      if (field && document.activeElement !== field.entry) field.show(clamp(value, -1e300, 1e300), document.activeElement === field.slider);
+      const [entry, slider] = [field?.entry, field?.slider];
+      if (field && document.activeElement !== entry) field.show(this.player.base[name], document.activeElement === slider);
     }
   }
 }

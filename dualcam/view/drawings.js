@@ -70,6 +70,7 @@ export class Drawings {
   invalidate(kind) {
     this.dirty = true;
     if (["geometry", "parameter", "reset"].includes(kind)) this.stale = { shape: true, band: true, fields: true };
+    if (kind === "geometry" || kind === "reset") this.readouts.restart();
     if (kind === "torque") this.stale.band = true;
   }
 
@@ -114,8 +115,10 @@ export class Drawings {
     this.trial += 1;
     if (this.trial < TRIAL) return;
     const { view } = this;
-    if (this.pace > SLOW_FRAME) view.quality = Math.max(LEAST_QUALITY, view.quality * Math.max(0.6, Math.sqrt(SLOW_FRAME / this.pace)));
-    else if (this.pace < FAST_FRAME) view.quality = Math.min(1, view.quality * 1.08);
+    if (this.pace > SLOW_FRAME) {
+      const share = Math.max(0.6, Math.sqrt(SLOW_FRAME / this.pace)); // pixels go with the square of the quality
+      view.quality = Math.max(LEAST_QUALITY, view.quality * share);
+    } else if (this.pace < FAST_FRAME) view.quality = Math.min(1, view.quality * 1.08);
     this.trial = 0;
   }
 

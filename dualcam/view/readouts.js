@@ -80,6 +80,11 @@ export class Readouts {
     this.drawEnergy(now);
   }
 
+  /** Another run: the bars find their scale anew. */
+  restart() {
+    this.scale = 1e-6;
+  }
+
   drawEnergy(now) {
     const sizes = ENERGIES.map(([name]) => Math.abs(now[name]));
     this.scale = Math.max(1e-6, ...sizes, 0.98 * this.scale); // falls slowly, so that bars do not jump

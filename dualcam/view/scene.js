@@ -1,12 +1,11 @@
 /** The mechanism in 3D: cams, pin, carriage, spring and the arrow of the torque. One unit is the outer radius. */
 import {
   AmbientLight, Color, CylinderGeometry, DirectionalLight, DoubleSide, FrontSide, Group,
-  HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3,
-  WebGLRenderer,
+  HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial, PerspectiveCamera, Raycaster,
+  Scene, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { Arc, Coil } from "dualcam/arrows";
 import { colours } from "dualcam/chart";
-import { at } from "dualcam/geometry";
 import { tube } from "dualcam/tube";
 
 const WALL = 0.1; // thickness of a tube

@@ -35,7 +35,7 @@ export class TimeChart {
     chart.words(label, left ? 2 : chart.width - 2, chart.margins.top - 12, colour, left ? "left" : "right");
     if (!left) {
       for (const y of [range[0], (range[0] + range[1]) / 2, range[1]]) {
-        chart.words(text(y, 2), chart.width - chart.margins.right + 5, chart.py(y), colour);
+        chart.words(text(y, 2), chart.width - chart.margins.right + 5, chart.py(y) + (y === range[1] ? 6 : 0), colour);
       }
     }
   }
