@@ -13,29 +13,10 @@ import dualcam.study
 import dualcam.systems
 
 SYSTEMS = tuple(f"dualcam.systems.{module.name}" for module in pkgutil.iter_modules(dualcam.systems.__path__))
-MODULES = (
-    *SYSTEMS,
-    *(f"dualcam.study.{name}" for name in ("plan", "scenario", "study", "store", "description")),
-    *("dualcam.fmu", "dualcam.continuous_fmu", "dualcam.handle", "dualcam.reals", "dualcam.library"),
-    *("dualcam.model_description", "dualcam.bridge", "dualcam.linear", "dualcam.hysteresis"),
-    *("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque"),
-    *("dualcam.design.grooves", "dualcam.design.strength", "dualcam.design.synthesis"),
-    *("dualcam.design.cut.groove_cut", "dualcam.design.cut.cam_body", "dualcam.design.cut.export"),
-    *(
-        "dualcam.simulation",
-        "dualcam.report",
-        "dualcam.ssp",
-        "dualcam.export.exporter",
-        "dualcam.checking.verdict",
-    ),
-    *(
-        "dualcam.design_file.reader",
-        "dualcam.design_file.design",
-        "dualcam.design_file.argument",
-        "dualcam.coupling",
-        "dualcam.plant",
-    ),
-    *("dualcam.view.page", "dualcam.design_file.templates.template", "dualcam.unit_guards"),
+MODULES = tuple(
+    module.name
+    for module in pkgutil.walk_packages(dualcam.__path__, "dualcam.")
+    if not module.name.endswith("__main__")
 )
 # Public modules of which every public function, class and method is checked besides dualcam.__all__.
 WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.torque", *SYSTEMS)

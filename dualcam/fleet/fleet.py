@@ -83,11 +83,13 @@ class Fleet:
     >>> import numpy as np
     >>> from dualcam import Fleet
     >>> stiffness = np.linspace(40e3, 60e3, 5)  # N/m
-    >>> with Fleet("forward", 5, parameters={"spring.stiffness": stiffness, "inertia.shaft": 0.01}) as fleet:
+    >>> parameters = {"spring.stiffness": stiffness, "inertia.shaft": 0.01}
+    >>> torques = np.full((5, 1), 5.0)  # N.m
+    >>> with Fleet("forward", 5, parameters=parameters) as fleet:
     ...     for _ in range(50):
-    ...         angles_and_speeds = fleet.step(np.full((5, 1), 5.0), 1e-3)  # N.m, s
-    ...     angles_and_speeds[:, 0].round(4).tolist()  # rad
-    [0.4867, 0.4789, 0.4713, 0.464, 0.457]
+    ...         motion = fleet.step(torques, 1e-3)  # s
+    ...     motion[:, 0].round(4).tolist()  # rad
+    [0.4848, 0.478, 0.4713, 0.4646, 0.4581]
     """
 
     def __init__(
@@ -223,7 +225,7 @@ class Fleet:
         >>> torque[1, 50:] = 0.0
         >>> with Fleet("forward", 2, parameters={"inertia.shaft": 0.01}) as fleet:
         ...     fleet.rollout(torque, 1e-3)[:, -1].round(3).tolist()  # rad, rad/s
-        [[0.991, 0.0], [0.834, 0.0]]
+        [[1.206, 9.05], [0.7, -5.543]]
         """
         steps = steps_of(u)
         wanted = (self.count, steps, len(self.inputs))
@@ -294,7 +296,7 @@ class Fleet:
         ...     before = fleet.step([[8.0], [9.0], [10.0]], 0.02)  # N.m, s
         ...     fleet.reset([1], {"initial.theta": 0.5})
         ...     fleet.get("theta").round(3).tolist()  # rad
-        [0.48, 0.5, 0.652]
+        [0.656, 0.5, 0.835]
         """
         chosen = chosen_instances(instances, self.count)
         merged = self._merged(parameters or {}, chosen)
@@ -395,7 +397,7 @@ class Fleet:
         ...     moved = fleet.step([[8.0], [9.0]], 0.02)  # N.m, s
         ...     fleet.restore(start, [0])
         ...     fleet.times.tolist(), fleet.get("theta").round(3).tolist()  # s, rad
-        ([0.0, 0.02], [0.0, 0.566])
+        ([0.0, 0.02], [0.0, 0.746])
         """
         if not isinstance(state, FleetState) or state._core is not self._core:
             raise FmuError(f"restore({state!r}): allowed is a FleetState from save of this fleet")
