@@ -373,6 +373,49 @@ def test_a_parameter_is_dragged_to_where_the_mechanism_jams(show):
     assert float(slider.input_value()) == pytest.approx(math.pi / 4, abs=2e-3)
 
 
+def test_angles_of_the_drawing_stay_inside_the_stops(show):
+    """lower + (upper - lower) is above upper by rounding."""
+    lower, upper = -0.7, 1.3963
+    assert lower + (upper - lower) > upper
+    page = show()
+    assert get(page, "stop.upper") == upper
+    page.evaluate("lower => dualcam.set('stop.lower', lower)", lower)
+    frames(page)
+    assert not page.locator("#message").is_visible()
+    page.locator("#step").click()
+    frames(page)
+    assert page.locator("#clock").inner_text() == "0.001 s"
+
+
+@pytest.mark.parametrize("end", ["min", "max"])
+@pytest.mark.parametrize("name", ["cam1.lead_angle", "cam2.lead_angle"])
+def test_flat_and_steepest_grooves_leave_the_page_alive(show, name, end):
+    page = show()
+    slider = field(page, name, "input[type=range]")
+    slider.evaluate(f"e => {{ e.value = e.{end}; e.dispatchEvent(new Event('input')); }}")
+    frames(page)
+    if page.locator("#message").is_visible():
+        assert "cannot be drawn" not in page.locator("#message").inner_text()
+        assert "allowed is 0 to" not in page.locator("#message").inner_text()  # the slider's own end
+    assert "infinite" not in page.locator("#apart").inner_text()
+    enter(page, name, 40)
+    page.locator("#step").click()
+    frames(page)
+    assert page.locator("#clock").inner_text() == "0.001 s"
+
+
+def test_reset_keeps_the_parameters_and_the_design_is_a_button_of_its_own(show):
+    page = show()
+    enter(page, "cam1.radius", 30)  # mm
+    page.evaluate("dualcam.set('tau', 5); dualcam.step(0.01)")
+    page.locator("#reset").click()
+    assert [get(page, name) for name in ("time", "theta", "tau", "cam1.radius")] == [0, 0, 0, 0.03]
+    page.locator("#design").click()
+    assert get(page, "cam1.radius") == 0.02
+    page.evaluate("dualcam.set('cam1.radius', 0.03); dualcam.reset()")  # as fmi2Reset
+    assert get(page, "cam1.radius") == 0.02
+
+
 def test_a_table_that_is_missing_is_explained(show):
     page = show()
     field(page, "cam1.profile", "select").select_option("3")

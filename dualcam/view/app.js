@@ -91,10 +91,10 @@ class Page {
     else this.player.play();
   }
 
-  /** The scene, or else the design, from its start. */
+  /** The scene, or else the design, from its start, with the parameters as they are now. */
   again() {
     unsay();
-    this.player.restart();
+    this.player.again();
   }
 
   /** Shows a scene from its start and plays it. */
@@ -149,10 +149,23 @@ class Page {
   frame(time) {
     const passed = (time - (this.lastFrame ?? time)) / 1000;
     this.lastFrame = time;
-    this.player.advance(passed);
-    if (this.showing && this.player.time > this.scenes[0].seconds) this.player.restart();
-    this.drawings.frame(passed);
-    requestAnimationFrame((next) => this.frame(next));
+    try {
+      this.player.advance(passed);
+      if (this.showing && this.player.time > this.scenes[0].seconds) this.player.restart();
+      this.drawings.frame(passed);
+    } catch (error) {
+      this.tellFailure(error);
+    } finally {
+      requestAnimationFrame((next) => this.frame(next));
+    }
+  }
+
+  /** A picture that cannot be drawn: the page says why, and goes on. */
+  tellFailure(error) {
+    if (error.message === this.failure) return; // said already
+    this.failure = error.message;
+    console.error(error);
+    say(`The picture cannot be drawn: ${error.message}. The last picture stays.`);
   }
 }
 

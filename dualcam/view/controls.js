@@ -1,5 +1,5 @@
 /** Sliders and number fields for inputs and parameters, made from the FMU's model description. */
-import { shownUnit, text } from "dualcam/units";
+import { clamp, shownUnit, text } from "dualcam/units";
 
 /** End of a name -> sensible range in SI units. Others: 0 to four times the start value. */
 const RANGES = {
@@ -109,7 +109,7 @@ class Field {
     this.slider = document.createElement("input");
     this.slider.type = "range";
     this.slider.setAttribute("aria-label", `${variable.name} ${this.unit}`);
-    this.slider.addEventListener("input", () => this.submit(Number(this.slider.value), "", true));
+    this.slider.addEventListener("input", () => this.submit(clamp(Number(this.slider.value), this.low, this.high), "", true));
     this.slider.addEventListener("change", () => this.show(this.shown));
     this.box.append(this.slider);
     if (this.unit === "deg") {

@@ -124,10 +124,10 @@ export class Drawings {
 
   renew() {
     const { player, stale } = this;
+    this.stale = { shape: false, band: false, fields: false }; // first: a refusal in here must not come again
     if (stale.shape) this.renewShape();
     if (stale.band || stale.shape) this.renewBand();
     if (stale.fields) this.controls.refresh();
-    this.stale = { shape: false, band: false, fields: false };
     element("hand").hidden = player.hand === null;
   }
 

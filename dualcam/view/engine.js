@@ -403,6 +403,14 @@ export class Engine {
     this.#restart({ ...this.#design }, {}, 0);
   }
 
+  /** Starts again at time 0 with the present parameters, and the design's inputs. */
+  again() {
+    const values = { ...this.#values };
+    for (const { name, causality, start } of this.#variables.values())
+      if (causality === "input") values[name] = this.#design[name] ?? start;
+    this.#restart(values, {}, 0);
+  }
+
   /**
    * Parameters, inputs, state and time. A restored run repeats bit for bit.
    * @returns {Snapshot} which may be restored any number of times

@@ -17,7 +17,8 @@ const GEOMETRY = ["cam1.", "cam2.", "stop.", "inertia.", "contacts"]; // paramet
 export function anglesOf(engine, count = POINTS) {
   const low = engine.get("stop.lower");
   const high = engine.get("stop.upper");
-  return Array.from({ length: count }, (_, k) => low + ((high - low) * k) / (count - 1));
+  // low + (high - low) can be above high by rounding, and the model refuses such an angle
+  return Array.from({ length: count }, (_, k) => Math.min(high, low + ((high - low) * k) / (count - 1)));
 }
 
 /** A second instance of the same model, which is moved along theta to read the place of the pin. */

@@ -228,6 +228,19 @@ export class Player {
     this.measureHand();
   }
 
+  /** From the start with the present parameters. A refusal is shown, and the present state stays. */
+  again() {
+    try {
+      this.engine.again();
+    } catch (error) {
+      if (!(error instanceof ModelError)) throw error;
+      this.refuse(`${withoutFunction(error.message)}. The present state stays.`);
+      return;
+    }
+    this.restoreScene();
+    this.restarted("reset");
+  }
+
   /** Start values of the design or preset; history, trail and events from the start. */
   restart() {
     this.engine.reset();

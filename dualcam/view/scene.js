@@ -110,7 +110,8 @@ export class MechanismView {
     this.radius = this.outerCam === 1 ? [Math.max(0.3, inner), 1] : [1, Math.max(0.3, inner)];
     this.drawnApart = Math.abs(Math.max(0.3, inner) - Math.min(...radius) / outer) > 1e-9;
     const stroke = z[z.length - 1] - z[0];
-    this.zScale = Math.min(STROKE[1], Math.max(STROKE[0], stroke / outer)) / stroke;
+    const drawn = Math.min(STROKE[1], Math.max(STROKE[0], stroke / outer));
+    this.zScale = stroke > 1e-9 * outer ? drawn / stroke : 1 / outer; // flat grooves have no stroke to draw
     this.stretch = this.zScale * outer;
     this.zLow = z[0];
     this.stroke = stroke * this.zScale;
