@@ -214,6 +214,8 @@ export class Drawings {
   drawTimes() {
     const { rangeX, chart } = this.torque;
     const room = 0.05 * (rangeX[1] - rangeX[0]);
-    this.times.draw(this.player, [rangeX[0] - room, rangeX[1] + room], chart.y);
+    const [least, most] = this.player.extremes;
+    const rangeTau = [Math.min(chart.y[0], 1.05 * least), Math.max(chart.y[1], 1.05 * most)];
+    this.times.draw(this.player, [rangeX[0] - room, rangeX[1] + room], rangeTau);
   }
 }

@@ -3,6 +3,7 @@ import { Chart, colours } from "dualcam/chart";
 import { text } from "dualcam/units";
 
 const DEGREE = 180 / Math.PI;
+const MOST_BANDS = 8; // the chart reaches this many times the height of the stick band beyond the band
 
 export class TorqueChart {
   constructor(canvas) {
@@ -49,9 +50,10 @@ export class TorqueChart {
   rangeY([least, most]) {
     const [low, high] = this.least;
     const room = 0.05 * (high - low);
+    const beyond = MOST_BANDS * (high - low);
     return [
-      Math.min(low, Math.max(least, 4 * low - 3 * high) - room),
-      Math.max(high, Math.min(most, 4 * high - 3 * low) + room),
+      Math.min(low, Math.max(least, low - beyond) - room),
+      Math.max(high, Math.min(most, high + beyond) + room),
     ];
   }
 
