@@ -73,7 +73,11 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        b->heat_cam[i] += slip->signed_friction[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
+        const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
+        b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
+                                                : slip->signed_friction[i] * lobatto_sum(sliding);
+        if (has_wear(slip->params))
+            b->wear[i] += wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * lobatto_sum(sliding);
     }
 }
 
@@ -161,7 +165,13 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], slip->signed_friction[i], g->slope[i]);
+    for (int i = 0; i < 2; i++) {
+        const double mu = slip->friction_varies
+                              ? slip->direction * slip->flank[i] *
+                                    friction_at(&p->cam[i], slip->direction * from->omega * cam_sliding(g, i)).value
+                              : slip->signed_friction[i];
+        contact_factors_set(&f, i, g->radius[i], mu, g->slope[i]);
+    }
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
     if (slip->c + slip->q > 0.0) damping += f.p * g->dz_dtheta * (slip->c + slip->q * fabs(g->dz_dtheta * from->omega));

@@ -68,12 +68,28 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* All that depends on theta and F_ext. */
-static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_ext, NodePair *n) {
+/* Where friction varies: f_i at the speeds of the nodes. */
+NOINLINE static void find_friction(const SlipMode *slip, Vector2 omega, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const CamParams *cam = &slip->params->cam[i];
+        const Vector2 length2 = cam->radius * cam->radius + n->slope[i] * n->slope[i];
+        const Vector2 sliding = n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const Vector2 v = slip->direction * omega * sliding;
+        const FrictionCoefficient a = friction_at(cam, v[0]), b = friction_at(cam, v[1]);
+        n->friction[i] = slip->direction * slip->flank[i] * (Vector2){a.value, b.value};
+        n->dfriction_domega[i] = slip->flank[i] * sliding * (Vector2){a.by_speed, b.by_speed};
+    }
+}
+
+/* All that depends on theta, F_ext and, where friction varies, on the speed. */
+static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_ext, Vector2 omega, NodePair *n) {
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
+    if (slip->friction_varies) find_friction(slip, omega, n);
     for (int i = 0; i < 2; i++) {
-        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->signed_friction[i], n->slope[i]);
+        const double r = slip->params->cam[i].radius;
+        if (slip->friction_varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+        else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
     const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
@@ -86,7 +102,7 @@ static inline bool has_damper(const SlipMode *slip) {
 
 /* True if alpha depends on the speed. */
 static inline bool is_resisted(const SlipMode *slip) {
-    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0;
+    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0 || slip->friction_varies;
 }
 
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
@@ -94,6 +110,26 @@ static inline bool is_resisted(const SlipMode *slip) {
 static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
     return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
+}
+
+/* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
+static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vector2 omega, Vector2 alpha,
+                                       const NodePair *n) {
+    const InertiaParams *in = &slip->params->inertia;
+    const CamParams *cam = slip->params->cam;
+    const VectorContactFactors *f = &n->factors;
+    const Vector2 rn[2] = {cam[0].radius * cam[0].radius * n->dfriction_domega[0],
+                           cam[1].radius * cam[1].radius * n->dfriction_domega[1]};
+    const Vector2 d[2] = {-n->slope[0] * n->dfriction_domega[0], -n->slope[1] * n->dfriction_domega[1]};
+    const Vector2 q = d[0] * f->rn[1] + f->d[0] * rn[1], delta = q + rn[0] * f->d[1] + f->rn[0] * d[1];
+    const Vector2 p = rn[0] * f->rn[1] + f->rn[0] * rn[1];
+    Vector2 change = delta * (torque - in->shaft * alpha) - p * (n->force + n->damper);
+    if (slip->follower_has_inertia) {
+        const Vector2 m = p * in->follower_mass, I = q * in->follower;
+        change -= (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega * omega +
+                  (m * n->dz_dtheta + I * n->dpsi_dtheta[0]) * alpha;
+    }
+    return -change / n->mass;
 }
 
 /* alpha */
@@ -114,7 +150,9 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
-    return net / n->mass;
+    const Vector2 alpha = net / n->mass;
+    if (slip->friction_varies) n->damping_rate += friction_damping(slip, tau - b * omega, omega, alpha, n);
+    return alpha;
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
@@ -136,7 +174,7 @@ static inline void evaluate(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(slip, s->theta + s->dtheta.half[k], s->F_ext.half[k], n);
+        find_factors(slip, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], n);
         if (lobatto_system_is_inertial(s)) s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], n);
         else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
     }
@@ -145,7 +183,7 @@ static inline void evaluate(LobattoSystem *s) {
 double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
-    find_factors(s->slip, s->theta + s->dtheta.half[last], s->F_ext.half[last], &pair);
+    find_factors(s->slip, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], &pair);
     return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
 }
 

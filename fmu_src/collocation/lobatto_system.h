@@ -16,11 +16,12 @@
 /* The balance of forces at two nodes, see balance.h. */
 typedef struct {
     Vector2 slope[2], dpsi_dtheta[2], dz_dtheta;
-    Vector2 d2z_dtheta2, d2gamma_dtheta2; /* only if the follower has mass or inertia */
-    VectorContactFactors factors;         /* r_i n_i, d_i, Delta, P, Q */
-    Vector2 z, force, damper;             /* m, N, N: z, F_0, D */
-    Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
-    Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
+    Vector2 d2z_dtheta2, d2gamma_dtheta2;     /* only if the follower has mass or inertia */
+    VectorContactFactors factors;             /* r_i n_i, d_i, Delta, P, Q */
+    Vector2 friction[2], dfriction_domega[2]; /* f_i and its derivative by the speed, only where friction varies */
+    Vector2 z, force, damper;                 /* m, N, N: z, F_0, D */
+    Vector2 mass;                             /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
+    Vector2 damping_rate;                     /* 1/s, -d alpha/d omega; only if a force depends on the speed */
 } NodePair;
 
 typedef struct {

@@ -19,6 +19,8 @@ void ledger_book(Ledger *ledger, const Booking *booking) {
     add(&ledger->work_ext, booking->work_ext);
     add(&ledger->heat_damper, booking->heat_damper);
     add(&ledger->heat_shaft, booking->heat_shaft);
+    add(&ledger->wear[0], booking->wear[0]);
+    add(&ledger->wear[1], booking->wear[1]);
 }
 
 double ledger_residual(const Ledger *ledger, double stored) {

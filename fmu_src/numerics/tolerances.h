@@ -124,6 +124,10 @@ static const double FLANK_CLEARANCE = 1e-9;
  * their terms; the polynomials round by some eps of the transmission's sizes, 1e-2 of 1e-13. */
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
+/* Newton's method for a speed that friction limits: its iterations, its halvings, and the last step's share. */
+enum { VISCOUS_ITERATIONS = 60, VISCOUS_HALVINGS = 60 };
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON;
+
 /* ---- closed_form ---- */
 
 /* Share of the sum of |terms| of x_i, or of dx_i/dt, below which the sum is zero: a few roundings. The flank of a zero
