@@ -37,6 +37,22 @@ static bool is_accurate(const LobattoSystem *s) {
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
 }
 
+/* Where friction varies: does it change little enough over the step to be seen by the nodes? */
+static bool resolves_friction(const LobattoSystem *s) {
+    const LobattoRange range = lobatto_range(&s->speed);
+    const double sigma = s->slip->direction, start = sigma * s->speed.at[0];
+    const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
+    for (int i = 0; i < 2; i++) {
+        const double r = s->slip->params->cam[i].radius;
+        const NodePair *n = &s->pair[0];
+        const double sliding = n->dpsi_dtheta[i][0] * sqrt(r * r + n->slope[i][0] * n->slope[i][0]); /* per angle */
+        const FrictionFall *fall = &s->slip->fall[i];
+        if (friction_share(fall, start * sliding, low * sliding) < 1.0) return false;
+        if (friction_share(fall, start * sliding, high * sliding) < 1.0) return false;
+    }
+    return true;
+}
+
 /* ---- contacts and ledger ---- */
 
 /* The contacts at the nodes, and work and heat over the step. */
@@ -148,7 +164,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     const bool moves =
         lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
     out->accurate = is_accurate(s);
-    if (!moves || !out->accurate) return false;
+    if (!moves || !out->accurate || (slip->friction_varies && !resolves_friction(s))) return false;
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);

@@ -137,30 +137,45 @@ static Dual viscous_residual(const SlipMode *slip, const SlipCoefficients *k, do
                   f->delta.slope * torque - f->p.slope * load.value - f->p.value * load.slope};
 }
 
-/* The speed from rest on at which the residual vanishes, by Newton's method. A step that would cross Delta = 0, beyond
- * which friction jams, is halved. Leaves *k at this speed. */
-static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in) {
-    double omega = 0.0, last = INFINITY, by_omega;
+/* The torque left, tau - b omega - rho (F_0 + D), and its derivative by the speed; NAN where Delta has lost the sign of
+ * `delta`, beyond which friction jams. Leaves *k at this speed. */
+static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in, double omega,
+                        double delta) {
+    double by_omega;
+    slip_set_friction(slip, omega, k);
+    const double now = k->factors.delta.value;
+    if (!(now * delta > 0.0)) return (Dual){NAN, NAN};
+    const double left = viscous_residual(slip, k, z, in, omega, &by_omega).value / now;
+    return (Dual){left, (by_omega - left * k->dfactors_domega.delta) / now};
+}
+
+/* The speed at which no torque is left, by Newton's method inside a bracket: from rest on, where the torque left has
+ * the sign of the motion, up to a speed at which it has the other sign or friction jams. `frozen`: the speed with
+ * friction at rest, a first guess. Leaves *k at the speed found. */
+static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
+                                   double frozen) {
     slip_set_friction(slip, 0.0, k);
     const double delta = k->factors.delta.value;
+    const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
+    const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
+    double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
+    if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
-        const Dual residual = viscous_residual(slip, k, z, in, omega, &by_omega);
-        double step = -residual.value / by_omega;
-        if (!isfinite(step)) return NAN;
-        for (int m = 0; m < VISCOUS_HALVINGS; m++, step *= 0.5) {
-            slip_set_friction(slip, omega + step, k);
-            if (k->factors.delta.value * delta > 0.0) break;
-        }
-        omega += step;
-        if (fabs(step) <= VISCOUS_ROUNDING * fabs(omega) || (n > 8 && fabs(step) >= last)) return omega;
-        last = fabs(step);
+        const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
+        if (sign * left.value > 0.0) low = omega;
+        else high = omega;
+        double next = omega - sign * left.value / left.slope;
+        if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
+        if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value)) return sign * omega;
+        omega = next;
     }
     return NAN;
 }
 
 static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficients *k, double z,
                                              const InputValues *in) {
-    const double omega = speed_under_friction(slip, k, z, in);
+    slip_set_friction(slip, 0.0, k);
+    const double omega = speed_under_friction(slip, k, z, in, rhs_of_viscous(slip, k, z, in).value);
     if (!isfinite(omega)) return (RightHandSide){.possible = false};
     const DualContactFactors *f = &k->factors;
     double by_omega;
@@ -284,4 +299,16 @@ Booking balance_power(const SlipMode *slip, const Balance *balance) {
         power.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * balance->x[i] *
                         balance->length2[i] * balance->dpsi_dtheta[i] * omega;
     return power;
+}
+
+/* m/s, in the direction of slip */
+static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
+    return slip->direction * b->omega * b->dpsi_dtheta[i] * sqrt(b->length2[i]);
+}
+
+double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {
+    double share = 1.0;
+    for (int i = 0; i < 2; i++)
+        share = fmin(share, friction_share(&slip->fall[i], sliding_speed(slip, from, i), sliding_speed(slip, to, i)));
+    return share;
 }

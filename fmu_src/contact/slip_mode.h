@@ -40,6 +40,7 @@ typedef struct {
     int flank[2];                  /* e_i */
     double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
     bool friction_varies;          /* mu_i depends on the sliding speed: see slip_set_friction() */
+    FrictionFall fall[2];          /* where friction varies */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
     bool inputs_are_constant;      /* the inputs are constant */

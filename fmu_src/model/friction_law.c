@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "numerics/tolerances.h"
+
 /* The exponent -(v/v_s)^delta and its derivative by v/v_s. Tustin's law grows without bound for v < 0; the
  * continuation ends at v = -v_s. */
 typedef struct {
@@ -23,6 +25,17 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     mu.value += share;
     mu.by_speed += share * exponent.by_ratio / law->stribeck_velocity;
     return mu;
+}
+
+FrictionFall friction_fall(const CamParams *cam, double negligible) {
+    const FrictionParams *law = &cam->law;
+    if (cam->friction * (law->peak - 1.0) == 0.0) return (FrictionFall){-INFINITY, 0.0};
+    const bool gauss = law->stribeck_exponent == 2;
+    const double end = -log(negligible);
+    return (FrictionFall){
+        .end = law->stribeck_velocity * (gauss ? sqrt(end) : end),
+        .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),
+    };
 }
 
 /* ---- jets ---- */

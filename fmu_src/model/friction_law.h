@@ -37,6 +37,23 @@ typedef struct {
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v);
 
+/* The range of speeds in which mu falls steeply. A collocation step that spans more than a part of the range would step
+ * over the fall unseen. */
+typedef struct {
+    double end;  /* m/s, above which the law is smooth; -infinity: everywhere */
+    double span; /* m/s, the change of speed in one step below the end */
+} FrictionFall;
+
+/* `negligible`: the share of the fall that does not matter. */
+FrictionFall friction_fall(const CamParams *cam, double negligible);
+
+/* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
+static inline double friction_share(const FrictionFall *fall, double v, double to) {
+    if ((v < to ? v : to) >= fall->end) return 1.0;
+    const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
+    return allowed < change ? allowed / change : 1.0;
+}
+
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. */
 Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known);
 
