@@ -7,6 +7,7 @@
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- error ---- */
 
@@ -92,8 +93,22 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
-        if (has_wear(slip->params))
-            b->wear[i] += wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * lobatto_sum(sliding);
+    }
+}
+
+/* Archard's wear: reaction times sliding distance. */
+NOINLINE static void find_wear(const LobattoSystem *s, NodeLoads *out) {
+    const SlipMode *slip = s->slip;
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        double sliding = 0.0;
+        for (int k = 0; k < LOBATTO_HALVES; k++) {
+            const NodePair *n = &s->pair[k];
+            const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
+            sliding += lobatto_sum(out->x[i].half[k] * length2 * n->dpsi_dtheta[i] * LOBATTO.weight.half[k] *
+                                   s->speed.half[k]);
+        }
+        out->booking.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * s->h * sliding;
     }
 }
 
@@ -168,6 +183,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
+    if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !stays_on_flanks(s, &loads)) return false;
     if (!keeps_energy(s, &loads.booking)) return false;
     out->booking = loads.booking;
@@ -177,16 +193,14 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
 
 /* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
  * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
+static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const FrictionBase base[2]) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
     for (int i = 0; i < 2; i++) {
-        const double mu = slip->friction_varies
-                              ? slip->direction * slip->flank[i] *
-                                    friction_at(&p->cam[i], slip->direction * from->omega * cam_sliding(g, i)).value
-                              : slip->signed_friction[i];
-        contact_factors_set(&f, i, g->radius[i], mu, g->slope[i]);
+        const double sign = slip->direction * slip->flank[i];
+        const double friction = slip->friction_varies ? sign * base[i].value : slip->signed_friction[i];
+        contact_factors_set(&f, i, g->radius[i], friction, g->slope[i]);
     }
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
@@ -220,9 +234,12 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
 }
 
 bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double left, LobattoStep *out) {
-    const double rhs = guess_rhs(slip, from);
     LobattoSystem s;
     s.slip = slip;
+    for (int i = 0; slip->friction_varies && i < 2; i++)
+        s.base[i] =
+            friction_base(&slip->params->cam[i], slip->direction * from->omega * cam_sliding(from->geometry, i));
+    const double rhs = guess_rhs(slip, from, s.base);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     s.h = left;

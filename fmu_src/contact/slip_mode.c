@@ -1,7 +1,5 @@
 #include "contact/slip_mode.h"
 
-#include "numerics/tolerances.h"
-
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 gamma', differentiated (section 2 of docs/mechanism.md):
  *     gamma'' = (a_2' phi' - a_1' gamma')/(a_1 + a_2)          z'' = a_1' gamma'^2 + a_2' phi'^2
  *     gamma''' = (a_2'' phi' - a_1'' gamma' - 2 gamma'' (a_1' + a_2'))/(a_1 + a_2)
@@ -91,8 +89,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
         slip.signed_friction[i] = direction * flank[i] * friction_static(&p->cam[i]);
     }
     slip.friction_varies = any_friction_varies(p);
-    for (int i = 0; slip.friction_varies && i < 2; i++)
-        slip.fall[i] = friction_fall(&p->cam[i], STRIBECK_NEGLIGIBLE * p->tolerance);
+    for (int i = 0; slip.friction_varies && i < 2; i++) slip.fall[i] = friction_fall(&p->cam[i], p->tolerance);
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;
     slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;

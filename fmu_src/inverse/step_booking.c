@@ -21,5 +21,6 @@ void step_booking_finish(const Inverse *m, const Quadrature *quadrature, const Q
                  wear_per_sliding(&m->params, 1) * sliding->total[RATE_HEAT_CAM2]},
     };
     ledger_book(ledger, &booking);
+    if (has_wear(&m->params)) ledger_book_wear(ledger, &booking);
     ledger->peak = (Peaks){peak[SIZE_TORQUE], peak[SIZE_OMEGA], {peak[SIZE_REACTION1], peak[SIZE_REACTION2]}};
 }

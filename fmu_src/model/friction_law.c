@@ -4,10 +4,14 @@
 
 #include "numerics/tolerances.h"
 
-/* The exponent -(v/v_s)^delta and its derivative by v/v_s. Tustin's law grows without bound for v < 0; the
- * continuation ends at v = -v_s. */
+static double excess_of(const CamParams *cam) {
+    return cam->friction * (cam->law.peak - 1.0); /* of the static coefficient */
+}
+
+/* The exponent -(v/v_s)^delta and its derivative by v/v_s. Tustin's law grows without bound for v < 0; the continuation
+ * ends at v = -v_s. */
 typedef struct {
-    double value, by_ratio;
+    double value, slope;
 } Exponent;
 
 static Exponent stribeck_exponent(const FrictionParams *law, double ratio) {
@@ -17,23 +21,38 @@ static Exponent stribeck_exponent(const FrictionParams *law, double ratio) {
 
 FrictionCoefficient friction_at(const CamParams *cam, double v) {
     const FrictionParams *law = &cam->law;
-    const double excess = cam->friction * (law->peak - 1.0); /* of the static coefficient */
+    const double excess = excess_of(cam);
     FrictionCoefficient mu = {cam->friction + law->viscous * v, law->viscous};
     if (excess == 0.0) return mu;
-    const Exponent exponent = stribeck_exponent(law, v / law->stribeck_velocity);
+    const double per_speed = 1.0 / law->stribeck_velocity;
+    const Exponent exponent = stribeck_exponent(law, v * per_speed);
     const double share = excess * exp(exponent.value);
     mu.value += share;
-    mu.by_speed += share * exponent.by_ratio / law->stribeck_velocity;
+    mu.by_speed += share * exponent.slope * per_speed;
     return mu;
 }
 
-FrictionFall friction_fall(const CamParams *cam, double negligible) {
+FrictionBase friction_base(const CamParams *cam, double v) {
     const FrictionParams *law = &cam->law;
-    if (cam->friction * (law->peak - 1.0) == 0.0) return (FrictionFall){-INFINITY, 0.0};
+    const double excess = excess_of(cam), without = cam->friction + law->viscous * v;
+    if (excess == 0.0) return (FrictionBase){.v = v, .value = without};
+    const double per_speed = 1.0 / law->stribeck_velocity;
+    const double share = excess * exp(stribeck_exponent(law, v * per_speed).value);
+    return (FrictionBase){.v = v, .value = without + share, .share = share, .per_speed = per_speed};
+}
+
+VectorFriction friction_at_both(const CamParams *cam, Vector2 v) {
+    const FrictionCoefficient a = friction_at(cam, v[0]), b = friction_at(cam, v[1]);
+    return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
+}
+
+FrictionFall friction_fall(const CamParams *cam, double tolerance) {
+    const FrictionParams *law = &cam->law;
+    if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
+    const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     const bool gauss = law->stribeck_exponent == 2;
-    const double end = -log(negligible);
     return (FrictionFall){
-        .end = law->stribeck_velocity * (gauss ? sqrt(end) : end),
+        .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
         .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),
     };
 }

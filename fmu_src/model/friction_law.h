@@ -14,6 +14,7 @@
 #include "model/known.h"
 #include "model/params.h"
 #include "numerics/jet.h"
+#include "numerics/vector2.h"
 
 /* Does the coefficient change while the pin slides? Else the law is Coulomb's. */
 static inline bool friction_varies(const CamParams *cam) {
@@ -44,14 +45,50 @@ typedef struct {
     double span; /* m/s, the change of speed in one step below the end */
 } FrictionFall;
 
-/* `negligible`: the share of the fall that does not matter. */
-FrictionFall friction_fall(const CamParams *cam, double negligible);
+/* `tolerance`: relative, of the motion. */
+FrictionFall friction_fall(const CamParams *cam, double tolerance);
 
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
 static inline double friction_share(const FrictionFall *fall, double v, double to) {
     if ((v < to ? v : to) >= fall->end) return 1.0;
     const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
     return allowed < change ? allowed / change : 1.0;
+}
+
+/* The law at one speed, and what is needed to continue the law to speeds nearby without another exponential. */
+typedef struct {
+    double v;         /* m/s */
+    double value;     /* mu(v) */
+    double share;     /* mu_k (peak - 1) exp(-(v/v_s)^delta), a part of mu */
+    double per_speed; /* s/m, 1/v_s */
+} FrictionBase;
+
+FrictionBase friction_base(const CamParams *cam, double v);
+
+/* mu and dmu/dv at two speeds v. */
+typedef struct {
+    Vector2 value, by_speed;
+} VectorFriction;
+
+/* At any two speeds; friction_near() is faster where they are near those of the base. */
+VectorFriction friction_at_both(const CamParams *cam, Vector2 v);
+
+/* exp(u) for |u| <= 1/4, to rounding. */
+static inline Vector2 exp_of_small(Vector2 u) {
+    Vector2 sum = {1.0, 1.0};
+    for (int k = 11; k > 0; k--) sum = 1.0 + sum * u * (1.0 / k);
+    return sum;
+}
+
+static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
+    const Vector2 none = {0.0, 0.0}, change = (v - base->v) * base->per_speed, ratio = v * base->per_speed;
+    const bool gauss = cam->law.stribeck_exponent == 2;
+    const Vector2 u = gauss ? -(change + 2.0 * base->v * base->per_speed) * change : -change;
+    const double largest = fmax(fabs(u[0]), fabs(u[1])), least = fmin(ratio[0], ratio[1]);
+    if (!(largest <= 0.25 && (gauss || least > -1.0))) return friction_at_both(cam, v);
+    const Vector2 share = base->share * exp_of_small(u), slope = gauss ? -2.0 * ratio : none - 1.0;
+    return (VectorFriction){cam->friction + cam->law.viscous * v + share,
+                            cam->law.viscous + share * slope * base->per_speed};
 }
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. */

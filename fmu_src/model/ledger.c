@@ -19,8 +19,10 @@ void ledger_book(Ledger *ledger, const Booking *booking) {
     add(&ledger->work_ext, booking->work_ext);
     add(&ledger->heat_damper, booking->heat_damper);
     add(&ledger->heat_shaft, booking->heat_shaft);
-    add(&ledger->wear[0], booking->wear[0]);
-    add(&ledger->wear[1], booking->wear[1]);
+}
+
+void ledger_book_wear(Ledger *ledger, const Booking *booking) {
+    for (int i = 0; i < 2; i++) sum_add(&ledger->wear[i], booking->wear[i]);
 }
 
 double ledger_residual(const Ledger *ledger, double stored) {

@@ -39,6 +39,9 @@ typedef struct {
 void ledger_open(Ledger *ledger, double stored);
 void ledger_book(Ledger *ledger, const Booking *booking);
 
+/* To be called only where has_wear(). */
+void ledger_book_wear(Ledger *ledger, const Booking *booking);
+
 /* J: work_in + work_tuning - work_ext - heats - (stored - start), which is zero to rounding. */
 double ledger_residual(const Ledger *ledger, double stored);
 

@@ -124,13 +124,11 @@ static const double FLANK_CLEARANCE = 1e-9;
  * their terms; the polynomials round by some eps of the transmission's sizes, 1e-2 of 1e-13. */
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
-/* Newton's method for a speed that friction limits: its iterations, and the share of its last step. */
+/* The search for a speed that friction limits. Where friction falls with the speed: the change of v/v_s in one step, for
+ * longer steps pass over the fall unseen (tests/test_friction_scenes.py), and the exponent at the end of the fall. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON;
-
-/* The change of v/v_s that one step may make where friction falls with the speed, and what counts as fallen: that share
- * of the tolerance. Without these limits a step passes over the fall unseen: tests/test_friction_law.py fails. */
-static const double STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_NEGLIGIBLE = 0.01;
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
 
 /* ---- closed_form ---- */
 
