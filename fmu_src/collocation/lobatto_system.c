@@ -175,7 +175,7 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
 }
 
 /* The balances at the nodes. `varies`: a constant of the compiler, so that friction that does not vary costs nothing. */
-static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
+__attribute__((always_inline)) static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
@@ -294,7 +294,8 @@ static inline LobattoValues sweep(LobattoSystem *s, bool first) {
 bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
     const SlipMode *slip = s->slip;
     const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
+    const double share = slip->friction_varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
+    const double wanted = share * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];

@@ -22,7 +22,9 @@ static inline bool friction_varies(const CamParams *cam) {
 }
 
 static inline bool any_friction_varies(const Params *p) {
-    return friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]);
+    const FrictionParams *a = &p->cam[0].law, *b = &p->cam[1].law;
+    const bool coulomb = a->peak + b->peak == 2.0 && a->viscous + b->viscous == 0.0; /* without a branch for each */
+    return !coulomb && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
 }
 
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins. */
@@ -73,11 +75,13 @@ typedef struct {
 /* At any two speeds; friction_near() is faster where they are near those of the base. */
 VectorFriction friction_at_both(const CamParams *cam, Vector2 v);
 
-/* exp(u) for |u| <= 1/4, to rounding. */
+/* exp(u) for |u| <= 1/4, to some roundings: the Taylor polynomial at u/4, to the fourth power. */
 static inline Vector2 exp_of_small(Vector2 u) {
-    Vector2 sum = {1.0, 1.0};
-    for (int k = 11; k > 0; k--) sum = 1.0 + sum * u * (1.0 / k);
-    return sum;
+    const Vector2 w = 0.25 * u, w2 = w * w, w4 = w2 * w2;
+    const Vector2 low = (1.0 + w) + w2 * (0.5 + w * (1.0 / 6.0));
+    const Vector2 high = (1.0 / 24.0 + w * (1.0 / 120.0)) + w2 * (1.0 / 720.0 + w * (1.0 / 5040.0));
+    const Vector2 root = low + w4 * (high + w4 * (1.0 / 40320.0)), square = root * root;
+    return square * square;
 }
 
 static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
