@@ -76,7 +76,12 @@ def required(p: dict, theta: float, omega: float, alpha: float, force: float):
         load = np.linalg.solve(matrix, [axial, moment])
         if e[0] * load[0] >= 0 and e[1] * load[1] >= 0:
             torque = load[1] * turning[1] + p["shaft.damping"] * omega + 0.002 * alpha
-            return torque, load / p["contacts"], mu, [t * abs(omega) * q * x for t, q, x in zip(turn, r, h, strict=True)]
+            return (
+                torque,
+                load / p["contacts"],
+                mu,
+                [t * abs(omega) * q * x for t, q, x in zip(turn, r, h, strict=True)],
+            )
     raise AssertionError("wedged")
 
 
@@ -123,7 +128,7 @@ def test_breaks_away_at_the_static_and_slips_at_the_kinetic_torque(make_model):
         for i in (1, 2):
             expected = law(STRIBECK, i, fmu.get(f"cam{i}.sliding_speed"))
             assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(expected, rel=1e-14)
-    # the fall of friction carries the cam far beyond the angle that holds the torque, 1e-3 of the load further
+    # the fall of friction carries the cam far beyond the angle that holds the torque
     coulomb = make_model(FORWARD).start({"initial.theta": 0.5})
     coulomb.step(0.01, tau=coulomb.get("torque_load") * (1 + 1e-3))
     assert fastest > 0.05
@@ -206,7 +211,12 @@ def slope(make_one, known: str, at: float, unknown: str) -> float:
 def test_directional_derivatives(make_model, omega):
     values = STRIBECK | {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
     scenes = (
-        (FORWARD, "alpha", {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0}, {"theta", "omega", "tau"}),
+        (
+            FORWARD,
+            "alpha",
+            {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0},
+            {"theta", "omega", "tau"},
+        ),
         (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}, {"theta", "omega", "alpha"}),
     )
     for model, unknown, at, own in scenes:
@@ -244,7 +254,9 @@ def test_output_derivatives(make_model, groove, regime, direction):
 Scene = step_sensitivity.Scene
 SCENES = {
     "slip": Scene(step_sensitivity.SLIP | STRIBECK, 6.0, 0.01, size=1e-3),
-    "slip, ellipses": Scene(step_sensitivity.SLIP | STRIBECK | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3),
+    "slip, ellipses": Scene(
+        step_sensitivity.SLIP | STRIBECK | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
+    ),
     "to rest": Scene(step_sensitivity.SLIP | STRIBECK, 3.0, 0.05, mode=1, events=1, size=1e-3),
     "breakaway": Scene(step_sensitivity.REST | STRIBECK, 3.0, 0.03, (100.0,), events=1, size=1e-4),
     "viscous by friction": Scene(
@@ -289,7 +301,9 @@ def test_tuning_changes_the_law_at_once(make_model):
     for one in (fmu, other):
         one.step(0.01, tau=6.0)
     assert fmu.get("theta") == pytest.approx(other.get("theta"), rel=1e-9)
-    assert fmu.get("cam1.friction_coefficient") == pytest.approx(other.get("cam1.friction_coefficient"), rel=1e-9)
+    assert fmu.get("cam1.friction_coefficient") == pytest.approx(
+        other.get("cam1.friction_coefficient"), rel=1e-9
+    )
 
 
 def test_a_restored_run_repeats(make_model):
@@ -343,7 +357,9 @@ def test_without_inertia_friction_that_grows_with_the_speed_is_a_damper(make_mod
     fmu = make_model(FORWARD).start(values)
     fmu.step(1e-3, tau=7.0)
     omega = fmu.get("omega")
-    p = values | {f"cam{i}.{n}": x for i in (1, 2) for n, x in (("radius", 0.02), ("lead_angle", math.pi / 4))}
+    p = values | {
+        f"cam{i}.{n}": x for i in (1, 2) for n, x in (("radius", 0.02), ("lead_angle", math.pi / 4))
+    }
     mu = [law(p, i, fmu.get(f"cam{i}.sliding_speed")) for i in (1, 2)]
     kappa = sum((1 - m) / (0.02 * (1 + m)) for m in mu)
     assert omega > 0.0
