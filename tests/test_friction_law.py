@@ -322,8 +322,6 @@ def test_a_restored_run_repeats(make_model):
 REFUSED = {
     "without inertia": (FORWARD, {"cam2.friction_peak": 1.5, "inertia.shaft": 0.0}, "inertia"),
     "elastic shaft": (INVERSE, {"cam1.friction_peak": 1.5, "shaft.stiffness": 50.0}, "shaft.stiffness"),
-    "load": (FORWARD, {"cam1.friction_load_exponent": 0.3}, "allowed is 0"),
-    "load, inverse": (INVERSE, {"cam2.friction_load_exponent": -0.3}, "allowed is 0"),
     "jam at rest": (FORWARD, {"cam1.friction": 0.5, "cam2.friction": 0.6, "cam1.friction_peak": 4.0}, "jam"),
 }
 
@@ -338,6 +336,13 @@ def test_refused(make_model, name):
     text = fmu.refused_start()
     assert word in text
     assert next(n for n in values if n.startswith("cam")) in text
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+@pytest.mark.parametrize("value", [0.3, -0.3])
+def test_dependence_on_the_load_is_refused(make_model, model, value):
+    for name in ("cam1.friction_load_exponent", "cam2.friction_load_exponent"):
+        make_model(model).refused_set({name: value}, mentions=(name, "only 0"))
 
 
 def test_tuning_that_is_refused_changes_nothing(make_model):

@@ -23,14 +23,6 @@ bool check_params(const Params *p, Fault *fault) {
                  p->stop.upper);
         return false;
     }
-    for (int i = 0; i < 2; i++) {
-        if (p->cam[i].law.load_exponent == 0.0) continue;
-        snprintf(
-            fault->text, sizeof fault->text,
-            "cam%d.friction_load_exponent = %.17g: friction that depends on the load is not available; allowed is 0",
-            i + 1, p->cam[i].law.load_exponent);
-        return false;
-    }
     return true;
 }
 
