@@ -172,6 +172,7 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
         ("stroke of the follower", f"{1e3 * (band.z[-1] - band.z[0]):.4g} mm"),
     ]
     text = "Between the two edges friction holds the cam at rest. Slow motion, without damper and F_ext."
+    text = " ".join(filter(None, [text, design.friction_note()]))
     return (
         f"<h2>Torque over the angle</h2>\n<p>{text} {F_EXT}</p>\n"
         + _table(("what", "value"), rows)

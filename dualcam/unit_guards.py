@@ -59,6 +59,14 @@ def _friction(value: float) -> str:
     return f"percent or an angle; {value:.6g} % is {value / 100.0:.6g}, {value:.6g} deg has tan = {angle:.4g}"
 
 
+def _millimetres_per_second(value: float) -> str:
+    return f"mm/s; {value:.6g} mm/s is {value / 1e3:.6g} m/s"
+
+
+def _cubic_millimetres(value: float) -> str:
+    return f"mm3/(N.m); {value:.6g} mm3/(N.m) is {value / 1e9:.6g} m3/(N.m)"
+
+
 def _grams(value: float) -> str:
     return f"grams; {value:.6g} g is {value / 1e3:.6g} kg"
 
@@ -100,6 +108,8 @@ RULES: dict[str, Rule] = {
     "cam.ellipse_b": Rule("m", _above(5.0), _millimetres),
     "cam.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
     "cam.friction": Rule("", _above(1.0), _friction),
+    "cam.stribeck_velocity": Rule("m/s", _above(5.0), _millimetres_per_second),
+    "cam.wear": Rule("m3/(N.m)", _above(1e-9), _cubic_millimetres),
     # 0 is meant: a spring of preload alone, or of stiffness2 and stiffness3
     "spring.stiffness": Rule("N/m", _between_zero_and(100.0), _newtons_per_millimetre),
     "spring.free_length": LENGTH,

@@ -71,6 +71,8 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
         return
     print_table(SHOWN, [[f"{row[k]:.4g}" for k in SHOWN_COLUMNS] for row in rows])
     say(_summary(fine))
+    if note := design.friction_note():
+        say(note)
     _tell_loads(loads, design)
     for path in (output, plot):
         if path is not None:

@@ -128,7 +128,8 @@ class DesignFile:
         Returns
         -------
         Mechanism
-            With the FMU's defaults where the file gives no value.
+            With the FMU's defaults where the file gives no value. Its coefficients of friction are the static
+            ones, of rest and slow motion.
 
         Raises
         ------
@@ -140,12 +141,33 @@ class DesignFile:
         with units_checked_before():  # the findings of the file have these warnings, with their lines
             return Mechanism(
                 (self._named_groove(1), self._named_groove(2)),
-                (self.value("cam1.friction"), self.value("cam2.friction")),
+                (self._static_friction(1), self._static_friction(2)),
                 Spring(*(self.value(f"spring.{name}") for name in SPRING_TERMS)),
                 self.value("stop.upper"),
                 self.value("contacts"),
                 self.value("stop.lower"),
             )
+
+    def friction_note(self) -> str:
+        """What the torques of slow motion leave out where friction depends on the sliding speed; else empty.
+
+        Returns
+        -------
+        str
+            A sentence, or an empty text for Coulomb's law.
+        """
+        peaks = [f"cam{i}.friction_peak = {self.value(f'cam{i}.friction_peak'):g}" for i in (1, 2)]
+        viscous = [self.value(f"cam{i}.friction_viscous") for i in (1, 2)]
+        if all(self.value(f"cam{i}.friction_peak") == 1.0 for i in (1, 2)) and not any(viscous):
+            return ""
+        return (
+            "Friction depends on the sliding speed: the torques of slow motion take the static coefficients,"
+            f" friction times {' and '.join(peaks)}."
+        )
+
+    def _static_friction(self, number: int) -> float:
+        """mu at rest and in slow motion."""
+        return self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak")
 
     def _named_groove(self, number: int) -> Groove:
         try:

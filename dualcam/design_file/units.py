@@ -38,6 +38,9 @@ EXAMPLES = {
     "Pa": "210 GPa",
     "kg": "300 g",
     "rad/s": "30 rpm",
+    "m/s": "10 mm/s",
+    "s/m": "0.5 s/m",
+    "m3/(N.m)": "1e-6 mm^3/(N.m)",
 }
 
 

@@ -39,6 +39,7 @@ void linear_slip_build(LinearSlipMode *linear, const Params *p, const Geometry *
         linear->acceleration[i] = t.axial[i] * follower + t.moment[i] * follower_inertia;
         linear->reaction[i] = cam_length(g, i) / p->contacts;
         linear->heat[i] = direction * flank[i] * cam_heat(g, i);
+        linear->wear[i] = direction * flank[i] * wear_per_sliding(p, i) * cam_length2(g, i) * g->dpsi_dtheta[i];
     }
     linear->regime = regime_of(p, linear->damping);
     linear->possible = is_possible(linear);
@@ -219,6 +220,10 @@ Booking linear_slip_booking(const LinearSlipMode *linear, const Params *p, const
         booking.heat_cam[i] = linear->heat[i] * (linear->transfer.axial[i] * work_axial + linear->speed[i] * square +
                                                  linear->acceleration[i] * kinetic);
     }
+    for (int i = 0; has_wear(p) && i < 2; i++) {
+        booking.wear[i] = linear->wear[i] * (linear->transfer.axial[i] * work_axial + linear->speed[i] * square +
+                                             linear->acceleration[i] * kinetic);
+    }
     return booking;
 }
 
@@ -229,6 +234,9 @@ Booking linear_slip_jump_booking(const LinearSlipMode *linear, const Params *p, 
         .work_in = linear->transfer.rho * work_axial,
         .work_ext = g->dz_dtheta * l->F_ext * dtheta,
     };
-    for (int i = 0; i < 2; i++) booking.heat_cam[i] = linear->heat[i] * linear->transfer.axial[i] * work_axial;
+    for (int i = 0; i < 2; i++) {
+        booking.heat_cam[i] = linear->heat[i] * linear->transfer.axial[i] * work_axial;
+        booking.wear[i] = linear->wear[i] * linear->transfer.axial[i] * work_axial;
+    }
     return booking;
 }

@@ -7,6 +7,7 @@
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- error ---- */
 
@@ -35,6 +36,22 @@ static bool is_accurate(const LobattoSystem *s) {
     const double x = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (distance + DBL_MIN));
     const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
+}
+
+/* Where friction varies: does it change little enough over the step to be seen by the nodes? */
+static bool resolves_friction(const LobattoSystem *s) {
+    const LobattoRange range = lobatto_range(&s->speed);
+    const double sigma = s->slip->direction, start = sigma * s->speed.at[0];
+    const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
+    for (int i = 0; i < 2; i++) {
+        const double r = s->slip->params->cam[i].radius;
+        const NodePair *n = &s->pair[0];
+        const double sliding = n->dpsi_dtheta[i][0] * sqrt(r * r + n->slope[i][0] * n->slope[i][0]); /* per angle */
+        const FrictionFall *fall = &s->slip->fall[i];
+        if (friction_share(fall, start * sliding, low * sliding) < 1.0) return false;
+        if (friction_share(fall, start * sliding, high * sliding) < 1.0) return false;
+    }
+    return true;
 }
 
 /* ---- contacts and ledger ---- */
@@ -73,7 +90,25 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        b->heat_cam[i] += slip->signed_friction[i] * lobatto_sum(x * length2 * n->dpsi_dtheta[i] * dtheta);
+        const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
+        b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
+                                                : slip->signed_friction[i] * lobatto_sum(sliding);
+    }
+}
+
+/* Archard's wear: reaction times sliding distance. */
+NOINLINE static void find_wear(const LobattoSystem *s, NodeLoads *out) {
+    const SlipMode *slip = s->slip;
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        double sliding = 0.0;
+        for (int k = 0; k < LOBATTO_HALVES; k++) {
+            const NodePair *n = &s->pair[k];
+            const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
+            sliding += lobatto_sum(out->x[i].half[k] * length2 * n->dpsi_dtheta[i] * LOBATTO.weight.half[k] *
+                                   s->speed.half[k]);
+        }
+        out->booking.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * s->h * sliding;
     }
 }
 
@@ -144,10 +179,11 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     const bool moves =
         lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
     out->accurate = is_accurate(s);
-    if (!moves || !out->accurate) return false;
+    if (!moves || !out->accurate || (slip->friction_varies && !resolves_friction(s))) return false;
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
+    if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !stays_on_flanks(s, &loads)) return false;
     if (!keeps_energy(s, &loads.booking)) return false;
     out->booking = loads.booking;
@@ -157,11 +193,15 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
 
 /* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
  * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from) {
+static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const FrictionBase base[2]) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], slip->signed_friction[i], g->slope[i]);
+    for (int i = 0; i < 2; i++) {
+        const double sign = slip->direction * slip->flank[i];
+        const double friction = slip->friction_varies ? sign * base[i].value : slip->signed_friction[i];
+        contact_factors_set(&f, i, g->radius[i], friction, g->slope[i]);
+    }
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
     if (slip->c + slip->q > 0.0) damping += f.p * g->dz_dtheta * (slip->c + slip->q * fabs(g->dz_dtheta * from->omega));
@@ -194,9 +234,12 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
 }
 
 bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double left, LobattoStep *out) {
-    const double rhs = guess_rhs(slip, from);
     LobattoSystem s;
     s.slip = slip;
+    for (int i = 0; slip->friction_varies && i < 2; i++)
+        s.base[i] =
+            friction_base(&slip->params->cam[i], slip->direction * from->omega * cam_sliding(from->geometry, i));
+    const double rhs = guess_rhs(slip, from, s.base);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     s.h = left;

@@ -68,12 +68,28 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* All that depends on theta and F_ext. */
-static inline void find_factors(const SlipMode *slip, Vector2 theta, Vector2 F_ext, NodePair *n) {
+/* Where friction varies: f_i at the speeds of two nodes. */
+static inline void find_friction(const SlipMode *slip, const FrictionBase base[2], Vector2 omega, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
+        const Vector2 sliding = n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const VectorFriction mu = friction_near(&slip->params->cam[i], &base[i], slip->direction * omega * sliding);
+        n->friction[i] = slip->direction * slip->flank[i] * mu.value;
+        n->dfriction_domega[i] = slip->flank[i] * sliding * mu.by_speed;
+    }
+}
+
+/* All that depends on theta, F_ext and, where friction varies, on the speed. */
+static inline void find_factors(const SlipMode *slip, const FrictionBase base[2], Vector2 theta, Vector2 F_ext,
+                                Vector2 omega, bool varies, NodePair *n) {
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
+    if (varies) find_friction(slip, base, omega, n);
     for (int i = 0; i < 2; i++) {
-        vector_contact_factors_set(&n->factors, i, slip->params->cam[i].radius, slip->signed_friction[i], n->slope[i]);
+        const double r = slip->params->cam[i].radius;
+        if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+        else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
     const Vector2 rate = spring->stiffness + n->z * (spring->stiffness2 + n->z * spring->stiffness3);
@@ -85,8 +101,8 @@ static inline bool has_damper(const SlipMode *slip) {
 }
 
 /* True if alpha depends on the speed. */
-static inline bool is_resisted(const SlipMode *slip) {
-    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0;
+static inline bool is_resisted(const SlipMode *slip, bool varies) {
+    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0 || varies;
 }
 
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
@@ -96,8 +112,29 @@ static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2
     return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
+/* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
+static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vector2 omega, Vector2 alpha,
+                                       const NodePair *n) {
+    const InertiaParams *in = &slip->params->inertia;
+    const CamParams *cam = slip->params->cam;
+    const VectorContactFactors *f = &n->factors;
+    const Vector2 rn[2] = {cam[0].radius * cam[0].radius * n->dfriction_domega[0],
+                           cam[1].radius * cam[1].radius * n->dfriction_domega[1]};
+    const Vector2 d[2] = {-n->slope[0] * n->dfriction_domega[0], -n->slope[1] * n->dfriction_domega[1]};
+    const Vector2 q = d[0] * f->rn[1] + f->d[0] * rn[1], delta = q + rn[0] * f->d[1] + f->rn[0] * d[1];
+    const Vector2 p = rn[0] * f->rn[1] + f->rn[0] * rn[1];
+    Vector2 change = delta * (torque - in->shaft * alpha) - p * (n->force + n->damper);
+    if (slip->follower_has_inertia) {
+        const Vector2 m = p * in->follower_mass, I = q * in->follower;
+        change -= (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega * omega +
+                  (m * n->dz_dtheta + I * n->dpsi_dtheta[0]) * alpha;
+    }
+    return -change / n->mass;
+}
+
 /* alpha */
-static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, NodePair *n) {
+static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, bool varies, bool first,
+                                   NodePair *n) {
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
@@ -110,11 +147,16 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
-    if (is_resisted(slip)) {
+    if (is_resisted(slip, varies)) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
-    return net / n->mass;
+    const Vector2 alpha = net / n->mass;
+    if (varies) {
+        if (first) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
+        n->damping_rate += n->friction_damping;
+    }
+    return alpha;
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
@@ -132,20 +174,32 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
     return omega;
 }
 
-static inline void evaluate(LobattoSystem *s) {
+/* The balances at the nodes. `varies`: a constant of the compiler, so that friction that does not vary costs nothing. */
+__attribute__((always_inline)) static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(slip, s->theta + s->dtheta.half[k], s->F_ext.half[k], n);
-        if (lobatto_system_is_inertial(s)) s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], n);
+        find_factors(slip, s->base, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+        if (lobatto_system_is_inertial(s))
+            s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], varies, first, n);
         else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
     }
+}
+
+NOINLINE static void evaluate_varying(LobattoSystem *s, bool first) {
+    evaluate_with(s, true, first);
+}
+
+static inline void evaluate(LobattoSystem *s, bool first) {
+    if (s->slip->friction_varies) evaluate_varying(s, first);
+    else evaluate_with(s, false, first);
 }
 
 double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
-    find_factors(s->slip, s->theta + s->dtheta.half[last], s->F_ext.half[last], &pair);
+    find_factors(s->slip, s->base, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false,
+                 &pair);
     return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
 }
 
@@ -198,7 +252,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
-    const bool resisted = is_resisted(s->slip);
+    const bool resisted = is_resisted(s->slip, s->slip->friction_varies);
     if (resisted)
         growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
     const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
@@ -230,9 +284,9 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
 }
 
 /* One evaluation at the nodes; returns the change of y. */
-static inline LobattoValues sweep(LobattoSystem *s) {
+static inline LobattoValues sweep(LobattoSystem *s, bool first) {
     LobattoValues change = s->y;
-    evaluate(s);
+    evaluate(s, first);
     for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
     return change;
 }
@@ -240,12 +294,13 @@ static inline LobattoValues sweep(LobattoSystem *s) {
 bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
     const SlipMode *slip = s->slip;
     const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
+    const double share = slip->friction_varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
+    const double wanted = share * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
         if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
-        const LobattoValues change = sweep(s);
+        const LobattoValues change = sweep(s, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
         const LobattoValues next = predict_change(s, &change);
         const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted;

@@ -21,11 +21,15 @@ typedef struct {
     Vector2 z, force, damper;             /* m, N, N: z, F_0, D */
     Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
     Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
+    /* Only where friction varies: */
+    Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
+    Vector2 friction_damping;                 /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
 typedef struct {
     const SlipMode *slip;
     double theta, omega, h; /* rad, rad/s at the start; s */
+    FrictionBase base[2];   /* at the start, only where friction varies */
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */

@@ -82,6 +82,8 @@ static Booking booking_of(const SlipMode *slip, const RadauStep *step) {
         sum.heat_cam[1] += weight * power.heat_cam[1];
         sum.heat_damper += weight * power.heat_damper;
         sum.heat_shaft += weight * power.heat_shaft;
+        sum.wear[0] += weight * power.wear[0];
+        sum.wear[1] += weight * power.wear[1];
     }
     return sum;
 }

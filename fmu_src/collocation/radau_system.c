@@ -198,9 +198,10 @@ static SmallCorrection small_correction(const RadauSystem *s) {
         y = fmax(y, fabs(s->y[i]));
     }
     const double per_y = is_inertial(s) ? speed / s->h : speed;
+    const double share = s->slip->friction_varies ? RADAU_NEWTON_SHARE_VARYING : RADAU_NEWTON_SHARE;
     return (SmallCorrection){
         .rounding = RADAU_ROUNDING * fmax(y, s->start->rhs.size),
-        .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
+        .wanted = share * s->slip->params->tolerance * per_y,
     };
 }
 

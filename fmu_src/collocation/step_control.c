@@ -56,6 +56,16 @@ static int first_stages(const SlipMode *slip, const Balance *start, double h, co
     return similar && stages < first->stages ? first->stages : stages;
 }
 
+/* The share of the step over which friction changes little enough to be seen by the nodes. */
+static double resolved_share(const SlipMode *slip, const RadauStep *step) {
+    double share = 1.0;
+    for (int j = 0; slip->friction_varies && j < step->method->stages; j++) {
+        const double part = balance_friction_share(slip, &step->start, &step->node[j]);
+        if (part < 1.0) share = fmin(share, part * step->method->node[j]);
+    }
+    return share;
+}
+
 /* The energy balance may miss no more than the last digits of the transmission itself, which no shorter step makes
  * better: a residual that a trial has not halved is accepted. */
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
@@ -65,6 +75,11 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
     for (int n = 0; n < STEP_TRIALS; n++) {
         if (!radau_step_solve(slip, start, h, stages, step)) {
             h *= STEP_UNSOLVED_SHORTENING;
+            continue;
+        }
+        const double share = resolved_share(slip, step);
+        if (share < 1.0) {
+            h *= fmin(fmax(STEP_SAFETY * share, STEP_MOST_SHORTENING), STEP_LEAST_SHORTENING);
             continue;
         }
         const bool stalled = step->energy_error > 0.5 * energy_before;

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "contact/residual.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 /* ---- the right-hand side ---- */
@@ -39,6 +41,19 @@ static inline NetTorque net_torque(const SlipMode *slip, const SlipCoefficients 
     return net;
 }
 
+/* By the speed, through the friction coefficients. */
+static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                              double omega, double alpha) {
+    const MotionTerms terms = {
+        .torque = in->tau - slip->params->shaft.damping * omega,
+        .load =
+            spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, k->dz_dtheta.value * omega),
+        .omega = omega,
+        .alpha = alpha,
+    };
+    return residual_change(slip, k, &k->dfactors_domega, &terms);
+}
+
 /* alpha = net torque/[J Delta + P m z' + Q I gamma'] */
 static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoefficients *k, double z,
                                             const InputValues *in, double omega) {
@@ -47,11 +62,12 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
     const Dual inertia = slip_inertia(slip, k);
     const double inverse = 1.0 / inertia.value;
     const double alpha = net.value.value * inverse;
+    const double by_friction = slip->friction_varies ? rhs_by_friction(slip, k, z, in, omega, alpha) : 0.0;
     return (RightHandSide){
         .value = alpha,
         .size = net.size * fabs(inverse),
         .by_theta = (net.value.slope - alpha * inertia.slope) * inverse,
-        .by_omega = net.by_omega * inverse,
+        .by_omega = (net.by_omega + by_friction) * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .resistance = fabs(inertia.value),
         .possible = inertia.value * f->delta.value > 0.0,
@@ -106,6 +122,76 @@ static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoeff
     };
 }
 
+/* Where friction varies with the speed: Delta (tau - b omega) - P (F_0 + D), with its derivatives. */
+static Dual viscous_residual(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                             double omega, double *by_omega) {
+    const Params *p = slip->params;
+    const DualContactFactors *f = &k->factors;
+    const double v = k->dz_dtheta.value * omega, torque = in->tau - p->shaft.damping * omega;
+    const double damper_rate = slip_damper_rate(slip, v);
+    const Dual load = {spring_force(&p->spring, z) + in->F_ext + slip_damper_force(slip, v),
+                       spring_rate(&p->spring, z) * k->dz_dtheta.value + damper_rate * k->dz_dtheta.slope * omega};
+    *by_omega = k->dfactors_domega.delta * torque - k->dfactors_domega.p * load.value -
+                f->delta.value * p->shaft.damping - f->p.value * damper_rate * k->dz_dtheta.value;
+    return (Dual){f->delta.value * torque - f->p.value * load.value,
+                  f->delta.slope * torque - f->p.slope * load.value - f->p.value * load.slope};
+}
+
+/* The torque left, tau - b omega - rho (F_0 + D), and its derivative by the speed; NAN where Delta has lost the sign of
+ * `delta`, beyond which friction jams. Leaves *k at this speed. */
+static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in, double omega,
+                        double delta) {
+    double by_omega;
+    slip_set_friction(slip, omega, k);
+    const double now = k->factors.delta.value;
+    if (!(now * delta > 0.0)) return (Dual){NAN, NAN};
+    const double left = viscous_residual(slip, k, z, in, omega, &by_omega).value / now;
+    return (Dual){left, (by_omega - left * k->dfactors_domega.delta) / now};
+}
+
+/* The speed at which no torque is left, by Newton's method inside a bracket: from rest on, where the torque left has
+ * the sign of the motion, up to a speed at which it has the other sign or friction jams. `frozen`: the speed with
+ * friction at rest, a first guess. Leaves *k at the speed found. */
+static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
+                                   double frozen) {
+    slip_set_friction(slip, 0.0, k);
+    const double delta = k->factors.delta.value;
+    const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
+    const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
+    double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
+    if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
+    for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
+        const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
+        if (sign * left.value > 0.0) low = omega;
+        else high = omega;
+        double next = omega - sign * left.value / left.slope;
+        if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
+        if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value)) return sign * omega;
+        omega = next;
+    }
+    return NAN;
+}
+
+static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficients *k, double z,
+                                             const InputValues *in) {
+    slip_set_friction(slip, 0.0, k);
+    const double omega = speed_under_friction(slip, k, z, in, rhs_of_viscous(slip, k, z, in).value);
+    if (!isfinite(omega)) return (RightHandSide){.possible = false};
+    const DualContactFactors *f = &k->factors;
+    double by_omega;
+    const Dual residual = viscous_residual(slip, k, z, in, omega, &by_omega);
+    const double size = fabs(f->delta.value * in->tau) +
+                        fabs(f->p.value) * (fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext));
+    return (RightHandSide){
+        .value = omega,
+        .size = size / fabs(by_omega),
+        .by_theta = -residual.slope / by_omega,
+        .by_time = -(f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) / by_omega,
+        .possible = by_omega != 0.0 && f->delta.value != 0.0,
+        .stable = by_omega * f->delta.value < 0.0,
+    };
+}
+
 /* On the band's edge tau = E(theta) = rho F_0, so that (tau - rho F_ext)' = dE/dtheta omega gives omega. by_theta holds
  * dE/dtheta, N.m/rad, the derivative that an iteration along the edge needs. */
 static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const SlipCoefficients *k, double z,
@@ -125,8 +211,10 @@ static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const 
     };
 }
 
+/* `storage` holds the coefficients where friction varies; without inertia they are set to the speed found. */
 NOINLINE static RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                                     double omega) {
+                                     double omega, SlipCoefficients *storage) {
+    if (slip->friction_varies && slip->regime == REGIME_VISCOUS) return rhs_of_viscous_friction(slip, storage, z, in);
     switch (slip->regime) {
         case REGIME_INERTIAL: return rhs_of_inertial(slip, k, z, in, omega);
         case REGIME_VISCOUS: return rhs_of_viscous(slip, k, z, in);
@@ -137,9 +225,9 @@ NOINLINE static RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficient
 RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);
     const InputValues in = slip_inputs_at(slip, t);
-    return rhs_of(slip, k, z, &in, omega);
+    return rhs_of(slip, k, z, &in, omega, &storage);
 }
 
 /* ---- the balance ---- */
@@ -163,10 +251,10 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
     const Params *p = slip->params;
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, theta, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
-    const RightHandSide rhs = rhs_of(slip, k, z, &in, omega);
+    const RightHandSide rhs = rhs_of(slip, k, z, &in, omega, &storage);
     const bool inertial = slip->regime == REGIME_INERTIAL;
     const double alpha = inertial ? rhs.value : 0.0;
     if (!inertial) omega = rhs.value;
@@ -186,6 +274,7 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
         .z = z,
         .dz_dtheta = k->dz_dtheta.value,
         .dpsi_dtheta = {k->dpsi_dtheta[0].value, k->dpsi_dtheta[1].value},
+        .friction = {slip_friction(slip, k, 0), slip_friction(slip, k, 1)},
         .axial = {f->rn[1].value * inverse, f->rn[0].value * inverse},
         .x = {(f->rn[1].value * load.axial - f->d[1].value * load.moment) * inverse,
               (f->rn[0].value * load.axial + f->d[0].value * load.moment) * inverse},
@@ -204,7 +293,22 @@ Booking balance_power(const SlipMode *slip, const Balance *balance) {
         .heat_shaft = slip->params->shaft.damping * omega * omega,
     };
     for (int i = 0; i < 2; i++)
-        power.heat_cam[i] = slip->direction * slip->flank[i] * slip->params->cam[i].friction * balance->x[i] *
-                            balance->length2[i] * balance->dpsi_dtheta[i] * omega;
+        power.heat_cam[i] =
+            balance->friction[i] * balance->x[i] * balance->length2[i] * balance->dpsi_dtheta[i] * omega;
+    for (int i = 0; has_wear(slip->params) && i < 2; i++)
+        power.wear[i] = wear_per_sliding(slip->params, i) * slip->direction * slip->flank[i] * balance->x[i] *
+                        balance->length2[i] * balance->dpsi_dtheta[i] * omega;
     return power;
+}
+
+/* m/s, in the direction of slip */
+static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
+    return slip->direction * b->omega * b->dpsi_dtheta[i] * sqrt(b->length2[i]);
+}
+
+double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {
+    double share = 1.0;
+    for (int i = 0; i < 2; i++)
+        share = fmin(share, friction_share(&slip->fall[i], sliding_speed(slip, from, i), sliding_speed(slip, to, i)));
+    return share;
 }

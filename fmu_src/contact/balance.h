@@ -38,12 +38,16 @@ typedef struct {
     double dz_dtheta;      /* m/rad, z' */
     double dpsi_dtheta[2]; /* gamma', phi' */
     double length2[2];     /* m^2, r_i^2 + a_i^2 */
+    double friction[2];    /* f_i = sigma e_i mu_i */
     double axial[2];       /* 1/m, x_i per A */
     double x[2];           /* N/m */
 } Balance;
 
 /* The balance at time t after `inputs`. Without inertia `omega` is not used: the balance finds the speed. */
 void balance_at(const SlipMode *slip, double theta, double omega, double t, Balance *out);
+
+/* Where friction varies: the share, above 0 and at most 1, of the way between two balances that one step may span. */
+double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to);
 
 /* The right-hand side alone, as a Newton iteration needs it. */
 RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t);

@@ -2,20 +2,43 @@
 
 #include <math.h>
 
+#include "contact/residual.h"
 #include "platform/attributes.h"
+
+static MotionTerms terms_of(const SlipMode *slip, const Balance *balance) {
+    return (MotionTerms){
+        .torque = balance->tau - slip->params->shaft.damping * balance->omega,
+        .load = balance->force + balance->damper,
+        .omega = balance->omega,
+        .alpha = balance->alpha,
+    };
+}
 
 /* By the friction coefficient of contact i. */
 static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i) {
-    const InertiaParams *inertia = &slip->params->inertia;
-    const double J = inertia->shaft, m = inertia->follower_mass, I = inertia->follower;
-    const double torque = balance->tau - slip->params->shaft.damping * balance->omega;
-    const double load = balance->force + balance->damper, omega2 = balance->omega * balance->omega;
-    const DualContactFactors by = dual_contact_factors_by_friction(&k->factors, i, slip->params->cam[i].radius,
-                                                                   slip->direction * slip->flank[i], k->slope[i].value);
-    const double delta = by.delta.slope, p = by.p.slope, q = by.q.slope;
-    const double inertia_by = J * delta + m * p * k->dz_dtheta.value + I * q * k->dpsi_dtheta[0].value;
-    const double inertia_by_speed_by = m * p * k->d2z_dtheta2.value + I * q * k->d2gamma_dtheta2.value;
-    return delta * torque - p * load - inertia_by_speed_by * omega2 - inertia_by * balance->alpha;
+    const CamParams *cam = slip->params->cam;
+    const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
+    double df[2] = {0.0, 0.0};
+    df[i] = slip->direction * slip->flank[i];
+    const ContactFactors by = contact_factors_change(&k->factors, radius, slope, df);
+    const MotionTerms terms = terms_of(slip, balance);
+    return residual_change(slip, k, &by, &terms);
+}
+
+/* By the parameters of the friction law of contact i, from `by_friction`, the derivative by its coefficient. */
+static void partials_by_law(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i,
+                            double by_friction, Partials *out) {
+    static const Known FIRST[] = {KNOWN_FRICTION_1, KNOWN_PEAK_1, KNOWN_STRIBECK_VELOCITY_1, KNOWN_VISCOUS_1};
+    const CamParams *cam = &slip->params->cam[i];
+    const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
+    const double v = slip->regime == REGIME_RATE_INDEPENDENT
+                         ? 0.0
+                         : slip->direction * balance->omega * k->dpsi_dtheta[i].value * length;
+    const Jet speed = {.c = {{v, 0.0}}};
+    for (size_t n = 0; n < sizeof FIRST / sizeof FIRST[0]; n++) {
+        const Known known = (Known)(FIRST[n] + (Known)i);
+        out->by[known] = by_friction * friction_along(cam, i, &speed, known).c[0].slope;
+    }
 }
 
 void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
@@ -23,7 +46,7 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     const double b = p->shaft.damping, omega = balance->omega, torque = balance->tau - b * omega;
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const double v = k->dz_dtheta.value * omega, load = balance->force + balance->damper;
     const double damper_rate = slip_damper_rate(slip, v);
@@ -44,7 +67,13 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     by[KNOWN_STIFFNESS3] = -f->p.value * z * z * z;
     by[slip->direction > 0 ? KNOWN_C_LOAD : KNOWN_C_RELEASE] = -f->p.value * v;
     by[slip->direction > 0 ? KNOWN_Q_LOAD : KNOWN_Q_RELEASE] = -f->p.value * v * fabs(v);
-    for (int i = 0; i < 2; i++) by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
+    for (int i = 0; i < 2; i++) {
+        by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
+        partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], out);
+    }
+    if (!slip->friction_varies) return;
+    const MotionTerms terms = terms_of(slip, balance);
+    by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
 double balance_mobility(const SlipMode *slip, const Balance *balance) {
@@ -67,7 +96,7 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = balance->omega, alpha = balance->alpha;
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
     const double follower_acceleration = k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega;
@@ -79,7 +108,9 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
                                 m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, dtheta, domega, dalpha);
     const double moment_change =
         I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, dtheta, domega, dalpha);
-    return (rn.value * axial_change + signed_d.value * moment_change +
-            (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * dtheta) /
-           f->delta.value;
+    const double by_friction =
+        slip->friction_varies ? contact_load_by_factors(k, i, axial, moment, balance->x[i]) * domega : 0.0;
+    return by_friction + (rn.value * axial_change + signed_d.value * moment_change +
+                          (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * dtheta) /
+                             f->delta.value;
 }

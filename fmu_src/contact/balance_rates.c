@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "contact/residual.h"
+
 /* ---- along the motion ---- */
 
 /* Time derivatives along the motion, and the loads that they belong to. */
@@ -55,7 +57,7 @@ static double p_size(const SlipMode *slip, const SlipCoefficients *k) {
     double size = 1.0;
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
-        size *= cam->radius * (k->slope[i].value + cam->friction * cam->radius + rounded);
+        size *= cam->radius * (k->slope[i].value + fabs(slip_friction(slip, k, i)) * cam->radius + rounded);
     }
     return size;
 }
@@ -103,8 +105,9 @@ static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Bal
 /* ---- contact loads ---- */
 
 /* d x_i/dt from x_1 = (r_2 n_2 A - d_2 W)/Delta and x_2 = (r_1 n_1 A + d_1 W)/Delta, and the sizes of both. */
-static void contact_rates(const SlipMode *slip, const DualContactFactors *f, const Balance *balance,
+static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance,
                           const MotionRates *rates, const Sizes *size, int i, BalanceRates *out) {
+    const DualContactFactors *f = &k->factors;
     const int other = 1 - i;
     const double omega = balance->omega, inverse = 1.0 / fabs(f->delta.value);
     const Dual rn = f->rn[other], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[other]);
@@ -118,12 +121,25 @@ static void contact_rates(const SlipMode *slip, const DualContactFactors *f, con
                          fabs(signed_d.slope * omega) * size->moment + fabs(signed_d.value) * size->moment_rate +
                          out->size[i] * fabs(f->delta.slope * omega)) *
                         inverse;
+    if (!slip->friction_varies) return;
+    const double by_friction = contact_load_by_factors(k, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
+    out->contact[i] += by_friction;
+    out->rate_size[i] += fabs(by_friction);
+}
+
+/* rho of the net torque. Without inertia the speed that the balance has found adds friction, which acts as a damper:
+ * the torque beyond the band counts against friction at rest. */
+static double holding_lever(const SlipMode *slip, const SlipCoefficients *k) {
+    if (!slip->friction_varies || slip->regime != REGIME_VISCOUS) return k->factors.p.value / k->factors.delta.value;
+    SlipCoefficients at_rest = *k;
+    slip_set_friction(slip, 0.0, &at_rest);
+    return at_rest.factors.p.value / at_rest.factors.delta.value;
 }
 
 void balance_rates(const SlipMode *slip, const Balance *balance, double t, BalanceRates *out) {
     SlipCoefficients storage;
     double z;
-    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, &storage, &z);
+    const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, balance->omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
     const MotionRates rates = motion_rates_of(slip, k, &in, balance);
@@ -132,8 +148,8 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     *out = (BalanceRates){
         .rhs = rates.rhs,
         .rhs_size = size.rhs,
-        .net = balance->tau - shaft_torque - f->p.value / f->delta.value * balance->force,
+        .net = balance->tau - shaft_torque - holding_lever(slip, k) * balance->force,
         .net_size = size.torque + p_size(slip, k) / fabs(f->delta.value) * size.force,
     };
-    for (int i = 0; i < 2; i++) contact_rates(slip, f, balance, &rates, &size, i, out);
+    for (int i = 0; i < 2; i++) contact_rates(slip, k, balance, &rates, &size, i, out);
 }

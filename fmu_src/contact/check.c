@@ -5,6 +5,7 @@
 
 #include "contact/contact_factors.h"
 #include "geometry/transmission_build.h"
+#include "model/friction_law.h"
 #include "numerics/tolerances.h"
 
 static bool is_level_helix(const CamParams *cam) {
@@ -33,13 +34,28 @@ bool check_initial(const Params *p, Fault *fault) {
     return false;
 }
 
+/* ---- friction law ---- */
+
+bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
+    for (int i = 0; i < 2; i++) {
+        if (!(p->cam[i].law.peak > 1.0 && p->cam[i].friction > 0.0)) continue;
+        snprintf(
+            fault->text, sizeof fault->text,
+            "cam%d.friction_peak = %.17g %s: friction that falls with the sliding speed would make the angle jump; "
+            "allowed is cam%d.friction_peak = 1, or %s",
+            i + 1, p->cam[i].law.peak, cause, i + 1, remedy);
+        return false;
+    }
+    return true;
+}
+
 /* ---- jam ---- */
 
 /* m^3: Delta of the supporting flanks when loading (docs/mechanism.md, section 3). With n_i = a_i + mu_i r_i >= 0 Delta
  * has the sign of kappa_1 + kappa_2 = d_1/(r_1 n_1) + d_2/(r_2 n_2). */
 static double load_margin(const Params *p, const double slope[2]) {
     ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, p->cam[i].radius, p->cam[i].friction, slope[i]);
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, p->cam[i].radius, friction_static(&p->cam[i]), slope[i]);
     contact_factors_multiply(&f);
     return f.delta;
 }
@@ -86,10 +102,14 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
     const TransmissionPoint point = piece_at(piece, theta); /* of a helix only the parameter is named */
     char lead[2][80];
     for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, point.slope[i]);
+    char peak[100] = "";
+    if (p->cam[0].law.peak != 1.0 || p->cam[1].law.peak != 1.0)
+        snprintf(peak, sizeof peak, ", times cam1.friction_peak = %.17g and cam2.friction_peak = %.17g at rest",
+                 p->cam[0].law.peak, p->cam[1].law.peak);
     snprintf(fault->text, sizeof fault->text,
              "the contacts jam when loading at theta = %.17g: %s and %s with cam1.friction = %.17g and "
-             "cam2.friction = %.17g; kappa_1 + kappa_2 must be > 0 from stop.lower to stop.upper",
-             theta, lead[0], lead[1], p->cam[0].friction, p->cam[1].friction);
+             "cam2.friction = %.17g%s; kappa_1 + kappa_2 must be > 0 from stop.lower to stop.upper",
+             theta, lead[0], lead[1], p->cam[0].friction, p->cam[1].friction, peak);
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {

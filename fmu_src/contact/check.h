@@ -16,6 +16,10 @@ bool check_params(const Params *params, Fault *fault);
 /* initial.theta lies between the stops. Only a mechanism that starts from initial.theta needs this check. */
 bool check_initial(const Params *params, Fault *fault);
 
+/* No friction falls with the sliding speed. To be called where nothing but friction would determine a speed: without
+ * inertia, with an elastic shaft. `cause` and `remedy` complete the message. */
+bool check_falling_friction(const Params *params, const char *cause, const char *remedy, Fault *fault);
+
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1 (docs/mechanism.md,
  * section 3). */
 bool check_jam(const Params *params, const Transmission *transmission, Fault *fault);

@@ -49,6 +49,13 @@ static inline void vector_contact_factors_set(VectorContactFactors *f, int i, do
     f->d[i] = r - signed_friction * a;
 }
 
+/* With signed friction coefficients f of both angles. */
+static inline void vector_contact_factors_set_varying(VectorContactFactors *factors, int i, double r, Vector2 f,
+                                                      Vector2 a) {
+    factors->rn[i] = r * (a + f * r);
+    factors->d[i] = r - f * a;
+}
+
 static inline void vector_contact_factors_multiply(VectorContactFactors *f) {
     f->q = f->d[0] * f->rn[1];
     f->delta = f->q + f->rn[0] * f->d[1];
@@ -78,18 +85,25 @@ static inline Dual dual_contact_factors_rho(const DualContactFactors *f) {
     return (Dual){rho, (f->p.slope - rho * f->delta.slope) * inverse};
 }
 
-/* The factors with their derivatives by the friction coefficient of contact i, of radius r and slope a; `sign` is
- * sigma e_i. */
-static inline DualContactFactors dual_contact_factors_by_friction(const DualContactFactors *f, int i, double r,
-                                                                  double sign, double a) {
-    DualContactFactors by = {
-        .rn = {{f->rn[0].value, 0.0}, {f->rn[1].value, 0.0}},
-        .d = {{f->d[0].value, 0.0}, {f->d[1].value, 0.0}},
-    };
-    by.rn[i].slope = r * r * sign;
-    by.d[i].slope = -a * sign;
-    dual_contact_factors_multiply(&by);
-    return by;
+/* With a signed friction coefficient f that depends on theta. */
+static inline void dual_contact_factors_set_varying(DualContactFactors *factors, int i, double r, Dual f, Dual a) {
+    factors->rn[i] = (Dual){r * (a.value + f.value * r), r * (a.slope + f.slope * r)};
+    factors->d[i] = (Dual){r - f.value * a.value, -f.slope * a.value - f.value * a.slope};
+}
+
+/* The change of the factors, to first order, if the signed friction coefficients change by `df`. r, a: radii and
+ * slopes. */
+static inline ContactFactors contact_factors_change(const DualContactFactors *f, const double r[2], const double a[2],
+                                                    const double df[2]) {
+    ContactFactors change;
+    for (int i = 0; i < 2; i++) {
+        change.rn[i] = r[i] * r[i] * df[i];
+        change.d[i] = -a[i] * df[i];
+    }
+    change.q = change.d[0] * f->rn[1].value + f->d[0].value * change.rn[1];
+    change.delta = change.q + (change.rn[0] * f->d[1].value + f->rn[0].value * change.d[1]);
+    change.p = change.rn[0] * f->rn[1].value + f->rn[0].value * change.rn[1];
+    return change;
 }
 
 /* ---- jets: the factors as Taylor polynomials in time ---- */
@@ -101,6 +115,15 @@ typedef struct {
 static inline void jet_contact_factors_set(JetContactFactors *f, int i, double r, Dual signed_friction, const Jet *a) {
     f->rn[i] = jet_line(dual_scale(r * r, signed_friction), (Dual){r, 0.0}, a);
     f->d[i] = jet_line((Dual){r, 0.0}, dual_scale(-1.0, signed_friction), a);
+}
+
+/* With a signed friction coefficient f that varies along the motion. */
+static inline void jet_contact_factors_set_varying(JetContactFactors *factors, int i, double r, const Jet *f,
+                                                   const Jet *a) {
+    factors->rn[i] = jet_line((Dual){0.0, 0.0}, (Dual){r, 0.0}, a);
+    jet_add_scaled(&factors->rn[i], r * r, f);
+    factors->d[i] = (Jet){.c = {{r, 0.0}}};
+    jet_add_product(&factors->d[i], -1.0, f, a);
 }
 
 static inline void jet_contact_factors_multiply(JetContactFactors *f) {

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "contact/contact_factors.h"
+#include "model/friction_law.h"
 #include "numerics/tolerances.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
@@ -17,6 +18,12 @@ ContactStatics contact_statics_at(const Params *params, const TransmissionPiece 
     statics.d2z_dtheta2 = dpsi_dtheta[0] * dpsi_dtheta[0] * point.dslope_dtheta[0] +
                           dpsi_dtheta[1] * dpsi_dtheta[1] * point.dslope_dtheta[1];
     return statics;
+}
+
+void contact_statics_set_speed(const Params *params, double omega, ContactStatics *statics) {
+    if (!any_friction_varies(params)) return;
+    Geometry *g = &statics->geometry;
+    for (int i = 0; i < 2; i++) g->friction[i] = friction_at(&params->cam[i], fabs(omega) * cam_sliding(g, i)).value;
 }
 
 /* ---- flanks ---- */
@@ -77,4 +84,9 @@ double contact_statics_drho_dtheta(const ContactStatics *statics, int direction,
 double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i) {
     const Geometry *g = &statics->geometry;
     return cam_heat(g, i) * fabs(forces->x[i]);
+}
+
+double contact_statics_sliding(const ContactStatics *statics, const ContactForces *forces, int i) {
+    const Geometry *g = &statics->geometry;
+    return cam_length2(g, i) * g->dpsi_dtheta[i] * fabs(forces->x[i]);
 }

@@ -18,7 +18,11 @@ typedef struct {
     double z;                /* m */
 } ContactStatics;
 
+/* With the friction coefficients at rest. */
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta);
+
+/* Sets the friction coefficients to those at the speed `omega` of cam 2. */
+void contact_statics_set_speed(const Params *params, double omega, ContactStatics *statics);
 
 /* Torque and reactions under an axial load and a moment. */
 typedef struct {
@@ -49,6 +53,9 @@ double contact_statics_drho_dtheta(const ContactStatics *statics, int direction,
 
 /* J/rad, >= 0: friction heat at contact i per angle of cam 2. */
 double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i);
+
+/* N.m/rad, >= 0: reaction times sliding distance at contact i per angle of cam 2. */
+double contact_statics_sliding(const ContactStatics *statics, const ContactForces *forces, int i);
 
 /* A number from 0 to 3 for each pair of flanks. */
 static inline int flank_branch(const int flank[2]) {

@@ -26,8 +26,9 @@ static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, S
     for (int i = 0; i < 2; i++)
         s.slope[i] = fmax(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
     set_kinematics(k, &s, slip->follower_has_inertia);
+    for (int i = 0; i < 2; i++) k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
+    if (slip->friction_varies) return;
     for (int i = 0; i < 2; i++) {
-        k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
         dual_contact_factors_set(&k->factors, i, slip->params->cam[i].radius, slip->signed_friction[i], k->slope[i]);
     }
     dual_contact_factors_multiply(&k->factors);
@@ -41,13 +42,37 @@ double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoeffici
     return point.z;
 }
 
+/* v_i = sigma omega psi_i' hypot(r_i, a_i) */
+void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *k) {
+    const Params *p = slip->params;
+    const double speed = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * omega;
+    double radius[2], slope[2];
+    for (int i = 0; i < 2; i++) {
+        const double r = p->cam[i].radius, length = sqrt(r * r + k->slope[i].value * k->slope[i].value);
+        const Dual sliding = dual_multiply(
+            k->dpsi_dtheta[i], (Dual){length, k->slope[i].value * k->slope[i].slope / length}); /* per angle */
+        const FrictionCoefficient mu = friction_at(&p->cam[i], speed * sliding.value);
+        const double sign = slip->direction * slip->flank[i], by_speed = sign * mu.by_speed;
+        const Dual f = {sign * mu.value, by_speed * speed * sliding.slope};
+        radius[i] = r;
+        slope[i] = k->slope[i].value;
+        k->friction[i] = f.value;
+        k->dfriction_domega[i] =
+            slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : by_speed * slip->direction * sliding.value;
+        dual_contact_factors_set_varying(&k->factors, i, r, f, k->slope[i]);
+    }
+    dual_contact_factors_multiply(&k->factors);
+    k->dfactors_domega = contact_factors_change(&k->factors, radius, slope, k->dfriction_domega);
+}
+
 static TransmissionPoint straight_point(const TransmissionPiece *piece) {
     return (TransmissionPoint){.slope = {piece->slope[0][0], piece->slope[0][1]}};
 }
 
 static Regime regime_of(const SlipMode *slip) {
     if (has_inertia(slip->params)) return REGIME_INERTIAL;
-    return slip->c + slip->q + slip->params->shaft.damping > 0.0 ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
+    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || slip->friction_varies;
+    return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
 SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const Inputs *inputs, double theta,
@@ -61,8 +86,10 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
     slip.direction = direction;
     for (int i = 0; i < 2; i++) {
         slip.flank[i] = flank[i];
-        slip.signed_friction[i] = direction * flank[i] * p->cam[i].friction;
+        slip.signed_friction[i] = direction * flank[i] * friction_static(&p->cam[i]);
     }
+    slip.friction_varies = any_friction_varies(p);
+    for (int i = 0; slip.friction_varies && i < 2; i++) slip.fall[i] = friction_fall(&p->cam[i], p->tolerance);
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;
     slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;

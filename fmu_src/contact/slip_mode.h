@@ -13,16 +13,21 @@
 
 #include "contact/contact_factors.h"
 #include "geometry/transmission.h"
+#include "model/friction_law.h"
 #include "model/inputs.h"
 #include "model/params.h"
 #include "model/regime.h"
 
-/* Grooves and friction at one theta, with derivatives by theta. */
+/* Grooves and friction at one theta and speed, with derivatives by theta at constant speed. */
 typedef struct {
     Dual dz_dtheta;                    /* z' */
     Dual slope[2], dpsi_dtheta[2];     /* a_i; gamma', phi' */
     Dual d2z_dtheta2, d2gamma_dtheta2; /* z'', gamma''; their slopes only where the follower has mass or inertia */
     DualContactFactors factors;
+    /* Only where friction varies: */
+    double friction[2];             /* f_i */
+    double dfriction_domega[2];     /* s/rad */
+    ContactFactors dfactors_domega; /* derivatives of the factors by the speed */
 } SlipCoefficients;
 
 typedef struct {
@@ -33,7 +38,9 @@ typedef struct {
     Regime regime;
     int direction;                 /* sigma */
     int flank[2];                  /* e_i */
-    double signed_friction[2];     /* f_i = sigma e_i mu_i */
+    double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
+    bool friction_varies;          /* mu_i depends on the sliding speed: see slip_set_friction() */
+    FrictionFall fall[2];          /* where friction varies */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
     bool inputs_are_constant;      /* the inputs are constant */
@@ -45,19 +52,32 @@ typedef struct {
 SlipMode slip_mode_of(const Params *params, const Transmission *transmission, const Inputs *inputs, double theta,
                       int direction, const int flank[2]);
 
-/* The coefficients at theta in a groove that is not straight; returns z, m. */
+/* The coefficients at theta in a groove that is not straight, without friction if friction varies; returns z, m. */
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out);
 
-/* The coefficients at theta, in *storage unless the slip mode holds them; *z is set. */
-static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta,
+/* Where friction varies: sets the friction of the coefficients, and with it their factors, to that at the speed omega.
+ * Along the edge of the stick band (rate-independent) friction is that at rest. */
+void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *coefficients);
+
+/* The coefficients at theta and, where friction varies, at the speed omega; in *storage unless the slip mode holds
+ * them; *z is set. */
+static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta, double omega,
                                                            SlipCoefficients *storage, double *z) {
     const TransmissionPiece *piece = slip->piece;
     if (slip->transmission->straight) {
         *z = piece->z[0] + (theta - piece->middle) * piece->scale * piece->z[1];
-        return &slip->coefficients;
+        if (!slip->friction_varies) return &slip->coefficients;
+        *storage = slip->coefficients;
+    } else {
+        *z = slip_coefficients_curved(slip, theta, storage);
     }
-    *z = slip_coefficients_curved(slip, theta, storage);
+    if (slip->friction_varies) slip_set_friction(slip, omega, storage);
     return storage;
+}
+
+/* f_i */
+static inline double slip_friction(const SlipMode *slip, const SlipCoefficients *k, int i) {
+    return slip->friction_varies ? k->friction[i] : slip->signed_friction[i];
 }
 
 /* The inputs and their rates at one instant. */

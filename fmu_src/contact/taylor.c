@@ -52,9 +52,29 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-static void factors_along(const SlipMode *slip, const Jet slope[2], Taylor *t) {
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i). */
+static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet dpsi_dtheta[2], const Taylor *t, int i) {
+    const CamParams *cam = &slip->params->cam[i];
+    Jet length2 = jet_multiply(&slope[i], &slope[i]), v = {.c = {{0.0, 0.0}}};
+    length2.c[0].value += cam->radius * cam->radius;
+    if (slip->regime != REGIME_RATE_INDEPENDENT) {
+        const Jet length = jet_sqrt(&length2), sliding = jet_multiply(&dpsi_dtheta[i], &length);
+        jet_add_product(&v, slip->direction, &sliding, &t->omega);
+    }
+    const Jet mu = friction_along(cam, i, &v, t->known);
+    Jet f = {.c = {{0.0, 0.0}}};
+    jet_add_scaled(&f, slip->direction * slip->flank[i], &mu);
+    return f;
+}
+
+static void factors_along(const SlipMode *slip, const Jet slope[2], const Jet dpsi_dtheta[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
+        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_VISCOUS_2)) {
+            const Jet f = friction_of(slip, slope, dpsi_dtheta, t, i);
+            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &slope[i]);
+            continue;
+        }
         const Dual mu = seeded(t, cam->friction, (Known)(KNOWN_FRICTION_1 + i));
         jet_contact_factors_set(&t->factors, i, cam->radius, dual_scale(slip->direction * slip->flank[i], mu),
                                 &slope[i]);
@@ -69,11 +89,12 @@ static Jet follow_grooves(const SlipMode *slip, Taylor *t) {
                           jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
     Jet sum = slope[0];
     jet_add_scaled(&sum, 1.0, &slope[1]);
-    const Jet dpsi_dtheta = jet_divide(&slope[1], &sum), dz_dtheta = jet_multiply(&slope[0], &dpsi_dtheta);
+    const Jet dpsi_dtheta[2] = {jet_divide(&slope[1], &sum), jet_divide(&slope[0], &sum)};
+    const Jet dz_dtheta = jet_multiply(&slope[0], &dpsi_dtheta[0]);
     t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
     t->v = jet_multiply(&dz_dtheta, &t->omega);
-    factors_along(slip, slope, t);
-    return jet_multiply(&dpsi_dtheta, &t->omega);
+    factors_along(slip, slope, dpsi_dtheta, t);
+    return jet_multiply(&dpsi_dtheta[0], &t->omega);
 }
 
 void taylor_balance(const SlipMode *slip, Taylor *t) {

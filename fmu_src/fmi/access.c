@@ -179,15 +179,20 @@ static void write_reals(void *values, const ValueReference vr[], size_t n, const
     for (size_t i = 0; i < n; i++) *(double *)address_in(values, vr[i]) = value[i];
 }
 
+static void write_integers(void *values, const ValueReference vr[], size_t n, const int32_t value[]) {
+    for (size_t i = 0; i < n; i++) *(int *)address_in(values, vr[i]) = value[i];
+}
+
+static Draft draft_of(const FmuModel *model) {
+    return (Draft){.params = model->params, .inputs = model->inputs};
+}
+
 /* find_settable() lets pass only tunable parameters and inputs. */
-static bool retune(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                   const double value[]) {
+static bool retune(Instance *instance, const char *function, const Draft *draft) {
     FmuModel *model = &instance->values.model;
-    Draft draft = {.params = model->params, .inputs = model->inputs};
-    write_reals(&draft, vr, n, value);
     Fault fault;
-    if (!model_retune(model, &draft.params, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
-    model->inputs = draft.inputs;
+    if (!model_retune(model, &draft->params, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+    model->inputs = draft->inputs;
     return true;
 }
 
@@ -195,8 +200,13 @@ static bool retune(Instance *instance, const char *function, const ValueReferenc
 static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                           const double value[]) {
     if (!are_good_reals(instance, function, vr, n, value)) return false;
-    if (!instance_has_begun(instance)) write_reals(&instance->values, vr, n, value);
-    else if (!retune(instance, function, vr, n, value)) return false;
+    if (instance_has_begun(instance)) {
+        Draft draft = draft_of(&instance->values.model);
+        write_reals(&draft, vr, n, value);
+        if (!retune(instance, function, &draft)) return false;
+    } else {
+        write_reals(&instance->values, vr, n, value);
+    }
     instance_invalidate(instance);
     return true;
 }
@@ -212,7 +222,7 @@ bool access_set_reals(Instance *instance, const char *function, const ValueRefer
     return true;
 }
 
-/* Only Reals are tunable. So Integers, Booleans and Strings are set before the run begins, without a draft. */
+/* Only Reals and Integers are tunable. So Booleans and Strings are set before the run begins, without a draft. */
 
 bool access_set_integers(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                          const int32_t value[]) {
@@ -221,7 +231,13 @@ bool access_set_integers(Instance *instance, const char *function, const ValueRe
         const Variable *variable = find_settable(instance, function, vr[i], TYPE_INTEGER);
         if (variable == NULL || !accepts(instance, function, variable, value[i])) return false;
     }
-    for (size_t i = 0; i < n; i++) *(int *)address_in(&instance->values, vr[i]) = value[i];
+    if (n > 0 && instance_has_begun(instance)) {
+        Draft draft = draft_of(&instance->values.model);
+        write_integers(&draft, vr, n, value);
+        if (!retune(instance, function, &draft)) return false;
+    } else {
+        write_integers(&instance->values, vr, n, value);
+    }
     instance_invalidate(instance);
     return true;
 }

@@ -32,13 +32,16 @@ enum { FORMAT = 3 }; /* to be raised when the meaning of the bytes changes and t
 /* Equal states must have equal bytes, so the bytes that belong to no member are cleared. A new member does not compile
  * before its padding is dealt with, here or in model_clear_padding(). */
 enum { PARAMS_END = offsetof(Params, table) + sizeof(((Params *)NULL)->table) };
-_Static_assert(sizeof(CamParams) == 5 * sizeof(double) + 2 * sizeof(int), "padding in CamParams");
+enum { LAW_END = offsetof(FrictionParams, stribeck_exponent) + sizeof(int) };
+_Static_assert(LAW_END == 5 * sizeof(double) + sizeof(int), "padding in FrictionParams");
+_Static_assert(sizeof(CamParams) == 6 * sizeof(double) + sizeof(FrictionParams) + 2 * sizeof(int),
+               "padding in CamParams");
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
                                  sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool) +
                                  2 * TABLE_PATH_SIZE,
                "padding in Params");
-_Static_assert(sizeof(Ledger) == 8 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
+_Static_assert(sizeof(Ledger) == 10 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
 _Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");
 _Static_assert(sizeof(Snapshot) ==
                    sizeof(uint64_t) + sizeof(Params) + sizeof(ModelInputs) + sizeof(ModelState) + sizeof(Run),
@@ -46,6 +49,10 @@ _Static_assert(sizeof(Snapshot) ==
 
 static void clear_padding(Snapshot *snapshot) {
     memset((char *)&snapshot->params + PARAMS_END, 0, sizeof(Params) - PARAMS_END);
+    for (int i = 0; i < 2; i++) {
+        FrictionParams *law = &snapshot->params.cam[i].law;
+        memset((char *)law + LAW_END, 0, sizeof *law - LAW_END);
+    }
     model_clear_padding(&snapshot->state);
 }
 

@@ -49,8 +49,9 @@ typedef char *TypeOf_TEXT;
 #include "variables.def"
 
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, ...)                                     \
-    IN_##model(_Static_assert(VARIABILITY_##variability != VARIABILITY_TUNABLE || KIND_##kind == KIND_REAL,            \
-                              #id ": only a Real can be tunable");)
+    IN_##model(_Static_assert(VARIABILITY_##variability != VARIABILITY_TUNABLE || KIND_##kind == KIND_REAL ||          \
+                                  KIND_##kind == KIND_INTEGER,                                                         \
+                              #id ": only a Real or an Integer can be tunable");)
 #include "variables.def"
 
 enum {
@@ -205,6 +206,12 @@ int tunable_known(unsigned reference) {
     switch (reference) {
         case VR_CAM1_FRICTION: return KNOWN_FRICTION_1;
         case VR_CAM2_FRICTION: return KNOWN_FRICTION_2;
+        case VR_CAM1_FRICTION_PEAK: return KNOWN_PEAK_1;
+        case VR_CAM2_FRICTION_PEAK: return KNOWN_PEAK_2;
+        case VR_CAM1_STRIBECK_VELOCITY: return KNOWN_STRIBECK_VELOCITY_1;
+        case VR_CAM2_STRIBECK_VELOCITY: return KNOWN_STRIBECK_VELOCITY_2;
+        case VR_CAM1_FRICTION_VISCOUS: return KNOWN_VISCOUS_1;
+        case VR_CAM2_FRICTION_VISCOUS: return KNOWN_VISCOUS_2;
         case VR_SPRING_PRELOAD: return KNOWN_PRELOAD;
         case VR_SPRING_STIFFNESS: return KNOWN_STIFFNESS;
         case VR_SPRING_STIFFNESS2: return KNOWN_STIFFNESS2;

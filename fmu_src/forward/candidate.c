@@ -36,6 +36,9 @@ Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
     balance_at(slip, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
     const bool starts = slip->regime == REGIME_INERTIAL && m->state.omega.hi == 0.0;
     if (starts && slip->direction * now.alpha < 0.0) now.alpha = now.rhs.value = 0.0;
+    /* Where friction grows with the speed, no speed in this direction may balance the forces. */
+    if (slip->friction_varies && slip->regime == REGIME_VISCOUS)
+        now.rhs.possible &= slip->direction * now.omega >= -REACTION_ZERO_SHARE * now.rhs.size;
     if (slip->regime == REGIME_VISCOUS && slip->direction * now.omega < 0.0) now.omega = now.rhs.value = 0.0;
     return now;
 }

@@ -52,5 +52,9 @@ void jam_propose(const Mechanism *m, Segment *segment) {
     segment_begin(m, SEGMENT_JAM, segment);
     segment->books = energy != 0.0;
     segment->booking = (Booking){.work_in = 0.0};
-    for (int i = 0; i < 2; i++) segment->booking.heat_cam[i] = energy * (sum > 0.0 ? share[i] / sum : 0.5);
+    for (int i = 0; i < 2; i++) {
+        const double heat = energy * (sum > 0.0 ? share[i] / sum : 0.5);
+        segment->booking.heat_cam[i] = heat;
+        if (g->friction[i] > 0.0) segment->booking.wear[i] = wear_per_sliding(&m->params, i) * heat / g->friction[i];
+    }
 }

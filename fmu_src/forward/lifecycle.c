@@ -6,6 +6,7 @@
 #include "contact/check.h"
 #include "forward/configuration.h"
 #include "forward/decide.h"
+#include "model/friction_law.h"
 #include "platform/attributes.h"
 
 /* ---- model ---- */
@@ -26,7 +27,8 @@ void forget_cache(Cache *cache) {
 /* Builds all that follows from params and transmission. */
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
-    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params);
+    m->model.closed_form =
+        USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) && !any_friction_varies(&m->params);
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
         m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};
@@ -37,8 +39,15 @@ static void build_model(Mechanism *m) {
     forget_cache(&m->cache);
 }
 
+static bool check_mechanism(const Params *p, Fault *fault) {
+    return check_params(p, fault) &&
+           (has_inertia(p) ||
+            check_falling_friction(p, "without inertia", "inertia.shaft, inertia.follower_mass or inertia.follower > 0",
+                                   fault));
+}
+
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {
-    if (!check_params(&m->params, fault)) return false;
+    if (!check_mechanism(&m->params, fault)) return false;
     if (!check_transmission(&m->params, m->resources, &m->model.transmission, fault)) return false;
     build_model(m);
     return true;
@@ -68,8 +77,35 @@ bool mechanism_start(Mechanism *m, Fault *fault) {
 
 /* ---- tuning ---- */
 
+static CamTunables tunables_of_cam(const CamParams *cam) {
+    const FrictionParams *law = &cam->law;
+    return (CamTunables){
+        .friction = cam->friction,
+        .peak = law->peak,
+        .stribeck_velocity = law->stribeck_velocity,
+        .stribeck_exponent = law->stribeck_exponent,
+        .viscous = law->viscous,
+        .load_exponent = law->load_exponent,
+        .load = law->load,
+        .wear = cam->wear,
+    };
+}
+
+static void restore_cam(const CamTunables *t, CamParams *cam) {
+    cam->friction = t->friction;
+    cam->law = (FrictionParams){
+        .peak = t->peak,
+        .stribeck_velocity = t->stribeck_velocity,
+        .stribeck_exponent = (int)t->stribeck_exponent,
+        .viscous = t->viscous,
+        .load_exponent = t->load_exponent,
+        .load = t->load,
+    };
+    cam->wear = t->wear;
+}
+
 static Tunables tunables_of(const Params *p) {
-    return (Tunables){{p->cam[0].friction, p->cam[1].friction}, p->spring, p->damper};
+    return (Tunables){{tunables_of_cam(&p->cam[0]), tunables_of_cam(&p->cam[1])}, p->spring, p->damper};
 }
 
 /* Keeps the parameters of the latest step, so that the step can be repeated after they have changed. */
@@ -82,7 +118,7 @@ static void remember_tunables(Mechanism *m, const Params *next) {
 }
 
 bool mechanism_retune(Mechanism *m, const Params *params, Fault *fault) {
-    if (!check_params(params, fault) || !check_jam(params, &m->model.transmission, fault)) return false;
+    if (!check_mechanism(params, fault) || !check_jam(params, &m->model.transmission, fault)) return false;
     const double z = m->configuration.z;
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);
@@ -106,7 +142,7 @@ COLD void mechanism_rewind(Mechanism *m) {
         return;
     }
     const Tunables *t = &s->tunables;
-    for (int i = 0; i < 2; i++) m->params.cam[i].friction = t->friction[i];
+    for (int i = 0; i < 2; i++) restore_cam(&t->cam[i], &m->params.cam[i]);
     m->params.spring = t->spring;
     m->params.damper = t->damper;
     build_model(m);

@@ -48,7 +48,7 @@ static inline void begin_step(const Mechanism *m, double h, Step *step) {
 
 /* Clears the tunable parameters of the latest step: the present step takes its place. */
 static inline void forget_tunables(State *s) {
-    if (s->step.retuned) s->tunables = (Tunables){.friction = {0.0}};
+    if (s->step.retuned) s->tunables = (Tunables){.spring = {.preload = 0.0}};
 }
 
 /* Remembers the start of a step that can no longer fail, before the step moves anything. */

@@ -27,6 +27,7 @@ static void general_slip_loads(const Mechanism *m, int index, LoadOutputs *out) 
     const SlipMode slip = slip_mode_from_here(m, index);
     const Balance now = balance_from_here(m, &slip);
     out->alpha = now.alpha;
+    for (int i = 0; i < 2; i++) out->friction_coefficient[i] = slip.direction * slip.flank[i] * now.friction[i];
     if (slip.regime != REGIME_INERTIAL) {
         Taylor t;
         taylor_of_motion(m, &slip, KNOWN_COUNT, 1, &t);
@@ -65,11 +66,15 @@ void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
     for (int i = 0; i < 2; i++) {
         out->sliding_speed[i] = g->dpsi_dtheta[i] * fabs(omega) * cam_length(g, i);
         out->reaction[i] = stick_reaction(m, i);
+        out->friction_coefficient[i] = g->friction[i];
     }
     if (!is_slip(now.mode)) return;
     LinearSlipMode storage;
     if (is_closed_form(m)) linear_slip_loads(m, linear_slip_of(m, now.slip_index, &storage), out);
     else general_slip_loads(m, now.slip_index, out);
+    for (int i = 0; i < 2; i++)
+        out->friction_power[i] =
+            out->friction_coefficient[i] * fabs(out->reaction[i]) * m->params.contacts * out->sliding_speed[i];
 }
 
 /* ---- accounts ---- */

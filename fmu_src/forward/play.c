@@ -22,6 +22,7 @@ typedef struct {
     int pattern;        /* sign of F_0 and flanks; the edge has a kink where the pattern changes */
     double dz_dtheta;   /* m/rad */
     double heat[2];     /* N.m, friction heat per angle at contact i */
+    double wear[2];     /* m^3 per angle at contact i */
     double reaction[2]; /* N, |R_i|, total of all pin ends */
 } Edge;
 
@@ -44,6 +45,7 @@ static Edge edge_at(const EdgePath *path, double theta) {
         const double x = fabs(t.axial[i] * F_0);
         edge.heat[i] = cam_heat(&g, i) * x;
         edge.reaction[i] = x * cam_length(&g, i);
+        edge.wear[i] = wear_per_sliding(&m->params, i) * edge.reaction[i] * cam_sliding(&g, i);
     }
     return edge;
 }
@@ -83,7 +85,10 @@ static Booking sum_over(const EdgePath *path, double from, double to) {
         const Edge edge = edge_at(path, from + r->node[j] * (to - from));
         const double weight = (to - from) * r->weight[j];
         sum.work_in += weight * edge.torque;
-        for (int i = 0; i < 2; i++) sum.heat_cam[i] += fabs(weight) * edge.heat[i];
+        for (int i = 0; i < 2; i++) {
+            sum.heat_cam[i] += fabs(weight) * edge.heat[i];
+            sum.wear[i] += fabs(weight) * edge.wear[i];
+        }
         sum.work_ext += weight * edge.dz_dtheta * path->m->inputs.F_ext[0];
     }
     return sum;
@@ -92,7 +97,10 @@ static Booking sum_over(const EdgePath *path, double from, double to) {
 static void add(Booking *sum, const Booking *part) {
     sum->work_in += part->work_in;
     sum->work_ext += part->work_ext;
-    for (int i = 0; i < 2; i++) sum->heat_cam[i] += part->heat_cam[i];
+    for (int i = 0; i < 2; i++) {
+        sum->heat_cam[i] += part->heat_cam[i];
+        sum->wear[i] += part->wear[i];
+    }
 }
 
 static bool alike(const Booking *a, const Booking *b, double scale) {

@@ -50,7 +50,10 @@ static inline void segment_apply(Mechanism *m, const Segment *segment) {
     State *state = &m->state;
     if (m->params.ledger) {
         Peaks *peak = &state->ledger.peak;
-        if (segment->books) ledger_book(&state->ledger, &segment->booking);
+        if (segment->books) {
+            ledger_book(&state->ledger, &segment->booking);
+            if (has_wear(&m->params)) ledger_book_wear(&state->ledger, &segment->booking);
+        }
         peak_raise(&peak->torque, segment->peak.torque);
         peak_raise(&peak->omega, segment->peak.omega);
         for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], segment->peak.reaction[i]);

@@ -68,16 +68,18 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    double alpha;            /* rad/s^2 */
-    double gamma;            /* rad */
-    double spring_force;     /* N */
-    double damper_force;     /* N */
-    double reaction[2];      /* N, per pin end; positive on the flank that supports F > 0 */
-    double sliding_speed[2]; /* m/s */
-    double torque_load;      /* N.m, upper edge of the stick band; +inf: jammed */
-    double torque_release;   /* N.m, lower edge of the stick band; -inf: wedged */
-    double efficiency;       /* torque_release / torque_load */
-    int mode;                /* Mode, decided with the present inputs */
+    double alpha;                   /* rad/s^2 */
+    double gamma;                   /* rad */
+    double spring_force;            /* N */
+    double damper_force;            /* N */
+    double reaction[2];             /* N, per pin end; positive on the flank that supports F > 0 */
+    double sliding_speed[2];        /* m/s */
+    double friction_coefficient[2]; /* in effect; at rest the static coefficient */
+    double friction_power[2];       /* W, total of all pin ends */
+    double torque_load;             /* N.m, upper edge of the stick band; +inf: jammed */
+    double torque_release;          /* N.m, lower edge of the stick band; -inf: wedged */
+    double efficiency;              /* torque_release / torque_load */
+    int mode;                       /* Mode, decided with the present inputs */
     int64_t events;
 } LoadOutputs;
 

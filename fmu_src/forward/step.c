@@ -59,7 +59,9 @@ static Outcome check_limits(StepRun *run) {
 /* Near a dwell, where z' = 0, the follower's mass and damper resist no motion. The shaft's damping alone suffices only
  * for a follower without mass: with mass the speed is a state, and its equation needs inertia. */
 static bool nothing_resists(const Mechanism *m) {
-    const bool damped = m->params.shaft.damping > 0.0 && !has_inertia(&m->params);
+    const CamParams *cam = m->params.cam;
+    const bool resisted = m->params.shaft.damping > 0.0 || cam[0].law.viscous > 0.0 || cam[1].law.viscous > 0.0;
+    const bool damped = resisted && !has_inertia(&m->params);
     const bool follower_only = m->params.inertia.shaft == 0.0 && !damped;
     return follower_only && m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
 }

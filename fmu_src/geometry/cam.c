@@ -2,11 +2,13 @@
 
 #include <math.h>
 
+#include "model/friction_law.h"
+
 Geometry cam_geometry(const CamParams cam[2], const double slope[2]) {
     Geometry g = {.dz_dtheta = 0.0};
     for (int i = 0; i < 2; i++) {
         g.radius[i] = cam[i].radius;
-        g.friction[i] = cam[i].friction;
+        g.friction[i] = friction_static(&cam[i]);
         g.slope[i] = fmax(slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
     const double sum = g.slope[0] + g.slope[1];

@@ -12,7 +12,7 @@
 
 typedef struct {
     double radius[2];      /* m, r_i */
-    double friction[2];    /* mu_i */
+    double friction[2];    /* mu_i; cam_geometry() sets the static coefficients */
     double slope[2];       /* m/rad, a_i = r_i tan(lambda_i) */
     double dpsi_dtheta[2]; /* gamma' and phi', the shares of theta that the pin turns in cam 1 and in cam 2 */
     double dz_dtheta;      /* m/rad, z' */
@@ -35,6 +35,11 @@ static inline double cam_length2(const Geometry *g, int i) {
  * (docs/mechanism.md, section 4). */
 static inline double cam_heat(const Geometry *g, int i) {
     return g->friction[i] * cam_length2(g, i) * g->dpsi_dtheta[i];
+}
+
+/* m: sliding distance at contact i per angle of cam 2. */
+static inline double cam_sliding(const Geometry *g, int i) {
+    return g->dpsi_dtheta[i] * sqrt(cam_length2(g, i));
 }
 
 /* m: groove length per angle of cam i. The squares cannot overflow or underflow: a radius is at least 1e-6 m, a slope

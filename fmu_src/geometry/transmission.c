@@ -14,10 +14,11 @@ void transmission_free(Transmission *transmission) {
 }
 
 static bool is_same_groove(const Transmission *transmission, const Params *p, int i) {
-    CamParams cam = p->cam[i];
-    cam.friction = transmission->cam[i].friction;
+    const CamParams *a = &p->cam[i], *b = &transmission->cam[i];
     const char *path = transmission->groove[i].path;
-    return memcmp(&cam, &transmission->cam[i], sizeof cam) == 0 && (path == NULL || strcmp(path, p->table[i]) == 0);
+    return a->profile == b->profile && a->radius == b->radius && a->lead_angle == b->lead_angle &&
+           a->ellipse_a == b->ellipse_a && a->ellipse_b == b->ellipse_b &&
+           a->ellipse_curvature == b->ellipse_curvature && (path == NULL || strcmp(path, p->table[i]) == 0);
 }
 
 bool transmission_is_of(const Transmission *transmission, const Params *p) {

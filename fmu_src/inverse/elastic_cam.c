@@ -40,6 +40,16 @@ static void slip_integrand(const void *scene, double x, QuadratureSample *out) {
     }
 }
 
+/* Reaction times sliding distance per radian of x. */
+static void sliding_integrand(const void *scene, double x, QuadratureSample *out) {
+    const BandEdge *edge = &((const SlipPath *)scene)->edge;
+    EdgePoint point;
+    band_edge_at(edge, x, &point);
+    *out = (QuadratureSample){.branch = isfinite(point.torque) ? edge_point_branch(&point) : -1};
+    for (int i = 0; i < 2 && point.finite; i++)
+        out->rate[RATE_HEAT_CAM1 + i] = edge->direction * contact_statics_sliding(&point.statics, &point.forces, i);
+}
+
 static double sample_angle(double from, double to, int k, int count) {
     return k == count ? to : from + (to - from) * k / count;
 }
@@ -56,7 +66,13 @@ static void next_reversal(const BandEdge *edge, double from, double to, double *
 }
 
 /* Books the path part by part: each part ends at a reversal, where the integrand changes its formula. */
-static bool book_path(SlipPath *path, Quadrature *quadrature, double from, double to) {
+static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double to) {
+    Quadrature *quadrature = cam->quadrature;
+    if (cam->sliding != NULL) {
+        cam->sliding->integrand = sliding_integrand;
+        cam->sliding->scene = path;
+        if (!quadrature_over(cam->sliding, from, to)) return false;
+    }
     quadrature->integrand = slip_integrand;
     quadrature->scene = path;
     for (int part = 0; part < ELASTIC_PATH_PARTS && from != to; part++) {
@@ -114,7 +130,7 @@ bool elastic_cam_slip(ElasticCam *cam, double theta_from, double theta_to, int d
         first = false;
         const double x = rest_on_interval(edge, cam->x, interval_end(edge, cam->x), &rests);
         if (x == cam->x) break;
-        if (cam->quadrature != NULL && !book_path(&path, cam->quadrature, cam->x, x)) return false;
+        if (cam->quadrature != NULL && !book_path(&path, cam, cam->x, x)) return false;
         cam->x = x;
         cam->moved = true;
     }

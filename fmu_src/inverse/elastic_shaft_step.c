@@ -10,7 +10,7 @@
 
 typedef struct {
     ElasticCam cam;
-    Quadrature quadrature;
+    Quadrature quadrature, sliding;
     InverseState *next; /* theta, mode, events and direction go along with cam 2 */
 } ElasticStep;
 
@@ -93,7 +93,9 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
                            Fault *fault) {
     const double shaft_before = shaft_energy(m, next->theta, next->cam);
     ElasticStep step = {.next = next, .quadrature = step_booking_begin(m, &next->ledger)};
+    step.sliding = step.quadrature;
     step.cam = (ElasticCam){.m = m, .x = next->cam, .quadrature = m->params.ledger ? &step.quadrature : NULL};
+    if (has_wear(&m->params)) step.cam.sliding = &step.sliding;
     if (!follow_motion(&step, motion)) {
         snprintf(
             fault->text, sizeof fault->text,
@@ -107,7 +109,8 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     next->cam = step.cam.x;
     next->omega = omega;
     if (m->params.ledger)
-        step_booking_finish(&step.quadrature, shaft_energy(m, next->theta, next->cam) - shaft_before, &next->ledger);
+        step_booking_finish(m, &step.quadrature, &step.sliding, shaft_energy(m, next->theta, next->cam) - shaft_before,
+                            &next->ledger);
     ElasticShaftState end;
     elastic_shaft_state(&step.cam, next->theta, omega, &end);
     enter_mode(next, end.mode);

@@ -13,8 +13,13 @@
 
 /* ---- start and tuning ---- */
 
+static bool check_inverse(const Params *p, Fault *fault) {
+    return check_params(p, fault) && (!(p->shaft.stiffness > 0.0) ||
+                                      check_falling_friction(p, "with an elastic shaft", "shaft.stiffness = 0", fault));
+}
+
 bool inverse_rebuild(Inverse *m, Fault *fault) {
-    return check_params(&m->params, fault) && check_transmission(&m->params, m->resources, &m->transmission, fault);
+    return check_inverse(&m->params, fault) && check_transmission(&m->params, m->resources, &m->transmission, fault);
 }
 
 void inverse_free(Inverse *m) {
@@ -42,7 +47,7 @@ bool inverse_start(Inverse *m, Fault *fault) {
 }
 
 bool inverse_retune(Inverse *m, const Params *params, Fault *fault) {
-    if (!check_params(params, fault) || !check_jam(params, &m->transmission, fault)) return false;
+    if (!check_inverse(params, fault) || !check_jam(params, &m->transmission, fault)) return false;
     const double z = transmission_z(&m->transmission, m->state.cam);
     const double jump = spring_energy(&params->spring, z) - spring_energy(&m->params.spring, z);
     if (m->params.ledger && jump != 0.0) sum_add(&m->state.ledger.work_tuning, jump);

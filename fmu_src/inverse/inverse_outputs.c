@@ -51,12 +51,21 @@ bool inverse_motion_outputs(const Inverse *m, InverseMotionOutputs *out, Fault *
     return true;
 }
 
+static void set_friction(const Inverse *m, const Geometry *g, double omega, InverseTorqueOutputs *out) {
+    for (int i = 0; i < 2; i++) {
+        out->friction_coefficient[i] = g->friction[i];
+        out->friction_power[i] =
+            g->friction[i] * fabs(out->reaction[i]) * m->params.contacts * fabs(omega) * cam_sliding(g, i);
+    }
+}
+
 bool inverse_torque_outputs(const Inverse *m, InverseTorqueOutputs *out, Fault *fault) {
     if (!inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     if (has_elastic_shaft(m)) {
         ElasticShaftState shaft;
         elastic_shaft_present(m, &shaft);
         *out = (InverseTorqueOutputs){.tau = shaft.tau, .reaction = {shaft.reaction[0], shaft.reaction[1]}};
+        set_friction(m, &shaft.statics.geometry, shaft.speed, out);
         return true;
     }
     const OperatingPoint at = rigid_shaft_operating_point(m);
@@ -68,6 +77,7 @@ bool inverse_torque_outputs(const Inverse *m, InverseTorqueOutputs *out, Fault *
     out->tau = required.tau;
     for (int i = 0; i < 2; i++)
         out->reaction[i] = required.forces.x[i] * cam_length(&required.statics.geometry, i) / m->params.contacts;
+    set_friction(m, &required.statics.geometry, at.omega, out);
     return true;
 }
 

@@ -27,8 +27,10 @@ typedef struct {
 } InverseLoadOutputs;
 
 typedef struct {
-    double tau;         /* N.m */
-    double reaction[2]; /* N, per pin end; positive on the flank that supports F > 0 */
+    double tau;                     /* N.m */
+    double reaction[2];             /* N, per pin end; positive on the flank that supports F > 0 */
+    double friction_coefficient[2]; /* in effect; at rest the static coefficient */
+    double friction_power[2];       /* W, total of all pin ends */
 } InverseTorqueOutputs;
 
 /* All in J. */

@@ -46,6 +46,7 @@ static Load load_of(const Params *p, const ContactStatics *statics, const Operat
 bool rigid_shaft_required_torque(const Params *p, const TransmissionPiece *piece, const OperatingPoint *at,
                                  RequiredTorque *out) {
     out->statics = contact_statics_at(p, piece, at->theta);
+    contact_statics_set_speed(p, at->omega, &out->statics);
     out->damper = damper_force(&p->damper, at->direction, out->statics.geometry.dz_dtheta * at->omega);
     out->load = load_of(p, &out->statics, at, out->damper);
     if (!contact_statics_forces(&out->statics, at->direction, &out->load, &out->forces)) return false;

@@ -10,6 +10,12 @@ typedef enum {
     KNOWN_F_EXT,
     KNOWN_FRICTION_1, /* tunable parameters from here on */
     KNOWN_FRICTION_2,
+    KNOWN_PEAK_1, /* of the friction law; [cam 1, cam 2] as KNOWN_FRICTION_* */
+    KNOWN_PEAK_2,
+    KNOWN_STRIBECK_VELOCITY_1,
+    KNOWN_STRIBECK_VELOCITY_2,
+    KNOWN_VISCOUS_1,
+    KNOWN_VISCOUS_2,
     KNOWN_PRELOAD,
     KNOWN_STIFFNESS,
     KNOWN_STIFFNESS2,

@@ -21,6 +21,10 @@ void ledger_book(Ledger *ledger, const Booking *booking) {
     add(&ledger->heat_shaft, booking->heat_shaft);
 }
 
+void ledger_book_wear(Ledger *ledger, const Booking *booking) {
+    for (int i = 0; i < 2; i++) sum_add(&ledger->wear[i], booking->wear[i]);
+}
+
 double ledger_residual(const Ledger *ledger, double stored) {
     const Sum *sink[] = {&ledger->work_ext,    &ledger->heat_cam[0], &ledger->heat_cam[1],
                          &ledger->heat_damper, &ledger->heat_shaft,  &ledger->heat_stop};

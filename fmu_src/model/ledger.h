@@ -18,6 +18,7 @@ typedef struct {
     Sum heat_damper; /* integral of D(v) v */
     Sum heat_shaft;  /* integral of b omega^2 */
     Sum heat_stop;   /* kinetic energy lost at the end stops */
+    Sum wear[2];     /* m^3, volume worn off at one contact with cam i */
     double start;    /* spring and kinetic energy at the start */
     Peaks peak;
 } Ledger;
@@ -27,15 +28,19 @@ typedef struct {
     double residual; /* J, see ledger_residual() */
 } Audit;
 
-/* The amounts that one segment adds to the accounts, J; or their rates, W. */
+/* The amounts that one segment adds to the accounts, J and m^3; or their rates, W and m^3/s. */
 typedef struct {
     double work_in, work_ext;
     double heat_cam[2], heat_damper, heat_shaft;
+    double wear[2]; /* only where has_wear() */
 } Booking;
 
 /* An empty ledger of a mechanism that holds `stored` joules at the start. */
 void ledger_open(Ledger *ledger, double stored);
 void ledger_book(Ledger *ledger, const Booking *booking);
+
+/* To be called only where has_wear(). */
+void ledger_book_wear(Ledger *ledger, const Booking *booking);
 
 /* J: work_in + work_tuning - work_ext - heats - (stored - start), which is zero to rounding. */
 double ledger_residual(const Ledger *ledger, double stored);

@@ -15,13 +15,25 @@
 enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
 enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
 
+/* The friction law of a groove (contact/friction_law.h). The start values are Coulomb's law. */
+typedef struct {
+    double peak;              /* static over kinetic coefficient, >= 1 */
+    double stribeck_velocity; /* m/s, v_s > 0 */
+    double viscous;           /* s/m, mu_v >= 0 */
+    double load_exponent;     /* nu */
+    double load;              /* N, R_ref of one contact */
+    int stribeck_exponent;    /* delta: 1 or 2 */
+} FrictionParams;
+
 typedef struct {
     double radius;     /* m, > 0 */
     double lead_angle; /* rad, in [0, pi/2) */
     double ellipse_a;  /* m */
     double ellipse_b;  /* m */
-    double friction;   /* Coulomb coefficient mu */
-    int profile;       /* PROFILE_* */
+    double friction;   /* kinetic coefficient mu_k; with Coulomb's law the only one */
+    FrictionParams law;
+    double wear; /* m^3/(N.m), specific wear rate K */
+    int profile; /* PROFILE_* */
     int ellipse_curvature;
 } CamParams;
 
@@ -77,7 +89,11 @@ typedef struct {
 
 /* The parameters that may change at a communication point. */
 typedef struct {
-    double friction[2];
+    double friction, peak, stribeck_velocity, stribeck_exponent, viscous, load_exponent, load, wear;
+} CamTunables;
+
+typedef struct {
+    CamTunables cam[2];
     SpringParams spring;
     DamperParams damper;
 } Tunables;
@@ -108,7 +124,19 @@ static inline bool has_inertia(const Params *p) {
 }
 
 static inline bool has_friction(const Params *p) {
-    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0;
+    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0 || p->cam[0].law.viscous > 0.0 ||
+           p->cam[1].law.viscous > 0.0;
+}
+
+/* Is there a specific wear rate, so that the ledger keeps the volumes worn off? */
+static inline bool has_wear(const Params *p) {
+    return p->cam[0].wear > 0.0 || p->cam[1].wear > 0.0;
+}
+
+/* m^3 of one contact per N.m of sliding: per total reaction and sliding distance (J. F. Archard, J. Appl. Phys. 24,
+ * 1953). */
+static inline double wear_per_sliding(const Params *p, int i) {
+    return p->cam[i].wear / p->contacts;
 }
 
 /* Are spring and damper linear? Then slip in straight grooves has a closed form. */

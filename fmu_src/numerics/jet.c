@@ -1,5 +1,7 @@
 #include "numerics/jet.h"
 
+#include <math.h>
+
 Jet jet_of_derivatives(const double u[JET_TERMS]) {
     Jet a = {.c = {{u[0], 0.0}}};
     double factorial = 1.0;
@@ -42,6 +44,29 @@ Jet jet_divide(const Jet *a, const Jet *b) {
         quotient.c[k] = (Dual){value, (rest.slope - value * b->c[0].slope) / b->c[0].value};
     }
     return quotient;
+}
+
+/* e = exp a: de/dt = e da/dt, so that k e_k = sum j a_j e_(k-j). */
+Jet jet_exp(const Jet *a) {
+    const double start = exp(a->c[0].value);
+    Jet e = {.c = {{start, start * a->c[0].slope}}};
+    for (int k = 1; k < JET_TERMS; k++)
+        for (int j = 1; j <= k; j++)
+            e.c[k] = dual_add(e.c[k], dual_scale((double)j / k, dual_multiply(a->c[j], e.c[k - j])));
+    return e;
+}
+
+/* s s = a, so that 2 s_0 s_k = a_k less the products of the coefficients between. */
+Jet jet_sqrt(const Jet *a) {
+    const double start = sqrt(a->c[0].value);
+    const Dual twice_inverse = {0.5 / start, -0.25 * a->c[0].slope / (start * a->c[0].value)};
+    Jet s = {.c = {{start, 0.5 * a->c[0].slope / start}}};
+    for (int k = 1; k < JET_TERMS; k++) {
+        Dual rest = a->c[k];
+        for (int j = 1; j < k; j++) rest = dual_add(rest, dual_scale(-1.0, dual_multiply(s.c[j], s.c[k - j])));
+        s.c[k] = dual_multiply(rest, twice_inverse);
+    }
+    return s;
 }
 
 Jet jet_rate(const Jet *a) {

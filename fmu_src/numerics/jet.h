@@ -25,6 +25,11 @@ void jet_add_scaled(Jet *sum, double factor, const Jet *a);
 Jet jet_multiply(const Jet *a, const Jet *b);
 Jet jet_divide(const Jet *a, const Jet *b);
 
+Jet jet_exp(const Jet *a);
+
+/* a(0) > 0 */
+Jet jet_sqrt(const Jet *a);
+
 /* da/dt; the last coefficient, which a does not determine, is left 0. */
 Jet jet_rate(const Jet *a);
 

@@ -109,20 +109,24 @@ enum { TRANSMISSION_MAX_PIECES = 20000 };
 
 /* ---- contact ---- */
 
-/* Samples per piece of the transmission in the search for jammed contacts. A piece is one smooth polynomial; the pieces
- * of a table, JAM_MANY_PIECES or more, are short. */
+/* Samples per piece of the transmission in the search for jams. The pieces of a table, JAM_MANY_PIECES, are short. */
 enum { JAM_SAMPLES = 64, JAM_SAMPLES_OF_MANY = 8, JAM_MANY_PIECES = 64 };
 
 /* Share of the terms that add up to a reaction below which the reaction is zero and suits either flank: rounding. */
 static const double REACTION_ROUNDING = 16.0 * DBL_EPSILON;
 
-/* Share of balance_load_size() by which a reaction must exceed zero so that a step may skip the search for a change of
- * flank. */
+/* Share of balance_load_size() by which a reaction must exceed zero so that no change of flank is searched for. */
 static const double FLANK_CLEARANCE = 1e-9;
 
 /* The share of the transmission's sizes that counts as a term of z and of the slopes. Sums count as zero below 1e-13 of
  * their terms; the polynomials round by some eps of the transmission's sizes, 1e-2 of 1e-13. */
 static const double TRANSMISSION_TERM_SHARE = 0.01;
+
+/* The search for a speed that friction limits. Where friction falls with the speed: the change of v/v_s in one step, for
+ * longer steps pass over the fall unseen (tests/test_friction_scenes.py), and the exponent at the end of the fall. */
+enum { VISCOUS_ITERATIONS = 200 };
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
 
 /* ---- closed_form ---- */
 
@@ -167,8 +171,9 @@ enum { LINEAR_ROOT_ITERATIONS = 200 };
 
 /* Radau step */
 
-/* Newton's method ends when a correction is this share of what the tolerance allows. */
-static const double RADAU_NEWTON_SHARE = 0.05;
+/* Newton's method ends when a correction is this share of what the tolerance allows; the second one where reactions
+ * follow friction that varies with the speed. */
+static const double RADAU_NEWTON_SHARE = 0.05, RADAU_NEWTON_SHARE_VARYING = 0.001;
 
 /* Share of alpha (without inertia omega), or of the terms that add up to it, below which a correction is rounding. */
 static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
@@ -304,7 +309,7 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 /* Lobatto step */
 
 /* Share of what the tolerance allows that the next sweep may change. */
-static const double LOBATTO_SWEEP_SHARE = 0.05;
+static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_SWEEP_SHARE_VARYING = 0.02 * 0.05;
 
 /* Factor by which a sweep must reduce the change of the sweep before: else Newton's method is faster. */
 static const double LOBATTO_CONTRACTION = 0.1;

@@ -22,7 +22,7 @@ def test_fixed_parameters_in_step_mode(fmu, name):
 def test_tunable_parameters_in_step_mode(fmu, name):
     fmu.start().step(0.01, **drive(fmu, 1.0))
     v = fmu.variables[name]
-    value = v.start + (0.0625 if v.max > v.start else 0.0)
+    value = v.start + (0.0625 if v.max > v.start else 0.0) if v.type == "Real" else int(v.min)
     fmu.set({name: value})
     assert fmu.get(name) == value
     fmu.step(0.01)

@@ -34,6 +34,7 @@ The modules, bottom up (each imports from those above it):
     scene                   inputs of an interval, results at its end
     table, grooves          groove laws
     kinematics              gamma, z and their derivatives by theta
+    friction                friction that depends on the sliding speed
     mechanism               balance of forces, contact loads, acceleration
     segment                 sliding on one pair of flanks up to the first event
     closed_form             a segment at 60 digits
@@ -42,7 +43,7 @@ The modules, bottom up (each imports from those above it):
     stick, flank_choice     decisions: stick or slip, flanks
     band_edge, creep, play  motion without inertia and damping
     simulation              a scene: segments and decisions in turn
-    random_scenes, random_general_scenes
+    random_scenes, random_general_scenes, random_friction_scenes
 """
 
 from .arithmetic import DOUBLE, MP, SIXTY_DIGITS
@@ -64,6 +65,7 @@ from .parameters import (
     Params,
     Refused,
 )
+from .random_friction_scenes import random_friction_scene
 from .random_general_scenes import draw_table, plain, random_general_scene
 from .random_scenes import random_scene
 from .scene import Interval, Point
@@ -104,6 +106,7 @@ __all__ = [
     "draw_table",
     "groove_of",
     "plain",
+    "random_friction_scene",
     "random_general_scene",
     "random_scene",
     "read_table",

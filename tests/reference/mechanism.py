@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.polynomial import Polynomial as Power
+
 from .arithmetic import DOUBLE, Arithmetic, Number
+from .friction import FrictionLaw
 from .grooves import HELIX, groove_of
 from .kinematics import Grooves, Helices, Kinematics
 from .parameters import DEFAULTS, Params, Refused
@@ -54,7 +58,9 @@ class Mechanism:
         }
         self.arithmetic = arithmetic
         self.r1, self.r2 = p["cam1.radius"], p["cam2.radius"]
-        self.mu1, self.mu2 = p["cam1.friction"], p["cam2.friction"]
+        self.laws = FrictionLaw.of_cam(p, 1), FrictionLaw.of_cam(p, 2)
+        self.friction_varies = any(law.varies for law in self.laws)
+        self.mu1, self.mu2 = (law.static for law in self.laws)  # at rest
         self.spring = [p["spring.preload"]] + [p[f"spring.stiffness{i}"] for i in ("", "2", "3")]
         self.damper = {
             +1: (p["damper.c_load"], p["damper.q_load"]),
@@ -72,7 +78,7 @@ class Mechanism:
         self.inertial = bool(self.J + self.m + self.I > 0)
         self._balances: dict[Slip, tuple[Number, Number, Balance]] = {}
         self.linear = not any(self.spring[2:]) and not any(q for _, q in self.damper.values())
-        self.linear = self.linear and isinstance(self.groove, Helices)
+        self.linear = self.linear and isinstance(self.groove, Helices) and not self.friction_varies
 
     def _grooves(self, p: Params) -> Helices | Grooves:
         """Two plain helices in closed form; anything else in double precision."""
@@ -90,7 +96,7 @@ class Mechanism:
 
     def viscous(self, sigma: int) -> bool:
         """Without inertia: does any damper act in this direction?"""
-        return bool(self.b + sum(self.damper[sigma]) > 0)
+        return bool(self.b + sum(self.damper[sigma]) + sum(law.viscous for law in self.laws) > 0)
 
     def spring_force(self, z: Number) -> Number:
         force, k, k2, k3 = self.spring
@@ -111,14 +117,36 @@ class Mechanism:
     def kinetic_energy(self, kin: Kinematics, omega: Number) -> Number:
         return (self.J + self.m * kin.dz**2 + self.I * kin.dgamma**2) * omega**2 / 2
 
-    def balance(self, kin: Kinematics, slip: Slip) -> Balance:
+    def sliding(self, kin: Kinematics) -> tuple[Number, Number]:
+        """m/rad: sliding distance at each contact per angle of cam 2."""
+        half = self.arithmetic.number(0.5)
+        return (
+            kin.dgamma * (self.r1**2 + kin.a1**2) ** half,
+            (1 - kin.dgamma) * (self.r2**2 + kin.a2**2) ** half,
+        )
+
+    def friction(self, kin: Kinematics, slip: Slip, omega: Number) -> tuple[Number, Number]:
+        """mu of both contacts at the speed omega."""
+        if not self.friction_varies:
+            return self.mu1, self.mu2
+        first, second = self.sliding(kin)
+        v = slip.sigma * omega
+        return self.laws[0].at(v * first), self.laws[1].at(v * second)
+
+    def balance(self, kin: Kinematics, slip: Slip, omega: Number = 0) -> Balance:
+        if self.friction_varies and omega != 0:
+            return self._balance(kin, slip, self.friction(kin, slip, omega))
         known = self._balances.get(slip)
         if known is None or known[0] is not kin.a1 or known[1] is not kin.a2:
-            known = self._balances[slip] = (kin.a1, kin.a2, self._balance(kin, slip))
+            known = self._balances[slip] = (
+                kin.a1,
+                kin.a2,
+                self._balance(kin, slip, (self.mu1, self.mu2)),
+            )
         return known[2]
 
-    def _balance(self, kin: Kinematics, slip: Slip) -> Balance:
-        f1, f2 = slip.sigma * slip.e[0] * self.mu1, slip.sigma * slip.e[1] * self.mu2
+    def _balance(self, kin: Kinematics, slip: Slip, mu: tuple[Number, Number]) -> Balance:
+        f1, f2 = slip.sigma * slip.e[0] * mu[0], slip.sigma * slip.e[1] * mu[1]
         n1, n2 = kin.a1 + f1 * self.r1, kin.a2 + f2 * self.r2
         d1, d2 = self.r1 - f1 * kin.a1, self.r2 - f2 * kin.a2
         delta = self.r2 * d1 * n2 + self.r1 * d2 * n1
@@ -139,7 +167,7 @@ class Mechanism:
 
     def load(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Acceleration (with inertia) or speed (without) and the contact loads, by elimination."""
-        q = self.balance(kin, slip)
+        q = self.balance(kin, slip, omega if self.inertial else 0)
         f0 = self.spring_force(kin.z) + f_ext
         if self.inertial:
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
@@ -152,7 +180,11 @@ class Mechanism:
             alpha = drive / mass
         else:
             alpha = omega * 0
-            omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
+            if self.friction_varies:
+                omega = self._rubbed_speed(kin, slip, tau, f0)
+                q = self.balance(kin, slip, omega)
+            else:
+                omega = self._damped_speed(kin, q, slip.sigma, tau, f0)
             force = f0 + self.damper_force(slip.sigma, kin.dz * omega)
         axial = force + self.m * (kin.dz * alpha + kin.ddz * omega**2)
         moment = self.I * (kin.dgamma * alpha + kin.ddgamma * omega**2)
@@ -178,6 +210,29 @@ class Mechanism:
         if under < 0:
             return math.nan
         return 2 * drive / (first + under**0.5) if drive != 0 else drive
+
+    def _rubbed_speed(self, kin: Kinematics, slip: Slip, tau: Number, f0: Number) -> Number:
+        """Without inertia, where the friction coefficients grow in proportion to the speed: the root nearest
+        to zero of the polynomial in omega that delta (tau - b omega) - product (f0 + D(z' omega)) is."""
+        sigma, w = slip.sigma, Power([0.0, 1.0])
+        lengths = self.sliding(kin)
+        f1, f2 = (
+            sigma * e * (law.kinetic + law.viscous * length * sigma * w)
+            for e, law, length in zip(slip.e, self.laws, lengths, strict=True)
+        )
+        n1, n2 = kin.a1 + f1 * self.r1, kin.a2 + f2 * self.r2
+        d1, d2 = self.r1 - f1 * kin.a1, self.r2 - f2 * kin.a2
+        c, quadratic = self.damper[sigma]
+        damper = kin.dz * w * (c + quadratic * kin.dz * sigma * w)
+        delta, product = self.r2 * d1 * n2 + self.r1 * d2 * n1, self.r1 * self.r2 * n1 * n2
+        residual = (delta * (tau - self.b * w) - product * (f0 + damper)).trim()
+        roots = [root.real for root in residual.roots() if abs(root.imag) <= 1e-9 * abs(root)]
+        if not roots:
+            return math.nan
+        root, slope = min(roots, key=abs), residual.deriv()
+        for _ in range(3):
+            root -= residual(root) / slope(root)
+        return float(np.real(root))
 
     def scales(self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number) -> Load:
         """Sizes of the terms whose sums make up a Load: a sum far below the size of its terms counts as
@@ -215,8 +270,19 @@ class Mechanism:
         drag, mass = self.inertia_and_drag(kin, slip, omega)
         stiffness = abs(self.balance(kin, slip).product * self.spring_slope(kin.z) * kin.dz)
         if self.inertial:
-            return abs(drag / mass) + (stiffness / abs(mass)) ** 0.5
+            return abs(drag / mass) + (stiffness / abs(mass)) ** 0.5 + self._rubbing_rate(kin, slip)
         return stiffness / abs(drag) if drag else stiffness * 0
+
+    def _rubbing_rate(self, kin: Kinematics, slip: Slip) -> Number:
+        """1/s: an estimate of the rate at which friction changes the speed."""
+        if not self.friction_varies:
+            return 0
+        _, mass = self.inertia_and_drag(kin, slip)
+        force, rate = abs(self.spring_force(kin.z)) + self.spring_slope(kin.z) * self.reach, 0.0
+        for law, length in zip(self.laws, self.sliding(kin), strict=True):
+            rate += law.kinetic * (law.peak - 1) * length / law.stribeck_velocity + law.viscous * length
+        q = self.balance(kin, slip)
+        return rate * force * abs(q.delta) * max(self.r1, self.r2) / abs(mass)
 
     def inertia_and_drag(self, kin: Kinematics, slip: Slip, omega: Number = 0) -> tuple[Number, Number]:
         """Coefficients of omega and alpha in the balance multiplied through by delta; the damper counts with
@@ -230,11 +296,12 @@ class Mechanism:
     def powers(self, kin: Kinematics, slip: Slip, load: Load, tau: Number, f_ext: Number) -> list[Number]:
         """Rates of the accounts FLOWS."""
         omega, v = load.omega, kin.dz * load.omega
+        mu1, mu2 = self.friction(kin, slip, omega)
         return [
             tau * omega,
             f_ext * v,
-            self.mu1 * abs(load.x1) * (self.r1**2 + kin.a1**2) * kin.dgamma * abs(omega),
-            self.mu2 * abs(load.x2) * (self.r2**2 + kin.a2**2) * (1 - kin.dgamma) * abs(omega),
+            mu1 * abs(load.x1) * (self.r1**2 + kin.a1**2) * kin.dgamma * abs(omega),
+            mu2 * abs(load.x2) * (self.r2**2 + kin.a2**2) * (1 - kin.dgamma) * abs(omega),
             self.damper_force(slip.sigma, v) * v,
             self.b * omega**2,
         ]

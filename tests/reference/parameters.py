@@ -27,6 +27,13 @@ DEFAULTS: dict[str, Any] = {
             "ellipse_curvature": -1,
             "table": "",
             "friction": 0.14,
+            "friction_peak": 1.0,
+            "stribeck_velocity": 0.01,
+            "stribeck_exponent": 2,
+            "friction_viscous": 0.0,
+            "friction_load_exponent": 0.0,
+            "friction_load": 100.0,
+            "wear": 0.0,
         }.items()
     },
     "spring.preload": 50.0,
@@ -50,7 +57,9 @@ DEFAULTS: dict[str, Any] = {
 }
 CAM = [name.removeprefix("cam1.") for name in DEFAULTS if name.startswith("cam1.")]
 INTEGERS = frozenset(
-    name for name in DEFAULTS if name.endswith(("profile", "curvature")) or name == "contacts"
+    name
+    for name in DEFAULTS
+    if name.endswith(("profile", "curvature", "stribeck_exponent")) or name == "contacts"
 )
 
 

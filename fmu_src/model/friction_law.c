@@ -1,0 +1,90 @@
+#include "model/friction_law.h"
+
+#include <math.h>
+
+#include "numerics/tolerances.h"
+
+static double excess_of(const CamParams *cam) {
+    return cam->friction * (cam->law.peak - 1.0); /* of the static coefficient */
+}
+
+/* The exponent -(v/v_s)^delta and its derivative by v/v_s. Tustin's law grows without bound for v < 0; the continuation
+ * ends at v = -v_s. */
+typedef struct {
+    double value, slope;
+} Exponent;
+
+static Exponent stribeck_exponent(const FrictionParams *law, double ratio) {
+    if (law->stribeck_exponent == 2) return (Exponent){-ratio * ratio, -2.0 * ratio};
+    return ratio > -1.0 ? (Exponent){-ratio, -1.0} : (Exponent){1.0, 0.0};
+}
+
+FrictionCoefficient friction_at(const CamParams *cam, double v) {
+    const FrictionParams *law = &cam->law;
+    const double excess = excess_of(cam);
+    FrictionCoefficient mu = {cam->friction + law->viscous * v, law->viscous};
+    if (excess == 0.0) return mu;
+    const double per_speed = 1.0 / law->stribeck_velocity;
+    const Exponent exponent = stribeck_exponent(law, v * per_speed);
+    const double share = excess * exp(exponent.value);
+    mu.value += share;
+    mu.by_speed += share * exponent.slope * per_speed;
+    return mu;
+}
+
+FrictionBase friction_base(const CamParams *cam, double v) {
+    const FrictionParams *law = &cam->law;
+    const double excess = excess_of(cam), without = cam->friction + law->viscous * v;
+    if (excess == 0.0) return (FrictionBase){.v = v, .value = without};
+    const double per_speed = 1.0 / law->stribeck_velocity;
+    const double share = excess * exp(stribeck_exponent(law, v * per_speed).value);
+    return (FrictionBase){.v = v, .value = without + share, .share = share, .per_speed = per_speed};
+}
+
+VectorFriction friction_at_both(const CamParams *cam, Vector2 v) {
+    const FrictionCoefficient a = friction_at(cam, v[0]), b = friction_at(cam, v[1]);
+    return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
+}
+
+FrictionFall friction_fall(const CamParams *cam, double tolerance) {
+    const FrictionParams *law = &cam->law;
+    if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
+    const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
+    const bool gauss = law->stribeck_exponent == 2;
+    return (FrictionFall){
+        .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
+        .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),
+    };
+}
+
+/* ---- jets ---- */
+
+static Dual seeded(double value, Known known, Known first, int i) {
+    return (Dual){value, known == first + (Known)i ? 1.0 : 0.0};
+}
+
+static Dual inverse_of(Dual a) {
+    return (Dual){1.0 / a.value, -a.slope / (a.value * a.value)};
+}
+
+/* exp(-(v/v_s)^delta) */
+static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known known) {
+    const Dual v_s = seeded(law->stribeck_velocity, known, KNOWN_STRIBECK_VELOCITY_1, i), none = {0.0, 0.0};
+    const Jet ratio = jet_line(none, inverse_of(v_s), v);
+    const Jet power = law->stribeck_exponent == 2 ? jet_multiply(&ratio, &ratio) : ratio;
+    const Jet exponent = jet_line(none, (Dual){-1.0, 0.0}, &power);
+    return jet_exp(&exponent);
+}
+
+Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known) {
+    const FrictionParams *law = &cam->law;
+    const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i);
+    const Dual peak = seeded(law->peak, known, KNOWN_PEAK_1, i);
+    const Dual viscous = seeded(law->viscous, known, KNOWN_VISCOUS_1, i);
+    const Dual excess = dual_multiply(kinetic, dual_line(-1.0, 1.0, peak));
+    Jet mu = jet_line(kinetic, viscous, v);
+    if (excess.value == 0.0 && excess.slope == 0.0) return mu;
+    const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line((Dual){0.0, 0.0}, excess, &stribeck);
+    jet_add_scaled(&mu, 1.0, &share);
+    return mu;
+}

@@ -1,0 +1,101 @@
+/* The friction law: the one place that holds mu(v), the friction coefficient of a contact at the sliding speed v.
+ *
+ *     mu(v) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] + mu_v v        (docs/mechanism.md, section 9)
+ *
+ * mu_k: kinetic coefficient; peak: static over kinetic coefficient; v_s: Stribeck velocity; delta: 1 (Tustin) or 2
+ * (Gauss); mu_v: slope of the lubricated branch (B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30,
+ * 1994). With peak = 1 and mu_v = 0 the law is Coulomb's.
+ *
+ * The law stands here once for each arithmetic, as the formulas of contact/contact_factors.h do. Another law replaces
+ * the functions of this header, and nothing else. */
+#ifndef DUALCAM_FRICTION_LAW_H
+#define DUALCAM_FRICTION_LAW_H
+
+#include "model/known.h"
+#include "model/params.h"
+#include "numerics/jet.h"
+#include "numerics/vector2.h"
+
+/* Does the coefficient change while the pin slides? Else the law is Coulomb's. */
+static inline bool friction_varies(const CamParams *cam) {
+    return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0;
+}
+
+static inline bool any_friction_varies(const Params *p) {
+    const FrictionParams *a = &p->cam[0].law, *b = &p->cam[1].law;
+    const bool coulomb = a->peak + b->peak == 2.0 && a->viscous + b->viscous == 0.0; /* without a branch for each */
+    return !coulomb && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
+}
+
+/* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins. */
+static inline double friction_static(const CamParams *cam) {
+    return cam->friction * cam->law.peak;
+}
+
+typedef struct {
+    double value;
+    double by_speed; /* s/m, dmu/dv */
+} FrictionCoefficient;
+
+/* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
+FrictionCoefficient friction_at(const CamParams *cam, double v);
+
+/* The range of speeds in which mu falls steeply. A collocation step that spans more than a part of the range would step
+ * over the fall unseen. */
+typedef struct {
+    double end;  /* m/s, above which the law is smooth; -infinity: everywhere */
+    double span; /* m/s, the change of speed in one step below the end */
+} FrictionFall;
+
+/* `tolerance`: relative, of the motion. */
+FrictionFall friction_fall(const CamParams *cam, double tolerance);
+
+/* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
+static inline double friction_share(const FrictionFall *fall, double v, double to) {
+    if ((v < to ? v : to) >= fall->end) return 1.0;
+    const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
+    return allowed < change ? allowed / change : 1.0;
+}
+
+/* The law at one speed, and what is needed to continue the law to speeds nearby without another exponential. */
+typedef struct {
+    double v;         /* m/s */
+    double value;     /* mu(v) */
+    double share;     /* mu_k (peak - 1) exp(-(v/v_s)^delta), a part of mu */
+    double per_speed; /* s/m, 1/v_s */
+} FrictionBase;
+
+FrictionBase friction_base(const CamParams *cam, double v);
+
+/* mu and dmu/dv at two speeds v. */
+typedef struct {
+    Vector2 value, by_speed;
+} VectorFriction;
+
+/* At any two speeds; friction_near() is faster where they are near those of the base. */
+VectorFriction friction_at_both(const CamParams *cam, Vector2 v);
+
+/* exp(u) for |u| <= 1/4, to some roundings: the Taylor polynomial at u/4, to the fourth power. */
+static inline Vector2 exp_of_small(Vector2 u) {
+    const Vector2 w = 0.25 * u, w2 = w * w, w4 = w2 * w2;
+    const Vector2 low = (1.0 + w) + w2 * (0.5 + w * (1.0 / 6.0));
+    const Vector2 high = (1.0 / 24.0 + w * (1.0 / 120.0)) + w2 * (1.0 / 720.0 + w * (1.0 / 5040.0));
+    const Vector2 root = low + w4 * (high + w4 * (1.0 / 40320.0)), square = root * root;
+    return square * square;
+}
+
+static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
+    const Vector2 none = {0.0, 0.0}, change = (v - base->v) * base->per_speed, ratio = v * base->per_speed;
+    const bool gauss = cam->law.stribeck_exponent == 2;
+    const Vector2 u = gauss ? -(change + 2.0 * base->v * base->per_speed) * change : -change;
+    const double largest = fmax(fabs(u[0]), fabs(u[1])), least = fmin(ratio[0], ratio[1]);
+    if (!(largest <= 0.25 && (gauss || least > -1.0))) return friction_at_both(cam, v);
+    const Vector2 share = base->share * exp_of_small(u), slope = gauss ? -2.0 * ratio : none - 1.0;
+    return (VectorFriction){cam->friction + cam->law.viscous * v + share,
+                            cam->law.viscous + share * slope * base->per_speed};
+}
+
+/* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. */
+Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known);
+
+#endif

@@ -1,0 +1,69 @@
+"""Random scenes with friction that depends on the sliding speed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .arithmetic import DOUBLE
+from .mechanism import Mechanism
+from .parameters import Params
+from .random_general_scenes import random_general_scene
+from .random_scenes import log_uniform, random_scene
+from .scene import Interval
+from .simulation import simulate
+
+HELICAL_EVERY = 3  # every third scene has helical grooves
+ANGLES = 41  # at which the scene must load
+
+
+def random_friction_scene(
+    rng: np.random.Generator, number: int, folder: str | Path
+) -> tuple[dict[str, Any], list[Interval]] | None:
+    """A scene of the other generators with a friction law whose speeds suit its motion; None if no law does.
+    Tables are written into `folder`."""
+    if number % HELICAL_EVERY == 0:
+        params, intervals = random_scene(rng)
+    else:
+        params, intervals = random_general_scene(rng, folder)
+    found = _with_law(rng, dict(params), intervals)
+    return None if found is None else (found, intervals)
+
+
+def _with_law(
+    rng: np.random.Generator, params: dict[str, Any], intervals: list[Interval]
+) -> dict[str, Any] | None:
+    mechanism = Mechanism(params, DOUBLE)
+    middle = mechanism.groove.at((params["stop.upper"] + params.get("stop.lower", 0.0)) / 2)
+    fastest = simulate(params, intervals, 1e-8)[-1].peak["omega"]
+    if not math.isfinite(fastest) or fastest == 0:
+        return None
+    varies = False
+    for i in (1, 2):
+        friction = params.get(f"cam{i}.friction", 0.14)
+        speed = fastest * mechanism.sliding(middle)[i - 1]
+        if friction == 0 or speed == 0:
+            continue
+        if mechanism.inertial and rng.random() < 0.8:
+            params[f"cam{i}.friction_peak"] = 1 + float(rng.uniform(0.05, 1.0))
+            params[f"cam{i}.stribeck_velocity"] = speed * log_uniform(rng, 0.01, 1.0)
+            params[f"cam{i}.stribeck_exponent"] = int(rng.integers(1, 3))
+            varies = True
+        if rng.random() < (0.5 if mechanism.inertial else 0.9):
+            params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
+            varies = True
+    return params if varies and _loads(params) else None
+
+
+def _loads(params: Params) -> bool:
+    """Does a torque load everywhere, with the static coefficients?"""
+    mechanism = Mechanism(params, DOUBLE)
+    for theta in np.linspace(mechanism.lower, mechanism.upper, ANGLES):
+        kin = mechanism.groove.at(float(theta))
+        up = mechanism.static_ratio(kin, 1)
+        if up is None or not 0 <= up < 20 * (kin.dz + 0.2 * mechanism.reach):
+            return False
+    return True

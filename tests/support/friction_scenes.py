@@ -1,0 +1,101 @@
+"""Scenes with friction that depends on the sliding speed, solved by the reference simulator.
+
+    PYTHONPATH=tests:tests/support python tests/support/friction_scenes.py      computes them: some minutes
+
+They are kept in data/friction_scenes.json.gz, as the scenes of general_scenes.py are, and chosen by the same
+rules; the suite recomputes a few of them to prove the file.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import signal
+import tempfile
+from itertools import count
+from multiprocessing import Pool
+from pathlib import Path
+
+import numpy as np
+from general_scenes import (
+    FADING,
+    LARGEST_ERROR,
+    MEASURED,
+    MOST_EVENTS,
+    PATIENCE,
+    PROBE,
+    STILL,
+    Scene,
+    Tables,
+    differences,
+    from_json,
+    nudged,
+    regime,
+    scales,
+    to_json,
+)
+from reference import Refused, random_friction_scene, read_table, simulate
+
+FILE = Path(__file__).resolve().parents[1] / "data" / "friction_scenes.json.gz"
+WANTED = 200
+SEED = 18
+
+
+def candidate(number: int) -> tuple[Scene, Tables] | None:
+    """Scene `number` with its tables, or None if the scene is not fit for a test."""
+
+    def give_up(*_: object) -> None:
+        raise TimeoutError
+
+    with tempfile.TemporaryDirectory() as folder:
+        rng = np.random.default_rng([SEED, number])
+        signal.signal(signal.SIGALRM, give_up)
+        signal.alarm(PATIENCE)
+        try:
+            drawn = random_friction_scene(rng, number, folder)
+            if drawn is None:
+                return None
+            params, intervals = drawn
+            points = simulate(params, intervals)
+            if points[-1].events > MOST_EVENTS:
+                return None
+            others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
+            apart = simulate(*nudged(params, intervals, rng, PROBE))
+        except (Refused, ArithmeticError, ValueError, TypeError, TimeoutError):
+            return None
+        finally:
+            signal.alarm(0)
+        tables = {n: read_table(p) for n, p in params.items() if n.endswith(".table") and p}
+    doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
+    same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]
+    error, size = differences(points, others), scales(points)
+    small = all(error[name] <= LARGEST_ERROR * size[name] for name in MEASURED)
+    closed = all(abs(p.energy["residual"]) <= LARGEST_ERROR * size["energy.residual"] for p in points)
+    if not (doubts <= {FADING, STILL} and (same or doubts) and small and closed):
+        return None
+    moved = differences(points, apart)
+    condition = max(moved[n] / size[n] for n in MEASURED if not n.startswith("peak.")) / PROBE
+    return Scene(number, regime(params), params, intervals, points, error, condition), tables
+
+
+def load(folder: str | Path) -> list[Scene]:
+    """All scenes of the file; their tables are written into `folder`."""
+    return [from_json(entry, Path(folder)) for entry in json.loads(gzip.decompress(FILE.read_bytes()))]
+
+
+def main() -> None:
+    entries = []
+    with Pool() as pool:
+        for found in pool.imap(candidate, count()):
+            if found is None:
+                continue
+            entries.append(to_json(*found))
+            if len(entries) == WANTED:
+                pool.terminate()
+                break
+    FILE.write_bytes(gzip.compress(json.dumps(entries, separators=(",", ":")).encode(), mtime=0))
+    print(f"{len(entries)} scenes, {FILE.stat().st_size / 1000:.0f} kB in {FILE}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,371 @@
+"""Friction that depends on the sliding speed, and wear (docs/mechanism.md, sections 9 and 10): outputs,
+derivatives, tuning, refusals. The motion is in test_friction_scenes.py."""
+
+import math
+
+import numpy as np
+import pytest
+import test_model_exchange as exchange
+import test_output_derivatives as output_derivatives
+import test_step_sensitivity as step_sensitivity
+from driver import Driver, models
+from test_sensitivity import partial
+
+FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
+STRIBECK = {
+    "cam1.friction_peak": 1.6,
+    "cam1.stribeck_velocity": 0.03,
+    "cam1.friction_viscous": 0.3,
+    "cam2.friction_peak": 1.3,
+    "cam2.stribeck_velocity": 0.02,
+    "cam2.stribeck_exponent": 1,
+    "cam2.friction_viscous": 0.05,
+}
+VISCOUS = {"cam1.friction_viscous": 0.4, "cam2.friction_viscous": 0.2}
+WEARING = {"cam1.wear": 2e-13, "cam2.wear": 5e-13}
+TUNED = [
+    f"cam{i}.{n}"
+    for i in (1, 2)
+    for n in ("friction", "friction_peak", "stribeck_velocity", "friction_viscous")
+]
+
+
+def law(p: dict, i: int, v: float) -> float:
+    """mu(v), written from the equation."""
+    mu, peak = p.get(f"cam{i}.friction", 0.14), p.get(f"cam{i}.friction_peak", 1.0)
+    ratio = v / p.get(f"cam{i}.stribeck_velocity", 0.01)
+    fall = math.exp(-(ratio ** p.get(f"cam{i}.stribeck_exponent", 2)))
+    return mu * (1 + (peak - 1) * fall) + p.get(f"cam{i}.friction_viscous", 0.0) * v
+
+
+# ---- the coefficient, and the torque of an imposed motion ----
+
+
+def drawn(rng: np.random.Generator) -> dict:
+    p: dict = {"contacts": int(rng.integers(1, 3)), "spring.stiffness2": 1e5}
+    for i in (1, 2):
+        p |= {
+            f"cam{i}.radius": rng.uniform(0.01, 0.03),
+            f"cam{i}.lead_angle": rng.uniform(0.4, 1.0),
+            f"cam{i}.friction": rng.uniform(0.02, 0.25),
+            f"cam{i}.friction_peak": rng.uniform(1.0, 1.8),
+            f"cam{i}.stribeck_velocity": 10 ** rng.uniform(-3, -1),
+            f"cam{i}.stribeck_exponent": int(rng.integers(1, 3)),
+            f"cam{i}.friction_viscous": rng.uniform(0.0, 0.5),
+        }
+    p |= {"inertia.follower_mass": rng.uniform(0, 3), "inertia.follower": rng.uniform(0, 1e-3)}
+    return p | {"shaft.damping": rng.uniform(0, 0.01), "damper.c_load": rng.uniform(0, 50)}
+
+
+def required(p: dict, theta: float, omega: float, alpha: float, force: float):
+    """Torque, reactions per contact and coefficients: two linear equations on the flanks that agree."""
+    r, s = [p[f"cam{i}.radius"] for i in (1, 2)], [math.tan(p[f"cam{i}.lead_angle"]) for i in (1, 2)]
+    a = [r[0] * s[0], r[1] * s[1]]
+    turn = [a[1] / sum(a), a[0] / sum(a)]
+    dz, sigma, h = a[0] * turn[0], math.copysign(1.0, omega), [math.hypot(1.0, x) for x in s]
+    mu = [law(p, i + 1, turn[i] * abs(omega) * r[i] * h[i]) for i in range(2)]
+    z, v = dz * theta, dz * omega
+    damper = v * (p["damper.c_load"] if omega > 0 else 0.0)
+    axial = 50 + 50000 * z + p["spring.stiffness2"] * z**2 + force + damper
+    axial += p["inertia.follower_mass"] * dz * alpha
+    moment = p["inertia.follower"] * turn[0] * alpha
+    for e in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        f = [sigma * e[i] * mu[i] for i in range(2)]
+        turning = [r[i] * (s[i] + f[i]) / h[i] for i in range(2)]
+        matrix = [[(1 - f[i] * s[i]) / h[i] for i in range(2)], [-turning[0], turning[1]]]
+        load = np.linalg.solve(matrix, [axial, moment])
+        if e[0] * load[0] >= 0 and e[1] * load[1] >= 0:
+            torque = load[1] * turning[1] + p["shaft.damping"] * omega + 0.002 * alpha
+            return (
+                torque,
+                load / p["contacts"],
+                mu,
+                [t * abs(omega) * q * x for t, q, x in zip(turn, r, h, strict=True)],
+            )
+    raise AssertionError("wedged")
+
+
+def test_torque_of_an_imposed_motion(make_model):
+    rng = np.random.default_rng(5)
+    for _ in range(150):
+        p = drawn(rng)
+        at = {
+            "theta": rng.uniform(0.1, 1.2),
+            "omega": rng.choice([-1, 1]) * 10 ** rng.uniform(-2, 1.3),
+            "alpha": rng.uniform(-100, 100),
+            "F_ext": rng.uniform(-20, 50),
+        }
+        fmu = make_model(INVERSE).start(p | at)
+        torque, reactions, mu, speeds = required(p, *at.values())
+        assert fmu.get("tau") == pytest.approx(torque, rel=1e-12, abs=1e-12)
+        for i in (1, 2):
+            assert fmu.get(f"cam{i}.reaction") == pytest.approx(reactions[i - 1], rel=1e-12)
+            assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(mu[i - 1], rel=1e-14)
+            power = mu[i - 1] * abs(reactions[i - 1]) * p["contacts"] * speeds[i - 1]
+            assert fmu.get(f"cam{i}.friction_power") == pytest.approx(power, rel=1e-12)
+
+
+def test_band_has_the_static_coefficients(make_model):
+    static = {f"cam{i}.friction": 0.14 * STRIBECK[f"cam{i}.friction_peak"] for i in (1, 2)}
+    for model in (FORWARD, INVERSE):
+        at = {"initial.theta": 0.5} if model is FORWARD else {"theta": 0.5}
+        laws, coulomb = (make_model(model).start(p | at) for p in (STRIBECK, static))
+        for name in ("torque_load", "torque_release", "efficiency"):
+            assert laws.get(name) == coulomb.get(name)
+        assert [laws.get(f"cam{i}.friction_coefficient") for i in (1, 2)] == list(static.values())
+
+
+def test_breaks_away_at_the_static_and_slips_at_the_kinetic_torque(make_model):
+    """From just beyond the edge the cam runs away until friction has fallen."""
+    fmu = make_model(FORWARD).start(STRIBECK | {"initial.theta": 0.5})
+    edge = fmu.get("torque_load")
+    fmu.step(0.01, tau=edge * (1 - 1e-9))
+    assert (fmu.get("mode"), fmu.get("omega")) == (1, 0.0)
+    fastest = 0.0
+    for _ in range(300):
+        fmu.step(0.0005, tau=edge * (1 + 1e-3))
+        fastest = max(fastest, fmu.get("omega"))
+        for i in (1, 2):
+            expected = law(STRIBECK, i, fmu.get(f"cam{i}.sliding_speed"))
+            assert fmu.get(f"cam{i}.friction_coefficient") == pytest.approx(expected, rel=1e-14)
+    # the fall of friction carries the cam far beyond the angle that holds the torque
+    coulomb = make_model(FORWARD).start({"initial.theta": 0.5})
+    coulomb.step(0.01, tau=coulomb.get("torque_load") * (1 + 1e-3))
+    assert fastest > 0.05
+    assert fmu.get("mode") == 1 and fmu.get("theta") - 0.5 > 4 * (coulomb.get("theta") - 0.5) > 0
+
+
+# ---- wear ----
+
+
+def test_wear_under_coulomb_friction_follows_the_heat(make_model):
+    """V_i = K_i heat_i/(n mu_i), in every way to spend time: closed form, collocation, play, bounces."""
+    grooves = {"cam1.profile": 2, "cam1.lead_angle": 0.8, "cam2.profile": 2, "cam2.lead_angle": 0.7}
+    scenes = [{}, grooves, {"inertia.shaft": 0.0}, grooves | {"inertia.shaft": 0.0}]
+    scenes += [{"inertia.shaft": 0.0, "damper.c_load": 300.0, "damper.c_release": 300.0}, {"contacts": 1}]
+    for scene in scenes:
+        fmu = make_model(FORWARD).start(scene | WEARING)
+        plain = make_model(FORWARD).start(scene)
+        for tau in (3.0, 9.0, 4.0, 12.0, 0.5):
+            for one in (fmu, plain):
+                one.step(0.08, tau=tau)
+            assert fmu.get("theta") == plain.get("theta")
+        for i in (1, 2):
+            heat = fmu.get(f"energy.heat_cam{i}")
+            expected = WEARING[f"cam{i}.wear"] * heat / (scene.get("contacts", 2) * 0.14)
+            assert fmu.get(f"wear.cam{i}") == pytest.approx(expected, rel=1e-9)
+            assert heat > 0.01 and plain.get(f"wear.cam{i}") == 0.0
+
+
+@pytest.mark.parametrize("extra", [{}, {"shaft.stiffness": 30.0}, {"cam1.friction": 0.0}])
+def test_wear_of_an_imposed_motion(make_model, extra):
+    fmu = make_model(INVERSE).start(WEARING | extra)
+    for k in range(1, 41):
+        angle = k * math.pi / 20
+        fmu.step(0.01, theta=0.5 * (1 - math.cos(angle)), omega=0.25 * math.pi / 0.05 * math.sin(angle))
+    for i in (1, 2):
+        mu = extra.get(f"cam{i}.friction", 0.14)
+        heat, wear = fmu.get(f"energy.heat_cam{i}"), fmu.get(f"wear.cam{i}")
+        assert wear > 0.0
+        if mu > 0:
+            assert wear == pytest.approx(WEARING[f"cam{i}.wear"] * heat / (2 * mu), rel=1e-8)
+
+
+def test_wear_where_friction_varies(make_model):
+    """Reaction times sliding speed, summed by the trapezoidal rule over short steps."""
+    fmu = make_model(FORWARD).start(STRIBECK | WEARING | {"initial.theta": 0.2, "initial.omega": 3.0})
+    rates, h = [], 2e-5
+    for _ in range(1000):
+        rates.append([fmu.get(f"cam{i}.reaction") * fmu.get(f"cam{i}.sliding_speed") for i in (1, 2)])
+        fmu.step(h, tau=6.0)
+    rates.append([fmu.get(f"cam{i}.reaction") * fmu.get(f"cam{i}.sliding_speed") for i in (1, 2)])
+    sums = np.trapezoid(rates[1:], dx=h, axis=0)
+    first = np.array(rates[1]) * h
+    for i in (1, 2):
+        wear = fmu.get(f"wear.cam{i}") / WEARING[f"cam{i}.wear"]
+        assert wear == pytest.approx(sums[i - 1] + first[i - 1], rel=2e-3)
+
+
+def test_power_is_the_rate_of_the_heat(make_model):
+    fmu = make_model(FORWARD).start(STRIBECK | {"initial.theta": 0.2, "initial.omega": 3.0})
+    h = 1e-6
+    fmu.step(0.01, tau=6.0)
+    before = [fmu.get(f"energy.heat_cam{i}") for i in (1, 2)]
+    fmu.step(h, tau=6.0)
+    power = [fmu.get(f"cam{i}.friction_power") for i in (1, 2)]
+    for i in (1, 2):
+        assert (fmu.get(f"energy.heat_cam{i}") - before[i - 1]) / h == pytest.approx(power[i - 1], rel=1e-4)
+
+
+# ---- derivatives ----
+
+
+def slope(make_one, known: str, at: float, unknown: str) -> float:
+    """A central difference of order 4."""
+    size = 1e-4 * max(abs(at), 1e-3)
+    values = [make_one(known, at + k * size).get(unknown) for k in (-2, -1, 1, 2)]
+    return (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * size)
+
+
+@pytest.mark.parametrize("omega", [0.3, 4.0, -1.0])
+def test_directional_derivatives(make_model, omega):
+    values = STRIBECK | {"inertia.follower_mass": 1.0, "inertia.follower": 1e-4, "cam2.radius": 0.025}
+    scenes = (
+        (
+            FORWARD,
+            "alpha",
+            {"initial.theta": 0.4, "initial.omega": omega, "tau": 5.0},
+            {"theta", "omega", "tau"},
+        ),
+        (INVERSE, "tau", {"theta": 0.4, "omega": omega, "alpha": 3.0}, {"theta", "omega", "alpha"}),
+    )
+    for model, unknown, at, own in scenes:
+        start = values | at
+
+        def one(name: str, value: float, start=start, model=model) -> Driver:
+            key = f"initial.{name}" if model is FORWARD and name in ("theta", "omega") else name
+            return make_model(model).start(start | {key: value})
+
+        fmu = make_model(model).start(start)
+        for known in [*own, "F_ext", *TUNED]:
+            found = partial(fmu, unknown, known)
+            expected = slope(one, known, fmu.get(known), unknown)
+            assert found == pytest.approx(expected, rel=1e-5, abs=1e-7 * abs(fmu.get(unknown))), known
+
+
+REGIMES = {
+    "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK,
+    "viscous": output_derivatives.REGIMES["viscous"] | VISCOUS,
+    "viscous by friction": VISCOUS,
+}
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("regime", REGIMES)
+@pytest.mark.parametrize("groove", ["helices", "ellipses"])
+def test_output_derivatives(make_model, groove, regime, direction):
+    base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES[groove]
+    fmu, inputs = output_derivatives.slipping(make_model, base | REGIMES[regime], direction)
+    mode = 2 if direction > 0 else 3
+    step = output_derivatives.H["inertial" if regime == "inertial" else "viscous"]
+    output_derivatives.check_between_events(fmu, inputs, 0.3 * step, mode)
+
+
+Scene = step_sensitivity.Scene
+SCENES = {
+    "slip": Scene(step_sensitivity.SLIP | STRIBECK, 6.0, 0.01, size=1e-3),
+    "slip, ellipses": Scene(
+        step_sensitivity.SLIP | STRIBECK | step_sensitivity.ELLIPSES, 6.0, 0.01, size=1e-3
+    ),
+    "to rest": Scene(step_sensitivity.SLIP | STRIBECK, 3.0, 0.05, mode=1, events=1, size=1e-3),
+    "breakaway": Scene(step_sensitivity.REST | STRIBECK, 3.0, 0.03, (100.0,), events=1, size=1e-4),
+    "viscous by friction": Scene(
+        step_sensitivity.REST | step_sensitivity.MASSLESS | VISCOUS | {"damper.c_load": 500.0}, 7.0, 0.02
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_step_sensitivity(make_model, name):
+    step_sensitivity.check(make_model, SCENES[name])
+
+
+# ---- model exchange ----
+
+
+def test_cvode_sees_no_chatter(calls):
+    exchange_scene = (STRIBECK, [(0.0, 0.0), (0.05, 12.0), (0.3, 3.0), (0.6, 30.0), (0.8, -5.0)])
+    values, torque = exchange_scene
+    wanted = exchange.simulate("CoSimulation", values, torque, 1e-11)
+    found = exchange.simulate("ModelExchange", values, torque, 1e-9)
+    for name, size in exchange.SIZE.items():
+        assert np.abs(found[name] - wanted[name]).max() / size <= 1e-5
+    assert calls["enterEventMode"] <= wanted["events"][-1] + 2 * len(torque)
+    assert calls["getDerivatives"] <= 3_000
+
+
+calls = exchange.calls
+
+
+# ---- tuning, states, refusals ----
+
+
+def test_tuning_changes_the_law_at_once(make_model):
+    """A law tuned during a run gives the run that a start with this law at the same state gives."""
+    fmu = make_model(FORWARD).start({"initial.theta": 0.3, "initial.omega": 2.0})
+    fmu.step(0.005, tau=6.0)
+    fmu.set({name: value for name, value in STRIBECK.items() if not name.endswith("exponent")})
+    fmu.set({"cam2.stribeck_exponent": 1})
+    state = {"initial.theta": fmu.get("theta"), "initial.omega": fmu.get("omega")}
+    other = make_model(FORWARD).start(STRIBECK | state)
+    for one in (fmu, other):
+        one.step(0.01, tau=6.0)
+    assert fmu.get("theta") == pytest.approx(other.get("theta"), rel=1e-9)
+    assert fmu.get("cam1.friction_coefficient") == pytest.approx(
+        other.get("cam1.friction_coefficient"), rel=1e-9
+    )
+
+
+def test_a_restored_run_repeats(make_model):
+    fmu = make_model(FORWARD).start(STRIBECK | WEARING)
+    fmu.step(0.05, tau=9.0)
+    state = fmu.take()
+    runs = []
+    for _ in range(2):
+        fmu.restore(state)
+        fmu.time = 0.05
+        fmu.step(0.02, tau=11.0)
+        runs.append([fmu.get(n) for n in ("theta", "omega", "wear.cam1", "energy.heat_cam2")])
+    assert runs[0] == runs[1]
+
+
+REFUSED = {
+    "without inertia": (FORWARD, {"cam2.friction_peak": 1.5, "inertia.shaft": 0.0}, "inertia"),
+    "elastic shaft": (INVERSE, {"cam1.friction_peak": 1.5, "shaft.stiffness": 50.0}, "shaft.stiffness"),
+    "jam at rest": (FORWARD, {"cam1.friction": 0.5, "cam2.friction": 0.6, "cam1.friction_peak": 4.0}, "jam"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refused(make_model, name):
+    model, values, word = REFUSED[name]
+    fmu = make_model(model)
+    fmu.set(values)
+    fmu.setup()
+    fmu.ok("fmi2EnterInitializationMode")
+    text = fmu.refused_start()
+    assert word in text
+    assert next(n for n in values if n.startswith("cam")) in text
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+@pytest.mark.parametrize("value", [0.3, -0.3])
+def test_dependence_on_the_load_is_refused(make_model, model, value):
+    for name in ("cam1.friction_load_exponent", "cam2.friction_load_exponent"):
+        make_model(model).refused_set({name: value}, mentions=(name, "only 0"))
+
+
+def test_tuning_that_is_refused_changes_nothing(make_model):
+    fmu = make_model(FORWARD).start({"inertia.shaft": 0.0})
+    fmu.step(0.01, tau=3.0)
+    before = fmu.get("theta")
+    assert fmu.try_set({"cam1.friction_peak": 1.2}) == 3
+    assert "cam1.friction_peak" in fmu.messages[-1].text
+    fmu.step(0.01, tau=3.0)
+    assert fmu.get("theta") == before
+
+
+def test_without_inertia_friction_that_grows_with_the_speed_is_a_damper(make_model):
+    """Helices under constant load: the speed at which rho(mu(v)) F equals the torque."""
+    values = {"inertia.shaft": 0.0, "spring.stiffness": 0.0, "spring.preload": 500.0, "cam1.friction": 0.1}
+    values |= {"cam2.friction": 0.1, "cam1.friction_viscous": 2.0, "cam2.friction_viscous": 1.0}
+    fmu = make_model(FORWARD).start(values)
+    fmu.step(1e-3, tau=7.0)
+    omega = fmu.get("omega")
+    p = values | {
+        f"cam{i}.{n}": x for i in (1, 2) for n, x in (("radius", 0.02), ("lead_angle", math.pi / 4))
+    }
+    mu = [law(p, i, fmu.get(f"cam{i}.sliding_speed")) for i in (1, 2)]
+    kappa = sum((1 - m) / (0.02 * (1 + m)) for m in mu)
+    assert omega > 0.0
+    assert 500.0 / kappa == pytest.approx(7.0, rel=1e-12)
