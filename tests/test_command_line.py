@@ -295,7 +295,7 @@ def edit_start_values(source, target, values):
 
 def test_info_of_an_fmu_of_another_project(capsys):
     """Its binary has no block of start values."""
-    assert answer(capsys, "info", str(ROOT / "build/HandWritten.fmu"))["warnings"] == []
+    assert answer(capsys, "info", str(ROOT / "build/NullFmu.fmu"))["warnings"] == []
 
 
 def test_a_report_is_one_file_with_its_pictures(design, capsys):
