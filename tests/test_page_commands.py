@@ -94,7 +94,7 @@ PASTED = [
 
 @pytest.mark.parametrize("page, block", PASTED, ids=[f"{name}-{block.line}" for name, block in PASTED])
 def test_blocks_of_the_tutorials_can_be_pasted_into_the_prompt(page, block):
-    """The prompt ends a loop or a function only at an empty line. The tutorials ask for Enter after the block."""
+    """The prompt ends a loop only at an empty line. The tutorials ask for Enter after the block."""
     compile_statement, statement = codeop.CommandCompiler(), []
     for line in [*block.code.rstrip().splitlines(), ""]:
         statement.append(line)
