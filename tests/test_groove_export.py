@@ -56,6 +56,18 @@ def test_one_cam_has_the_name_that_was_given(design, capsys):
     assert rows["z_m"][-1] == pytest.approx(0.02 * np.radians(40.0), rel=1e-12)
 
 
+@pytest.mark.parametrize("cam, hand", [(1, "right"), (2, "left")])
+def test_a_table_of_points_is_named_by_cam_hand_and_number_of_grooves(design, capsys, cam, hand):
+    """The points of the second groove of the solid and of the drawing are half a turn away."""
+    said = run(capsys, "--cam", str(cam), "--export", "D.csv", "--export", "D.dxf").out
+    grooves = "one of 2 equal grooves, the other one is at 180 deg"
+    assert f"D.csv written: cam {cam}, {hand}-handed, {grooves}\n" in said and "D.dxf written\n" in said
+    text = (design / "my.toml").read_text()
+    (design / "my.toml").write_text("contacts = 1\n" + text)
+    said = run(capsys, "--cam", str(cam), "--export", "D.csv", "--force").out
+    assert f"D.csv written: cam {cam}, {hand}-handed, the only groove\n" in said
+
+
 def test_pin_and_run_out_of_the_command(design, capsys):
     run(capsys, "--export", "groove.csv", "--cam", "1", "--pin-diameter", "5 mm", "--run-out", "0.002")
     rows = points("groove.csv")

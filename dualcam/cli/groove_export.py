@@ -153,17 +153,31 @@ class GrooveExport:
             )
         return tuple(file for path in self.files for file in written[path])
 
-    def say_written(self, files: tuple[Path, ...], design: DesignFile) -> None:
+    def say_written(self, design: DesignFile, mechanism: Mechanism) -> None:
         """The files, and what a workshop must know besides."""
-        for file in files:
-            say(f"{file} written")
-        first = "right" if self.loading == "counterclockwise" else "left"
-        hands = {1: first, 2: "left" if first == "right" else "right"}
-        grooves = " and ".join(f"groove {cam} is {hands[cam]}-handed" for cam in self.cams)
+        from dualcam.design.cut.export import groove_files
+
+        for path in self.files:
+            for cam, file in groove_files(path, self.cams).items():
+                content = f": {self._points_of(cam, mechanism)}" if file.suffix.lower() == ".csv" else ""
+                say(f"{file} written{content}")
+        grooves = " and ".join(f"groove {cam} is {self._hand(cam)}-handed" for cam in self.cams)
         say(
             f"{grooves}: cam 2 turns {self.loading} while the spring is loaded, seen from +z. Pin of diameter"
             f" {2e3 * self._pin_radius(design):.6g} mm, run-out {1e3 * (self.run_out or 0.0):.6g} mm"
         )
+
+    def _points_of(self, cam: int, mechanism: Mechanism) -> str:
+        """Which groove a table of points has: a reader of tables knows numbers only, no such words."""
+        if mechanism.contacts == 1:
+            count = "the only groove"
+        else:
+            count = "one of 2 equal grooves, the other one is at 180 deg"
+        return f"cam {cam}, {self._hand(cam)}-handed, {count}"
+
+    def _hand(self, cam: int) -> str:
+        """Of the groove of cam 1 or 2, as in GrooveCut.hand."""
+        return "right" if (self.loading == "counterclockwise") == (cam == 1) else "left"
 
     def _pin_radius(self, design: DesignFile) -> float:
         if self.pin_diameter is not None:
