@@ -77,6 +77,26 @@ def test_pin_and_run_out_of_the_command(design, capsys):
     assert rows["psi_rad"][[0, -1]] == pytest.approx([-turned, np.radians(40.0) + turned], rel=1e-12)
 
 
+def test_a_run_out_is_straight_also_where_the_table_goes_on(design, capsys):
+    """The table steepens beyond the stop; the run-out keeps the slope at the stop, as the help says."""
+    psi = np.linspace(0.0, 1.0, 41)
+    rows = "".join(
+        f"{p!r},{z!r}\n" for p, z in zip(psi.tolist(), (0.02 * psi + 0.01 * psi**2).tolist(), strict=True)
+    )
+    (design / "table.csv").write_text("psi_rad,z_m\n" + rows)
+    cams = "".join(f'[cam{k}]\nradius = 0.02\nprofile = "table"\ntable = "table.csv"\n' for k in (1, 2))
+    (design / "my.toml").write_text(cams + "[stop]\nupper = 1.0\n[pin]\nradius = 0.003\nwidth = 0.008\n")
+    run(capsys, "--export", "g.csv", "--cam", "1", "--run-out", "3 mm")
+    rows = points("g.csv")
+    beyond = rows["psi_rad"] > 0.5
+    stop = 0.02 * 0.5 + 0.01 * 0.25
+    assert beyond.any()
+    straight = stop + 0.03 * (rows["psi_rad"][beyond] - 0.5)
+    assert rows["z_m"][beyond] == pytest.approx(straight, abs=1e-9)
+    said = run(capsys, "--help").out
+    assert "straight at the lead angle of the stop" in " ".join(said.split())
+
+
 def test_the_groove_of_a_wanted_torque_is_cut(design, capsys):
     """With and without its table; both describe the same groove."""
     run(capsys, "--torque", "5", "--export", "cut.csv", "--cam", "1")
@@ -119,8 +139,15 @@ def test_wrong_use(design, capsys, words, mention):
         (["--export", "g.stl"], "g.stl: allowed endings are .csv, .dxf, .step, .stp"),
         (["--export", "nowhere/g.csv"], "the folder nowhere does not exist"),
         (["--export", "g.csv", "--pin-diameter", "6 deg"], '--pin-diameter "6 deg"'),
-        (["--export", "g.csv", "--pin-diameter", "6"], "pin_radius = 3 m: allowed is a number > 0 and below"),
-        (["--export", "g.csv", "--pin-diameter", "-6 mm"], "pin_radius = -0.003 m"),
+        (["--export", "g.csv", "--pin-diameter", "6"], "= 6 m: allowed is more than 0 and less"),
+        (["--export", "g.csv", "--pin-diameter", "6"], "cam 1, 40 mm. A number without unit is in m"),
+        (["--export", "g.csv", "--pin-diameter", "6"], 'write for example --pin-diameter "6 mm"'),
+        (["--export", "g.csv", "--pin-diameter", "50"], 'write for example --pin-diameter "6 mm"'),
+        (["--export", "g.csv", "--pin-diameter", "nan"], "--pin-diameter = nan m"),
+        (
+            ["--export", "g.csv", "--pin-diameter", "-6 mm"],
+            "--pin-diameter = -0.006 m: allowed is more than 0",
+        ),
         (["--export", "g.csv", "--run-out", "nan"], "run_out = nan m"),
         (["--export", "g.csv", "--export", "g.csv"], "g_cam1.csv is written twice"),
         (["--torque", "5e9", "--export", "g.csv"], "torque"),

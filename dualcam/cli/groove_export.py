@@ -63,8 +63,15 @@ OPTIONS = (
         show_default=True,
         help="Which cam --export writes.",
     ),
-    _length("--pin-diameter", "Diameter of the pin, such as '6 mm'. Default: that of [pin]."),
-    _length("--run-out", "Length of groove beyond both stops, such as '3 mm'. Default: 0."),
+    _length(
+        "--pin-diameter",
+        "Diameter of the pin, such as '6 mm'; a number alone is in m. Default: that of [pin].",
+    ),
+    _length(
+        "--run-out",
+        "Length of groove beyond both stops, such as '3 mm': straight at the lead angle of the stop, also"
+        " where a table or an ellipse goes on. Default: 0.",
+    ),
     click.option(
         "--loading",
         type=click.Choice(["counterclockwise", "clockwise"]),
@@ -137,6 +144,7 @@ class GrooveExport:
         """Write all files. A pin and a depth that are not given are those of the design file."""
         from dualcam.design import export_groove
 
+        self._check_pin(mechanism)
         written: dict[Path, tuple[Path, ...]] = {}
         for path in sorted(self.files, key=lambda path: path.suffix.lower() not in SOLID_ENDINGS):
             written[path] = export_groove(  # solids first: they refuse most
@@ -178,6 +186,21 @@ class GrooveExport:
     def _hand(self, cam: int) -> str:
         """Of the groove of cam 1 or 2, as in GrooveCut.hand."""
         return "right" if (self.loading == "counterclockwise") == (cam == 1) else "left"
+
+    def _check_pin(self, mechanism: Mechanism) -> None:
+        """DesignError, in the words of the option, for a pin that fits into no groove."""
+        if self.pin_diameter is None:
+            return
+        cam = min(self.cams, key=lambda cam: mechanism.radius[cam - 1])
+        given, greatest = self.pin_diameter, 2.0 * mechanism.radius[cam - 1]
+        if 0.0 < given < greatest:
+            return
+        like = f'"{given:g} mm"' if 0.0 < 1e-3 * given < greatest else '"6 mm"'
+        raise DesignError(
+            f"--pin-diameter = {given:g} m: allowed is more than 0 and less than the diameter of cam {cam},"
+            f" {1e3 * greatest:.6g} mm. A number without unit is in m: write for example"
+            f" --pin-diameter {like}"
+        )
 
     def _pin_radius(self, design: DesignFile) -> float:
         if self.pin_diameter is not None:
