@@ -496,6 +496,13 @@ def test_a_design_that_the_fmu_refuses_is_refused_in_the_words_of_check(folder, 
     assert not (folder / name).exists()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc is a folder of Linux")
+@pytest.mark.parametrize("command", ["view", "report"])
+def test_a_folder_in_which_no_file_can_be_made_is_named(design, capsys, command):
+    said = spoken(capsys, command, "my.toml", "-o", "/proc/x.html", code=1).err
+    assert "/proc/x.html cannot be opened" in said and "another folder" in said and "Errno" not in said
+
+
 def test_the_findings_of_a_refused_file_are_data(folder, capsys):
     Path("my.toml").write_text("\ncam1.radius = 1979-05-27\n", encoding="utf-8")
     (finding,) = answer(capsys, "check", "my.toml", code=1)["findings"]
