@@ -59,9 +59,9 @@ usage: ./build.sh [command] [arguments]
 python -m pip install -e ".[build]" and python fmu_src/tools/build_fmu.py; for a wheel: python -m pip wheel --no-deps
 --wheel-dir dist .
 
-Needs bash, Python >= 3.11 with venv (or virtualenv) and access to PyPI. The first command makes the virtual
-environment .venv and installs there the packages that pyproject.toml names, the C compiler among them (about 1 GB);
-commands that need more packages add them there. `masters` installs other masters and their packages into
+Needs bash, Python >= 3.11 with venv (or virtualenv), access to PyPI and, for three.js in the page of `dualcam view`,
+to the npm registry. The first command makes the virtual environment .venv and installs there the packages that
+pyproject.toml names, the C compiler among them (about 1 GB); commands that need more packages add them there. `masters` installs other masters and their packages into
 build/masters. The tests use gcc and valgrind when present, `masters` uses Java and Rust.
 Nothing outside this directory is written, apart from the caches of pip and cargo.
 TEXT

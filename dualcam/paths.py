@@ -12,3 +12,11 @@ def path_of(path: object, what: str) -> Path:
     if not isinstance(path, str | Path):
         raise DualcamError(f"{what} {path!r}: allowed is the path of a file (str or Path)")
     return Path(path)
+
+
+def page_path_of(path: object, what: str) -> Path:
+    """As `path_of`, for an HTML page. DualcamError also for a name with another ending."""
+    page = path_of(path, what)
+    if page.suffix.lower() not in (".html", ".htm"):
+        raise DualcamError(f"{page}: allowed are names that end in .html")
+    return page

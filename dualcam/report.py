@@ -19,7 +19,7 @@ from dualcam.design.torque_band import span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.module_calls import explain_call_of
-from dualcam.paths import path_of
+from dualcam.paths import page_path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.report_inputs import Row, input_tables
 from dualcam.simulation import ENERGIES, Trajectory, simulate
@@ -102,9 +102,7 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     ...     write_report(design, Path(folder) / "my_report.html").name
     'my_report.html'
     """
-    path = path_of(path, "the report")
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise DualcamError(f"{path}: allowed are names that end in .html")
+    path = page_path_of(path, "the report")
     path.write_text(report_page(as_design(design, shows_findings=True)), encoding="utf-8")
     return path
 

@@ -295,7 +295,7 @@ def edit_start_values(source, target, values):
 
 def test_info_of_an_fmu_of_another_project(capsys):
     """Its binary has no block of start values."""
-    assert answer(capsys, "info", str(ROOT / "build/HandWritten.fmu"))["warnings"] == []
+    assert answer(capsys, "info", str(ROOT / "build/NullFmu.fmu"))["warnings"] == []
 
 
 def test_a_report_is_one_file_with_its_pictures(design, capsys):
@@ -477,6 +477,30 @@ def test_a_report_on_a_mechanism_that_jams_has_no_numbers_that_are_none(folder, 
     assert "NaN" not in said.err
     page = Path("r.html").read_text(encoding="utf-8")
     assert "infinite: the mechanism jams" in page and ">nan" not in page
+
+
+@pytest.mark.parametrize(
+    "lines",
+    ['[stop]\nupper = "-10 deg"\n', '[cam1]\nlead_angle = "86 deg"\n[cam2]\nlead_angle = "86 deg"\n'],
+)
+@pytest.mark.parametrize("command, name", [("view", "my.html"), ("export", "My.fmu")])
+def test_a_design_that_the_fmu_refuses_is_refused_in_the_words_of_check(folder, capsys, command, name, lines):
+    """With the line of the file and a value that works, and without a name of a C function."""
+    (folder / "bad.toml").write_text(lines, encoding="utf-8")
+    found = answer(capsys, "check", "bad.toml", code=1)["findings"]
+    errors = [finding for finding in found if finding["severity"] == "error"]
+    said = spoken(capsys, command, "bad.toml", "-o", name, code=1).err
+    assert "bad.toml: 1 error" in said and "fmi2" not in said
+    assert all(f"line {error['line']}: {error['text']}" in said for error in errors)
+    assert answer(capsys, command, "bad.toml", "-o", name, code=1)["findings"] == errors
+    assert not (folder / name).exists()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc is a folder of Linux")
+@pytest.mark.parametrize("command", ["view", "report"])
+def test_a_folder_in_which_no_file_can_be_made_is_named(design, capsys, command):
+    said = spoken(capsys, command, "my.toml", "-o", "/proc/x.html", code=1).err
+    assert "/proc/x.html cannot be opened" in said and "another folder" in said and "Errno" not in said
 
 
 def test_the_findings_of_a_refused_file_are_data(folder, capsys):

@@ -167,6 +167,26 @@ def test_mistake_degrees(read, refusal):
     assert "this looks like degrees; 45 deg is 0.785398 rad" in text
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        'stop.upper = "1000 deg"',
+        'cam1.radius = "1.5 m"',
+        'limits.lead_angle = ["5 deg", "80 deg"]',
+        '[scenario]\nstop = "5 min"',
+        '[scenario]\nstop = 1\ninputs.theta = {time = [0, 1], value = ["0 deg", "900 deg"]}',
+        '[scenario]\nstop = 1\ninputs.theta = {time = [0, 1], value = [0, 900], unit = "deg"}',
+    ],
+)
+def test_a_written_unit_is_not_doubted(read, text):
+    assert read(text).warnings == ()
+
+
+def test_a_value_out_of_range_with_its_unit_is_not_called_another_unit(refusal):
+    text = refusal('[cam1]\nlead_angle = "450 deg"\n')
+    assert "allowed is a number from 0 to 1.5708 in rad" in text and "looks like" not in text
+
+
 def test_mistake_millimetres(read):
     found = read("cam1.radius = 18\nspring.stiffness = 32\n[pin]\nradius = 3\nwidth = 8").warnings
     assert [str(one).partition(": this")[0] for one in found] == [

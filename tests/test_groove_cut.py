@@ -286,6 +286,7 @@ def test_the_drawing_read_again(folder, law):
             "STOPS": 8,
             "CYLINDER": 2,
             "MARK": 1,
+            "AXIS": 1,
         }
         dense = np.linspace(cut.begin, cut.end, 20_001)
         for end in range(2):
@@ -315,6 +316,10 @@ def test_the_drawing_read_again(folder, law):
         for words in (f"cam {number}", f"radius {1e3 * cut.radius:g} mm", "diameter 6 mm", "units mm"):
             assert words in texts
         assert ("right-handed" if number == 1 else "left-handed") in texts
+        # the arrow starts at z = 0, points to greater z, where the groove goes, and is beside the surface
+        arrow, (low, high) = lines["AXIS"][0], cut.centre(np.array(cut.travel)).z
+        assert arrow[0, 1] == 0.0 and arrow[1, 1] == arrow[:, 1].max() > 0.0 and high > low
+        assert (arrow[:, 0] < edges[0]).all() and "+z is up: the pin moves up" in texts
 
 
 def test_a_helix_is_drawn_by_single_lines(folder):

@@ -56,6 +56,18 @@ def test_one_cam_has_the_name_that_was_given(design, capsys):
     assert rows["z_m"][-1] == pytest.approx(0.02 * np.radians(40.0), rel=1e-12)
 
 
+@pytest.mark.parametrize("cam, hand", [(1, "right"), (2, "left")])
+def test_a_table_of_points_is_named_by_cam_hand_and_number_of_grooves(design, capsys, cam, hand):
+    """The points of the second groove of the solid and of the drawing are half a turn away."""
+    said = run(capsys, "--cam", str(cam), "--export", "D.csv", "--export", "D.dxf").out
+    grooves = "one of 2 equal grooves, the other one is at 180 deg"
+    assert f"D.csv written: cam {cam}, {hand}-handed, {grooves}\n" in said and "D.dxf written\n" in said
+    text = (design / "my.toml").read_text()
+    (design / "my.toml").write_text("contacts = 1\n" + text)
+    said = run(capsys, "--cam", str(cam), "--export", "D.csv", "--force").out
+    assert f"D.csv written: cam {cam}, {hand}-handed, the only groove\n" in said
+
+
 def test_pin_and_run_out_of_the_command(design, capsys):
     run(capsys, "--export", "groove.csv", "--cam", "1", "--pin-diameter", "5 mm", "--run-out", "0.002")
     rows = points("groove.csv")
@@ -63,6 +75,26 @@ def test_pin_and_run_out_of_the_command(design, capsys):
     assert rows["upper_z_m"] == pytest.approx(wanted.upper.z, abs=1e-15)
     turned = 0.002 * np.sqrt(0.5) / 0.02  # on a helix of 45 deg
     assert rows["psi_rad"][[0, -1]] == pytest.approx([-turned, np.radians(40.0) + turned], rel=1e-12)
+
+
+def test_a_run_out_is_straight_also_where_the_table_goes_on(design, capsys):
+    """The table steepens beyond the stop; the run-out keeps the slope at the stop, as the help says."""
+    psi = np.linspace(0.0, 1.0, 41)
+    rows = "".join(
+        f"{p!r},{z!r}\n" for p, z in zip(psi.tolist(), (0.02 * psi + 0.01 * psi**2).tolist(), strict=True)
+    )
+    (design / "table.csv").write_text("psi_rad,z_m\n" + rows)
+    cams = "".join(f'[cam{k}]\nradius = 0.02\nprofile = "table"\ntable = "table.csv"\n' for k in (1, 2))
+    (design / "my.toml").write_text(cams + "[stop]\nupper = 1.0\n[pin]\nradius = 0.003\nwidth = 0.008\n")
+    run(capsys, "--export", "g.csv", "--cam", "1", "--run-out", "3 mm")
+    rows = points("g.csv")
+    beyond = rows["psi_rad"] > 0.5
+    stop = 0.02 * 0.5 + 0.01 * 0.25
+    assert beyond.any()
+    straight = stop + 0.03 * (rows["psi_rad"][beyond] - 0.5)
+    assert rows["z_m"][beyond] == pytest.approx(straight, abs=1e-9)
+    said = run(capsys, "--help").out
+    assert "straight at the lead angle of the stop" in " ".join(said.split())
 
 
 def test_the_groove_of_a_wanted_torque_is_cut(design, capsys):
@@ -107,8 +139,15 @@ def test_wrong_use(design, capsys, words, mention):
         (["--export", "g.stl"], "g.stl: allowed endings are .csv, .dxf, .step, .stp"),
         (["--export", "nowhere/g.csv"], "the folder nowhere does not exist"),
         (["--export", "g.csv", "--pin-diameter", "6 deg"], '--pin-diameter "6 deg"'),
-        (["--export", "g.csv", "--pin-diameter", "6"], "pin_radius = 3 m: allowed is a number > 0 and below"),
-        (["--export", "g.csv", "--pin-diameter", "-6 mm"], "pin_radius = -0.003 m"),
+        (["--export", "g.csv", "--pin-diameter", "6"], "= 6 m: allowed is more than 0 and less"),
+        (["--export", "g.csv", "--pin-diameter", "6"], "cam 1, 40 mm. A number without unit is in m"),
+        (["--export", "g.csv", "--pin-diameter", "6"], 'write for example --pin-diameter "6 mm"'),
+        (["--export", "g.csv", "--pin-diameter", "50"], 'write for example --pin-diameter "6 mm"'),
+        (["--export", "g.csv", "--pin-diameter", "nan"], "--pin-diameter = nan m"),
+        (
+            ["--export", "g.csv", "--pin-diameter", "-6 mm"],
+            "--pin-diameter = -0.006 m: allowed is more than 0",
+        ),
         (["--export", "g.csv", "--run-out", "nan"], "run_out = nan m"),
         (["--export", "g.csv", "--export", "g.csv"], "g_cam1.csv is written twice"),
         (["--torque", "5e9", "--export", "g.csv"], "torque"),

@@ -3,6 +3,7 @@
 docs/tools/run_page.py runs a page as its reader would. Here it runs all pages that have files or commands.
 """
 
+import codeop
 import csv
 import re
 import tomllib
@@ -80,6 +81,26 @@ def test_every_block_has_a_language(page):
     assert "```" not in outside
     paragraphs = outside.split("\n\n")
     assert [part for part in paragraphs if part.startswith("    ")] == []
+
+
+PASTED = [
+    (name, block)
+    for name, blocks in BLOCKS.items()
+    if name.startswith("docs/tutorial-")
+    for block in blocks
+    if block.language == "python" and not block.file
+]
+
+
+@pytest.mark.parametrize("page, block", PASTED, ids=[f"{name}-{block.line}" for name, block in PASTED])
+def test_blocks_of_the_tutorials_can_be_pasted_into_the_prompt(page, block):
+    """The prompt ends a loop only at an empty line. The tutorials ask for Enter after the block."""
+    compile_statement, statement = codeop.CommandCompiler(), []
+    for line in [*block.code.rstrip().splitlines(), ""]:
+        statement.append(line)
+        if compile_statement("\n".join(statement), "page", "single") is not None:
+            statement = []
+    assert statement == []
 
 
 TOML = [(name, block) for name, blocks in BLOCKS.items() for block in blocks if block.language == "toml"]

@@ -22,9 +22,7 @@ ONLY_FMI3 = re.compile(r"time|indicator\.\w+")  # names that the FMI 2.0 files d
 
 INTRODUCTION = """# All variables of the FMUs
 
-This page is generated. The script `docs/tools/variables_page.py` (`./build.sh figures`) writes the page from
-`modelDescription/fmi3/*.xml`, which come from `fmu_src/variables.def`. Test `tests/test_pages.py` fails where
-the page is old. Page [interface.md](interface.md) explains how the variables are used.
+Read this page to look up a variable. Page [interface.md](interface.md) explains how the variables are used.
 
 - All values are in SI units. The FMUs also name display units (deg, rpm, mm, ...).
 - Column *start*: the value without any setting. Column *allowed*: the range; another value is refused.
@@ -34,6 +32,13 @@ the page is old. Page [interface.md](interface.md) explains how the variables ar
 - FMI 2.0 and FMI 3.0 have the same names and value references. `time` and `indicator.*` exist in FMI 3.0
   only. The FMI 2.0 file of the forward FMU names the states of model exchange `state.theta`, `state.omega`,
   `der(state.theta)` and `der(state.omega)` in addition.
+"""
+
+END = """## Where this page comes from
+
+The script `docs/tools/variables_page.py` (`./build.sh figures`) writes the page from
+`modelDescription/fmi3/*.xml`, which come from `fmu_src/variables.def`. Test `tests/test_pages.py` fails where
+the page is old.
 """
 
 
@@ -173,7 +178,7 @@ def text_of(section: Section, variables: list[tuple[Variable, dict[str, str]]]) 
 def page() -> str:
     """The text of docs/variables.md."""
     variables = merged({word: read_variables(model) for model, word in FMUS.items()})
-    return "\n".join([INTRODUCTION, *(text_of(section, variables) for section in SECTIONS)])
+    return "\n".join([INTRODUCTION, *(text_of(section, variables) for section in SECTIONS), END])
 
 
 def main() -> None:

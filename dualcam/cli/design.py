@@ -88,7 +88,8 @@ def command(
     exported.prepare(force)
     design = open_design(design_file)
     found = None if torque is None else _designed(design, torque, direction, groove2 == "given")
-    files = exported.write(design, design.mechanism() if found is None else found.mechanism)
+    mechanism = design.mechanism() if found is None else found.mechanism
+    files = exported.write(design, mechanism)
     if found is not None and output is not None:
         found.table.write(output)
     cams = (1,) if groove2 == "given" else (1, 2)
@@ -101,7 +102,7 @@ def command(
     if output is not None:
         _say_how_to_use(output, design_file, cams)
     if files:
-        exported.say_written(files, design)
+        exported.say_written(design, mechanism)
 
 
 def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str, Any]:

@@ -6,7 +6,15 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import as_json, design_file, example, fmi_version, open_design, output_file
+from dualcam.cli.options import (
+    as_json,
+    design_file,
+    example,
+    fmi_version,
+    open_design,
+    output_file,
+    refusals_explained,
+)
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -35,7 +43,8 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
 
     require_folder_of(output)
     design = open_design(design_file)
-    written = export_fmu(design, output, int(fmi), model)
+    with refusals_explained(design):
+        written = export_fmu(design, output, int(fmi), model)
     size = written.stat().st_size
     if as_json:
         print_json({"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size})

@@ -63,8 +63,15 @@ OPTIONS = (
         show_default=True,
         help="Which cam --export writes.",
     ),
-    _length("--pin-diameter", "Diameter of the pin, such as '6 mm'. Default: that of [pin]."),
-    _length("--run-out", "Length of groove beyond both stops, such as '3 mm'. Default: 0."),
+    _length(
+        "--pin-diameter",
+        "Diameter of the pin, such as '6 mm'; a number alone is in m. Default: that of [pin].",
+    ),
+    _length(
+        "--run-out",
+        "Length of groove beyond both stops, such as '3 mm': straight at the lead angle of the stop, also"
+        " where a table or an ellipse goes on. Default: 0.",
+    ),
     click.option(
         "--loading",
         type=click.Choice(["counterclockwise", "clockwise"]),
@@ -137,6 +144,7 @@ class GrooveExport:
         """Write all files. A pin and a depth that are not given are those of the design file."""
         from dualcam.design import export_groove
 
+        self._check_pin(mechanism)
         written: dict[Path, tuple[Path, ...]] = {}
         for path in sorted(self.files, key=lambda path: path.suffix.lower() not in SOLID_ENDINGS):
             written[path] = export_groove(  # solids first: they refuse most
@@ -153,16 +161,45 @@ class GrooveExport:
             )
         return tuple(file for path in self.files for file in written[path])
 
-    def say_written(self, files: tuple[Path, ...], design: DesignFile) -> None:
+    def say_written(self, design: DesignFile, mechanism: Mechanism) -> None:
         """The files, and what a workshop must know besides."""
-        for file in files:
-            say(f"{file} written")
-        first = "right" if self.loading == "counterclockwise" else "left"
-        hands = {1: first, 2: "left" if first == "right" else "right"}
-        grooves = " and ".join(f"groove {cam} is {hands[cam]}-handed" for cam in self.cams)
+        from dualcam.design.cut.export import groove_files
+
+        for path in self.files:
+            for cam, file in groove_files(path, self.cams).items():
+                content = f": {self._points_of(cam, mechanism)}" if file.suffix.lower() == ".csv" else ""
+                say(f"{file} written{content}")
+        grooves = " and ".join(f"groove {cam} is {self._hand(cam)}-handed" for cam in self.cams)
         say(
             f"{grooves}: cam 2 turns {self.loading} while the spring is loaded, seen from +z. Pin of diameter"
             f" {2e3 * self._pin_radius(design):.6g} mm, run-out {1e3 * (self.run_out or 0.0):.6g} mm"
+        )
+
+    def _points_of(self, cam: int, mechanism: Mechanism) -> str:
+        """Which groove a table of points has: a reader of tables knows numbers only, no such words."""
+        if mechanism.contacts == 1:
+            count = "the only groove"
+        else:
+            count = "one of 2 equal grooves, the other one is at 180 deg"
+        return f"cam {cam}, {self._hand(cam)}-handed, {count}"
+
+    def _hand(self, cam: int) -> str:
+        """Of the groove of cam 1 or 2, as in GrooveCut.hand."""
+        return "right" if (self.loading == "counterclockwise") == (cam == 1) else "left"
+
+    def _check_pin(self, mechanism: Mechanism) -> None:
+        """DesignError, in the words of the option, for a pin that fits into no groove."""
+        if self.pin_diameter is None:
+            return
+        cam = min(self.cams, key=lambda cam: mechanism.radius[cam - 1])
+        given, greatest = self.pin_diameter, 2.0 * mechanism.radius[cam - 1]
+        if 0.0 < given < greatest:
+            return
+        like = f'"{given:g} mm"' if 0.0 < 1e-3 * given < greatest else '"6 mm"'
+        raise DesignError(
+            f"--pin-diameter = {given:g} m: allowed is more than 0 and less than the diameter of cam {cam},"
+            f" {1e3 * greatest:.6g} mm. A number without unit is in m: write for example"
+            f" --pin-diameter {like}"
         )
 
     def _pin_radius(self, design: DesignFile) -> float:

@@ -105,14 +105,25 @@ def _refuse(error: Exception, as_json: bool) -> int:
 
     if not isinstance(error, DualcamError | OSError):
         raise error
+    text = _of_the_system(error) if isinstance(error, OSError) else str(error)
     if as_json:
         from dualcam.cli.output import print_json
 
         findings = [finding.as_dict() for finding in getattr(error, "findings", ())]
-        print_json({"error": str(error), "findings": findings})
+        print_json({"error": text, "findings": findings})
     else:
-        click.echo(f"dualcam: {error}", err=True)
+        click.echo(f"dualcam: {text}", err=True)
     return REFUSED
+
+
+def _of_the_system(error: OSError) -> str:
+    """The file that the system refuses, and the system's reason."""
+    if error.filename is None:
+        return str(error)
+    return (
+        f"{error.filename} cannot be opened: {error.strerror}. Give another folder, or check the rights of"
+        " this one"
+    )
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -35,6 +36,24 @@ def open_design(path: Path) -> DesignFile:
     for warning in design.warnings:
         click.echo(f"dualcam: warning: {path}: {warning}", err=True)
     return design
+
+
+@contextmanager
+def refusals_explained(design: DesignFile | None) -> Iterator[None]:
+    """DesignFileError with the errors of `dualcam check` where the FMU refuses the design. None is the
+    default mechanism, which the check does not know."""
+    from dualcam.errors import FmuError
+
+    try:
+        yield
+    except FmuError as error:
+        from dualcam.checking import check_design
+        from dualcam.design_file import DesignFileError
+
+        errors = () if design is None else check_design(design).errors
+        if design is None or not errors:
+            raise
+        raise DesignFileError(design.path, errors) from error
 
 
 def example(*lines: str) -> str:

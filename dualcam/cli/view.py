@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from dualcam.cli.options import FILE, as_json, example, open_design, output_file
+from dualcam.cli.options import FILE, as_json, example, open_design, output_file, refusals_explained
 from dualcam.cli.output import print_json, require_folder_of, say
 
 
@@ -25,7 +25,8 @@ def command(design_file: Path | None, output: Path, as_json: bool) -> None:
 
     require_folder_of(output)
     design = None if design_file is None else open_design(design_file)
-    written = write_view(design, output)
+    with refusals_explained(design):
+        written = write_view(design, output)
     size = written.stat().st_size
     if as_json:
         print_json({"view": written, "bytes": size})

@@ -96,7 +96,7 @@ class _Reading:
         values = self._validated(content)
         parameters = self._parameters(values)
         spring_limits = self._spring_limits(values.get("spring", {}))
-        self._check_units(values)
+        self._check_units(values, _keys_with_unit("", content))
         self._read_tables(parameters)
         scenario_table = values.get("scenario")
         model = self._model(scenario_table or {})
@@ -159,7 +159,8 @@ class _Reading:
             text += f" with {', '.join(within)}" if within else ""
         elif kind in ("value", "range"):
             text = f"{key} = {shown}: {problem['msg']}"
-            if kind == "range" and (hint := unit_warning(key, problem["ctx"]["number"])):
+            with_unit = kind != "range" or isinstance(value, str)
+            if not with_unit and (hint := unit_warning(key, problem["ctx"]["number"])):
                 text += f"; {hint.partition(': ')[2]}"
         elif kind == "bool_type":
             text = f"{key} = {shown}: allowed is true or false, without quotes"
@@ -200,15 +201,17 @@ class _Reading:
             return None
         return SpringLimits(free, solid)
 
-    def _check_units(self, values: Mapping[str, Any]) -> None:
-        """Warnings for all numbers of the file."""
+    def _check_units(self, values: Mapping[str, Any], with_unit: set[str]) -> None:
+        """Warnings for all numbers of the file, but for values with a written unit: their unit is known."""
         for key, value in _leaves("", values):
-            if text := unit_warning(key, value):
+            if key not in with_unit and (text := unit_warning(key, value)):
                 self.warn(key, value, text, "unit")
         histories = values.get("scenario", {}).get("inputs", {})
         for name, history in histories.items():
             far = max(history.get("value", ()), key=abs, default=0.0)
-            if text := unit_warning(f"scenario.inputs.{name}", far):
+            if with_unit.isdisjoint(f"scenario.inputs.{name}{part}" for part in ("", ".value", ".unit")) and (
+                text := unit_warning(f"scenario.inputs.{name}", far)
+            ):
                 self.warn(f"scenario.inputs.{name}", far, text, "unit")
 
     # ---- tables ----
@@ -326,6 +329,18 @@ def _leaves(prefix: str, table: Mapping[str, Any]) -> list[tuple[str, Any]]:
             found.append((f"{prefix}{name}", max(value)))
         elif not isinstance(value, Mapping):
             found.append((f"{prefix}{name}", value))
+    return found
+
+
+def _keys_with_unit(prefix: str, table: Mapping[str, Any]) -> set[str]:
+    """Keys, dotted, whose value is text, or a list of texts: a number in quotes has its unit."""
+    found: set[str] = set()
+    for name, value in table.items():
+        key = f"{prefix}{name}"
+        if isinstance(value, Mapping):
+            found |= _keys_with_unit(f"{key}.", value)
+        elif all(isinstance(part, str) for part in (value if isinstance(value, list) else [value])):
+            found.add(key)
     return found
 
 

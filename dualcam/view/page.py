@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import dualcam
 from dualcam.design_file import as_design
-from dualcam.errors import DualcamError, ExportError
+from dualcam.errors import ExportError
 from dualcam.export.scenario import scenario_for, scenario_table
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path, web_path
 from dualcam.model_description import Scalar, read_model_description
-from dualcam.paths import path_of
+from dualcam.paths import page_path_of
 from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
@@ -73,9 +73,7 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
     ...     write_view(design, Path(folder) / "my.html").name
     'my.html'
     """
-    path = path_of(path, "the page")
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise DualcamError(f"{path}: allowed are names that end in .html")
+    path = page_path_of(path, "the page")
     path.write_text(view_page(None if design is None else as_design(design)), encoding="utf-8")
     return path
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualcam.design.cut.groove_cut import Curve, GrooveCut
-from dualcam.design.cut.labels import cut_label, zero_label
+from dualcam.design.cut.labels import axis_label, cut_label, zero_label
 from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
 from dualcam.design.statics import Array, DesignError
 
@@ -25,6 +25,7 @@ LAYERS = {  # name: colour of AutoCAD's index
     "STOPS": 6,
     "CYLINDER": 8,
     "MARK": 9,
+    "AXIS": 2,
     "TEXT": 7,
 }
 
@@ -35,6 +36,7 @@ def write_dxf(cut: GrooveCut, path: Path) -> None:
     for end in range(cut.mechanism.contacts):
         _draw_groove(drawing, cut, end)
     _draw_cylinder(drawing, cut)
+    _draw_axis(drawing, cut)
     _write_text(drawing, cut)
     drawing.saveas(path)
 
@@ -80,11 +82,32 @@ def _line(drawing: Drawing, layer: str, points: Array) -> None:
     drawing.modelspace().add_lwpolyline(points.tolist(), dxfattribs={"layer": layer})
 
 
+def _draw_axis(drawing: Drawing, cut: GrooveCut) -> None:
+    """An arrow along +z beside the left edge of the unwrapped surface, from z = 0, with its name."""
+    height, size = _text_height(cut), 2.0 * MM * cut.pin_radius
+    x = MM * _left_edge(cut) - max(2.0 * size, 4.0 * height)
+    tip = max(MM * float(cut.centre(cut.end).z), 2.0 * size)
+    head = [(x - 0.25 * size, tip - size), (x + 0.25 * size, tip - size)]
+    _line(drawing, "AXIS", np.array([(x, 0.0), (x, tip), *head, (x, tip)]))
+    text = drawing.modelspace().add_text("+z (up)", height=height, dxfattribs={"layer": "TEXT"})
+    text.set_placement((x, tip + 0.6 * height), align=require_ezdxf().enums.TextEntityAlignment.CENTER)
+
+
+def _left_edge(cut: GrooveCut) -> float:
+    """x of the left edge of the unwrapped surface [m]."""
+    middle = cut.radius * float(cut.angle(0.5 * (cut.begin + cut.end)))
+    return middle - math.pi * cut.radius / cut.mechanism.contacts
+
+
+def _text_height(cut: GrooveCut) -> float:
+    """Height of a letter [mm]."""
+    return MM * cut.radius / 12.0
+
+
 def _draw_cylinder(drawing: Drawing, cut: GrooveCut) -> None:
     """Both edges of the unwrapped surface, a turn apart, with all grooves between them; and the mark."""
     turn = 2.0 * math.pi * cut.radius
-    middle = cut.radius * float(cut.angle(0.5 * (cut.begin + cut.end)))
-    left = middle - 0.5 * turn / cut.mechanism.contacts
+    left = _left_edge(cut)
     low, high = (float(cut.centre(psi).z) for psi in (cut.begin, cut.end))
     margin = 2.0 * cut.pin_radius
     for layer, x in (("CYLINDER", left), ("CYLINDER", left + turn), ("MARK", 0.0)):
@@ -92,12 +115,13 @@ def _draw_cylinder(drawing: Drawing, cut: GrooveCut) -> None:
 
 
 def _write_text(drawing: Drawing, cut: GrooveCut) -> None:
-    height = MM * cut.radius / 12.0
+    height = _text_height(cut)
     y = MM * float(cut.centre(cut.begin).z) - 3.0 * MM * cut.pin_radius
     lines = [
         cut_label(cut),
         f"unwrapped at the radius {MM * cut.radius:.6g} mm, seen from outside, units mm",
         zero_label(),
+        axis_label(),
         f"lines are within {1e6 * CHORD_ERROR:g} um of the curves",
     ]
     for k, line in enumerate(lines):

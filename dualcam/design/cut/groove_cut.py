@@ -64,7 +64,8 @@ class GrooveCut:
         Radius of the pin [m].
     run_out : float
         Length by which the groove goes on beyond both ends of the pin's travel [m], straight at the lead
-        angle of that end. 0: the round ends of the groove touch the pin at the stops.
+        angle of that end, also where the groove law goes on. 0: the round ends of the groove touch the pin at
+        the stops.
     loading : {"counterclockwise", "clockwise"}
         In which direction cam 2 turns while the spring is loaded, seen from +z. The groove of cam 1 is
         right-handed for counterclockwise, that of cam 2 left-handed; for clockwise the other way round.

@@ -18,3 +18,8 @@ def cut_label(cut: GrooveCut) -> str:
 def zero_label() -> str:
     """Where the zeros are, and which flank carries the spring."""
     return "angle 0 and z = 0: axis of the pin at theta = 0; the lower flank carries the spring"
+
+
+def axis_label() -> str:
+    """Where +z points."""
+    return "+z is up: the pin moves up while the spring is loaded"
