@@ -79,7 +79,7 @@ static double held_between(const EdgePath *path, double from, double to) {
 }
 
 /* The heats and the work along the edge over [from, to], by the Radau rule of order 13. */
-static Booking sum_over(const EdgePath *path, double from, double to) {
+NOINLINE static Booking sum_over(const EdgePath *path, double from, double to) {
     const Radau *r = radau_of(RADAU_MAX);
     Booking sum = {.work_in = 0.0};
     for (int j = 0; j < r->stages; j++) {
