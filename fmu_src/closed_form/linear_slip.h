@@ -89,9 +89,10 @@ ContactLoad linear_slip_contact(const LinearSlipMode *linear, const Params *para
 ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params *params, const Geometry *g,
                                      const SlipStart *start, int i);
 
-/* Work and heat over the segment that `kernel` and `motion` describe, J. Computes kernel->square if needed. */
-Booking linear_slip_booking(const LinearSlipMode *linear, const Params *params, const Geometry *g,
-                            const SlipStart *start, const LinearMotion *motion, Kernel *kernel);
+/* Work and heat over the segment that `kernel` and `motion` describe, J, and with has_wear() the wear. Computes
+ * kernel->square if needed. */
+void linear_slip_book(const LinearSlipMode *linear, const Params *params, const Geometry *g, const SlipStart *start,
+                      const LinearMotion *motion, Kernel *kernel, Booking *booking);
 
 /* Work and heat of the rate-independent jump by dtheta, rad, along the edge of the stick band, J. The torque taken is
  * that of the edge, rho F. */
