@@ -37,7 +37,6 @@ typedef struct {
     double speed[2], acceleration[2];
     double reaction[2]; /* N per unit of x_i: reaction at one pin end */
     double heat[2];     /* m^2: the heat flow at contact i is heat x_i omega, >= 0 */
-    double wear[2];     /* m^4/N: the wear per time at contact i is wear x_i omega, >= 0 */
     double damper;      /* N.s/m, c in this direction */
 } LinearSlipMode;
 

@@ -239,7 +239,7 @@ static inline RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficients 
                                  : rhs_of_coefficients(slip, k, z, in, omega);
 }
 
-NOINLINE RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
+RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);
