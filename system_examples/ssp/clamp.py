@@ -1,11 +1,11 @@
-"""The spring clamp as a system of FMUs: the cam, its servo, and a thermal network that changes the cam's friction.
+"""The spring clamp as a system of FMUs: the cam, its servo, and a thermal network that warms the grease.
 
-    servo --tau--> cam --theta, omega--> servo
-    servo (tau), cam (theta, omega, z) --> thermal --stribeck_velocity, friction_viscous--> cam (parameters)
+    servo --command--> cam --theta, omega--> servo
+    servo (command), cam (theta, omega, z) --> thermal
+    thermal --stribeck_velocity, friction_viscous--> tunable parameters of the cam
 
-The thermal network is an FMU of its own. It gets the friction heat from the energy balance of the cam, which needs
-outputs of the cam alone. The way back ends at tunable parameters of the cam: SSP 1.0 has connectors of the kind
-"parameter" for it.
+The thermal network is an FMU of its own. It gets the friction heat from the energy balance of the cam, and so
+needs no more than outputs of the cam. The way back ends at connectors of the kind "parameter".
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from system_examples.ssp.components import band_values, cam_component, motion_va
 from system_examples.ssp.package import ExampleSystem
 
 MOTION_CONNECTIONS = (
-    ("servo.tau", "cam.tau"),
+    ("servo.command", "cam.tau"),
     ("cam.theta", "servo.theta"),
     ("cam.omega", "servo.omega"),
-    ("servo.tau", "thermal.tau"),
+    ("servo.command", "thermal.tau"),
     ("cam.theta", "thermal.theta"),
     ("cam.omega", "thermal.omega"),
     ("cam.z", "thermal.z"),
@@ -32,7 +32,7 @@ FRICTION_CONNECTIONS = tuple(
 )
 WATCHED = (
     "cam.theta",
-    "servo.tau",
+    "servo.command",
     "thermal.temperature.contact",
     "thermal.temperature.housing",
     "thermal.heat_in",
@@ -46,7 +46,7 @@ def servo_component() -> Component:
     """The servo with its start values."""
     servo = clamp.Servo()
     values = {
-        "sample": clamp.SAMPLE,
+        "tick": clamp.SAMPLE,
         "settling": clamp.SETTLING,
         "bandwidth": servo.bandwidth,
         "inertia": clamp.INERTIA,
@@ -68,8 +68,8 @@ def thermal_component() -> Component:
         "conductance.air": NETWORK.air_conductance,
         "air": NETWORK.air,
         "oil.b": b,
-        "oil.c": c,
         "oil.reference": REFERENCE,
+        "oil.span": REFERENCE - c,
         "reference.stribeck_velocity": GREASE.stribeck_velocity,
         "reference.friction_viscous": GREASE.viscous,
         "spring.preload": clamp.PRELOAD,

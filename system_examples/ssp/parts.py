@@ -177,16 +177,14 @@ CLAMP_SERVO = Part(
     "Servo of a spring clamp: position control with feed-forward",
     ("clamp_servo.c", "reference.c"),
     (
-        THETA,
-        OMEGA,
-        output_variable("tau", "N.m", "torque on the cam"),
-        parameter("sample", "s", 5e-3, "time between two commands"),
+        *CONTROLLER,
         parameter("settling", "s", 0.1, "time for which the servo goes on after a move"),
         parameter("bandwidth", "1/s", 60.0, "both poles of the error without friction"),
         INERTIA,
         *BAND_MODEL,
         *MOTION,
         *START,
+        NEWEST_COMMAND,
     ),
 )
 THERMAL_NETWORK = Part(
@@ -211,8 +209,8 @@ THERMAL_NETWORK = Part(
         parameter("conductance.air", "W/K", 0.25, "conductance from the housing to the air"),
         parameter("air", "K", 293.15, "temperature of the air, and of both masses at the start"),
         parameter("oil.b", "K", 1000.0, "Vogel's B"),
-        parameter("oil.c", "K", 178.15, "Vogel's C"),
         parameter("oil.reference", "K", 313.15, "temperature of the two reference values"),
+        parameter("oil.span", "K", 135.0, "that temperature less Vogel's C"),
         parameter("reference.stribeck_velocity", "m/s", 0.02, "Stribeck velocity there"),
         parameter("reference.friction_viscous", "s/m", 0.25, "slope of the lubricated branch there"),
         parameter("spring.preload", "N", 50.0, "force of the cam's spring at z = 0"),

@@ -22,7 +22,8 @@ static double stored(const double v[]) {
 
 /* Vogel's law over its value at the reference temperature: the factor A cancels. */
 static double relative_viscosity(const double v[], double temperature) {
-    return exp(v[OIL_B] / (temperature - v[OIL_C]) - v[OIL_B] / (v[OIL_REFERENCE] - v[OIL_C]));
+    const double span = v[OIL_SPAN] + (temperature - v[OIL_REFERENCE]); /* temperature less Vogel's C */
+    return exp(v[OIL_B] / span - v[OIL_B] / v[OIL_SPAN]);
 }
 
 static void set_friction(double v[]) {
