@@ -11,7 +11,7 @@ The FMU knows no temperature. The loop is closed outside the FMU, once per cycle
 heat of each contact, and the coefficients of friction can be tuned during a run. The comparison is the same
 clamp whose friction stays that of the cold start.
 
-Grease: a mineral base oil of ISO VG 100 under Vogel's law (dualcam.systems.grease). Thermal network: contact
+Grease: the base oil of a usual grease under Vogel's law (dualcam.systems.grease). Thermal network: contact
 zone and housing, in air (dualcam.systems.thermal_network). Clamp, servo, numbers: dualcam.systems.clamp. The
 coefficients of friction are plausible, not measured.
 
@@ -70,8 +70,9 @@ def design_table() -> list[str]:
         f" {load:.1f} N.m",
         f"Cycle: {MOTION.period:.0f} s, moves of {MOTION.move:.1f} s; sliding speed up to"
         f" {1e3 * clamp.sliding_speed(MOTION.peak_speed):.0f} mm/s",
-        f"Base oil: ISO VG {GREASE.oil.grade:.0f}, eta = {1e6 * a:.1f} uPa.s exp({b:.0f} K/(T - {c:.2f} K)),"
-        f" at {HALL - CELSIUS:.0f} degC {viscous:.1f} times as viscous as at 40 degC",
+        f"Base oil: {GREASE.oil.viscosity_40:.0f} mm2/s at 40 degC, {GREASE.oil.viscosity_100:.0f} mm2/s at"
+        f" 100 degC; eta = {1e6 * a:.1f} uPa.s exp({b:.0f} K/(T - {c:.2f} K)),",
+        f"          at {HALL - CELSIUS:.0f} degC {viscous:.1f} times as viscous as at 40 degC",
         f"Air {NETWORK.air - CELSIUS:.0f} degC; contact zone {NETWORK.contact_capacity:.0f} J/K, housing"
         f" {NETWORK.housing_capacity:.0f} J/K; {NETWORK.contact_conductance:.2f} W/K between them,"
         f" {NETWORK.air_conductance:.2f} W/K to the air",

@@ -14,9 +14,15 @@ keeps its shape over eta v, so two of its coefficients move with the temperature
 
 The static and the kinetic coefficient are those of the boundary layer and stay as they are.
 
-Sources. Vogel's law with all constants from the viscosity grade, for mineral oils of viscosity index 100:
-ISO 7902-1 (plain bearings; formerly DIN 31652), with eta_x = 0.18 mPa.s and C = -95 degC. Viscosity grades:
-ISO 3448. Hersey number: M. D. Hersey, The laws of lubrication of horizontal journal bearings (1914).
+The three constants of Vogel's law come from two numbers of a data sheet, the kinematic viscosities at 40 and
+100 degC. The third point is that at 0 degC on the straight line of ASTM D341 through both:
+
+    log10(log10(nu + 0.7)) = a - b log10(T)        nu in mm2/s
+
+Between 0 and 120 degC both laws differ by 2 % at most. The density is taken as constant.
+
+Sources: H. Vogel, Physikalische Zeitschrift 22 (1921); ASTM D341; M. D. Hersey, The laws of lubrication of
+horizontal journal bearings, Journal of the Washington Academy of Sciences 4 (1914).
 """
 
 from __future__ import annotations
@@ -24,17 +30,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from dualcam.errors import DesignError
 
 CELSIUS = 273.15  # K, 0 degC
 REFERENCE = CELSIUS + 40.0  # K, the temperature of viscosity grades (ISO 3448)
-COLDEST, HOTTEST = CELSIUS - 20.0, CELSIUS + 120.0  # K, where the law is used
-
-# ln(eta/eta_x) = (159.56 K/(T - C) - 0.1819) ln(eta(40 degC)/eta_x), for viscosity index 100
-ETA_X = 0.18e-3  # Pa.s
-POLE = CELSIUS - 95.0  # K, Vogel's C
-NUMERATOR, SUBTRAHEND = 159.56, 0.1819  # K, 1
+BOILING = CELSIUS + 100.0  # K, the other temperature of data sheets
+COLDEST, HOTTEST = CELSIUS, CELSIUS + 120.0  # K, where the law is used
 
 
 def check_number(name: str, value: float, least: float, unit: str, *, above: bool = False) -> None:
@@ -70,44 +73,56 @@ def check_number(name: str, value: float, least: float, unit: str, *, above: boo
 
 @dataclass(frozen=True)
 class BaseOil:
-    """The base oil of a grease: a mineral oil of viscosity index 100.
+    """The base oil of a grease, from its data sheet.
 
     Parameters
     ----------
-    grade : float
-        Viscosity grade by ISO 3448: kinematic viscosity at 40 degC [mm2/s].
+    viscosity_40 : float
+        Kinematic viscosity at 40 degC [mm2/s].
+    viscosity_100 : float
+        Kinematic viscosity at 100 degC [mm2/s], above 1 and below that at 40 degC.
     density : float
         Density [kg/m3].
 
     Raises
     ------
     DesignError
-        A value is not finite or not > 0.
+        A value is not finite or not in its range.
 
     Examples
     --------
     >>> from dualcam.systems.grease import BaseOil
-    >>> oil = BaseOil(grade=100.0, density=880.0)
+    >>> oil = BaseOil(viscosity_40=110.0, viscosity_100=11.0, density=900.0)
     >>> [round(oil.viscosity(273.15 + t), 4) for t in (0.0, 40.0, 100.0)]  # Pa.s
-    [1.918, 0.088, 0.0093]
+    [2.2107, 0.099, 0.0099]
     """
 
-    grade: float
-    density: float = 880.0
+    viscosity_40: float
+    viscosity_100: float
+    density: float = 900.0
 
     def __post_init__(self) -> None:
-        check_number("grade", self.grade, 0.0, "mm2/s", above=True)
         check_number("density", self.density, 0.0, "kg/m3", above=True)
+        check_number("viscosity_100", self.viscosity_100, 1.0, "mm2/s", above=True)
+        check_number("viscosity_40", self.viscosity_40, self.viscosity_100, "mm2/s", above=True)
 
-    @property
-    def _exponent(self) -> float:
-        """ln(eta(40 degC)/eta_x)."""
-        return math.log(self.density * self.grade * 1e-6 / ETA_X)
-
-    @property
+    @cached_property
     def vogel(self) -> tuple[float, float, float]:
         """Vogel's A [Pa.s], B [K] and C [K]."""
-        return ETA_X * math.exp(-SUBTRAHEND * self._exponent), NUMERATOR * self._exponent, POLE
+        points = (CELSIUS, REFERENCE, BOILING)
+        cold, middle, hot = (math.log(1e-6 * self.density * self._astm_d341(t)) for t in points)
+        # (cold - middle)/(middle - hot) holds C alone, linear in numerator and denominator.
+        ratio = (cold - middle) / (middle - hot)
+        spans = (points[1] - points[0]) / (points[2] - points[1])
+        c = (ratio * points[0] - spans * points[2]) / (ratio - spans)
+        b = (middle - hot) / (1.0 / (points[1] - c) - 1.0 / (points[2] - c))
+        return math.exp(middle - b / (points[1] - c)), b, c
+
+    def _astm_d341(self, temperature: float) -> float:
+        """Kinematic viscosity [mm2/s] on the line of ASTM D341."""
+        at_40, at_100 = (math.log10(math.log10(nu + 0.7)) for nu in (self.viscosity_40, self.viscosity_100))
+        share = math.log10(temperature / REFERENCE) / math.log10(BOILING / REFERENCE)
+        return float(10.0 ** (10.0 ** (at_40 + share * (at_100 - at_40))) - 0.7)
 
     def viscosity(self, temperature: float) -> float:
         """Dynamic viscosity by Vogel's law.
@@ -115,7 +130,7 @@ class BaseOil:
         Parameters
         ----------
         temperature : float
-            Temperature [K], from -20 to 120 degC.
+            Temperature [K], from 0 to 120 degC.
 
         Returns
         -------
@@ -129,7 +144,7 @@ class BaseOil:
         """
         if not COLDEST <= temperature <= HOTTEST:
             raise DesignError(
-                f"temperature = {temperature!r} K: allowed is {COLDEST:g} to {HOTTEST:g} K (-20 to 120 degC),"
+                f"temperature = {temperature!r} K: allowed is {COLDEST:g} to {HOTTEST:g} K (0 to 120 degC),"
                 " the range of the viscosity law"
             )
         a, b, c = self.vogel
@@ -141,7 +156,7 @@ class BaseOil:
         Parameters
         ----------
         temperature : float
-            Temperature [K], from -20 to 120 degC.
+            Temperature [K], from 0 to 120 degC.
 
         Returns
         -------
@@ -181,9 +196,9 @@ class GreasedContact:
     Examples
     --------
     >>> from dualcam.systems.grease import BaseOil, GreasedContact
-    >>> contact = GreasedContact(BaseOil(100.0), 0.08, 1.5, 0.02, 0.25)
+    >>> contact = GreasedContact(BaseOil(110.0, 11.0), 0.08, 1.5, 0.02, 0.25)
     >>> [round(contact.coefficient(0.05, 273.15 + t), 3) for t in (5.0, 20.0, 40.0)]  # 0.05 m/s
-    [0.242, 0.125, 0.093]
+    [0.246, 0.125, 0.093]
     """
 
     oil: BaseOil
@@ -204,7 +219,7 @@ class GreasedContact:
         Parameters
         ----------
         temperature : float
-            Temperature [K], from -20 to 120 degC.
+            Temperature [K], from 0 to 120 degC.
 
         Returns
         -------
@@ -227,7 +242,7 @@ class GreasedContact:
         speed : float
             Sliding speed [m/s], >= 0; 0: at rest.
         temperature : float
-            Temperature [K], from -20 to 120 degC.
+            Temperature [K], from 0 to 120 degC.
 
         Returns
         -------
@@ -249,7 +264,7 @@ class GreasedContact:
         Parameters
         ----------
         temperature : float
-            Temperature [K], from -20 to 120 degC.
+            Temperature [K], from 0 to 120 degC.
 
         Returns
         -------

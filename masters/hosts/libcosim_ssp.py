@@ -52,7 +52,7 @@ for _ in range(work.rows):
         raise SystemExit("libcosim refused a step")
     rows.append(values(columns))
     sources = values([source for source, _ in passed])
-    for (_, target), value in zip(passed, sources, strict=True):
+    for (_source, target), value in zip(passed, sources, strict=True):
         if not manipulator.slave_real_values(target[0], [target[1]], [value]):
             raise SystemExit(f"libcosim refused to set the variable of value reference {target[1]}")
 work.save(rows)
