@@ -161,9 +161,10 @@ def draw_torque(axes: Axes, results: Results) -> None:
     """The torque at mid-stroke over time."""
     for name, record in results.items():
         for middles, style in ((record.loading, "-"), (record.releasing, "--")):
-            axes.plot(record.time / 60.0, [m.torque for m in middles], style, color=COLOURS[name], label=None)
-    axes.text(30.0, 19.0, "loading", color=COLOURS[WARMING])
-    axes.text(30.0, 11.2, "releasing", color=COLOURS[WARMING])
+            axes.plot(record.time / 60.0, [m.torque for m in middles], style, color=COLOURS[name])
+    for torque, label in ((18.5, "loading"), (11.2, "releasing")):
+        axes.text(30.0, torque, label, color=COLOURS[WARMING])
+    axes.text(30.0, 22.6, COLD, color=COLOURS[COLD], ha="center")
     axes.set(title="Torque at mid-stroke", xlabel="time [min]", ylabel="torque [N.m]", xlim=(0.0, 60.0))
     axes.set(ylim=(0.0, 26.0))
 
