@@ -1,4 +1,4 @@
-"""The SSP package of the spring clamp: parts beside the Python version, connections that end at parameters."""
+"""The SSP package of the spring clamp: parts beside the Python version, connections to parameters."""
 
 import zipfile
 from pathlib import Path
