@@ -224,6 +224,28 @@ def test_warm_up_is_that_of_the_heat_at_each_temperature(results):
         assert state[:2] == pytest.approx(tuple(expected[:, column]), abs=0.1)
 
 
+def test_the_stick_band_stays_while_the_clamp_warms_up():
+    """The boundary layer carries the load at rest."""
+    bands = []
+    with Fmu(FMU) as fmu:
+        loop = clamp.Clamp(fmu, HALL, clamp.Servo())
+        for temperature in (HALL, HALL + 20.0):
+            loop.warm_to(temperature)
+            bands.append((fmu.real("torque_release"), fmu.real("torque_load")))
+    assert bands[0] == bands[1]
+    static = math.atan(0.12)
+    expected = [0.0125 * 500.0 * math.tan(math.pi / 4.0 + sign * static) for sign in (-1.0, 1.0)]
+    assert bands[0] == pytest.approx(tuple(expected), rel=1e-12)
+
+
+def test_fmi_3_gives_the_same_run():
+    ends = []
+    for version in (2, 3):
+        with Fmu("forward", fmi=version) as fmu:
+            ends.append(clamp.run(fmu, 10).thermal[-1])
+    assert ends[0] == ends[1]
+
+
 # ---- bad input ----
 
 
@@ -280,6 +302,9 @@ def test_text_of_the_page(results):
     drift = [100.0 * (m[-1].torque / m[0].torque - 1.0) for m in (warm.loading, warm.releasing)]
     heat = [record.ledger_heat / 1e3 for record in (warm, cold)]
     end = [record.thermal[-1].contact - CELSIUS for record in (warm, cold)]
+    torque = [middle.torque for middle in warm.loading]
+    first_minute = round(60.0 / MOTION.period)
+    assert (torque[0] - torque[first_minute]) / (torque[0] - torque[-1]) == pytest.approx(0.5, abs=0.05)
     text = " ".join(PAGE.split())
     for phrase in (
         f"The loading torque falls by {-drift[0]:.0f} %, the releasing torque rises by {drift[1]:.0f} %.",
