@@ -9,6 +9,7 @@ import numpy as np
 import package
 import pytest
 from driver import ROOT
+from fmpy.ssp.simulation import simulate_ssp
 from install import Failed, Missing
 from lxml import etree
 
@@ -145,6 +146,14 @@ def test_structure_is_valid_and_ends_at_inputs_and_tunable_parameters(package_of
     with Fmu(CAM) as fmu:
         for _, end in system_module.FRICTION_CONNECTIONS:
             assert fmu.variable(end.partition(".")[2]).variability == "tunable"
+
+
+def test_fmpy_ignores_connections_to_parameters(package_of):
+    """FMPy also ignores start values: all FMUs have their own, and the cam moves nevertheless."""
+    runs = [simulate_ssp(str(system.path), stop_time=1.0, step_size=1e-3) for system in package_of.values()]
+    assert np.ptp(runs[0]["cam.theta"]) > 0.1
+    assert runs[0]["thermal.friction_viscous"][1] > 0.5
+    assert np.array_equal(runs[0]["cam.theta"], runs[1]["cam.theta"])
 
 
 # ---- what runs the masters, without the masters ----
