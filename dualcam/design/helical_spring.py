@@ -91,6 +91,8 @@ class HelicalSpring:
     fatigue_strength : float, optional
         Shear stress amplitude that the wire endures at mean stress 0 [Pa], for example from the Goodman
         diagram of EN 13906-1 for the wire; from Zimmerli's measurements if not given.
+    guided : bool
+        Whether a rod or a sleeve guides the spring, so that the spring cannot buckle.
 
     Raises
     ------
@@ -119,6 +121,7 @@ class HelicalSpring:
     shear_modulus: float = SHEAR_MODULUS
     shot_peened: bool = False
     fatigue_strength: float | None = None
+    guided: bool = False
 
     def __post_init__(self) -> None:
         for name in ("wire_diameter", "shear_modulus", "tensile_strength", "fatigue_strength"):
@@ -305,7 +308,7 @@ class HelicalSpring:
         Returns
         -------
         float
-            Deflection [m]; infinite for a spring that never buckles.
+            Deflection [m]; infinite for a spring that is guided or never buckles.
 
         Raises
         ------
@@ -333,6 +336,6 @@ class HelicalSpring:
         share = self.shear_modulus / YOUNGS_MODULUS
         slender = math.pi * self.coil_diameter / (SEATING * free_length)
         argument = 1.0 - (1.0 - share) / (0.5 + share) * slender**2
-        if argument < 0.0:
+        if argument < 0.0 or self.guided:
             return math.inf
         return free_length * 0.5 / (1.0 - share) * (1.0 - math.sqrt(argument))

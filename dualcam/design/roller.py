@@ -19,6 +19,7 @@ import math
 from dataclasses import dataclass
 
 from dualcam.design.statics import DesignError
+from dualcam.unit_guards import warn_units
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,10 @@ class Roller:
                 f"lever_arm = {self.lever_arm:g} m: allowed is 0 to less than the radius of the roller,"
                 f" {self.radius:g} m; hardened steel on hardened steel has about 1e-5 m"
             )
+
+        warn_units(
+            {name: (f"roller.{name}", getattr(self, name)) for name in ("bearing_radius", "lever_arm")}
+        )
 
     @property
     def rolling_friction(self) -> float:

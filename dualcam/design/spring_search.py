@@ -86,8 +86,8 @@ def find_springs(
     largest = preload + stiffness * stroke
     found: dict[float, HelicalSpring] = {}
     reasons: dict[str, int] = {}
-    for spring in _candidates(stiffness, grade, shot_peened):
-        reason = _lack(spring, preload, largest, safety, outer_diameter, inner_diameter, free_length, guided)
+    for spring in _candidates(stiffness, grade, shot_peened, guided):
+        reason = _lack(spring, preload, largest, safety, outer_diameter, inner_diameter, free_length)
         if reason:
             reasons[reason] = reasons.get(reason, 0) + 1
         elif spring.wire_diameter not in found or spring.mass < found[spring.wire_diameter].mass:
@@ -112,13 +112,15 @@ def _check_task(preload: float, stiffness: float, stroke: float, grade: str, saf
         raise DesignError(f"grade = {grade!r}: allowed are {', '.join(STRENGTHS)} of EN 10270-1")
 
 
-def _candidates(stiffness: float, grade: str, shot_peened: bool) -> Iterator[HelicalSpring]:
+def _candidates(stiffness: float, grade: str, shot_peened: bool, guided: bool) -> Iterator[HelicalSpring]:
     """Springs of that rate with an allowed index."""
     for d in DIAMETERS:
         for coils in np.arange(2.0, MOST_COILS + 0.25, COIL_STEP):
             coil = float(SHEAR_MODULUS * d**4 / (8.0 * coils * stiffness)) ** (1.0 / 3.0)
             if INDEX[0] <= coil / d <= INDEX[1]:
-                yield HelicalSpring(d, coil, float(coils), grade=grade, shot_peened=shot_peened)
+                yield HelicalSpring(
+                    d, coil, float(coils), grade=grade, shot_peened=shot_peened, guided=guided
+                )
 
 
 def _lack(
@@ -129,7 +131,6 @@ def _lack(
     outer_diameter: float,
     inner_diameter: float,
     free_length: float,
-    guided: bool,
 ) -> str:
     """Why a spring does not count; empty for a spring that does."""
     deflection = largest / spring.rate
@@ -144,6 +145,6 @@ def _lack(
         return "inner diameter"
     if length > free_length:
         return "free length"
-    if not guided and spring.buckling_deflection(length) <= deflection:
+    if spring.buckling_deflection(length) <= deflection:
         return "buckling"
     return ""

@@ -43,11 +43,17 @@ class Limits:
         Greatest contact pressure [Pa].
     self_locking : bool
         Whether a contact may lock itself.
+    spring_safety : float
+        Least Goodman safety of the helical spring [1].
+    wear_depth : float
+        Greatest depth of wear of each groove and of the pin [m].
+    cycles : float
+        Least number of slow cycles until the wear has that depth; 0: any number.
 
     Raises
     ------
     DesignError
-        Lead angles that do not grow inside [0, pi/2], or no pressure.
+        Lead angles that do not grow inside [0, pi/2], or another value outside its range.
 
     Examples
     --------
@@ -59,6 +65,9 @@ class Limits:
     lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))
     pressure: float = 1.5e9
     self_locking: bool = False
+    spring_safety: float = 1.2
+    wear_depth: float = 0.1e-3
+    cycles: float = 0.0
 
     def __post_init__(self) -> None:
         low, high = self.lead_angle
@@ -70,7 +79,12 @@ class Limits:
             )
         if not self.pressure > 0.0:
             raise DesignError(f"pressure = {self.pressure}: allowed is a number > 0")
-        warn_units({"pressure": ("limits.pressure", self.pressure)})
+        for name in ("spring_safety", "wear_depth"):
+            if not 0.0 < getattr(self, name) < math.inf:
+                raise DesignError(f"{name} = {getattr(self, name)}: allowed is a finite number > 0")
+        if not 0.0 <= self.cycles < math.inf:
+            raise DesignError(f"cycles = {self.cycles}: allowed is a finite number >= 0")
+        warn_units({name: (f"limits.{name}", getattr(self, name)) for name in ("pressure", "wear_depth")})
 
 
 @dataclass(frozen=True)
