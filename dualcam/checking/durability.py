@@ -12,6 +12,7 @@ from dualcam.durability import spring_fatigue, spring_forces, wear_life, wear_of
 from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal
+SAME_LENGTH = 0.03  # likewise of solid lengths
 SAME_FRICTION = 0.02  # likewise of coefficients of friction
 WIRE = "helical_spring.wire_diameter"
 
@@ -70,6 +71,13 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
     z = float(mechanism.configuration(mechanism.reach()[1]).z)
     deflection = mechanism.spring.preload / mechanism.spring.stiffness + z
     found = []
+    given = design.spring_limits.solid_length
+    if given < (1.0 - SAME_LENGTH) * spring.solid_length:
+        text = (
+            f"spring.solid_length = {1e3 * given:.4g} mm: wire and coil of helical_spring give"
+            f" {1e3 * spring.solid_length:.4g} mm; write the larger one"
+        )
+        found.append(Trouble(finding_of(design, "coil length", "spring.solid_length", text, WARNING)))
     if free - deflection < spring.least_length:
         is_solid = free - deflection <= spring.solid_length
         text = (
@@ -141,8 +149,8 @@ def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -
         return (
             f"A spring of {best.grade} wire with wire_diameter = {1e3 * best.wire_diameter:g} mm,"
             f" coil_diameter = {1e3 * best.coil_diameter:.4g} mm, active_coils = {best.active_coils:g} has"
-            f" the safety {best.fatigue(least, largest).safety:.3g}, with a free length of {1e3 * length:.4g} mm"
-            " or more"
+            f" the safety {best.fatigue(least, largest).safety:.3g}, with a free length of"
+            f" {1e3 * length:.4g} mm or more"
         )
     peened = "" if spring.shot_peened else "; shot_peened = true makes a wire endure more"
     return f"No spring in a standard wire lasts{peened}"
