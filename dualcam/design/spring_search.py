@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from dualcam.design.helical_spring import INDEX, HelicalSpring
-from dualcam.design.spring_steel import DIAMETERS, SHEAR_MODULUS, STRENGTHS
+from dualcam.design.spring_steel import DIAMETERS, RANGES, SHEAR_MODULUS, STRENGTHS
 from dualcam.design.statics import DesignError
 
 MOST_COILS = 20.0  # active ones, that are tried
@@ -114,7 +114,8 @@ def _check_task(preload: float, stiffness: float, stroke: float, grade: str, saf
 
 def _candidates(stiffness: float, grade: str, shot_peened: bool, guided: bool) -> Iterator[HelicalSpring]:
     """Springs of that rate with an allowed index."""
-    for d in DIAMETERS:
+    thinnest, thickest = RANGES[grade]
+    for d in (d for d in DIAMETERS if thinnest <= d <= thickest):
         for coils in np.arange(2.0, MOST_COILS + 0.25, COIL_STEP):
             coil = float(SHEAR_MODULUS * d**4 / (8.0 * coils * stiffness)) ** (1.0 / 3.0)
             if INDEX[0] <= coil / d <= INDEX[1]:

@@ -27,7 +27,9 @@ STRENGTHS: Mapping[str, tuple[float, float]] = {  # grade -> a, b [MPa] of R_m =
     "SH": (2220.0, 820.0),
     "DH": (2220.0, 820.0),
 }
-THINNEST, THICKEST = 0.3e-3, 20e-3  # m, of the formulas
+RANGES: Mapping[str, tuple[float, float]] = {  # m, diameters of the formulas
+    grade: (1e-3, 10e-3) if grade == "SL" else (0.3e-3, 20e-3) for grade in STRENGTHS
+}
 SHEAR_MODULUS = 81.5e9  # Pa, EN 13906-1 for wire of EN 10270-1
 YOUNGS_MODULUS = 206e9  # Pa, likewise
 DENSITY = 7850.0  # kg/m3, likewise
@@ -51,7 +53,7 @@ def tensile_strength(grade: str, diameter: float) -> float:
     grade : {"SL", "SM", "DM", "SH", "DH"}
         Grade of the wire: low, medium or high strength, for static (S) or dynamic (D) load.
     diameter : float
-        Diameter of the wire [m], 0.3 to 20 mm.
+        Diameter of the wire [m]: 0.3 to 20 mm, for SL 1 to 10 mm.
 
     Returns
     -------
@@ -76,10 +78,11 @@ def tensile_strength(grade: str, diameter: float) -> float:
             f"grade = {grade!r}: allowed are {', '.join(STRENGTHS)} of EN 10270-1; for another wire give"
             " tensile_strength in Pa"
         )
-    if not THINNEST <= diameter <= THICKEST:
+    thinnest, thickest = RANGES[grade]
+    if not thinnest <= diameter <= thickest:
         raise DesignError(
-            f"wire_diameter = {diameter:g} m: grade {grade} is known from 0.3 to 20 mm; for another diameter"
-            " give tensile_strength in Pa"
+            f"wire_diameter = {diameter:g} m: grade {grade} is known from {1e3 * thinnest:g} to"
+            f" {1e3 * thickest:g} mm; for another diameter give tensile_strength in Pa"
         )
     first, second = STRENGTHS[grade]
     return 1e6 * (first - second * math.log10(1e3 * diameter))
