@@ -196,7 +196,8 @@ def test_no_cycles_change_nothing(mechanism):
 
 def test_preload_loss_by_hand():
     """Two helices of lead angle 45 deg, 50 N at theta = 0; the pin does not wear. Normal force of one
-    of two contacts F/2 sqrt(2)/(2 (1 -+ mu)), depth K (N_load + N_release)/L, along the axis sqrt(2) times as much."""
+    of two contacts F/2 sqrt(2)/(2 (1 -+ mu)), depth K (N_load + N_release)/L, along the axis sqrt(2) times
+    as much."""
     groove = Helix(0.02, math.pi / 4)
     cam = Mechanism((groove, groove), (0.14, 0.14), Spring(50.0, 5e4), 1.3963)
     normal = [50.0 / 4.0 * math.sqrt(2.0) / (1.0 - sign * 0.14) for sign in (1, -1)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
 from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
@@ -31,10 +32,11 @@ def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Tro
     if spring is None or not 0.0 <= least <= largest:  # a spring that pulls has a finding of its own
         return []
     found = [_rate(design, spring), _index(design, spring), *_lengths(design, mechanism, spring)]
-    strength = [_static(design, spring, largest), _fatigue(design, mechanism, spring)]
-    hint = _proposal(design, mechanism, spring) if propose and any(strength) else ""
-    mended = [Trouble(one.finding, one.remedies, hint) for one in strength if one]
-    return [*(one for one in found if one), *mended]
+    found += [_static(design, spring, largest), _fatigue(design, mechanism, spring)]
+    troubles = [trouble for trouble in found if trouble]
+    if propose and (found[-1] or found[-2]):
+        troubles[-1] = replace(troubles[-1], hint=_proposal(design, mechanism, spring))
+    return troubles
 
 
 def _rate(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
