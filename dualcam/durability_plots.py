@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.plots import ANGLE, BLUE, GREEN, GREY, ORANGE, axis_from_zero, figure, legend_above
+from dualcam.plots import ANGLE, BLUE, GREEN, GREY, LEGEND, ORANGE, RED, axis_from_zero, figure, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,12 +21,18 @@ MEGA, MILLI, MICRO = 1e6, 1e3, 1e6  # Pa -> MPa, m -> mm, m -> um
 
 def plot_contact(mechanism: Mechanism, pin: Pin, limit: float) -> Figure:
     """Largest pressure along each groove with its limit, and the shear stress below the surface."""
+    picture, (pressure, shear) = figure(2, 2.6)
+    draw_contact(pressure, shear, mechanism, pin, limit)
+    return picture
+
+
+def draw_contact(pressure: Axes, shear: Axes, mechanism: Mechanism, pin: Pin, limit: float) -> None:
+    """Both curves of `plot_contact`."""
     from dualcam.design import line_contact
     from dualcam.design.strength import strength
 
     found = strength(mechanism, pin, np.linspace(*mechanism.reach(), 181))
     psi = np.degrees(mechanism.configuration(found.theta).psi)
-    picture, (pressure, shear) = figure(2, 2.6)
     for i, (colour, style) in enumerate(STYLES):
         contact = line_contact(found.load[i], pin, found.curvature[i])
         pressure.plot(psi[i], found.pressure[i] / MEGA, style, color=colour, label=f"groove {i + 1}")
@@ -37,7 +43,6 @@ def plot_contact(mechanism: Mechanism, pin: Pin, limit: float) -> Figure:
     shear.set_ylabel("largest shear stress\nbelow the surface [MPa]")
     for axes in (pressure, shear):
         _finish(axes, ALONG)
-    return picture
 
 
 def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
@@ -75,11 +80,13 @@ def plot_goodman(spring: HelicalSpring, cycle: Fatigue, limit: float) -> Figure:
     axes.plot([0.0, mean * cycle.safety], [0.0, amplitude * cycle.safety], color=GREY, lw=0.8)
     good = cycle.safety >= limit
     label = f"this spring: safety {cycle.safety:.3g}"
-    axes.plot(mean, amplitude, "o", color=GREEN if good else "#cf222e", label=label)
+    axes.plot(mean, amplitude, "o", color=GREEN if good else RED, label=label)
     axes.set_ylabel("amplitude of the\nshear stress [MPa]")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, "mean shear stress [MPa]")
+    axes.set_xlabel("mean shear stress [MPa]")
+    axes.grid(alpha=0.3)
+    axes.legend(loc="upper right", fontsize=LEGEND)
     return picture
 
 

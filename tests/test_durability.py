@@ -3,8 +3,10 @@
 import json
 import math
 import re
+import runpy
 
 import pytest
+from driver import ROOT
 from lxml import etree
 
 from dualcam.checking import check_design
@@ -292,3 +294,11 @@ def test_report_of_a_design_that_does_not_work(design):
     pulls = "[spring]\npreload = -10\n" + COIL + 'grade = "DH"'
     words = " ".join(etree.HTML(report_page(design(pulls))).itertext())
     assert "No stresses: forces -10 and" in words
+
+
+def test_pictures_of_the_page_are_drawn(tmp_path):
+    """Those that docs/design-quantities.md shows, from the design on that page."""
+    script = ROOT / "docs" / "figures" / "design_quantities.py"
+    runpy.run_path(str(script))["draw_all"](tmp_path)
+    page = (ROOT / "docs" / "design-quantities.md").read_text(encoding="utf-8")
+    assert {path.name for path in tmp_path.iterdir()} == set(re.findall(r"\]\((design_\w+\.png)\)", page))

@@ -14,6 +14,7 @@ from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal
 SAME_LENGTH = 0.03  # likewise of solid lengths
+ROUNDING = 1.002  # a proposed spring has as much more safety, so that its rounded diameter lasts, too
 SAME_FRICTION = 0.02  # likewise of coefficients of friction
 WIRE = "helical_spring.wire_diameter"
 
@@ -140,7 +141,7 @@ def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -
                 (largest - least) / stiffness,
                 grade=spring.grade or "DH",
                 shot_peened=spring.shot_peened,
-                safety=safety,
+                safety=ROUNDING * safety,
                 outer_diameter=outer,
                 free_length=free,
                 guided=spring.guided,
@@ -211,4 +212,4 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {life.cycles:.4g} cycles: allowed is limits.cycles = {limits.cycles:.4g} cycles or more"
     )
     finding = finding_of(design, "wear", "pin.width", text)
-    return [Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0)))]
+    return [Trouble(finding, (Remedy("pin.width", 0.2),))]
