@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from dualcam.design import Mechanism, TorqueBand
+    from dualcam.design import Mechanism, Pin, TorqueBand
     from dualcam.simulation import Trajectory
 
 Array = NDArray[np.float64]
@@ -96,19 +96,26 @@ def draw_band(axes: Axes, band: TorqueBand) -> None:
     legend_above(axes)
 
 
-def plot_reactions(mechanism: Mechanism, points: int = 181) -> Figure:
-    """Reaction of each contact over the angle."""
+def plot_strength(mechanism: Mechanism, pin: Pin | None, points: int = 181) -> Figure:
+    """Reaction of each contact over the angle and, with a pin, the contact pressure."""
+    from dualcam.design import Pin as AnyPin
     from dualcam.design.strength import strength
 
-    found = strength(mechanism, None, mechanism.angles(points))
-    picture, (axes,) = figure(1, 2.6)
+    found = strength(mechanism, pin or AnyPin(1e-3, 1e-2), mechanism.angles(points))
+    picture, axes = figure(2 if pin else 1, 2.6)
+    angle = np.degrees(found.theta)
     for i, (colour, style) in enumerate(((BLUE, "-"), (ORANGE, "--"))):  # both cams often carry the same
-        axes.plot(np.degrees(found.theta), found.load[i], style, color=colour, label=f"cam {i + 1}")
-    axes.set_ylabel("reaction\nof one contact [N]")
-    axes.set_xlabel(ANGLE)
-    axes.grid(alpha=0.3)
-    axis_from_zero(axes)
-    legend_above(axes)
+        axes[0].plot(angle, found.load[i], style, color=colour, label=f"cam {i + 1}")
+        if pin:
+            axes[1].plot(angle, found.pressure[i] / 1e6, style, color=colour, label=f"cam {i + 1}")
+    axes[0].set_ylabel("reaction\nof one contact [N]")
+    if pin:
+        axes[1].set_ylabel("contact pressure [MPa]")
+    for plot in axes:
+        legend_above(plot)
+        axis_from_zero(plot)
+        plot.set_xlabel(ANGLE)
+        plot.grid(alpha=0.3)
     return picture
 
 

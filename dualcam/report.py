@@ -19,7 +19,7 @@ from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.module_calls import explain_call_of
 from dualcam.paths import page_path_of
-from dualcam.plots import plot_band, plot_reactions, plot_simulation
+from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.report_durability import durability_sections
 from dualcam.report_inputs import input_tables
 from dualcam.report_table import table
@@ -183,7 +183,7 @@ def _reactions(design: DesignFile, mechanism: Mechanism) -> str:
     text = "The larger one of slow loading and releasing, without F_ext, as the normal force of one contact."
     if design.pin is None:
         text += " A section [pin] in the design file adds the contact pressure."
-    picture = figure_element(plot_reactions(mechanism), "Reactions over the angle")
+    picture = figure_element(plot_strength(mechanism, None), "Reactions over the angle")
     return f"<h2>Reactions</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
 
 

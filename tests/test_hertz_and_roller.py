@@ -172,7 +172,7 @@ def test_millimetres_for_metres_are_guessed():
 
 
 def test_wear_rate_of_the_pin():
-    with pytest.raises(DesignError, match=r"wear = -1.0: allowed is a finite number >= 0 in m3/\(N.m\)"):
+    with pytest.raises(DesignError, match=r"wear = -1.0: allowed is a number from 0 to 1 in m3/\(N.m\)"):
         Pin(radius=0.003, width=0.008, wear=-1.0)
     with pytest.warns(UnitWarning, match=r"wear = 1e-07 m3/\(N.m\): this looks like mm3/\(N.m\)"):
         Pin(radius=0.003, width=0.008, wear=1e-7)

@@ -137,11 +137,11 @@ def test_inputs_are_complete_with_units(design):
 
 def test_axes_of_loads_begin_at_zero(design):
     from dualcam.durability_plots import plot_contact
-    from dualcam.plots import plot_reactions
+    from dualcam.plots import plot_strength
 
     mechanism = design.mechanism()
-    axes = [*plot_reactions(mechanism).axes, *plot_contact(mechanism, design.pin, 1e9).axes]
-    assert [plot.get_ylim()[0] for plot in axes] == [0.0, 0.0, 0.0]
+    axes = [*plot_strength(mechanism, design.pin).axes, *plot_contact(mechanism, design.pin, 1e9).axes]
+    assert [plot.get_ylim()[0] for plot in axes] == [0.0, 0.0, 0.0, 0.0]
     assert all(plot.get_xlabel().endswith("[deg]") for plot in axes)
 
 

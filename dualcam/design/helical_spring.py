@@ -29,10 +29,18 @@ from dualcam.design.spring_steel import (
     tensile_strength,
 )
 from dualcam.design.statics import DesignError
-from dualcam.unit_guards import warn_units
+from dualcam.unit_guards import unit_warning, warn_units
 
 END_COILS = 2.0  # closed and ground ends
-LEAST_COILS = 2.0  # active ones, EN 13906-1
+RANGES = {  # least and greatest value with the unit; 2 active coils are the least of EN 13906-1
+    "wire_diameter": (1e-6, 1.0, " in m"),
+    "coil_diameter": (1e-6, 100.0, " in m"),
+    "active_coils": (2.0, 1e4, ""),
+    "total_coils": (2.0, 1e5, ""),
+    "tensile_strength": (1e6, 1e11, " in Pa"),
+    "shear_modulus": (1e6, 1e13, " in Pa"),
+    "fatigue_strength": (1e3, 1e11, " in Pa"),
+}
 INDEX = (4.0, 20.0)  # least and greatest w of a spring coiled cold, EN 13906-1
 SEATING = 0.5  # seating coefficient of buckling: both ends on parallel plates
 DYNAMIC_GAP = 1.5  # EN 13906-1: the gaps of a spring that moves often, over those at rest
@@ -73,7 +81,7 @@ class HelicalSpring:
     Parameters
     ----------
     wire_diameter : float
-        Diameter d of the wire [m], > 0.
+        Diameter d of the wire [m].
     coil_diameter : float
         Mean diameter D of the coil [m], more than d.
     active_coils : float
@@ -85,7 +93,7 @@ class HelicalSpring:
     tensile_strength : float, optional
         Tensile strength R_m of the wire [Pa]; that of the grade if not given.
     shear_modulus : float
-        Shear modulus G of the wire [Pa], > 0.
+        Shear modulus G of the wire [Pa].
     shot_peened : bool
         Whether the spring is shot-peened.
     fatigue_strength : float, optional
@@ -124,18 +132,20 @@ class HelicalSpring:
     guided: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("wire_diameter", "shear_modulus", "tensile_strength", "fatigue_strength"):
+        for name, (low, high, unit) in RANGES.items():
             value = getattr(self, name)
-            if value is not None and not 0.0 < value < math.inf:
-                raise DesignError(f"{name} = {value}: allowed is a finite number > 0")
-        if not self.wire_diameter < self.coil_diameter < math.inf:
+            if value is not None and not low <= value <= high:
+                hint = (unit_warning(f"helical_spring.{name}", value) or "").partition(": ")[2]
+                raise DesignError(
+                    f"{name} = {value:g}: allowed is a number from {low:g} to {high:g}{unit}"
+                    + (f"; {hint}" if hint else "")
+                )
+        if not self.wire_diameter < self.coil_diameter:
             raise DesignError(
                 f"coil_diameter = {self.coil_diameter:g} m: allowed is more than wire_diameter ="
                 f" {self.wire_diameter:g} m; the mean diameter of the coil is meant"
             )
-        if not LEAST_COILS <= self.active_coils < math.inf:
-            raise DesignError(f"active_coils = {self.active_coils:g}: allowed is {LEAST_COILS:g} or more")
-        if self.total_coils is not None and not self.active_coils <= self.total_coils < math.inf:
+        if self.total_coils is not None and not self.active_coils <= self.total_coils:
             raise DesignError(
                 f"total_coils = {self.total_coils:g}: allowed is active_coils = {self.active_coils:g} or more"
             )
@@ -150,8 +160,8 @@ class HelicalSpring:
                 f"tensile_strength = {self.strength:g} Pa: too low for Zimmerli's strength against fatigue;"
                 " give fatigue_strength of the wire in Pa"
             )
-        names = ("wire_diameter", "coil_diameter", "tensile_strength", "shear_modulus", "fatigue_strength")
-        warn_units({name: (f"helical_spring.{name}", getattr(self, name)) for name in names})
+        lengths = ("wire_diameter", "coil_diameter")
+        warn_units({name: (f"helical_spring.{name}", getattr(self, name)) for name in lengths})
 
     @property
     def index(self) -> float:

@@ -44,7 +44,7 @@ class Pin:
     poisson, cam_poisson : float
         Poisson's ratios of pin and cam [1], 0 to 0.5.
     wear : float
-        Specific wear rate of the pin [m3/(N.m)], >= 0; 0: the pin does not wear.
+        Specific wear rate of the pin [m3/(N.m)], 0 to 1; 0: the pin does not wear.
 
     Raises
     ------
@@ -74,8 +74,8 @@ class Pin:
         for name in ("poisson", "cam_poisson"):
             if not 0.0 <= getattr(self, name) <= 0.5:
                 raise DesignError(f"{name} = {getattr(self, name)}: allowed is 0 to 0.5")
-        if not 0.0 <= self.wear < math.inf:
-            raise DesignError(f"wear = {self.wear}: allowed is a finite number >= 0 in m3/(N.m)")
+        if not 0.0 <= self.wear <= 1.0:
+            raise DesignError(f"wear = {self.wear}: allowed is a number from 0 to 1 in m3/(N.m)")
         guarded = ("radius", "width", "modulus", "cam_modulus", "wear")
         warn_units({name: (f"pin.{name}", getattr(self, name)) for name in guarded})
 
@@ -113,7 +113,7 @@ def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Arr
     782
     """
     radius = relative_radius(pin, curvature)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         square = np.asarray(load, dtype=float) / pin.width * pin.contact_modulus / (math.pi * radius)
         return np.where(radius > 0.0, np.sqrt(square), np.inf)
 

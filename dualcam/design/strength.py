@@ -28,6 +28,7 @@ from dualcam.unit_guards import unit_warning, warn_units
 from dualcam.variables import parameters_of
 
 JAM = "jam"
+RANGES = {"spring_safety": (0.01, 100.0), "wear_depth": (1e-9, 1.0), "cycles": (0.0, 1e15)}  # 1, m, 1
 LEVEL = 1e-9  # rad: a lead angle up to this counts as level, as in the FMU
 
 
@@ -79,11 +80,11 @@ class Limits:
             )
         if not self.pressure > 0.0:
             raise DesignError(f"pressure = {self.pressure}: allowed is a number > 0")
-        for name in ("spring_safety", "wear_depth"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise DesignError(f"{name} = {getattr(self, name)}: allowed is a finite number > 0")
-        if not 0.0 <= self.cycles < math.inf:
-            raise DesignError(f"cycles = {self.cycles}: allowed is a finite number >= 0")
+        for name, (low, high) in RANGES.items():
+            if not low <= getattr(self, name) <= high:
+                raise DesignError(
+                    f"{name} = {getattr(self, name):g}: allowed is a number from {low:g} to {high:g}"
+                )
         warn_units({name: (f"limits.{name}", getattr(self, name)) for name in ("pressure", "wear_depth")})
 
 

@@ -342,7 +342,8 @@ def _count(cycles: float) -> float:
 
 def _cycles(allowed: Array, each: Array) -> Array:
     """How often the amount `each` fits into `allowed`; infinite where nothing wears."""
-    return np.where(each > 0.0, allowed / np.where(each > 0.0, each, 1.0), np.inf)
+    with np.errstate(over="ignore"):  # hardly any wear: more cycles than a number can hold
+        return np.where(each > 0.0, allowed / np.where(each > 0.0, each, 1.0), np.inf)
 
 
 # ---- the worn mechanism ----

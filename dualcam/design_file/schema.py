@@ -38,20 +38,21 @@ PIN = (
     _entry("poisson", "1", "Poisson's ratio of the pin", 0.0, 0.5),
     _entry("cam_modulus", "Pa", "Young's modulus of the cams; the default is steel", 0.0),
     _entry("cam_poisson", "1", "Poisson's ratio of the cams", 0.0, 0.5),
-    _entry("wear", "m3/(N.m)", "Specific wear rate of the pin; 0: the pin does not wear", 0.0),
+    _entry("wear", "m3/(N.m)", "Specific wear rate of the pin; 0: the pin does not wear", 0.0, 1.0),
 )
 HELICAL_SPRING = (
-    _entry("wire_diameter", "m", "Diameter of the wire", 0.0),
-    _entry("coil_diameter", "m", "Mean diameter of the coil: outer diameter less wire diameter", 0.0),
-    _entry("active_coils", "1", "Number of active coils", 2.0),
-    _entry("total_coils", "1", "Number of all coils; active coils and 2 if not given", 2.0),
-    _entry("tensile_strength", "Pa", "Tensile strength of the wire; that of the grade if not given", 0.0),
-    _entry("shear_modulus", "Pa", "Shear modulus of the wire; the default is spring steel", 0.0),
+    _entry("wire_diameter", "m", "Diameter of the wire", 1e-6, 1.0),
+    _entry("coil_diameter", "m", "Mean diameter of the coil: outer diameter less wire diameter", 1e-6, 100.0),
+    _entry("active_coils", "1", "Number of active coils", 2.0, 1e4),
+    _entry("total_coils", "1", "Number of all coils; active coils and 2 if not given", 2.0, 1e5),
+    _entry("tensile_strength", "Pa", "Tensile strength; that of the grade if not given", 1e6, 1e11),
+    _entry("shear_modulus", "Pa", "Shear modulus of the wire; the default is spring steel", 1e6, 1e13),
     _entry(
         "fatigue_strength",
         "Pa",
         "Shear stress amplitude that the wire endures at mean stress 0; by Zimmerli if not given",
-        0.0,
+        1e3,
+        1e11,
     ),
 )
 ROLLER = (
@@ -65,9 +66,9 @@ PRESSURE = _entry(
     "pressure", "Pa", "Greatest contact pressure by Hertz; the default is for hardened steel", 0.0
 )
 LIMITS = (
-    _entry("spring_safety", "1", "Least Goodman safety of the helical spring", 0.0),
-    _entry("wear_depth", "m", "Greatest depth of wear of each groove and of the pin", 0.0),
-    _entry("cycles", "1", "Least number of slow cycles until the wear has that depth; 0: any number", 0.0),
+    _entry("spring_safety", "1", "Least Goodman safety of the helical spring", 0.01, 100.0),
+    _entry("wear_depth", "m", "Greatest depth of wear of each groove and of the pin", 1e-9, 1.0),
+    _entry("cycles", "1", "Least number of slow cycles until then; 0: any number", 0.0, 1e15),
 )
 TIMES = (
     _entry("stop", "s", "End of the simulation", 0.0),
