@@ -119,7 +119,7 @@ def spring_numbers(design: DesignFile, mechanism: Mechanism) -> SpringNumbers | 
         lower=cycle.lower,
         upper=cycle.upper,
         safety=cycle.safety,
-        static_safety=spring.allowed_stress / spring.stress(largest),
+        static_safety=spring.static_safety(largest),
         limit=(design.limits or Limits()).spring_safety,
     )
 

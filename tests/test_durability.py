@@ -291,6 +291,8 @@ def test_report_of_a_design_that_does_not_work(design):
     sharp = f"cam1 = {{{ellipse}, wear = 1e-15}}\nstop.upper = 0.3\n"
     words = " ".join(etree.HTML(report_page(design(sharp + PIN.replace("3 mm", "11 mm")))).itertext())
     assert "No wear: pin.radius = 0.011 m: a flank is undercut" in words
+    slack = "[spring]\npreload = 0\nstiffness = 0\n" + COIL + 'grade = "DH"'
+    assert "Goodman safety" in " ".join(etree.HTML(report_page(design(slack))).itertext())
     pulls = "[spring]\npreload = -10\n" + COIL + 'grade = "DH"'
     words = " ".join(etree.HTML(report_page(design(pulls))).itertext())
     assert "No stresses: forces -10 and" in words

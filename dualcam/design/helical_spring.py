@@ -254,6 +254,21 @@ class HelicalSpring:
         """
         return self.correction * self.stress(force)
 
+    def static_safety(self, force: float) -> float:
+        """Allowed over uncorrected shear stress.
+
+        Parameters
+        ----------
+        force : float
+            Largest force of the spring [N], >= 0.
+
+        Returns
+        -------
+        float
+            Safety against setting [1]; infinite without force.
+        """
+        return self.allowed_stress / self.stress(force) if force > 0.0 else math.inf
+
     def fatigue(self, least: float, largest: float) -> Fatigue:
         """Stresses of a cycle between two forces, and the safety against fatigue.
 
