@@ -5,7 +5,6 @@ The file needs no network: pictures are SVG inside the page, and the page has no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,21 +13,21 @@ import numpy as np
 
 import dualcam
 from dualcam.checking import Verdict, check_design
-from dualcam.design import Limits, TorqueBand, torque_band
+from dualcam.design import TorqueBand, torque_band
 from dualcam.design.torque_band import span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.module_calls import explain_call_of
 from dualcam.paths import page_path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
-from dualcam.report_inputs import Row, input_tables
+from dualcam.report_durability import durability_sections
+from dualcam.report_inputs import input_tables
+from dualcam.report_table import table
 from dualcam.simulation import ENERGIES, Trajectory, simulate
 from dualcam.summary import (
     energy_scale,
     energy_words,
     largest_loads,
-    material_words,
-    pressure_words,
     reaction_words,
     residual_words,
     span_words,
@@ -151,10 +150,10 @@ def _findings(verdict: Verdict) -> str:
 
 
 def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
-    """Torque band, reactions and, where there is a scenario, the simulation."""
+    """Torque band, reactions, what lasts and, where there is a scenario, the simulation."""
     mechanism = design.mechanism()
     band = torque_band(mechanism, 361)
-    sections = [_band(design, band), _strength(design, mechanism)]
+    sections = [_band(design, band), _reactions(design, mechanism), *durability_sections(design, mechanism)]
     if verdict.good and design.scenario is not None:
         sections.append(_simulation(simulate(design), band))
     return sections
@@ -173,30 +172,19 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
     text = " ".join(filter(None, [text, design.friction_note()]))
     return (
         f"<h2>Torque over the angle</h2>\n<p>{text} {F_EXT}</p>\n"
-        + _table(("what", "value"), rows)
+        + table(("what", "value"), rows)
         + figure_element(plot_band(band), "Torque band and efficiency over the angle")
     )
 
 
-def _strength(design: DesignFile, mechanism: Mechanism) -> str:
-    """Reactions and, with a pin, the contact pressure: table and curves."""
-    loads = largest_loads(mechanism, design.pin)
+def _reactions(design: DesignFile, mechanism: Mechanism) -> str:
+    loads = largest_loads(mechanism, None)
     rows = [("largest reaction", reaction_words(loads.reaction, mechanism.contacts))]
     text = "The larger one of slow loading and releasing, without F_ext, as the normal force of one contact."
-    if design.pin is None or loads.pressure is None:
+    if design.pin is None:
         text += " A section [pin] in the design file adds the contact pressure."
-    else:
-        limit = (design.limits or Limits()).pressure
-        default = "" if design.limits else ", the default limit for any material"
-        rows += [
-            ("largest contact pressure", pressure_words(loads.pressure)),
-            ("allowed contact pressure", f"{limit / 1e6:.4g} MPa{default}"),
-            ("Young's moduli", material_words(design.pin)),
-        ]
-        text += " The contact pressure is the largest pressure of a line contact by Hertz, for one contact."
-    picture = figure_element(plot_strength(mechanism, design.pin), "Reactions over the angle")
-    heading = "Reactions" if design.pin is None else "Reactions and contact pressure"
-    return f"<h2>{heading}</h2>\n<p>{text}</p>\n" + _table(("what", "value"), rows) + picture
+    picture = figure_element(plot_strength(mechanism, None), "Reactions over the angle")
+    return f"<h2>Reactions</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
 
 
 def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
@@ -214,23 +202,17 @@ def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
         "<h2>Simulation</h2>\n"
         + figure_element(plot_simulation(trajectory, band), "The scenario over time")
         + f"<h2>Energy balance of the run, at {last['time']:g} s</h2>\n<p>{F_EXT}</p>\n"
-        + _table(("account", "energy"), rows)
+        + table(("account", "energy"), rows)
     )
 
 
 def _inputs(design: DesignFile) -> str:
     text = "Values in the units of the FMU (SI) and, beside them, in the usual unit."
     tables = "".join(
-        f"<h3>{escape(head)}</h3>\n" + _table(("key", "value", "unit", "usual unit"), rows)
+        f"<h3>{escape(head)}</h3>\n" + table(("key", "value", "unit", "usual unit"), rows)
         for head, rows in input_tables(design).items()
     )
     return f"<h2>Inputs</h2>\n<p>{text}</p>\n{tables}"
-
-
-def _table(heads: Row, rows: Sequence[Row]) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in heads)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
-    return f'<div class="scroll"><table>\n<tr>{head}</tr>\n{body}</table></div>\n'
 
 
 explain_call_of(__name__)
