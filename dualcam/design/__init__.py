@@ -9,6 +9,7 @@
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
     export_groove, GrooveCut, CamBody       files for a workshop: points, drawing, solid
+    dualcam.design.tolerances               what tolerances do to the torque band
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
