@@ -107,7 +107,7 @@ class ToleranceAnalysis:
         budget, unit = found.budget, UNITS[quantity]
         width = max(map(len, budget.names))
         lines = [f"{quantity} at theta = {self.theta[k]:.4g} rad: {budget.value[k]:.6g} {unit}"]
-        order = np.argsort(-np.abs(budget.part[:, k]), kind="stable")
+        order = np.argsort(-np.round(budget.contribution[:, k], 6), kind="stable")  # rounding decides no tie
         lines += [
             f"  {budget.names[j]:{width}}  {budget.part[j, k]:+.3g} {unit}"
             f"  {budget.contribution[j, k]:5.1f} %"

@@ -16,6 +16,7 @@ from dualcam.design.statics import Array
 from dualcam.errors import DesignError
 
 SHARE_OUTSIDE = 1e-9  # of a distribution that may lie outside the allowed values: no sample falls there
+LEAST_SHARE = 2.0**-54  # of a distribution below a sample: a normal one has no value at 0
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
 SHAPES = ("normal", "uniform", "triangular")
 
@@ -227,6 +228,11 @@ def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, 
     ------
     DesignError
         A name in two tolerances, a number of samples below 2, a seed that is no whole number from 0 on.
+
+    Notes
+    -----
+    By the inverse of the distribution function (JCGM 101:2008, C.2): the same seed gives the same values with
+    every version of SciPy.
     """
     check_names(tolerances)
     if not is_whole(samples) or samples < 2:
@@ -236,7 +242,8 @@ def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, 
     found: dict[str, Array] = {}
     for place, tolerance in enumerate(tolerances):
         random = np.random.default_rng([seed, place])
-        values = np.asarray(tolerance.distribution.rvs(size=samples, random_state=random), dtype=float)
+        share = np.maximum(random.random(samples), LEAST_SHARE)
+        values = np.asarray(tolerance.distribution.ppf(share), dtype=float)
         found |= dict.fromkeys(tolerance.names, values)
     return found
 
