@@ -43,13 +43,15 @@ class FrictionLaw:
         return self.kinetic * (1.0 + (self.peak - 1.0) * fall) * pressed + self.viscous * speed
 
     def parameters(self) -> dict[str, float | int]:
-        """Start values of the FMU, the same for both cams, without the dependence on the load."""
+        """Start values of the FMU, the same for both cams."""
         own = {
             "friction": self.kinetic,
             "friction_peak": self.peak,
             "stribeck_velocity": self.stribeck_velocity,
             "stribeck_exponent": self.stribeck_exponent,
             "friction_viscous": self.viscous,
+            "friction_load_exponent": self.load_exponent,
+            "friction_load": self.load,
         }
         return {f"cam{i}.{name}": value for i in (1, 2) for name, value in own.items()}  # type: ignore[misc]
 

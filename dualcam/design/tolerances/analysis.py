@@ -31,7 +31,7 @@ from dualcam.design.tolerances.sampled_mechanism import (
     names_of,
     sampled_band,
 )
-from dualcam.design.tolerances.tolerance import Tolerance, check_names, complex_steps, draw, means
+from dualcam.design.tolerances.tolerance import Tolerance, check_names, complex_steps, draw, is_whole, means
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
 
 BLOCK = 200_000  # values of each quantity that are computed at once
+MOST_VALUES = 20_000_000  # of each quantity: 0.8 GB of memory in all
 ANGLES = 57
 
 
@@ -248,7 +249,7 @@ def analyse(
     theta = _angles(mechanism, angles)
     levels = check_levels(percentiles)
     check_confidence(confidence)
-    if not all(isinstance(one, Limit) for one in limits):
+    if not isinstance(limits, Sequence) or not all(isinstance(one, Limit) for one in limits):
         raise DesignError(f"limits = {limits!r:.60}: allowed is a list of Limit")
     at_means = sampled_band(
         mechanism, {name: np.array([mean]) for name, mean in means(tolerances).items()}, theta
@@ -259,6 +260,11 @@ def analyse(
             f"with the means of all tolerances friction jams the mechanism at theta = {jam:.4g} rad"
         )
     steps = sampled_band(mechanism, complex_steps(tolerances, STEP), theta)
+    if is_whole(samples) and samples * len(theta) > MOST_VALUES:
+        raise DesignError(
+            f"samples = {samples} at {len(theta)} angles: allowed are {MOST_VALUES} in all, which is"
+            f" {MOST_VALUES // len(theta)} samples at these angles"
+        )
     parameters = draw(tolerances, samples, seed)
     _require_allowed(parameters)
     band = _in_blocks(mechanism, parameters, theta, samples)
@@ -318,7 +324,8 @@ def _require_allowed(parameters: dict[str, Array]) -> None:
 
 
 def _angles(mechanism: Mechanism, angles: int | ArrayLike) -> Array:
-    if isinstance(angles, int) and not isinstance(angles, bool):
+    if is_whole(angles):
+        angles = int(angles)  # type: ignore[arg-type]
         if angles < 2:
             raise DesignError(f"angles = {angles}: allowed is 2 or more, or a list of angles in rad")
         return mechanism.angles(angles)

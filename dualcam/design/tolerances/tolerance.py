@@ -17,6 +17,7 @@ from dualcam.errors import DesignError
 
 SHARE_OUTSIDE = 1e-9  # of a distribution that may lie outside the allowed values: no sample falls there
 LEAST_SHARE = 2.0**-54  # of a distribution below a sample: a normal one has no value at 0
+MOST_SAMPLES = 10_000_000  # 80 MB of memory for each tolerance
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
 SHAPES = ("normal", "uniform", "triangular")
 
@@ -51,7 +52,7 @@ class Tolerance:
     distribution: Any
 
     def __post_init__(self) -> None:
-        names = self.names
+        names = self.names if isinstance(self.name, str | Sequence) else ()
         if not names or not all(isinstance(name, str) and name for name in names):
             raise DesignError(f"name = {self.name!r}: allowed is a name, or a sequence of different names")
         if len(set(names)) < len(names):
@@ -61,6 +62,10 @@ class Tolerance:
                 f"{self.label}: distribution = {self.distribution!r}: allowed is a distribution of"
                 " scipy.stats with its numbers, such as scipy.stats.norm(0.14, 0.01);"
                 " Tolerance.within(name, low, high) makes one from limits"
+            )
+        if np.ndim(self.distribution.mean()) > 0:
+            raise DesignError(
+                f"{self.label}: the distribution has arrays as numbers: allowed are single numbers"
             )
         for what, value in (("mean", self.mean), ("standard deviation", self.standard_uncertainty)):
             if not math.isfinite(value):
@@ -227,7 +232,7 @@ def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, 
     Raises
     ------
     DesignError
-        A name in two tolerances, a number of samples below 2, a seed that is no whole number from 0 on.
+        A name in two tolerances, a number of samples outside 2 to 1e7, a seed that is no whole number from 0 on.
 
     Notes
     -----
@@ -235,8 +240,8 @@ def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, 
     every version of SciPy.
     """
     check_names(tolerances)
-    if not is_whole(samples) or samples < 2:
-        raise DesignError(f"samples = {samples!r}: allowed is a whole number, 2 or more")
+    if not is_whole(samples) or not 2 <= samples <= MOST_SAMPLES:
+        raise DesignError(f"samples = {samples!r}: allowed is a whole number from 2 to {MOST_SAMPLES}")
     if not is_whole(seed) or seed < 0:
         raise DesignError(f"seed = {seed!r}: allowed is a whole number, 0 or more")
     found: dict[str, Array] = {}
