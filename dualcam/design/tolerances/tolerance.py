@@ -232,7 +232,7 @@ def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, 
     Raises
     ------
     DesignError
-        A name in two tolerances, a number of samples outside 2 to 1e7, a seed that is no whole number from 0 on.
+        A name in two tolerances, a number of samples outside 2 to 1e7, a seed that is no whole number >= 0.
 
     Notes
     -----
