@@ -91,7 +91,7 @@ def names() -> list[str]:
         f"clearance, uniform, 0 to {1e3 * CLEARANCE:.1f} mm",
     ]
     return [
-        f"friction, normal, {GREASES[0]} +- {FRICTION_SPREAD}",
+        f"friction, normal, standard deviation {FRICTION_SPREAD}",
         f"preload, {spring}",
         f"stiffness, {spring}",
         *(f"{cam} cam, {what}" for cam in ("inner", "outer") for what in each),
