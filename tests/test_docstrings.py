@@ -9,6 +9,7 @@ import re
 import pytest
 
 import dualcam
+import dualcam.design.tolerances
 import dualcam.study
 import dualcam.systems
 
@@ -38,6 +39,8 @@ def public_names():
     """Public functions and classes by a name that a failed test shows."""
     found = {name: getattr(dualcam, name) for name in dualcam.__all__}
     found |= {f"dualcam.study.{name}": getattr(dualcam.study, name) for name in dualcam.study.__all__}
+    tolerances = dualcam.design.tolerances
+    found |= {f"{tolerances.__name__}.{name}": getattr(tolerances, name) for name in tolerances.__all__}
     for module in map(importlib.import_module, WHOLE):
         own = {name: thing for name, thing in vars(module).items() if not name.startswith("_")}
         found |= {

@@ -11,6 +11,7 @@
     line_contact, Roller, wear              pressure and shear stress, roller, wear and what wear changes
     HelicalSpring, find_springs             stress and fatigue of the spring, search in standard wires
     export_groove, GrooveCut, CamBody       files for a workshop: points, drawing, solid
+    dualcam.design.tolerances               what tolerances do to the torque band
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
