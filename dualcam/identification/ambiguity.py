@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,7 @@ def ambiguities_of(
     list of Ambiguity
     """
     names = [unknown.name for unknown in unknowns]
+    solution = _in_present_sizes(solution)
     _, singular, directions = np.linalg.svd(solution.jacobian, full_matrices=False)
     ratio = solution.half_widths / np.sqrt(np.diag(solution.covariance))
     error = float(np.max(ratio)) * _error(solution)
@@ -85,6 +86,18 @@ def ambiguities_of(
         text = _sentence(solution, unknowns, direction, part)
         found.append(Ambiguity(members, text, _advice(members, motion, span, speeds)))
     return found
+
+
+def _in_present_sizes(solution: Solution) -> Solution:
+    """The solution in units of the fitted values, where these are larger than the start values."""
+    growth = np.maximum(1.0, np.abs(solution.values) / solution.sizes)
+    return replace(
+        solution,
+        sizes=solution.sizes * growth,
+        jacobian=solution.jacobian * growth,
+        covariance=solution.covariance / np.outer(growth, growth),
+        half_widths=solution.half_widths / growth,
+    )
 
 
 def _error(solution: Solution) -> float:

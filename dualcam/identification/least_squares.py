@@ -90,7 +90,7 @@ class Problem:
             values = self.start.copy()
             values[k] = sign * step
             try:
-                change = (np.concatenate(self.model.limits(values)) - before)[finite]
+                change = np.concatenate(self.model.limits(values))[finite] - before[finite]
             except FmuError:
                 break
             rms = math.sqrt(float(np.mean(change**2)))

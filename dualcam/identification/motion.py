@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dualcam.errors import IdentificationError
 from dualcam.identification.recording import Recording
-from dualcam.identification.smoothing import half_of, noise_of, smooth, widths_of
+from dualcam.identification.smoothing import NARROWEST, half_of, noise_of, smooth, widths_of
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,8 @@ class Motion:
     Attributes
     ----------
     theta, omega, alpha : ndarray
-        Angle [rad], angular velocity [rad/s] and acceleration [rad/s2]. alpha is 0 in quasi-static motion.
+        Angle [rad], smoothed where the cam slips, angular velocity [rad/s] and acceleration [rad/s2]. alpha
+        is 0 in quasi-static motion.
     direction : ndarray of int
         1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
     kind : {"quasi-static", "dynamic"}
@@ -68,8 +69,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
     kind : {"auto", "quasi-static", "dynamic"}
         auto: dynamic where the acceleration stands out of its noise.
     window : float, optional
-        Length of the window of the local polynomials [s]. Default: the widest in which the polynomials follow
-        the samples within their noise.
+        Length of the window of the local polynomials [s]. Default: that of the least error of prediction.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
     if recording.omega is None:
         theta, omega, alpha = angle.value, angle.slope, angle.curvature
         alpha_noise = angle.curvature_noise
-        direction, slowest = _directions(recording, angle.half)
+        direction, slowest, clear = _directions(recording, angle.half)
     else:
         speed = smooth(time, recording.omega, half)
         theta, omega, alpha = angle.value, recording.omega, speed.slope
@@ -105,6 +105,10 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
     alpha_rms, noise_rms = (_rms(values[moving]) for values in (alpha, alpha_noise))
     if kind == AUTO:
         kind = DYNAMIC if alpha_rms > SEEN * noise_rms else QUASI_STATIC
+    if recording.omega is None:
+        theta = np.where(moving, theta, clear[0])
+        if kind == QUASI_STATIC:
+            theta, omega = clear
     return Motion(
         theta,
         omega,
@@ -119,22 +123,27 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
     )
 
 
-def _directions(recording: Recording, half: int) -> tuple[NDArray[np.int_], float]:
-    """The direction at each sample, and the speed below which it is not known.
+def _directions(recording: Recording, half: int) -> tuple[NDArray[np.int_], float, tuple[Array, Array]]:
+    """Directions, the speed below which no direction is known, and angle and speed clear of reversals.
 
     A window that holds a reversal mixes both directions. So a direction is sure where, for some window up to
     the chosen one, the speed has a sure sign in the whole window. Narrow windows come close to a reversal,
-    wide ones know slow directions."""
+    wide ones know slow directions. Angle and speed are those of the widest such window. Where there is none,
+    the angle is the measured one: a window would round off the corner of a reversal."""
     time, theta = recording.time, recording.theta
     direction = np.zeros(len(time), dtype=int)
+    values, slopes = theta, smooth(time, theta, NARROWEST).slope
     slowest = math.inf
     for width in dict.fromkeys([*(width for width in widths_of(len(time)) if width < half), half]):
-        speed = smooth(time, theta, width)
-        sign, limit = _signs(speed.slope, speed.slope_noise)
-        near = np.convolve(_unsure(sign), np.ones(2 * width + 1), "same") > 0.5
-        direction = np.where((direction == 0) & ~near, sign, direction)
+        found = smooth(time, theta, width)
+        sign, limit = _signs(found.slope, found.slope_noise)
+        unsure = _unsure(sign)
+        unsure[[0, -1]] = True  # a reversal of which the recording has one side only
+        clear = np.convolve(unsure, np.ones(2 * width + 1), "same") < 0.5
+        direction = np.where(clear & (direction == 0), sign, direction)
+        values, slopes = np.where(clear, found.value, values), np.where(clear, found.slope, slopes)
         slowest = min(slowest, float(np.median(limit)))
-    return direction, slowest
+    return direction, slowest, (values, slopes)
 
 
 def _signs(omega: Array, noise: Array) -> tuple[NDArray[np.int_], Array]:

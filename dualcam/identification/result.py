@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
-from dualcam.identification.motion import DYNAMIC, Motion
+from dualcam.identification.motion import Motion
 from dualcam.identification.recording import Recording
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
 WELL = 1.2  # RMS of residuals over noise, up to which the model explains the recording
+EXACT = 1e-3  # residual over torque, below which nothing is missing
 MOST_DECIMALS = 7
 CLOSE = 0.95  # correlation from which two values are named
 SMOOTH = 0.1  # noise of alpha over its RMS, from which inertias come out too small
@@ -166,17 +167,18 @@ class Identification:
             if one.status == AT_LIMIT
         ]
         found += self._close_pairs()
-        if self.rms > WELL * self.noise:
+        if self.rms > max(WELL * self.noise, EXACT * _rms(self.measured)):
             found.append(
                 f"The residual is {self.rms / self.noise:.2g} times the noise: the model lacks something. The"
                 " residuals over angle and speed show what"
             )
         motion = self.motion
-        if motion.kind == DYNAMIC and motion.alpha_noise > SMOOTH * motion.alpha_rms:
+        inertias = [one.name for one in self.parameters if one.name.startswith("inertia.")]
+        if inertias and motion.alpha_noise > SMOOTH * motion.alpha_rms:
             found.append(
                 f"The acceleration has noise of {motion.alpha_noise:.2g} rad/s2 at an RMS of"
-                f" {motion.alpha_rms:.2g} rad/s2: a fitted inertia comes out too small. Give a longer"
-                " window, or measure the speed"
+                f" {motion.alpha_rms:.2g} rad/s2: {' and '.join(inertias)} may come out too small. Give a"
+                " longer window, or measure the speed"
             )
         slips = self.slips
         if np.mean(self.measured[slips]) * np.mean(self.before[slips]) < 0.0:

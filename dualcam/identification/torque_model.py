@@ -19,6 +19,7 @@ from dualcam.unit_guards import units_checked_before
 
 Array = NDArray[np.float64]
 
+ANGLE_MARGIN = 2.0  # standard deviations of the angle's noise by which a measured angle at rest may be off
 BEYOND = 0.02  # of the range of theta: as far a measured angle may be beyond a stop
 
 
@@ -147,13 +148,15 @@ class TorqueModel:
         Beyond a stop the torque has no limit: the stop carries it."""
         theta, omega, alpha, force = row
         speed = max(abs(omega), self.motion.slowest)
-        if theta <= self.lower or theta >= self.upper:
+        slack = ANGLE_MARGIN * self.motion.theta_noise
+        if theta - slack <= self.lower or theta + slack >= self.upper:
             return -math.inf, math.inf
         found: list[float] = []
-        for direction in (-speed, speed):
-            self._inputs.values[:] = theta, direction, alpha, force
-            self._inputs.write()
-            found += self._torques.read()
+        for angle in (theta - slack, theta + slack):
+            for direction in (-speed, speed):
+                self._inputs.values[:] = angle, direction, alpha, force
+                self._inputs.write()
+                found += self._torques.read()
         return min(found), max(found)
 
 

@@ -70,3 +70,12 @@ def record(bench, time, motion, torque_noise, angle_noise, seed):
         torque + torque_noise * random.standard_normal(len(time)),
     ]
     return time, *noisy
+
+
+def triangle(time, least=0.15, range_=1.1, period=5.0):
+    """Angle, speed and acceleration of turning to and fro at one speed."""
+    phase = (time / period) % 1.0
+    loading = phase < 0.5
+    speed = 2.0 * range_ / period
+    theta = least + 2.0 * range_ * np.where(loading, phase, 1.0 - phase)
+    return theta, np.where(loading, speed, -speed), np.zeros_like(time)
