@@ -97,7 +97,7 @@ SCENES = {
     "losses": (LOSSES, fast_motion(), [*SPRING, "inertia.shaft", "shaft.damping"]),
     "Stribeck": (
         STRIBECK,
-        fast_motion(2401),
+        fast_motion(1201),
         [*SPRING, "friction_peak", "stribeck_velocity", "friction_viscous", "inertia.shaft"],
     ),
 }
@@ -112,7 +112,8 @@ def test_known_values_are_found(design, scene):
         one = found[name]
         truth = TRUE[name](bench) if name in TRUE else 0.0
         assert one.status == "known"
-        assert abs(one.value - truth) < 0.75 * (one.high - one.low), (name, one)
+        width = one.high - one.low
+        assert one.low - 0.5 * width < truth < one.high + 0.5 * width, (name, one)
     assert found.rms == pytest.approx(TORQUE_NOISE, rel=0.1)
     assert found.noise == pytest.approx(TORQUE_NOISE, rel=0.15)
     assert found.motion.theta_noise == pytest.approx(ANGLE_NOISE, rel=0.25)
@@ -124,7 +125,7 @@ def test_intervals_hold_the_true_values_as_often_as_they_say(design):
     assert binom.cdf(88, 100, 0.95) < 0.005
     held = np.zeros(3)
     for seed in range(100):
-        found = identify(slow_recording(seed, 251), design, SPRING)
+        found = identify(slow_recording(seed, 201), design, SPRING)
         held += [found[name].low <= TRUE[name](SLOW) <= found[name].high for name in SPRING]
     assert (held >= 89).all(), held
 
@@ -217,7 +218,7 @@ def test_torque_at_rest_counts_only_outside_of_the_band(design, tmp_path):
 def test_at_rest_alone_nothing_is_known(design):
     time = np.linspace(0.0, 1.0, 200)
     theta = 0.5 + 1e-3 * np.random.default_rng(0).standard_normal(200)
-    with pytest.raises(IdentificationError, match="the cam slips in .* record motion"):
+    with pytest.raises(IdentificationError, match=r"the cam slips in .* record motion"):
         identify(Recording.from_arrays(time, theta, 3.0 + 0.0 * time), design, SPRING)
 
 
@@ -481,7 +482,7 @@ def test_a_wish_that_is_wrong_is_refused(design, request_):
 
 def test_a_design_that_does_not_fit_is_refused(design):
     time, theta, tau = record(SLOW, np.linspace(0, 10, 401), sines(np.linspace(0, 10, 401)), 0.05, 1e-3, 1)
-    with pytest.raises(IdentificationError, match="in degrees.*theta_deg"):
+    with pytest.raises(IdentificationError, match=r"in degrees.*theta_deg"):
         identify(Recording.from_arrays(time, np.degrees(theta), tau), design)
     with pytest.raises(IdentificationError, match="from the zero of the design"):
         identify(Recording.from_arrays(time, theta + 0.5, tau), design)

@@ -15,7 +15,7 @@ from dualcam.identification.least_squares import Problem, Solution
 from dualcam.identification.motion import AUTO, Motion, motion_of
 from dualcam.identification.recording import Recording, read_recording
 from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter, Identification
-from dualcam.identification.smoothing import noise_of
+from dualcam.identification.smoothing import NARROWEST, noise_of
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import DEFAULT, Unknown, unknowns_of
 
@@ -98,7 +98,7 @@ def identify(
     moved = _thinned(full)
     rows = slice(None, None, max(1, -(-len(recording) // MOST_SAMPLES)))
     force = np.zeros(len(recording)) if recording.F_ext is None else recording.F_ext
-    noise = max(noise_of(recording.time, recording.tau), LEAST_NOISE * float(np.abs(recording.tau).max()))
+    noise = _torque_noise(recording, full)
     with TorqueModel(design, moved, force[rows], unknowns) as model:
         problem = Problem(model, recording.tau[rows], noise, unknowns)
         solution = problem.solve(_guesses(problem, model))
@@ -133,6 +133,15 @@ def _require_motion(motion: Motion, count: int) -> None:
             f"the cam slips in {moving} of {len(motion.theta)} samples: allowed are more than the {count}"
             " values that are fitted. At rest friction can carry any torque of the stick band: record motion"
         )
+
+
+def _torque_noise(recording: Recording, motion: Motion) -> float:
+    """Standard deviation of the torque's noise [N.m], where no reversal makes the torque jump."""
+    width = 2 * NARROWEST + 1
+    moving = np.convolve(motion.direction, np.ones(width), "same")
+    rows = np.flatnonzero(np.abs(moving) == width)
+    noise = noise_of(recording.time, recording.tau, rows if len(rows) > width else None)
+    return max(noise, LEAST_NOISE * float(np.abs(recording.tau).max()))
 
 
 def _thinned(motion: Motion) -> Motion:

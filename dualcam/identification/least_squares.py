@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from dualcam.errors import FmuError, IdentificationError
-from dualcam.identification.torque_model import TorqueModel
+from dualcam.identification.torque_model import ANGLE_MARGIN, TorqueModel
 from dualcam.identification.unknowns import Unknown
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ LARGEST = 1e12  # size of an unknown, in SI units
 BLOCKS = 30
 LEAST = 1e-3  # of the noise: least standard deviation of residuals, for recordings without noise
 CONFIDENCE = 0.95
-ACCURACY = 1e-10
+COARSE, ACCURACY = 1e-3, 1e-9  # relative changes at which a search ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +76,16 @@ class Problem:
         self.sizes = np.array([self._size(k) for k in range(len(unknowns))])
         limits = np.array([(unknown.least, unknown.greatest) for unknown in unknowns])
         self.least, self.greatest = (limits / self.sizes[:, None]).T
+        self.slack = self._slack()
+
+    def _slack(self) -> Array:
+        """How far noise of torque and angle takes a torque at rest out of its band [N.m], shape (n,)."""
+        shift = ANGLE_MARGIN * self.model.motion.theta_noise
+        before, after = (np.stack(self.model.limits(self.start, by)) for by in (-shift, shift))
+        known = np.isfinite(before) & np.isfinite(after)
+        change = np.subtract(after, before, out=np.zeros_like(before), where=known)
+        from_angle = 0.5 * np.abs(change).max(axis=0)
+        return np.where(self.model.motion.direction == 0, np.hypot(MARGIN * self.noise, from_angle), 0.0)
 
     def _size(self, k: int) -> float:
         """Size of an unknown: its start, or what changes the torque by a share of its RMS."""
@@ -102,9 +112,8 @@ class Problem:
     def residual(self, x: Array) -> Array:
         """Model minus measurement [N.m]. At rest: the distance from the band beyond the margin of noise."""
         low, high = self.model.limits(x * self.sizes)
-        slip = low == high
-        slack = np.where(slip, 0.0, MARGIN * self.noise)
-        return np.maximum(low - slack - self.torque, 0.0) + np.minimum(high + slack - self.torque, 0.0)
+        low, high = low - self.slack, high + self.slack
+        return np.maximum(low - self.torque, 0.0) + np.minimum(high - self.torque, 0.0)
 
     def jacobian(self, x: Array) -> Array:
         """Central differences; one-sided at a limit, and where the FMU refuses one side."""
@@ -124,16 +133,19 @@ class Problem:
 
     def solve(self, guesses: Sequence[Array]) -> Solution:
         """The best result of some first guesses, in the unknowns' units."""
-        found = [self._solve(guess) for guess in guesses]
-        x = min(found, key=lambda one: one[1])[0]
+        first = [guess / self.sizes for guess in guesses]
+        if len(first) > 1:
+            first = [min((self._solve(x, COARSE) for x in first), key=lambda one: one[1])[0]]
+        x, _ = self._solve(first[0], ACCURACY)
         residual, jacobian = self.residual(x), self.jacobian(x)
         covariance, half_widths = spread(residual, jacobian, self.noise)
         return Solution(x * self.sizes, self.sizes, residual, jacobian, covariance, half_widths, self.noise)
 
-    def _solve(self, guess: Array) -> tuple[Array, float]:
+    def _solve(self, guess: Array, accuracy: float) -> tuple[Array, float]:
+        """Best values in units of the sizes, and the sum of squares."""
         anchor = self.start / self.sizes
         width = np.minimum(INSIDE, 0.25 * (self.greatest - self.least))
-        first = np.clip(guess / self.sizes, self.least + width, self.greatest - width)
+        first = np.clip(guess, self.least + width, self.greatest - width)
 
         def residuals(x: Array) -> Array:
             try:
@@ -150,8 +162,8 @@ class Problem:
             first,
             jacobian,
             (self.least, self.greatest),
-            xtol=ACCURACY,
-            ftol=ACCURACY,
+            xtol=accuracy,
+            ftol=accuracy,
             gtol=None,
             max_nfev=200,
         )

@@ -54,9 +54,10 @@ def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
     return Smooth(value, slope, curvature, noise * slope_gain, noise * curvature_gain, noise, half)
 
 
-def noise_of(time: Array, samples: Array) -> float:
-    """Standard deviation of the noise of samples, from the narrowest windows. Single jumps do not count."""
-    residual, leverage = _parts(time, samples, _some(time), NARROWEST)[5:]
+def noise_of(time: Array, samples: Array, rows: NDArray[np.intp] | None = None) -> float:
+    """Standard deviation of the noise of samples, from the narrowest windows at `rows` (None: at any). Some
+    jumps do not count."""
+    residual, leverage = _parts(time, samples, _some(time) if rows is None else rows, NARROWEST)[5:]
     return NORMAL * float(np.median(np.abs(residual) / np.sqrt(1.0 - leverage)))
 
 

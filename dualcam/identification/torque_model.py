@@ -77,13 +77,15 @@ class TorqueModel:
     ) -> None:
         self._fmu.close()
 
-    def limits(self, values: Array) -> tuple[Array, Array]:
+    def limits(self, values: Array, shift: float = 0.0) -> tuple[Array, Array]:
         """The least and the largest torque at each sample; both are alike where the cam slips.
 
         Parameters
         ----------
         values : ndarray, shape (p,)
             Values of the unknowns.
+        shift : float
+            Added to all angles [rad].
 
         Returns
         -------
@@ -95,7 +97,7 @@ class TorqueModel:
         FmuError
             The FMU refuses the values.
         """
-        rows, offset = self._started(values)
+        rows, offset = self._started(values, shift)
         motion = self.motion
         low, high = np.empty(len(rows)), np.empty(len(rows))
         inputs, torque = self._inputs, self._torque
@@ -129,14 +131,14 @@ class TorqueModel:
             found[k] = self._speeds.read()
         return found
 
-    def _started(self, values: Array) -> tuple[Array, float]:
+    def _started(self, values: Array, shift: float = 0.0) -> tuple[Array, float]:
         """Begins a run; the FMU's inputs at each sample, and the zero error of the torque."""
         given = dict(zip(self._names, values.tolist(), strict=True))
         repeated = [
             value for value, size in zip(values.tolist(), self._sizes, strict=True) for _ in range(size)
         ]
         self._runs.start(repeated)
-        theta = np.clip(self.motion.theta - given.get(ANGLE_OFFSET, 0.0), self.lower, self.upper)
+        theta = np.clip(self.motion.theta + shift - given.get(ANGLE_OFFSET, 0.0), self.lower, self.upper)
         return np.column_stack([theta, self.motion.omega, self.motion.alpha, self.force]), given.get(
             TORQUE_OFFSET, 0.0
         )
@@ -147,17 +149,19 @@ class TorqueModel:
 
         Beyond a stop the torque has no limit: the stop carries it."""
         theta, omega, alpha, force = row
-        speed = max(abs(omega), self.motion.slowest)
         slack = ANGLE_MARGIN * self.motion.theta_noise
         if theta - slack <= self.lower or theta + slack >= self.upper:
             return -math.inf, math.inf
-        found: list[float] = []
-        for angle in (theta - slack, theta + slack):
-            for direction in (-speed, speed):
-                self._inputs.values[:] = angle, direction, alpha, force
-                self._inputs.write()
-                found += self._torques.read()
-        return min(found), max(found)
+        speed = max(abs(omega), self.motion.slowest)
+        inputs = self._inputs
+        buffer = inputs.values
+        buffer[:] = theta, speed, alpha, force
+        inputs.write()
+        loading, release, load = self._torques.read()
+        buffer[1] = -speed
+        inputs.write()
+        (releasing,) = self._torque.read()
+        return min(loading, releasing, release, load), max(loading, releasing, release, load)
 
 
 def _check_range(motion: Motion, lower: float, upper: float, design: DesignFile) -> None:

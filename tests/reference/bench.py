@@ -25,7 +25,7 @@ class Bench:
     stiffness: float = 50e3
     damping: float = 0.0  # of the damper in both directions, N.s/m
     shaft_damping: float = 0.0
-    shaft: float = 0.0  # kg.m2
+    shaft: float = 0.002  # kg.m2
     mass: float = 0.0  # kg
 
     def torque(self, theta, omega, alpha, sigma=None, force=0.0):
