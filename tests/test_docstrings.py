@@ -23,7 +23,7 @@ WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.t
 # Results of functions: users make none.
 RETURNED = (
     *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
-    *("DesignFile", "Trajectory", "Verdict"),
+    *("DesignFile", "Identification", "Trajectory", "Verdict"),
 )
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)
 ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)

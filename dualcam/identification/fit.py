@@ -86,7 +86,7 @@ def identify(
     ...     run = simulate(bench)
     ...     recording = Recording.from_arrays(run["time"], run["theta"], run["tau"])
     ...     found = identify(recording, path, ["friction"])
-    >>> found["friction"].value.round(3)
+    >>> round(found["friction"].value, 3)
     0.17
     """
     if not isinstance(recording, Recording):

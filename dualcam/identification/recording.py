@@ -153,7 +153,7 @@ def read_recording(path: str | Path) -> Recording:
     ...     rows = [f"{10 * k};{0.5 * k};{2000 + k}" for k in range(30)]
     ...     _ = path.write_text("\\n".join(["t [ms];angle [deg];torque [N.mm]", *rows]))
     ...     recording = read_recording(path)
-    >>> len(recording), round(recording.theta[-1], 4), round(recording.tau[0], 4)  # rad, N.m
+    >>> len(recording), float(recording.theta[-1].round(4)), float(recording.tau[0])  # rad, N.m
     (30, 0.2531, 2.0)
     """
     path = path_of(path, "the recording")

@@ -152,10 +152,10 @@ class Identification:
         )
         smoothed = "" if motion.window is None else f", angle smoothed over {motion.window:.3g} s"
         return [
-            f"{len(self.recording)} samples over {np.ptp(self.recording.time):.4g} s: {counts};"
-            f" {motion.kind}{smoothed}",
-            f"residual RMS {self.rms:.3g} N.m, before the fit {self.rms_before:.3g} N.m; noise of the torque"
-            f" {self.noise:.3g} N.m, of the angle {motion.theta_noise:.2g} rad",
+            f"{len(self.recording)} samples over {np.ptp(self.recording.time):.4g} s: {counts}",
+            f"{motion.kind} motion{smoothed}",
+            f"residual RMS {self.rms:.3g} N.m, before the fit {self.rms_before:.3g} N.m",
+            f"noise of the torque {self.noise:.3g} N.m, of the angle {motion.theta_noise:.2g} rad",
         ]
 
     def warnings(self) -> list[str]:
