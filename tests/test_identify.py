@@ -352,7 +352,9 @@ def test_smoothing_knows_its_noise():
             )
             assert spread == pytest.approx(said, rel=0.2)
         jump = np.where(time > 0.5, 5.0, 0.0)
-        assert noise_of(time, jump + 0.01 * random.standard_normal(101)) == pytest.approx(0.01, rel=0.4)
+        assert noise_of(time, jump + 0.01 * random.standard_normal(101), np.arange(101)) == pytest.approx(
+            0.01, rel=0.4
+        )
 
 
 def test_the_acceleration_of_a_sine_is_found():
@@ -598,3 +600,75 @@ def test_the_picture_has_four_plots(design):
     picture = identify(slow_recording(), design, SPRING).plot()
     labels = [axes.get_ylabel() for axes in picture.axes]
     assert labels[0] == "torque [N.m]" and len(labels) == 4
+
+
+# ---- recordings as benches make them ----
+
+
+def test_few_samples_with_a_direction_are_enough(design):
+    """Thirty readings with the sign of the speed beside each."""
+    time = np.linspace(0.0, 10.0, 30)
+    theta, omega, _ = sines(time)
+    tau = SLOW.torque(theta, omega, 0.0 * time) + 0.01 * np.random.default_rng(0).standard_normal(30)
+    with pytest.raises(IdentificationError, match="add a column of the angular velocity"):
+        identify(Recording.from_arrays(time, theta, tau), design)
+    found = identify(Recording.from_arrays(time, theta, tau, np.sign(omega)), design, motion="quasi-static")
+    for name in SPRING:
+        half = 0.5 * (found[name].high - found[name].low)
+        assert abs(found[name].value - TRUE[name](SLOW)) < 2.0 * half
+
+
+def test_coarse_sensors(design):
+    """An encoder of 4096 lines and a torque in steps of 0.1 N.m."""
+    time = np.linspace(0.0, 10.0, 2001)
+    theta, omega, alpha = sines(time)
+    line = 2.0 * np.pi / 4096
+    tau = np.round(SLOW.torque(theta, omega, alpha) / 0.1) * 0.1
+    found = identify(Recording.from_arrays(time, np.round(theta / line) * line, tau), design)
+    assert found.noise == pytest.approx(0.1 / np.sqrt(12.0), rel=0.01)
+    for name, error in zip(SPRING, (1e-3, 1.0, 200.0), strict=True):
+        assert abs(found[name].value - TRUE[name](SLOW)) < error
+    assert not found.warnings()
+
+
+def test_uneven_times_and_a_gap(design):
+    random = np.random.default_rng(0)
+    time = np.unique(random.uniform(0.0, 10.0, 900))
+    time = time[(time < 3.2) | (time > 4.0)]
+    found = identify(recording(SLOW, time, sines(time)), design)
+    for name in SPRING:
+        half = 0.5 * (found[name].high - found[name].low)
+        assert abs(found[name].value - TRUE[name](SLOW)) < 2.0 * half
+
+
+def test_a_fault_is_named(design):
+    data = slow_recording()
+    data.tau[100] = 50.0
+    found = identify(data, design)
+    assert any("1 sample is off" in text and f"{data.time[100]:.6g} s" in text for text in found.warnings())
+
+
+def test_a_mechanism_that_locks_itself(design):
+    """Releasing takes a torque below zero. Both contacts are locked."""
+    lead = {"cam1.lead_angle": 0.12, "cam2.lead_angle": 0.12}
+    flat = replace(design, parameters=design.parameters | lead)
+    time = np.linspace(0.0, 10.0, 401)
+    bench = replace(SLOW, lead=(0.12, 0.12))
+    data = recording(bench, time, sines(time), torque_noise=0.005)
+    assert (data.tau[sines(time)[1] < -0.1] < 0.0).all()
+    found = identify(data, flat)
+    for name in SPRING:
+        half = 0.5 * (found[name].high - found[name].low)
+        assert abs(found[name].value - TRUE[name](SLOW)) < 2.0 * half
+
+
+def test_the_zero_of_the_angle_and_the_preload_are_one(design):
+    found = identify(slow_recording(), design, [*SPRING, "angle_offset"])
+    (ambiguity,) = found.ambiguities
+    assert set(ambiguity.names) == {"angle_offset", "spring.preload"}
+
+
+def test_a_torque_of_zero_is_refused():
+    time = np.linspace(0.0, 1.0, 50)
+    with pytest.raises(IdentificationError, match="tau is 0"):
+        Recording.from_arrays(time, time, 0.0 * time)

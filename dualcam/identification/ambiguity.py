@@ -70,12 +70,10 @@ def ambiguities_of(
     """
     names = [unknown.name for unknown in unknowns]
     solution = _in_present_sizes(solution)
-    _, singular, directions = np.linalg.svd(solution.jacobian, full_matrices=False)
-    ratio = solution.half_widths / np.sqrt(np.diag(solution.covariance))
-    error = float(np.max(ratio)) * _error(solution)
+    _, _, directions = np.linalg.svd(solution.jacobian, full_matrices=False)
     found: list[Ambiguity] = []
-    for value, direction in zip(singular, directions, strict=True):
-        if error < OPEN * value:
+    for direction in directions:
+        if solution.half_width(direction) < OPEN:
             continue
         lead = int(np.argmax(np.abs(direction)))
         part = [k for k in range(len(names)) if abs(direction[k]) > TAKES_PART * abs(direction[lead])]
@@ -96,7 +94,7 @@ def _in_present_sizes(solution: Solution) -> Solution:
         sizes=solution.sizes * growth,
         jacobian=solution.jacobian * growth,
         covariance=solution.covariance / np.outer(growth, growth),
-        half_widths=solution.half_widths / growth,
+        widths=solution.widths / growth[:, None],
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from dualcam.identification.least_squares import Problem, Solution
 from dualcam.identification.motion import AUTO, Motion, motion_of
 from dualcam.identification.recording import Recording, read_recording
 from dualcam.identification.result import AT_LIMIT, KNOWN, OPEN, FittedParameter, Identification
-from dualcam.identification.smoothing import NARROWEST, noise_of
+from dualcam.identification.smoothing import NARROWEST, noise_between, noise_of
 from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import DEFAULT, Unknown, unknowns_of
 
@@ -131,7 +133,8 @@ def _require_motion(motion: Motion, count: int) -> None:
     if moving <= count:
         raise IdentificationError(
             f"the cam slips in {moving} of {len(motion.theta)} samples: allowed are more than the {count}"
-            " values that are fitted. At rest friction can carry any torque of the stick band: record motion"
+            " values that are fitted. At rest friction can carry any torque of the stick band: record motion."
+            " Where too few samples show the direction, add a column of the angular velocity, omega_rad/s"
         )
 
 
@@ -140,13 +143,17 @@ def _torque_noise(recording: Recording, motion: Motion) -> float:
     width = 2 * NARROWEST + 1
     moving = np.convolve(motion.direction, np.ones(width), "same")
     rows = np.flatnonzero(np.abs(moving) == width)
-    noise = noise_of(recording.time, recording.tau, rows if len(rows) > width else None)
+    if len(rows) > width:
+        noise = noise_of(recording.time, recording.tau, rows)
+    else:
+        noise = noise_between(recording.tau)
+    steps = np.diff(np.unique(recording.tau))
+    if len(steps) < len(recording) / 2:  # a coarse sensor: the error is even within a step
+        noise = max(noise, float(np.median(steps)) / math.sqrt(12.0))
     return max(noise, LEAST_NOISE * float(np.abs(recording.tau).max()))
 
 
 def _thinned(motion: Motion) -> Motion:
-    from dataclasses import replace
-
     step = max(1, -(-len(motion.theta) // MOST_SAMPLES))
     arrays = {name: getattr(motion, name)[::step] for name in ("theta", "omega", "alpha", "direction")}
     return replace(motion, **arrays)
@@ -170,13 +177,9 @@ def _fitted(
 ) -> list[FittedParameter]:
     open_names = {name for ambiguity in ambiguities for name in ambiguity.names}
     found = []
-    for unknown, value, size, half in zip(
-        unknowns,
-        solution.values.tolist(),
-        solution.sizes.tolist(),
-        solution.half_widths.tolist(),
-        strict=True,
-    ):
+    for k, unknown in enumerate(unknowns):
+        value, size = float(solution.values[k]), float(solution.sizes[k])
+        half = solution.half_width(np.eye(len(unknowns))[k])
         status = KNOWN
         if min(value - unknown.least, unknown.greatest - value) < NEAR * size:
             status = AT_LIMIT

@@ -45,8 +45,8 @@ class Solution:
         Derivatives of the residual [N.m] by values in units of `sizes`.
     covariance : ndarray, shape (p, p)
         Of values in units of `sizes`.
-    half_widths : ndarray, shape (p,)
-        Half of the 95 % intervals, in units of `sizes`.
+    widths : ndarray, shape (2, p, p)
+        For `half_width`, in units of `sizes`.
     noise : float
         Standard deviation of the torque's noise [N.m].
     """
@@ -56,8 +56,12 @@ class Solution:
     residual: Array
     jacobian: Array
     covariance: Array
-    half_widths: Array
+    widths: Array
     noise: float
+
+    def half_width(self, direction: Array) -> float:
+        """Half of the 95 % interval of the values' component along a direction, in units of `sizes`."""
+        return float(np.linalg.norm(direction @ self.widths, axis=1).max())
 
     @property
     def correlation(self) -> Array:
@@ -138,8 +142,8 @@ class Problem:
             first = [min((self._solve(x, COARSE) for x in first), key=lambda one: one[1])[0]]
         x, _ = self._solve(first[0], ACCURACY)
         residual, jacobian = self.residual(x), self.jacobian(x)
-        covariance, half_widths = spread(residual, jacobian, self.noise)
-        return Solution(x * self.sizes, self.sizes, residual, jacobian, covariance, half_widths, self.noise)
+        covariance, widths = spread(residual, jacobian, self.noise)
+        return Solution(x * self.sizes, self.sizes, residual, jacobian, covariance, widths, self.noise)
 
     def _solve(self, guess: Array, accuracy: float) -> tuple[Array, float]:
         """Best values in units of the sizes, and the sum of squares."""
@@ -171,9 +175,9 @@ class Problem:
 
 
 def spread(residual: Array, jacobian: Array, noise: float) -> tuple[Array, Array]:
-    """Covariance of the result, and half of the 95 % intervals, both in units of the sizes.
+    """How far the result may be off, in units of the sizes.
 
-    The interval is the wider one of two: that for independent residuals of one variance, and that for
+    A 95 % interval is the wider one of two: that for independent residuals of one variance, and that for
     residuals that are alike within each of some blocks in time (cluster-robust covariance; A. C. Cameron, D.
     L. Miller, A practitioner's guide to cluster-robust inference, 2015). Errors of the model and of a
     smoothed angle last for many samples.
@@ -190,7 +194,9 @@ def spread(residual: Array, jacobian: Array, noise: float) -> tuple[Array, Array
     Returns
     -------
     covariance : ndarray, shape (p, p)
-    half_widths : ndarray, shape (p,)
+        For independent residuals.
+    widths : ndarray, shape (2, p, p)
+        Two matrices W. The half width of the 95 % interval along a direction v is the larger length of v W.
 
     Raises
     ------
@@ -206,22 +212,21 @@ def spread(residual: Array, jacobian: Array, noise: float) -> tuple[Array, Array
             " unknowns. At rest friction can carry any torque of the stick band: record motion"
         )
     residual, jacobian = residual[telling], jacobian[telling]
-    hold = np.eye(count) * (WEAK * noise) ** 2
-    inverse = np.linalg.inv(jacobian.T @ jacobian + hold)
+    held = np.vstack([jacobian, WEAK * noise * np.eye(count)])
+    _, singular, directions = np.linalg.svd(held, full_matrices=False)
+    root = directions.T / singular  # root @ root.T is the inverse of held.T @ held
     variance = max(float(residual @ residual) / freedom, (LEAST * noise) ** 2)
-    plain = inverse * variance
+    covariance = variance * root @ root.T
+    plain = _quantile(freedom) * math.sqrt(variance) * root
     blocks = min(BLOCKS, len(telling) // 5)
     if blocks <= count + 1:
-        return plain, float(student.ppf(0.5 + CONFIDENCE / 2.0, freedom)) * np.sqrt(np.diag(plain))
-    scores = np.stack(
-        [
-            part.T @ rest
-            for part, rest in zip(*(np.array_split(a, blocks) for a in (jacobian, residual)), strict=True)
-        ]
-    )
-    clustered = inverse @ (scores.T @ scores) @ inverse * blocks / (blocks - count)
-    widths = [
-        float(student.ppf(0.5 + CONFIDENCE / 2.0, degrees)) * np.sqrt(np.diag(matrix))
-        for matrix, degrees in ((plain, freedom), (clustered, blocks - count))
-    ]
-    return plain, np.maximum(*widths)
+        return covariance, np.stack([plain, plain])
+    parts = zip(np.array_split(jacobian, blocks), np.array_split(residual, blocks), strict=True)
+    scores = np.stack([part.T @ rest for part, rest in parts], axis=1)  # one column for each block
+    square = np.linalg.cholesky(scores @ scores.T + (LEAST * noise) ** 2 * np.eye(count))
+    factor = _quantile(blocks - count) * math.sqrt(blocks / (blocks - count))
+    return covariance, np.stack([plain, factor * root @ (root.T @ square)])
+
+
+def _quantile(freedom: int) -> float:
+    return float(student.ppf(0.5 + CONFIDENCE / 2.0, freedom))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dualcam.errors import IdentificationError
 from dualcam.identification.recording import Recording
-from dualcam.identification.smoothing import NARROWEST, half_of, noise_of, smooth, widths_of
+from dualcam.identification.smoothing import NARROWEST, half_of, noise_between, smooth, widths_of
 
 Array = NDArray[np.float64]
 
@@ -29,8 +29,8 @@ class Motion:
     Attributes
     ----------
     theta, omega, alpha : ndarray
-        Angle [rad], smoothed where the cam slips, angular velocity [rad/s] and acceleration [rad/s2]. alpha
-        is 0 in quasi-static motion.
+        Angle [rad], smoothed where the cam slips and no speed is measured, angular velocity [rad/s] and
+        acceleration [rad/s2]. alpha is 0 in quasi-static motion.
     direction : ndarray of int
         1: loading, -1: releasing, 0: at rest, or so near to rest that the direction is not known.
     kind : {"quasi-static", "dynamic"}
@@ -96,9 +96,9 @@ def motion_of(recording: Recording, kind: str = AUTO, window: float | None = Non
         direction, slowest, clear = _directions(recording, angle.half)
     else:
         speed = smooth(time, recording.omega, half)
-        theta, omega, alpha = angle.value, recording.omega, speed.slope
+        theta, omega, alpha = recording.theta, recording.omega, speed.slope
         alpha_noise = speed.slope_noise
-        noise = np.full(len(time), noise_of(time, omega))
+        noise = np.full(len(time), noise_between(omega))
         sign, limit = _signs(omega, noise)
         direction, slowest = np.where(_unsure(sign), 0, sign), float(np.median(limit))
     moving = direction != 0

@@ -302,6 +302,8 @@ def _check(columns: Mapping[str, Array], labels: Sequence[str]) -> None:
             f"{labels[k + 1]}: time {time[k + 1]:.9g} s is not after {time[k]:.9g} s ({labels[k]}): allowed"
             " are times that increase. Sort the lines by time, and leave out repeated times"
         )
+    if not columns["tau"].any():
+        raise IdentificationError("tau is 0 N.m in all samples: allowed is a recorded torque")
     if np.ptp(columns["theta"]) == 0.0:
         raise IdentificationError(
             f"theta is {columns['theta'][0]:g} rad in all samples: allowed is a recording in which cam 2"

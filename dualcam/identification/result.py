@@ -15,6 +15,7 @@ from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
 from dualcam.identification.motion import Motion
 from dualcam.identification.recording import Recording
+from dualcam.identification.smoothing import NORMAL
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,6 +26,7 @@ KNOWN, AT_LIMIT, OPEN = "known", "at its limit", "not determined"
 WELL = 1.2  # RMS of residuals over noise, up to which the model explains the recording
 EXACT = 1e-3  # residual over torque, below which nothing is missing
 MOST_DECIMALS = 7
+FAR = 6.0  # standard deviations, from which a sample may be a fault
 CLOSE = 0.95  # correlation from which two values are named
 SMOOTH = 0.1  # noise of alpha over its RMS, from which inertias come out too small
 
@@ -167,6 +169,7 @@ class Identification:
             if one.status == AT_LIMIT
         ]
         found += self._close_pairs()
+        found += self._outliers()
         if self.rms > max(WELL * self.noise, EXACT * _rms(self.measured)):
             found.append(
                 f"The residual is {self.rms / self.noise:.2g} times the noise: the model lacks something. The"
@@ -196,6 +199,18 @@ class Identification:
             for i in known
             for k in known
             if i < k and abs(self.correlation[i, k]) > CLOSE
+        ]
+
+    def _outliers(self) -> list[str]:
+        """A warning where single samples are far from the others."""
+        usual = NORMAL * float(np.median(np.abs(self.residual[self.slips])))
+        far = np.flatnonzero(self.slips & (np.abs(self.residual) > FAR * max(usual, self.noise)))
+        if not len(far):
+            return []
+        count = "1 sample is" if len(far) == 1 else f"{len(far)} samples are"
+        return [
+            f"{count} off by more than {FAR:g} standard deviations, the first at {self.time[far[0]]:.6g} s:"
+            " leave out samples that are faults"
         ]
 
     def as_dict(self) -> dict[str, Any]:

@@ -54,11 +54,18 @@ def smooth(time: Array, samples: Array, half: int | None = None) -> Smooth:
     return Smooth(value, slope, curvature, noise * slope_gain, noise * curvature_gain, noise, half)
 
 
-def noise_of(time: Array, samples: Array, rows: NDArray[np.intp] | None = None) -> float:
-    """Standard deviation of the noise of samples, from the narrowest windows at `rows` (None: at any). Some
-    jumps do not count."""
-    residual, leverage = _parts(time, samples, _some(time) if rows is None else rows, NARROWEST)[5:]
+def noise_of(time: Array, samples: Array, rows: NDArray[np.intp]) -> float:
+    """Standard deviation of the noise of samples, from the narrowest windows at `rows`. Some jumps do not
+    count."""
+    residual, leverage = _parts(time, samples, rows, NARROWEST)[5:]
     return NORMAL * float(np.median(np.abs(residual) / np.sqrt(1.0 - leverage)))
+
+
+def noise_between(samples: Array) -> float:
+    """Standard deviation of the noise of samples, from each sample and its two neighbours: also where signs
+    change every few samples."""
+    second = samples[:-2] - 2.0 * samples[1:-1] + samples[2:]
+    return NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0)
 
 
 def half_of(time: Array, seconds: float) -> int:

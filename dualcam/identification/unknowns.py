@@ -58,7 +58,8 @@ def fitted_names() -> dict[str, tuple[str, ...]]:
 def _can_be_fitted(variable: SettableVariable) -> bool:
     group, _, last = variable.name.partition(".")
     real = variable.kind is float and last not in WITHOUT_EFFECT
-    return real and group in GROUPS and variable.name != ELASTIC
+    has_choice = variable.least < variable.greatest
+    return real and has_choice and group in GROUPS and variable.name != ELASTIC
 
 
 def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unknown]:
