@@ -6,6 +6,7 @@
     linearize                   its linear model about an operating point, a control.StateSpace
     CamHysteresis               its friction hysteresis for describing function analysis
     read_design, check_design   a design from a TOML file, and whether the design works
+    identify                    friction, spring and losses from a recording of time, angle and torque
     simulate, export_fmu        its scenario over time, and an FMU with its values
     write_report, export_ssp    a page about the design, and an SSP package
     Fleet                       thousands of instances, stepped by one call
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
         design,
         design_file,
         export,
+        identification,
         plots,
         report,
         simulation,
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
         ExportError,
         FleetError,
         FmuError,
+        IdentificationError,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
@@ -60,6 +63,7 @@ if TYPE_CHECKING:
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
     from dualcam.hysteresis import CamHysteresis
+    from dualcam.identification import Identification, identify
     from dualcam.library import fmu_path
     from dualcam.linear import OperatingPoint, OperatingPointError, linearize
     from dualcam.model_description import ModelDescription, Variable, read_model_description
@@ -88,6 +92,8 @@ __all__ = [
     "Fmu",
     "FmuError",
     "FmuState",
+    "Identification",
+    "IdentificationError",
     "ModelDescription",
     "OperatingPoint",
     "OperatingPointError",
@@ -111,6 +117,8 @@ __all__ = [
     "export_fmu",
     "export_ssp",
     "fmu_path",
+    "identification",
+    "identify",
     "linearize",
     "plots",
     "read_design",
@@ -143,6 +151,8 @@ _MODULE_OF = {
     "Fmu": "fmu",
     "FmuError": "errors",
     "FmuState": "handle",
+    "Identification": "identification",
+    "IdentificationError": "errors",
     "ModelDescription": "model_description",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",
@@ -161,6 +171,7 @@ _MODULE_OF = {
     "export_fmu": "export",
     "export_ssp": "ssp",
     "fmu_path": "library",
+    "identify": "identification",
     "linearize": "linear",
     "read_design": "design_file",
     "read_model_description": "model_description",
@@ -175,6 +186,7 @@ _MODULES = (
     "design",
     "design_file",
     "export",
+    "identification",
     "plots",
     "report",
     "simulation",

@@ -54,6 +54,10 @@ class CouplingError(DualcamError):
     """An own plant cannot be coupled with the FMU as asked."""
 
 
+class IdentificationError(DualcamError):
+    """A recording, or the wish what to fit to the recording, is refused. The message says what is allowed."""
+
+
 class DualcamWarning(UserWarning):
     """A request is carried out, but the result may not be what was meant."""
 

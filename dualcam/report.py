@@ -17,12 +17,12 @@ from dualcam.design import TorqueBand, torque_band
 from dualcam.design.torque_band import span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
+from dualcam.html_page import page, table
 from dualcam.module_calls import explain_call_of
 from dualcam.paths import page_path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.report_durability import durability_sections
 from dualcam.report_inputs import input_tables
-from dualcam.report_table import table
 from dualcam.simulation import ENERGIES, Trajectory, simulate
 from dualcam.summary import (
     energy_scale,
@@ -38,24 +38,6 @@ if TYPE_CHECKING:
     from dualcam.design import Mechanism
     from dualcam.design_file import DesignFile, DesignSource
 
-STYLE = """\
-:root { color-scheme: light dark; --line: #d0d7de; --soft: #57606a; --bad: #cf222e; --warn: #9a6700;
-  --good: #1a7f37 }
-@media (prefers-color-scheme: dark) {
-  :root { --line: #3d444d; --soft: #9198a1; --bad: #ff7b72; --warn: #d29922; --good: #3fb950 } }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 46rem; margin: 0 auto; padding: 1rem }
-h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem; border-bottom: 1px solid var(--line) }
-p.lead, caption { color: var(--soft) }
-table { border-collapse: collapse; width: 100%; font-size: 0.9rem } caption { text-align: left }
-th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 0;
-  border-bottom: 1px solid var(--line) }
-td { overflow-wrap: anywhere; font-variant-numeric: tabular-nums } td:first-child { overflow-wrap: normal }
-h3 { margin: 1.4rem 0 0.3rem; font-size: 1rem }
-.scroll { overflow-x: auto }
-.error { color: var(--bad) } .warning { color: var(--warn) } .good { color: var(--good) }
-figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem; max-width: 34rem }
-figure svg { width: 100%; height: auto }
-"""
 F_EXT = "F_ext is an external axial force on the follower, positive against loading."
 LABELS = {
     "energy.work_in": "work of the torque at the shaft",
@@ -115,26 +97,9 @@ def report_page(design: DesignFile) -> str:
     except DualcamError as error:
         sections.append(f'<p class="error">No curves: {escape(str(error))}</p>')
     sections.append(_inputs(design))
-    title = escape(design.title or design.name)
     words = f"<p>{escape(design.description)}</p>\n" if design.description else ""
-    return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}: dual cam report</title>
-<style>
-{STYLE}</style>
-</head>
-<body>
-<h1>{title}</h1>
-<p class="lead">Dual cylindrical cam, report by dualcam {escape(dualcam.__version__)} from
-{escape(design.path.name)}</p>
-{words}{"".join(sections)}
-</body>
-</html>
-"""
+    lead = f"Dual cylindrical cam, report by dualcam {dualcam.__version__} from {design.path.name}"
+    return page(design.title or design.name, "dual cam report", lead, words + "".join(sections))
 
 
 def _findings(verdict: Verdict) -> str:

@@ -18,8 +18,8 @@ from dualcam.durability import (
 )
 from dualcam.durability_plots import plot_contact, plot_goodman, plot_wear
 from dualcam.errors import DesignError
+from dualcam.html_page import table
 from dualcam.report_inputs import Row
-from dualcam.report_table import table
 from dualcam.summary import largest_loads, material_words, pressure_words
 from dualcam.svg import figure_element
 

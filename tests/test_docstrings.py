@@ -29,7 +29,7 @@ WHOLE = (
 # Results of functions: users make none.
 RETURNED = (
     *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
-    *("DesignFile", "Trajectory", "Verdict"),
+    *("DesignFile", "Identification", "Trajectory", "Verdict"),
 )
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)
 ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)
