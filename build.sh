@@ -38,6 +38,8 @@ usage: ./build.sh [command] [arguments]
            docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
+  stickslip build, then run benchmarks.stick_slip (seconds): limit cycles behind a soft shaft, which draws
+           docs/stick_slip.png; arguments go to it
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
@@ -165,6 +167,7 @@ case $command in
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
     firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    stickslip) run_program '.[build]' -m benchmarks.stick_slip "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
