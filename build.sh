@@ -38,10 +38,10 @@ usage: ./build.sh [command] [arguments]
            docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
-  stickslip build, then run benchmarks.stick_slip (seconds): limit cycles behind a soft shaft, which draws
-           docs/stick_slip.png; arguments go to it
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
+  stickslip build, then run benchmarks.stick_slip (seconds): limit cycles behind a soft shaft; draws
+           docs/stick_slip.png; arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it

@@ -81,7 +81,7 @@ def test_cycle_of_stribeck_friction(fmu, scene, share):
     assert found.period == pytest.approx(expected.period, rel=1e-8)
 
 
-@pytest.mark.parametrize("scene", [SUDDEN.with_drop_within(1e-9), STRIBECK], ids=["excess", "Gauss"])
+@pytest.mark.parametrize("scene", [SUDDEN, STRIBECK], ids=["excess", "Gauss"])
 def test_cycle_ends(fmu, scene):
     last = last_speed(scene)
     assert run.cycle(fmu, scene, 0.99999 * last) is not None

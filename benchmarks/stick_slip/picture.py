@@ -57,6 +57,9 @@ def picture(fmu: Fmu, found: Mapping[str, tuple[Array, float]], facts: Mapping[s
     period.set_ylabel("period [s]")
     period.set_yscale("log")
     period.set_xscale("log")
+    period.set_yticks([0.1, 0.2, 0.5, 1.0, 2.0], ["0.1", "0.2", "0.5", "1", "2"])
+    period.set_xticks([0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0], ["0.05", "0.1", "0.2", "0.5", "1", "2", "5"])
+    period.minorticks_off()
     for panel, colour, (name, scene) in zip(planes, COLOURS, SCENES.items(), strict=True):
         last = found[name][1]
         for share in SHOWN:

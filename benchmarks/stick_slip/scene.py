@@ -101,7 +101,7 @@ def torque_of(mu: float) -> float:
     return 0.5 * FORCE * RADIUS * (1.0 + mu) / (1.0 - mu)
 
 
-SUDDEN = Scene(drop="sudden", stribeck_velocity=1e-7, exponent=1)
+SUDDEN = Scene(drop="sudden", stribeck_velocity=1e-9, exponent=1)
 STRIBECK = Scene()
 SCENES = {"static excess": SUDDEN, "Stribeck": STRIBECK}
 
