@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualcam.harmonic_balance import Candidate, LimitCycle, Start
-from dualcam.sampled_loop import SampledController, SampledLoop, Settled
+from dualcam.sampled_loop import LoopMotion, SampledController, SampledLoop
 
 if TYPE_CHECKING:
     from dualcam.hysteresis import CamHysteresis
@@ -27,7 +27,7 @@ class LimitCycles:
     ----------
     predicted : tuple of LimitCycle
         By harmonic balance, by rising amplitude.
-    simulated : tuple of Settled
+    simulated : tuple of LoopMotion
         Different motions in which the loop with the FMU settles, by rising amplitude; rest is none of them.
         Empty if the check was left out.
     holds : bool or None
@@ -37,7 +37,7 @@ class LimitCycles:
     """
 
     predicted: tuple[LimitCycle, ...]
-    simulated: tuple[Settled, ...] = ()
+    simulated: tuple[LoopMotion, ...] = ()
     holds: bool | None = None
     findings: tuple[str, ...] = ()
 
@@ -66,9 +66,9 @@ class _Checks:
         self, hysteresis: CamHysteresis, loop: SampledLoop, found: list[Candidate], duration: float
     ) -> None:
         self.hysteresis, self.loop, self.found, self.duration = hysteresis, loop, found, duration
-        self.motions: list[Settled] = []
+        self.motions: list[LoopMotion] = []
 
-    def _settle(self, start: Start) -> Settled:
+    def _settle(self, start: Start) -> LoopMotion:
         return self.loop.settle(start.theta, start.omega, start.x, start.bias, self.duration)
 
     def of_predictions(self) -> Iterator[str]:
@@ -117,7 +117,7 @@ class _Checks:
                 f" (with the range at the end): {', '.join(undecided)}. A longer duration decides"
             )
 
-    def _why(self, settled: Settled) -> str:
+    def _why(self, settled: LoopMotion) -> str:
         """What the harmonic balance does not know of this motion."""
         near = ON_STOP * (self.hysteresis.upper - self.hysteresis.lower)
         if settled.lowest < self.hysteresis.lower + near or settled.highest > self.hysteresis.upper - near:
@@ -125,7 +125,7 @@ class _Checks:
         return ""
 
 
-def _agrees(cycle: LimitCycle, settled: Settled) -> bool:
+def _agrees(cycle: LimitCycle, settled: LoopMotion) -> bool:
     """Amplitude and frequency of a stable cycle within 10 %."""
     return settled.kind == "cycle" and all(
         abs(a - b) <= ALLOWED * b
@@ -133,7 +133,7 @@ def _agrees(cycle: LimitCycle, settled: Settled) -> bool:
     )
 
 
-def _alike(one: Settled, other: Settled) -> bool:
+def _alike(one: LoopMotion, other: LoopMotion) -> bool:
     return one.kind == other.kind and abs(one.amplitude - other.amplitude) <= ALLOWED * other.amplitude
 
 
@@ -142,7 +142,7 @@ def _words(cycle: LimitCycle) -> str:
     return f"{kind} with an amplitude of {cycle.amplitude:.4g} rad at {cycle.frequency:.4g} rad/s"
 
 
-def _said(settled: Settled) -> str:
+def _said(settled: LoopMotion) -> str:
     swing = f"an amplitude of {settled.amplitude:.4g} rad"
     ends = f"{settled.lowest:.4g} to {settled.highest:.4g} rad"
     return {

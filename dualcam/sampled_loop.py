@@ -92,7 +92,7 @@ class SampledController:
 
 
 @dataclass(frozen=True)
-class Settled:
+class LoopMotion:
     """Where a loop settles.
 
     Attributes
@@ -151,7 +151,7 @@ class SampledLoop:
         """Free the FMU."""
         self.fmu.close()
 
-    def settle(self, theta: float, omega: float, x: Array, bias: float, duration: float) -> Settled:
+    def settle(self, theta: float, omega: float, x: Array, bias: float, duration: float) -> LoopMotion:
         """Run from an angle [rad], a speed [rad/s] and states of the controller, until the loop rests or
         swings in equal cycles, or `duration` [s] has passed. `bias`: torque beside the controller's [N.m]."""
         law, record = self.controller, _Record(self._room)
@@ -222,7 +222,7 @@ class _Record:
         late = time >= (1.0 - share) * time[-1]
         return time[late], theta[late], torque[late]
 
-    def cycle(self) -> Settled | None:
+    def cycle(self) -> LoopMotion | None:
         """The limit cycle, if the latest cycles are equal."""
         time, theta, torque = self._late(0.5)
         low, high = float(theta.min()), float(theta.max())
@@ -238,7 +238,7 @@ class _Record:
             return None
         return _settled("cycle", ups, time, theta, torque)
 
-    def settled(self, reference: float, integrates: bool) -> Settled:
+    def settled(self, reference: float, integrates: bool) -> LoopMotion:
         """The limit cycle, rest, or neither. At rest an integrator that still has an error is not settled."""
         if found := self.cycle():
             return found
@@ -246,12 +246,12 @@ class _Record:
         low, high = float(theta.min()), float(theta.max())
         quiet = high - low <= self._least and not integrates
         if quiet or self.rests(reference):
-            return Settled("rest", 0.0, 0.0, math.nan, low, high)
+            return LoopMotion("rest", 0.0, 0.0, math.nan, low, high)
         if found := self.irregular(FEW):
             return found
-        return Settled("undecided", 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
+        return LoopMotion("undecided", 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
 
-    def irregular(self, least: int) -> Settled | None:
+    def irregular(self, least: int) -> LoopMotion | None:
         """Unequal cycles that do not decay, at least so many of them."""
         time, theta, torque = self._late(LATE)
         low, high = float(theta.min()), float(theta.max())
@@ -261,12 +261,12 @@ class _Record:
         return _settled("irregular", ups, time, theta, torque) if len(ups) > least else None
 
 
-def _settled(kind: str, ups: list[int], time: Array, theta: Array, torque: Array) -> Settled:
+def _settled(kind: str, ups: list[int], time: Array, theta: Array, torque: Array) -> LoopMotion:
     """Between the first and the last rise."""
     whole = slice(ups[0], ups[-1] + 1)
     low, high = float(theta[whole].min()), float(theta[whole].max())
     frequency = 2.0 * math.pi * (len(ups) - 1) / float(time[ups[-1]] - time[ups[0]])
-    return Settled(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque[whole])), frequency, low, high)
+    return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque[whole])), frequency, low, high)
 
 
 def _rises(theta: Array, level: float, margin: float) -> list[int]:

@@ -45,8 +45,8 @@ def test_a_linear_model_of_slip_about_to_begin(reader, at_rest, direction):
 
 
 def test_damping_at_the_first_motion_of_equal_helices():
-    """rho = z' (1 + mu)/(1 - mu), so drho/dmu = 2 z'/(1 - mu)^2, at the static coefficient. Under Tustin's law
-    mu falls by mu_k (peak - 1) z' sqrt(2)/v_s per speed of the shaft. Gauss' law is flat there."""
+    """rho = z' (1 + mu)/(1 - mu), so drho/dmu = 2 z'/(1 - mu)^2, at the static coefficient. Under Tustin's
+    law mu falls by mu_k (peak - 1) z' sqrt(2)/v_s per speed of the shaft. Gauss' law is flat there."""
     for exponent in (1, 2):
         law = {
             f"cam{i}.{n}": x
