@@ -153,10 +153,10 @@ def picture(rows: list[dict[str, str]], facts: dict[str, str], path: Path) -> No
     left.set_title("from a swing of 0.1 rad", fontsize=10)
     left.set_ylim(0.0, 150.0)
     left.legend(fontsize=8, loc="upper left")
-    for colour, proportional in enumerate(PROPORTIONAL):
-        chosen = np.array([n for n in numbers[:count] if n[0] == proportional])
-        right.loglog(chosen[:, 1], chosen[:, 3], color=f"C{colour}", label=f"{proportional:g} N.m/rad")
-        right.loglog(chosen[:, 1], chosen[:, 4], "o", ms=4, color=f"C{colour}")
+    for number, proportional in enumerate(PROPORTIONAL):
+        points = np.array([n for n in numbers[:count] if n[0] == proportional])
+        right.loglog(points[:, 1], points[:, 3], color=f"C{number}", label=f"{proportional:g} N.m/rad")
+        right.loglog(points[:, 1], points[:, 4], "o", ms=4, color=f"C{number}")
     right.set_xticks(INTEGRAL, [f"{value:g}" for value in INTEGRAL])
     right.set_yticks([0.01, 0.02, 0.05, 0.1, 0.2, 0.5], ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5"])
     right.minorticks_off()

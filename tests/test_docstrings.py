@@ -24,6 +24,7 @@ WHOLE = ("dualcam.design.statics", "dualcam.design.mechanism", "dualcam.design.t
 RETURNED = (
     *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
     *("DesignFile", "Trajectory", "Verdict"),
+    *("LimitCycle", "LimitCycles", "LoopMotion"),
 )
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)
 ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)
