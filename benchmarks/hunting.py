@@ -38,6 +38,7 @@ PEAKS = (1.0, 1.2, 1.4, 1.6, 1.8, 2.0)
 GAINS = (50.0, 2000.0)  # of the loops with a static excess
 STRIBECK = 0.03  # m/s
 SAMPLES = 3000  # of a run
+LARGE = 0.3  # rad: beyond any hunting within the stick band; growth ends at the stops
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class Loop:
         return math.sqrt((self.proportional + 5.2) / 0.002)
 
     def grows(self, fmu: Fmu, amplitude: float, frequency: float) -> bool:
-        """Whether a swing goes on that begins in the middle, on the way up."""
+        """Whether a swing grows to the stops. The swing begins in the middle, on the way up."""
         bias = float(np.mean(self.hysteresis().band(THETA)))
         integral = self.integral * PERIOD / (np.exp(1j * frequency * PERIOD) - 1.0) * -amplitude
         held, angles = bias + float(integral.imag), np.empty(SAMPLES)
@@ -87,11 +88,11 @@ class Loop:
             tau.write()
             held += self.integral * PERIOD * error
             fmu.step(PERIOD)
-        return bool(np.ptp(angles[-SAMPLES // 4 :]) > 2.0 * amplitude)
+        return bool(np.ptp(angles[-SAMPLES // 4 :]) > 2.0 * max(amplitude, LARGE))
 
     def border(self, fmu: Fmu, near: float, frequency: float) -> float:
         """Amplitude [rad] from which on swings grow in the FMU, to 0.5 %."""
-        low, high = 0.05 * near, min(2.0 * near, 0.69)
+        low, high = 0.02 * near, min(2.0 * near, 0.69)
         while high > 1.005 * low:
             middle = math.sqrt(low * high)
             low, high = (low, middle) if self.grows(fmu, middle, frequency) else (middle, high)
