@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,7 +27,7 @@ from benchmarks.harness import core, pictures
 from benchmarks.harness import results as harness
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import DOCS
-from dualcam import CamHysteresis, Fmu
+from dualcam import CamHysteresis, Fmu, LimitCycle, LimitCycleWarning
 
 Array = NDArray[np.float64]
 Values = dict[str, float | int]
@@ -60,13 +61,13 @@ class Loop:
     def hysteresis(self) -> CamHysteresis:
         return CamHysteresis(core.fmu_path(core.FORWARD), THETA, parameters=self.parameters)
 
-    def predicted(self) -> tuple[float, float] | None:
-        """Amplitude [rad] and frequency [rad/s] of the border; None where there is none between the stops."""
+    def predicted(self) -> LimitCycle | None:
+        """The border; None where there is none between the stops."""
         law = control.ss(1.0, self.integral * PERIOD, 1.0, self.proportional, PERIOD)
         borders = [
             one for one in self.hysteresis().limit_cycles(law, check=False).predicted if not one.stable
         ]
-        return (borders[0].amplitude, borders[0].frequency) if borders else None
+        return borders[0] if borders else None
 
     def frequency(self) -> float:
         """Of the swing without friction [rad/s]: 5.2 N.m/rad of the cam's spring, 0.002 kg.m2."""
@@ -105,15 +106,16 @@ def rows_of(fmu: Fmu) -> list[dict[str, str]]:
     rows = []
     for loop in loops:
         predicted = loop.predicted()
-        found = loop.border(fmu, *predicted) if predicted else math.nan
+        found = loop.border(fmu, predicted.amplitude, predicted.frequency) if predicted else math.nan
         rows.append(
             {
                 "Kp [N.m/rad]": f"{loop.proportional:g}",
                 "Ki [N.m/(rad.s)]": f"{loop.integral:g}",
                 "friction peak": f"{loop.peak:g}",
-                "predicted border [rad]": f"{predicted[0]:.4f}" if predicted else "",
+                "predicted border [rad]": f"{predicted.amplitude:.4f}" if predicted else "",
                 "border of the FMU [rad]": f"{found:.4f}" if predicted else "",
-                "predicted over FMU": f"{predicted[0] / found:.3f}" if predicted else "",
+                "predicted over FMU": f"{predicted.amplitude / found:.3f}" if predicted else "",
+                "margin": f"{predicted.margin:.3g}" if predicted else "",
                 "grows from 0.1 rad": "yes" if loop.grows(fmu, SWING, loop.frequency()) else "no",
             }
         )

@@ -15,7 +15,7 @@ from dualcam.errors import LimitCycleWarning
 from dualcam.fmu import Fmu, RepeatedStart
 from dualcam.forward import CamAtState, Source, open_forward
 from dualcam.harmonic_balance import candidates
-from dualcam.limit_cycles import LimitCycles, check_in_loop
+from dualcam.limit_cycles import LimitCycles, check_in_loop, unchecked
 from dualcam.linear import OperatingPointError
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
@@ -346,7 +346,8 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         -----
         LimitCycleWarning
             Once per finding: the FMU in the loop swings where no limit cycle is predicted, a prediction is
-            wrong by more than 10 % in amplitude or frequency, or a run has not settled.
+            wrong by more than 10 % in amplitude or frequency, or a run has not settled. Without the check:
+            a prediction whose margin is too small (see LimitCycle).
 
         Raises
         ------
@@ -389,9 +390,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         if not 0.0 < duration < math.inf:
             raise OperatingPointError(f"duration = {duration} s: allowed is a finite number > 0")
         found = candidates(self, law)
-        if not check:
-            return LimitCycles(tuple(one.cycle for one in found))
-        checked = check_in_loop(self, law, found, duration)
-        for finding in checked.findings:
+        result = check_in_loop(self, law, found, duration) if check else unchecked(found)
+        for finding in result.findings:
             warnings.warn(finding, LimitCycleWarning, stacklevel=2)
-        return checked
+        return result
