@@ -175,7 +175,7 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
 }
 
 /* The balances at the nodes. `varies`: a constant of the compiler, so that friction that does not vary costs nothing. */
-__attribute__((always_inline)) static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
+ALWAYS_INLINE static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
