@@ -64,9 +64,10 @@ class Loop:
     def predicted(self) -> LimitCycle | None:
         """The border; None where there is none between the stops."""
         law = control.ss(1.0, self.integral * PERIOD, 1.0, self.proportional, PERIOD)
-        borders = [
-            one for one in self.hysteresis().limit_cycles(law, check=False).predicted if not one.stable
-        ]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", LimitCycleWarning)  # the margin is in the table
+            found = self.hysteresis().limit_cycles(law, check=False).predicted
+        borders = [one for one in found if not one.stable]
         return borders[0] if borders else None
 
     def frequency(self) -> float:
