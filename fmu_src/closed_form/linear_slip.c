@@ -238,7 +238,7 @@ Booking linear_slip_jump_booking(const LinearSlipMode *linear, const Params *p, 
         .work_ext = g->dz_dtheta * l->F_ext * dtheta,
     };
     const double moved[2] = {linear->transfer.axial[0] * work_axial, linear->transfer.axial[1] * work_axial};
-    for (int i = 0; i < 2; i++) booking.heat_cam[i] = linear->heat[i] * moved[i];
+    for (int i = 0; i < 2; i++) booking.heat_cam[i] = linear->heat[i] * linear->transfer.axial[i] * work_axial;
     if (has_wear(p)) book_wear(linear, p, g, moved, &booking);
     return booking;
 }
