@@ -42,6 +42,10 @@ usage: ./build.sh [command] [arguments]
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
+  stickslip build, then run benchmarks.stick_slip (seconds): limit cycles behind a soft shaft; draws
+           docs/stick_slip.png; arguments go to it
+  hunting  build, then run benchmarks.hunting (a minute): where a PI position loop hunts; draws docs/hunting.png;
+           arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
@@ -168,6 +172,8 @@ case $command in
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
     firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    stickslip) run_program '.[build]' -m benchmarks.stick_slip "$@" ;;
+    hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;

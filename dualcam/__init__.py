@@ -4,7 +4,7 @@
     fmu_path                    where this package's FMUs are
     to_nonlinear_io_system      the forward FMU as a control.NonlinearIOSystem, continuous or sampled
     linearize                   its linear model about an operating point, a control.StateSpace
-    CamHysteresis               its friction hysteresis for describing function analysis
+    CamHysteresis               its friction hysteresis: describing functions, limit cycles of position loops
     read_design, check_design   a design from a TOML file, and whether the design works
     identify                    friction, spring and losses from a recording of time, angle and torque
     simulate, export_fmu        its scenario over time, and an FMU with its values
@@ -54,6 +54,7 @@ if TYPE_CHECKING:
         FleetError,
         FmuError,
         IdentificationError,
+        LimitCycleWarning,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
@@ -62,13 +63,16 @@ if TYPE_CHECKING:
     from dualcam.fleet import Fleet, FleetState
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
+    from dualcam.harmonic_balance import LimitCycle
     from dualcam.hysteresis import CamHysteresis
     from dualcam.identification import Identification, identify
     from dualcam.library import fmu_path
+    from dualcam.limit_cycles import LimitCycles
     from dualcam.linear import OperatingPoint, OperatingPointError, linearize
     from dualcam.model_description import ModelDescription, Variable, read_model_description
     from dualcam.reals import Reals
     from dualcam.report import write_report
+    from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
@@ -94,6 +98,10 @@ __all__ = [
     "FmuState",
     "Identification",
     "IdentificationError",
+    "LimitCycle",
+    "LimitCycleWarning",
+    "LimitCycles",
+    "LoopMotion",
     "ModelDescription",
     "OperatingPoint",
     "OperatingPointError",
@@ -153,6 +161,10 @@ _MODULE_OF = {
     "FmuState": "handle",
     "Identification": "identification",
     "IdentificationError": "errors",
+    "LimitCycle": "harmonic_balance",
+    "LimitCycleWarning": "errors",
+    "LimitCycles": "limit_cycles",
+    "LoopMotion": "sampled_loop",
     "ModelDescription": "model_description",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",

@@ -66,5 +66,9 @@ class UnstableCouplingWarning(DualcamWarning):
     """Errors of an explicit coupling grow from step to step. The message names the numbers and what works."""
 
 
+class LimitCycleWarning(DualcamWarning):
+    """The FMU in the loop moves otherwise than a describing function predicts. The message has numbers."""
+
+
 class UnitWarning(DualcamWarning):
     """A value that is allowed, but looks as if it were given in another unit. The message names that unit."""

@@ -30,6 +30,7 @@ WHOLE = (
 RETURNED = (
     *("FleetState", "FmuState", "ModelDescription", "OperatingPoint", "Variable"),
     *("DesignFile", "Identification", "Trajectory", "Verdict"),
+    *("LimitCycle", "LimitCycles", "LoopMotion"),
 )
 SECTION = re.compile(r"^(\w[\w ]*)\n-+$", re.MULTILINE)
 ENTRY = re.compile(r"^(\*?\*?\w[\w, *]*?)(?: :.*)?$", re.MULTILINE)
