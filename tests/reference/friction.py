@@ -48,13 +48,13 @@ class FrictionLaw:
 
 
 class TableLaw:
-    """mu(v) through samples: the logarithm of mu is a curve of quintic pieces, twice continuously differentiable, which
-    rises or falls in each piece as the samples do; constant beyond the last speed.
+    """mu(v) through samples: ln mu is a curve of quintic pieces, twice continuously differentiable, which
+    rises or falls in each piece as the samples do; mu is constant beyond the last speed.
 
-    Slope d_j and second derivative c_j at sample j start as those of the polynomial through the five nearest samples.
-    They are then limited so that in each piece, of width h and mean slope D, the Bernstein coefficients of the
-    derivative, d_0, d_0 + c_0 h/4, 5 D - e, d_1 - c_1 h/4, d_1 with e = 2 d_0 + c_0 h/4 + 2 d_1 - c_1 h/4, have the
-    sign of D."""
+    Slope d_j and second derivative c_j at sample j start as those of the polynomial through the five nearest
+    samples. They are then limited so that in each piece, of width h and mean slope D, the Bernstein
+    coefficients of the derivative, d_0, d_0 + c_0 h/4, 5 D - e, d_1 - c_1 h/4 and d_1, have the sign of D,
+    where e = 2 d_0 + c_0 h/4 + 2 d_1 - c_1 h/4."""
 
     varies, peak, stribeck_velocity = True, 1.0, 1.0
 
