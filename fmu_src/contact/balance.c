@@ -222,7 +222,7 @@ NOINLINE static RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficient
     }
 }
 
-RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
+NOINLINE RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);

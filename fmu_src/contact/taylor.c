@@ -2,28 +2,33 @@
 
 #include <math.h>
 
+#include "platform/attributes.h"
+
 static Dual constant(double value) {
     return (Dual){value, 0.0};
 }
 
 /* ---- along a given motion ---- */
 
-/* The polynomial p(x) as a polynomial in the variable of the jet x. */
-static void expand(const double p[TRANSMISSION_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
-    const Jet value = jet_polynomial(p, TRANSMISSION_DEGREE, x);
-    for (int k = 0; k < JET_TERMS; k++) out[k] = value.c[k].value;
+/* The polynomial p(x) as a polynomial in t, where x = start + rate t: its first coefficients, by Horner's scheme. */
+NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
+    for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
+    for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
+        for (int k = JET_TERMS - 1; k > 0; k--) out[k] = out[k - 1] * rate + out[k] * start;
+        out[0] = out[0] * start + p[n];
+    }
 }
 
 void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
-    const Jet x = {.c = {constant((t->theta.c[0].value - piece->middle) * piece->scale), constant(piece->scale)}};
+    const double start = (t->theta.c[0].value - piece->middle) * piece->scale;
     for (int i = 0; i < 2; i++) {
         double slope[TRANSMISSION_DEGREE + 1];
         for (int k = 0; k <= TRANSMISSION_DEGREE; k++) slope[k] = piece->slope[k][i];
-        expand(slope, &x, t->slope[i]);
+        expand(slope, start, piece->scale, t->slope[i]);
         t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
-    expand(piece->z, &x, t->height);
+    expand(piece->z, start, piece->scale, t->height);
 }
 
 /* A parameter and its derivative by the known. */
@@ -52,13 +57,14 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i). */
-static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet dpsi_dtheta[2], const Taylor *t, int i) {
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i). `sum`: a_1 + a_2. */
+NOINLINE static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet *sum, const Taylor *t, int i) {
     const CamParams *cam = &slip->params->cam[i];
     Jet length2 = jet_multiply(&slope[i], &slope[i]), v = {.c = {{0.0, 0.0}}};
     length2.c[0].value += cam->radius * cam->radius;
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
-        const Jet length = jet_sqrt(&length2), sliding = jet_multiply(&dpsi_dtheta[i], &length);
+        const Jet length = jet_sqrt(&length2), dpsi_dtheta = jet_divide(&slope[1 - i], sum);
+        const Jet sliding = jet_multiply(&dpsi_dtheta, &length);
         jet_add_product(&v, slip->direction, &sliding, &t->omega);
     }
     const Jet mu = friction_along(cam, i, &v, t->known);
@@ -67,11 +73,11 @@ static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet dpsi_
     return f;
 }
 
-static void factors_along(const SlipMode *slip, const Jet slope[2], const Jet dpsi_dtheta[2], Taylor *t) {
+static void factors_along(const SlipMode *slip, const Jet slope[2], const Jet *sum, Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
         if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_VISCOUS_2)) {
-            const Jet f = friction_of(slip, slope, dpsi_dtheta, t, i);
+            const Jet f = friction_of(slip, slope, sum, t, i);
             jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &slope[i]);
             continue;
         }
@@ -89,12 +95,11 @@ static Jet follow_grooves(const SlipMode *slip, Taylor *t) {
                           jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
     Jet sum = slope[0];
     jet_add_scaled(&sum, 1.0, &slope[1]);
-    const Jet dpsi_dtheta[2] = {jet_divide(&slope[1], &sum), jet_divide(&slope[0], &sum)};
-    const Jet dz_dtheta = jet_multiply(&slope[0], &dpsi_dtheta[0]);
+    const Jet dgamma_dtheta = jet_divide(&slope[1], &sum), dz_dtheta = jet_multiply(&slope[0], &dgamma_dtheta);
     t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
     t->v = jet_multiply(&dz_dtheta, &t->omega);
-    factors_along(slip, slope, dpsi_dtheta, t);
-    return jet_multiply(&dpsi_dtheta[0], &t->omega);
+    factors_along(slip, slope, &sum, t);
+    return jet_multiply(&dgamma_dtheta, &t->omega);
 }
 
 void taylor_balance(const SlipMode *slip, Taylor *t) {

@@ -6,6 +6,7 @@
 #include "contact/balance.h"
 #include "numerics/bernstein.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 double stick_axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, m->configuration.z) + m->inputs.F_ext[0];
@@ -185,7 +186,7 @@ RestInterval stick_rest_interval(const Mechanism *m) {
 
 /* First time in (0, t_end] at which the polynomial sign * u rises above zero; infinity if the polynomial does not. At
  * time 0 the polynomial is at or below zero, or above zero by rounding. */
-static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
+NOINLINE static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
     if (u[2] == 0.0 && u[3] == 0.0) { /* a straight line: the time is exact */
         if (!(sign * u[1] > 0.0)) return INFINITY;
         const double t = fmax(-sign * u[0], 0.0) / (sign * u[1]);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "model/csv_file.h"
+#include "platform/attributes.h"
 
 static const char *const HEADER = "psi_rad,z_m";
 
@@ -48,7 +49,7 @@ static bool parse(CsvFile *csv, Samples *samples) {
     return read_samples(csv, samples) && check_whole(csv, samples);
 }
 
-bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault) {
+COLD bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault) {
     *samples = (Samples){.sample = NULL};
     CsvFile csv = {.variable = variable, .path = path, .fault = fault};
     if (path[0] == '\0') return csv_refuse(&csv, "a table profile must name a CSV file");

@@ -6,6 +6,7 @@
 
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static CurveSamples curve_of(const Samples *s) {
     return (CurveSamples){&s->sample[0].psi, &s->sample[0].z, s->count, sizeof(Sample) / sizeof(double)};
@@ -74,7 +75,7 @@ static bool fill(Table *table, const Samples *samples, CurveKnot *knot) {
     return true;
 }
 
-bool table_build(Table *table, const Samples *samples) {
+COMPACT bool table_build(Table *table, const Samples *samples) {
     CurveKnot *knot = malloc(samples->count * sizeof *knot);
     *table = (Table){.piece = malloc((samples->count - 1) * sizeof(TablePiece)), .count = samples->count - 1};
     const bool good = knot && table->piece && fill(table, samples, knot);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
 
@@ -171,7 +172,7 @@ static const char *quoted_line(Span line, char text[QUOTED_LINE + 1]) {
 
 /* ---- the calls of csv_file.h ---- */
 
-bool csv_open(CsvFile *csv, const char *path, const char *resources, const char *variable, Fault *fault) {
+COLD bool csv_open(CsvFile *csv, const char *path, const char *resources, const char *variable, Fault *fault) {
     *csv = (CsvFile){.variable = variable, .path = path, .fault = fault};
     FILE *file = open_table(csv, resources);
     if (!file) return false;
@@ -206,7 +207,7 @@ bool csv_at_end(const CsvFile *csv) {
     return is_blank((Span){csv->at, csv->end});
 }
 
-int csv_header(CsvFile *csv, const char *const header[], int count) {
+COMPACT int csv_header(CsvFile *csv, const char *const header[], int count) {
     const size_t mark = sizeof BYTE_ORDER_MARK - 1;
     if ((size_t)(csv->end - csv->at) >= mark && memcmp(csv->at, BYTE_ORDER_MARK, mark) == 0) csv->at += mark;
     const Span line = read_line(csv);
@@ -219,7 +220,7 @@ int csv_header(CsvFile *csv, const char *const header[], int count) {
     return -1;
 }
 
-bool csv_row(CsvFile *csv, int columns, const char *form, double value[]) {
+COMPACT bool csv_row(CsvFile *csv, int columns, const char *form, double value[]) {
     const Span line = read_line(csv);
     bool good = true;
     const char *begin = line.begin;

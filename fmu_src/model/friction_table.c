@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* The piece that holds v < table->end; the first one for v < 0. */
 static const FrictionPiece *find(const FrictionTable *table, double v) {
@@ -24,7 +25,7 @@ FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
     return (FrictionCoefficient){value, t < x ? 0.0 : value * slope * p->per_width};
 }
 
-Jet friction_table_along(const FrictionTable *table, const Jet *v) {
+COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v) {
     const Dual none = {0.0, 0.0};
     if (v->c[0].value >= table->end) return jet_line((Dual){table->at_end, 0.0}, none, v);
     const FrictionPiece *p = find(table, v->c[0].value);
@@ -46,7 +47,7 @@ static double width_below(const FrictionTable *table, size_t k) {
 
 /* The step ahead ends at the next sample, or after a part of the piece. A step aims at the middle of the overshoot; a
  * step that starts close to a sample has reached that sample before. */
-double friction_table_share(const FrictionTable *table, double overshoot, double v, double to) {
+COMPACT double friction_table_share(const FrictionTable *table, double overshoot, double v, double to) {
     const bool up = to > v;
     const size_t n = table->count;
     size_t k = v < table->end ? (size_t)(find(table, v) - table->piece) : n; /* sample k is at or below v */

@@ -8,6 +8,7 @@
 #include "model/csv_file.h"
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* One line of the file. */
 typedef struct {
@@ -113,7 +114,7 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
     return NULL;
 }
 
-static FrictionTable *read_table(const char *path, const char *resources, int number, Fault *fault) {
+COLD static FrictionTable *read_table(const char *path, const char *resources, int number, Fault *fault) {
     char variable[24];
     snprintf(variable, sizeof variable, "cam%d.friction_table", number);
     CsvFile csv;
@@ -135,8 +136,8 @@ static void free_unless_in(const FrictionTables *kept, FrictionTables *tables) {
         if (tables->table[i] != kept->table[i]) free_table(tables->table[i]);
 }
 
-bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources, FrictionTables *made,
-                          Fault *fault) {
+COMPACT bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources,
+                                  FrictionTables *made, Fault *fault) {
     *made = (FrictionTables){.table = {NULL, NULL}};
     for (int i = 0; i < 2; i++) {
         const char *path = params->friction_table[i];

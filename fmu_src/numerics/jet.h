@@ -33,7 +33,7 @@ Jet jet_sqrt(const Jet *a);
 /* da/dt; the last coefficient, which a does not determine, is left 0. */
 Jet jet_rate(const Jet *a);
 
-/* p[0] + p[1] x + ... + p[degree] x^degree */
+/* p[0] + p[1] x + ... + p[degree] x^degree, degree >= 1 */
 Jet jet_polynomial(const double *p, int degree, const Jet *x);
 
 #endif
