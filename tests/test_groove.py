@@ -2,7 +2,7 @@
 
 import locale
 import math
-from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t
+from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
 from itertools import pairwise
 
 import mpmath

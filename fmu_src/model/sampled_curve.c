@@ -30,12 +30,12 @@ static CurveKnot estimate(const CurveSamples *s, size_t j) {
     const size_t n = s->count < STENCIL ? s->count : STENCIL;
     size_t begin = j < 2 ? 0 : j - 2;
     if (begin > s->count - n) begin = s->count - n;
-    double x[STENCIL] = {s->x[j * s->stride]}, y[STENCIL] = {s->y[j * s->stride]};
+    double x[STENCIL] = {s->x[j * s->spacing]}, y[STENCIL] = {s->y[j * s->spacing]};
     int used = 1;
     for (size_t i = begin; i < begin + n; i++) {
         if (i == j) continue;
-        x[used] = s->x[i * s->stride];
-        y[used++] = s->y[i * s->stride];
+        x[used] = s->x[i * s->spacing];
+        y[used++] = s->y[i * s->spacing];
     }
     return polynomial_derivatives((int)n, x, y);
 }

@@ -17,10 +17,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* x_j and y_j stand at x[j stride] and y[j stride]; x increases. */
+/* x_j and y_j stand at x[j spacing] and y[j spacing]; x increases. */
 typedef struct {
     const double *x, *y;
-    size_t count, stride; /* count >= 3 */
+    size_t count, spacing; /* count >= 3 */
 } CurveSamples;
 
 /* Slope d and second derivative c at a sample. */
@@ -33,12 +33,12 @@ typedef struct {
 void curve_knots(const CurveSamples *samples, bool level_end, CurveKnot *knot);
 
 static inline double curve_width(const CurveSamples *s, size_t j) {
-    return s->x[(j + 1) * s->stride] - s->x[j * s->stride];
+    return s->x[(j + 1) * s->spacing] - s->x[j * s->spacing];
 }
 
 /* Delta_j */
 static inline double curve_chord(const CurveSamples *s, size_t j) {
-    return (s->y[(j + 1) * s->stride] - s->y[j * s->stride]) / curve_width(s, j);
+    return (s->y[(j + 1) * s->spacing] - s->y[j * s->spacing]) / curve_width(s, j);
 }
 
 /* e of step (3), of a piece of width h */
