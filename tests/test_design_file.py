@@ -210,7 +210,7 @@ def test_mistake_millimetres(read):
         ("cam2.v_stribeck = 0.01", "cam2.v_stribeck is no key: did you mean cam2.stribeck_velocity?"),
         (
             "cam1.friction_peak = 0.21",
-            "cam1.friction_peak = 0.21: allowed is a number from 1 to 100; the value is the ratio of the static",
+            "cam1.friction_peak = 0.21: allowed is a number from 1 to 100; the value is the ratio of the",
         ),
         ("cam3.radius = 0.02", "cam3 is no key: did you mean cam"),
         ("scenario.duration = 2.0", "scenario.duration is no key: did you mean scenario.stop?"),
