@@ -340,7 +340,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             Whether the loop is run with the FMU: from each prediction, and from four offsets. Seconds;
             without the check about one second.
         duration : float
-            Longest time [s] of each run of the check; at most 1e7 periods of the controller.
+            Longest time [s] of each run of the check; at most 4e6 periods of the controller.
 
         Returns
         -------
@@ -357,7 +357,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         ------
         FmuError
             No controller, a continuous one, one with several inputs or outputs, or with coefficients that are
-            not finite; a duration that is no time, or above 1e7 periods.
+            not finite; a duration that is no time, or above 4e6 periods.
         OperatingPointError
             The hysteresis has a bias `tau`: the controller makes the bias.
 

@@ -24,7 +24,7 @@ FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at 
 PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
 LATE = 0.4  # of the record, its end: the part that says where the loop settles
 BLOCK = 4096  # samples of the controller at rest, computed at once
-MOST_SAMPLES = 1e7  # of one run: minutes
+MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
 
 
 class SampledController:
