@@ -325,7 +325,10 @@ static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
 
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {
     double share = 1.0;
-    for (int i = 0; i < 2; i++)
-        share = fmin(share, friction_share(&slip->fall[i], sliding_speed(slip, from, i), sliding_speed(slip, to, i)));
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &slip->fall[i];
+        const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
+        if (part < 1.0) share = fmin(share, fall->table ? part : STEP_SAFETY * part);
+    }
     return share;
 }

@@ -20,6 +20,10 @@ bool check_initial(const Params *params, Fault *fault);
  * inertia, with an elastic shaft. `cause` and `remedy` complete the message. */
 bool check_falling_friction(const Params *params, const char *cause, const char *remedy, Fault *fault);
 
+/* Without inertia: something limits the speed, since the friction of a table is constant above its last sample. `remedy`
+ * completes the message. */
+bool check_limited_speed(const Params *params, const char *remedy, Fault *fault);
+
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1 (docs/mechanism.md,
  * section 3). */
 bool check_jam(const Params *params, const Transmission *transmission, Fault *fault);

@@ -6,11 +6,14 @@
  * (Gauss); mu_v: slope of the lubricated branch (B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30,
  * 1994). With peak = 1 and mu_v = 0 the law is Coulomb's.
  *
+ * A table of samples (friction_table.h) replaces this law where the user names one.
+ *
  * The law stands here once for each arithmetic, as the formulas of contact/contact_factors.h do. Another law replaces
  * the functions of this header, and nothing else. */
 #ifndef DUALCAM_FRICTION_LAW_H
 #define DUALCAM_FRICTION_LAW_H
 
+#include "model/friction_table.h"
 #include "model/known.h"
 #include "model/params.h"
 #include "numerics/jet.h"
@@ -19,33 +22,30 @@
 
 /* Does the coefficient change while the pin slides? Else the law is Coulomb's. */
 static inline bool friction_varies(const CamParams *cam) {
-    return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0;
+    return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0 || cam->law.table != NULL;
 }
 
 static inline bool any_friction_varies(const Params *p) {
     const FrictionParams *a = &p->cam[0].law, *b = &p->cam[1].law;
     const bool coulomb = a->peak + b->peak == 2.0 && a->viscous + b->viscous == 0.0; /* without a branch for each */
-    return !coulomb && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
+    return !(coulomb && !a->table && !b->table) && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
 }
 
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins. */
 static inline double friction_static(const CamParams *cam) {
-    return cam->friction * cam->law.peak;
+    return cam->law.table ? cam->law.table->at_rest : cam->friction * cam->law.peak;
 }
-
-typedef struct {
-    double value;
-    double by_speed; /* s/m, dmu/dv */
-} FrictionCoefficient;
 
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v);
 
 /* The range of speeds in which mu falls steeply. A collocation step that spans more than a part of the range would step
- * over the fall unseen. */
+ * over the fall unseen. A step also ends at the samples of a table. */
 typedef struct {
     double end;  /* m/s, above which the law is smooth; -infinity: everywhere */
     double span; /* m/s, the change of speed in one step below the end */
+    const FrictionTable *table;
+    double overshoot; /* share of a piece of the table */
 } FrictionFall;
 
 /* `tolerance`: relative, of the motion. */
@@ -53,6 +53,7 @@ FrictionFall friction_fall(const CamParams *cam, double tolerance);
 
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
 static inline double friction_share(const FrictionFall *fall, double v, double to) {
+    if (fall->table) return friction_table_share(fall->table, fall->overshoot, v, to);
     if ((v < to ? v : to) >= fall->end) return 1.0;
     const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
     return allowed < change ? allowed / change : 1.0;
@@ -72,8 +73,11 @@ typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
+VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v);
+
 /* friction_at() at two speeds, to some roundings. */
 static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
+    if (cam->law.table) return friction_table_at_both(cam->law.table, v);
     const Vector2 ratio = v * base->per_speed, none = {0.0, 0.0};
     const bool gauss = cam->law.stribeck_exponent == 2;
     const double from = gauss ? -INFINITY : -1.0; /* see stribeck_exponent() */

@@ -5,7 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
+
+import numpy as np
+from scipy.interpolate import BPoly
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,9 @@ class FrictionLaw:
     viscous: Any
 
     @classmethod
-    def of_cam(cls, p: Mapping[str, Any], i: int) -> FrictionLaw:
+    def of_cam(cls, p: Mapping[str, Any], i: int) -> FrictionLaw | TableLaw:
+        if p[f"cam{i}.friction_table"]:
+            return TableLaw(*np.loadtxt(Path(p[f"cam{i}.friction_table"]), delimiter=",", skiprows=1).T)
         names = ("friction", "friction_peak", "stribeck_velocity", "stribeck_exponent", "friction_viscous")
         kinetic, peak, velocity, exponent, viscous = (p[f"cam{i}.{name}"] for name in names)
         return cls(kinetic, peak, velocity, int(exponent), viscous)
@@ -39,3 +45,49 @@ class FrictionLaw:
         ratio = max(v / self.stribeck_velocity, -2.0)
         fall = math.exp(-(ratio**self.stribeck_exponent))
         return self.kinetic * (1 + (self.peak - 1) * fall) + self.viscous * v
+
+
+class TableLaw:
+    """mu(v) through samples: ln mu is a curve of quintic pieces, twice continuously differentiable, which
+    rises or falls in each piece as the samples do; mu is constant beyond the last speed.
+
+    Slope d_j and second derivative c_j at sample j start as those of the polynomial through the five nearest
+    samples. They are then limited so that in each piece, of width h and mean slope D, the Bernstein
+    coefficients of the derivative, d_0, d_0 + c_0 h/4, 5 D - e, d_1 - c_1 h/4 and d_1, have the sign of D,
+    where e = 2 d_0 + c_0 h/4 + 2 d_1 - c_1 h/4."""
+
+    varies, peak, stribeck_velocity = True, 1.0, 1.0
+
+    def __init__(self, v: np.ndarray, mu: np.ndarray) -> None:
+        y, n = np.log(mu), len(v)
+        h, mean = np.diff(v), np.diff(y) / np.diff(v)
+        d, c = np.zeros(n), np.zeros(n)
+        for j in range(n):
+            first = min(max(j - 2, 0), max(n - 5, 0))
+            near = slice(first, min(first + 5, n))
+            local = np.linalg.solve(np.vander(v[near] - v[j], increasing=True), y[near])
+            beside = [mean[k] for k in (j - 1, j) if 0 <= k < n - 1]
+            if any(m == 0 for m in beside):
+                continue
+            rises = np.sign(beside[-1])
+            d[j] = rises * max(rises * local[1], 0.0) if all(np.sign(m) == rises for m in beside) else 0.0
+            c[j] = 2 * local[2]
+            if j < n - 1:
+                c[j] = rises * max(rises * c[j], -4 * rises * d[j] / h[j])
+            if j > 0:
+                rose = np.sign(beside[0])
+                c[j] = rose * min(rose * c[j], 4 * rose * d[j] / h[j - 1])
+        d[-1] = c[-1] = 0.0
+        e = 2 * d[:-1] + c[:-1] * h / 4 + 2 * d[1:] - c[1:] * h / 4
+        share = np.array([min(1.0, 5 * m / x) if m * x > 0 else 1.0 for m, x in zip(mean, e, strict=True)])
+        share = np.minimum(np.append(share, 1.0), np.insert(share, 0, 1.0))
+        self.curve = BPoly.from_derivatives(v, np.column_stack([y, share * d, share * c]))
+        self.end, self.static, self.last = float(v[-1]), float(mu[0]), float(mu[-1])
+        self.kinetic = self.last
+        slopes = self.curve.derivative()(np.linspace(0, self.end, 2001))
+        self.viscous = float(np.abs(slopes).max() * mu.max())  # 1/(m/s), for an estimate of rates alone
+
+    def at(self, v: Any) -> Any:
+        if v >= self.end:
+            return self.last
+        return float(np.exp(self.curve(max(v, 0.0))))
