@@ -108,7 +108,8 @@ RULES: dict[str, Rule] = {
     "cam.ellipse_b": Rule("m", _above(5.0), _millimetres),
     "cam.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
     "cam.friction": Rule("", _above(1.0), _friction),
-    "cam.stribeck_velocity": Rule("m/s", _above(5.0), _millimetres_per_second),
+    # 1 mm/s to 0.2 m/s in measurements
+    "cam.stribeck_velocity": Rule("m/s", _above(0.9), _millimetres_per_second),
     "cam.wear": Rule("m3/(N.m)", _above(1e-9), _cubic_millimetres),
     # 0 is meant: a spring of preload alone, or of stiffness2 and stiffness3
     "spring.stiffness": Rule("N/m", _between_zero_and(100.0), _newtons_per_millimetre),

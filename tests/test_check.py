@@ -458,3 +458,16 @@ def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
     assert verdict.good
     texts = [finding.text for finding in verdict.findings]
     assert any(words in text for text in texts) if words else texts == []
+
+
+@pytest.mark.parametrize("motion", ["tau = 3.0", "theta = 0.5"])
+def test_stick_slip_behind_a_soft_shaft_is_told_where_to_go(design, motion):
+    """The inverse FMU refuses, the forward FMU has no such shaft: both texts name the page."""
+    law = "cam1.friction_peak = 1.5\nshaft.stiffness = 5.0\n"
+    scenario = f"[scenario]\nstop = 1.0\n[scenario.inputs]\n{motion}\n"
+    verdict = check_design(design(law + scenario))
+    (finding,) = (one for one in verdict.findings if "shaft.stiffness" in one.text)
+    assert "outside a forward FMU: docs/stick-slip.md" in finding.text
+    assert verdict.starts == motion.startswith("tau")
+    calm = check_design(design("shaft.stiffness = 5.0\n" + scenario))
+    assert not any("stick-slip" in one.text for one in calm.findings)
