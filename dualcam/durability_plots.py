@@ -73,9 +73,10 @@ def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
 def plot_goodman(spring: HelicalSpring, cycle: Fatigue, limit: float) -> Figure:
     """The Goodman diagram: amplitude over mean stress, the line of the wire, and the point of the spring."""
     picture, (axes,) = figure(1, 3.2)
-    end, top = cycle.shear_strength / MEGA, cycle.strength / MEGA
-    axes.plot([0.0, end], [top, 0.0], color=ORANGE, label="Goodman line")
-    axes.plot([0.0, end / limit], [top / limit, 0.0], "--", color=GREY, label=f"allowed, safety {limit:g}")
+    means = np.array([0.0, cycle.knee, cycle.shear_strength]) / MEGA
+    amplitudes = np.array([cycle.strength, cycle.strength, 0.0]) / MEGA
+    axes.plot(means, amplitudes, color=ORANGE, label="Goodman line")
+    axes.plot(means / limit, amplitudes / limit, "--", color=GREY, label=f"allowed, safety {limit:g}")
     mean, amplitude = cycle.mean / MEGA, cycle.amplitude / MEGA
     axes.plot([0.0, mean * cycle.safety], [0.0, amplitude * cycle.safety], color=GREY, lw=0.8)
     good = cycle.safety >= limit

@@ -8,7 +8,8 @@ These are the formulas of the classes A, B, C and D of DIN 17223-1:1984, which E
 the table of EN 10270-1 within 1 %.
 
 Fatigue: patented and other steel wire up to 10 mm, coiled cold, endures the amplitude 241 MPa at the mean
-stress 379 MPa; shot-peened wire 398 MPa at 534 MPa (shear stress, corrected for the curvature). Source:
+stress 379 MPa; shot-peened wire 398 MPa at 534 MPa (shear stress, corrected for the curvature). The amplitude
+depends neither on diameter and tensile strength nor, below that, on the mean stress. Source:
 F. P. Zimmerli, Human failings in spring design, The Mainspring (1957); R. G. Budynas, J. K. Nisbett,
 Shigley's Mechanical Engineering Design, chapter 10, also for the shear strength 0.67 R_m.
 """
