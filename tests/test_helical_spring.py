@@ -114,7 +114,10 @@ def test_safety_is_the_factor_up_to_the_line(least, peened):
     """Amplitude and mean stress times the safety lie on the line of three points: (0, amplitude), Zimmerli's
     point, (shear strength, 0)."""
     one = spring(shot_peened=peened)
-    cycle, (amplitude, mean) = one.fatigue(least, 480.0), {False: (241e6, 379e6), True: (398e6, 534e6)}[peened]
+    cycle, (amplitude, mean) = (
+        one.fatigue(least, 480.0),
+        {False: (241e6, 379e6), True: (398e6, 534e6)}[peened],
+    )
     allowed = np.interp(
         cycle.safety * cycle.mean, [0.0, mean, 0.67 * one.strength], [amplitude, amplitude, 0.0]
     )

@@ -5,9 +5,9 @@ With wire diameter d, mean coil diameter D, n active coils, w = D/d and the shea
     R = G d^4/(8 D^3 n)     tau = 8 D F/(pi d^3)     tau_k = k tau,  k = (w + 0.5)/(w - 0.75)
 
 The factor k is for the curvature of the wire. Static stress is compared without k, fatigue with k. The wire
-endures the amplitude tau_Z up to the mean stress tau_mZ, for any tensile strength. From there the Goodman line
-falls to amplitude 0 at the shear strength 0.67 R_m; tau_W is its extension to mean stress 0. With amplitude
-and mean stress between preload and full stroke the safety S is the lesser one of
+endures the amplitude tau_Z up to the mean stress tau_mZ, for any tensile strength. From there the Goodman
+line falls to amplitude 0 at the shear strength 0.67 R_m; tau_W is its extension to mean stress 0. With
+amplitude and mean stress between preload and full stroke the safety S is the lesser one of
 
     tau_Z/tau_a     1/(tau_a/tau_W + tau_m/(0.67 R_m)),  tau_W = tau_Z/(1 - tau_mZ/(0.67 R_m))
 
@@ -324,8 +324,8 @@ class HelicalSpring:
         return Fatigue(lower, upper, amplitude, mean, strength, knee, end, safety)
 
     def _endured(self) -> tuple[float, float]:
-        """Largest amplitude, and mean stress up to which the wire endures it: the given strength at mean stress
-        0, else Zimmerli's point."""
+        """Largest amplitude, and mean stress up to which the wire endures this amplitude: the given strength
+        at mean stress 0, else Zimmerli's point."""
         if self.fatigue_strength is not None:
             return self.fatigue_strength, 0.0
         return ZIMMERLI[self.shot_peened]
