@@ -31,7 +31,7 @@ from dualcam.design.spring_steel import (
     ZIMMERLI,
     tensile_strength,
 )
-from dualcam.design.statics import DesignError
+from dualcam.design.statics import DesignError, check_numbers
 from dualcam.unit_guards import unit_warning, warn_units
 
 END_COILS = 2.0  # closed and ground ends
@@ -138,6 +138,7 @@ class HelicalSpring:
     guided: bool = False
 
     def __post_init__(self) -> None:
+        check_numbers({name: getattr(self, name) for name in RANGES if getattr(self, name) is not None})
         for name, (low, high, unit) in RANGES.items():
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
