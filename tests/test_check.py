@@ -126,7 +126,9 @@ def test_the_proposed_value_works_and_is_the_nearest(design, name):
     verdict = check_design(wrong)
     first = verdict.errors[0]
     assert not verdict.good and words in first.text and first.change == key, verdict.findings
-    assert f"{key} = {first.nearest:.10g}" in first.text and first.text.count(" works") == 1
+    is_length = key in ("pin.radius", "pin.width")  # with its unit, as a design file has it
+    shown = f'"{1e3 * first.nearest:.10g} mm"' if is_length else f"{first.nearest:.10g}"
+    assert f"{key} = {shown}" in first.text and first.text.count(" works") == 1
     assert first.nearest == pytest.approx(edge, rel=2e-3, abs=0.02)
     put_in = wrong
     for finding in verdict.errors:
