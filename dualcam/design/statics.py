@@ -31,12 +31,34 @@ DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a real number."""
+    """Whether a value is a real number.
+
+    Parameters
+    ----------
+    value : object
+        Anything.
+
+    Returns
+    -------
+    bool
+        False for text, None and a truth value, too.
+    """
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def check_numbers(values: Mapping[str, object]) -> None:
-    """DesignError for a value by its name that is no number, such as text with a unit."""
+    """Refuse values that are no numbers, such as text with a unit.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        Values by their names in the message.
+
+    Raises
+    ------
+    DesignError
+        With the first such value.
+    """
     for name, value in values.items():
         if not is_number(value):
             raise DesignError(
