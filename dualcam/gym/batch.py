@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import astuple
 from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dualcam.errors import TaskError
+from dualcam.errors import FleetError, TaskError
 from dualcam.fleet import Fleet
 from dualcam.gym.task import Motion, Scene, Task
 from dualcam.reals import Array
 from dualcam.systems.axis import angle_amid
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
+from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop, MotorPeriod
 
 OUTPUTS = ("theta", "omega", "energy.heat_stop")
 
@@ -96,7 +97,7 @@ class Batch:
         self.scene: Scene = {}
         self.current_loop = CurrentLoop(task.motor)
         self._outputs = np.zeros((count, len(OUTPUTS)))
-        self._motion = Motion(*(np.zeros(count) for _ in range(3)), np.zeros(count, np.int64))
+        self._motion = Motion(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
 
     def __enter__(self) -> Self:
         return self
@@ -165,7 +166,7 @@ class Batch:
             np.where(which, 0, before.period),
         )
         self._outputs[which, 2] = 0.0
-        self.current_loop.stop(which)
+        self.current_loop.stop(None if which.all() else which)
 
     def step(self, torque: ArrayLike) -> tuple[Array, Outcome]:
         """One step of all instances.
@@ -185,7 +186,7 @@ class Batch:
         TaskError
             Before the first reset, a wrong shape, or a torque that is not finite: no instance made the step.
         FleetError
-            The FMU refuses the step of an instance. The others made the step; `reset` brings it back.
+            The FMU refuses the step of an instance. All instances must then be reset.
         """
         wanted = self._checked(torque)
         size = CONTROL_PERIOD
@@ -193,9 +194,9 @@ class Batch:
         stop_heat = self._outputs[:, 2].copy()
         for _ in range(self.task.periods):
             angle, speed, _, period = self._motion
-            motor = self.current_loop.run(wanted, speed)
+            motor = self._run_motors(wanted, speed)
             load = self.task.load_torque(self.scene, angle_amid(angle, speed, size), period)
-            self.fleet.step(self.task.gear.cam_torque(motor.torque + load)[:, None], size, self._outputs)
+            self._step_fleet(self.task.gear.cam_torque(motor.torque + load))
             reached = self.task.gear.angle(self._outputs[:, 0])
             # The current loop takes the speed as constant. The motor's work is that on the real way.
             energy = motor.energy + motor.torque * (reached - angle - size * speed)
@@ -213,6 +214,19 @@ class Batch:
         over = task.is_over(self.scene, self._motion.period)
         outcome = Outcome(-cost, error, squared, drawn, returned, heat, impact, over)
         return task.observe(self.scene, self._motion), outcome
+
+    def _run_motors(self, torque: Array, speed: Array) -> MotorPeriod[Array]:
+        if self.count > 1:
+            return self.current_loop.run(torque, speed)
+        motor = self.current_loop.run(float(torque[0]), float(speed[0]))  # the same numbers in less time
+        return MotorPeriod(*(np.array([value]) for value in astuple(motor)))
+
+    def _step_fleet(self, tau: Array) -> None:
+        try:
+            self.fleet.step(tau[:, None], CONTROL_PERIOD, self._outputs)
+        except FleetError:
+            self.scene = {}  # the step of the task is not complete: only a reset of all instances goes on
+            raise
 
     def _checked(self, torque: ArrayLike) -> Array:
         if not self.scene:

@@ -47,6 +47,7 @@ class CarDoorTask(Task):
     gear = CamGear(-car_door.RATIO, car_door.OPEN)
     periods = 20
     draws = len(SCENE)
+    told = SCENE
 
     def __post_init__(self) -> None:
         super().__post_init__()

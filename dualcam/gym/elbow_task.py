@@ -40,6 +40,7 @@ class ElbowTask(Task):
     gear = CamGear()
     periods = 10
     draws = len(SCENE)
+    told = SCENE
 
     def __post_init__(self) -> None:
         super().__post_init__()

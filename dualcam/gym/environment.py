@@ -13,11 +13,11 @@ from dualcam.gym.batch import TERMS, Batch, Outcome
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
 from dualcam.gym.knee_task import KneeTask
-from dualcam.gym.task import Task
+from dualcam.gym.task import Range, Task
 from dualcam.reals import Array
 
 
-def observation_space(task: Task) -> gymnasium.spaces.Box:
+def observation_space(task: Task) -> gymnasium.Space[Array]:
     """The space of a task's observations.
 
     Parameters
@@ -35,7 +35,7 @@ def observation_space(task: Task) -> gymnasium.spaces.Box:
     return gymnasium.spaces.Box(low, high, dtype=np.float64)
 
 
-def action_space() -> gymnasium.spaces.Box:
+def action_space() -> gymnasium.Space[Array]:
     """The space of all tasks' actions: the torque asked of the motor over its peak torque.
 
     Returns
@@ -117,8 +117,8 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}  # type: ignore[misc]
     task_type: ClassVar[type[Task]]
 
-    def __init__(self, render_mode: None = None, **options: Any) -> None:
-        self.task = self.task_type(**options)
+    def __init__(self, render_mode: None = None, **options: float | Range) -> None:
+        self.task = self.task_type(**options)  # type: ignore[arg-type]
         self.batch = Batch(self.task, 1)
         self.observation_space = observation_space(self.task)
         self.action_space = action_space()
@@ -143,7 +143,7 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
         """
         super().reset(seed=seed)
         seen = self.batch.reset(self.np_random.random((1, self.task.draws)))
-        return seen[0], {name: float(value[0]) for name, value in self.task.told(self.batch.scene).items()}
+        return seen[0], {name: float(self.batch.scene[name][0]) for name in self.task.told}
 
     def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """One step.

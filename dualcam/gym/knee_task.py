@@ -1,4 +1,4 @@
-"""The prosthetic knee as a task: swing the shank as a measured walker does, at an unknown shank and friction."""
+"""The prosthetic knee as a task: swing an unknown shank as a measured walker does."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from dualcam.reals import Array
 from dualcam.systems import knee
 from dualcam.systems.axis import CamGear
 from dualcam.systems.current_loop import CONTROL_PERIOD
+from dualcam.systems.elliptical_cam import EllipticalCam
 from dualcam.systems.gait import DESIGN_WALKER
 from dualcam.systems.swing import measured_swing
 
@@ -22,7 +23,6 @@ SLOWEST, FASTEST, CADENCES = 0.8, 1.2, 41  # share of the self-selected cadence,
 SCENE = ("shank", "friction", "cadence")
 MOST_SHANK = 2.0
 MOST_FRICTION = 0.2
-MOST_DRIVE = 100.0  # N.m, bound of the torque of gravity and of the thigh's motion (a test computes it)
 
 
 class Curves(NamedTuple):
@@ -90,8 +90,8 @@ def cadences() -> list[float]:
 
 @dataclass(frozen=True)
 class KneeTask(Task):
-    """Swing the shank as the measured walker does, from toe-off to heel strike. Mass of shank and foot and the
-    friction are unknown. The episode is over at heel strike.
+    """Swing the shank as the measured walker does, from toe-off to heel strike, where the episode is over.
+    The mass of shank and foot and the friction are unknown.
 
     Parameters
     ----------
@@ -113,6 +113,7 @@ class KneeTask(Task):
     gear = CamGear()
     periods = 5
     draws = len(SCENE)
+    told = SCENE
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -125,9 +126,9 @@ class KneeTask(Task):
         """The entries of an observation: angle, speed, planned angle and speed, share of the swing that is
         over, cadence, torque of the motor."""
         inertia = 0.5 * WALKER.pendulum.inertia
-        cam = knee.design_cam(MOST_FRICTION)
+        cam = replace(design_cam(), friction=MOST_FRICTION)
         held = float(np.max(np.abs(cam.torque(np.linspace(0.0, knee.RANGE, 100), np.ones(100)))))
-        speed = highest_speed(self.motor.peak_torque + MOST_DRIVE + held, knee.RANGE, inertia)
+        speed = highest_speed(self.motor.peak_torque + most_drive() + held, knee.RANGE, inertia)
         planned = curves()
         fastest = float(np.max(np.abs(planned.speed)))
         return (
@@ -142,7 +143,7 @@ class KneeTask(Task):
 
     def parameters(self) -> dict[str, float | int]:
         """Start values of the FMU that are the same in all episodes, by name, in SI units."""
-        return dict(knee.plant_parameters(knee.design_cam().parameters(), WALKER))
+        return dict(knee.plant_parameters(design_cam().parameters(), WALKER))
 
     def draw(self, numbers: Array) -> Scene:
         """Begin episodes, as `Task.draw`: shank, friction and cadence [1], number of the cadence, angle [rad]
@@ -203,6 +204,34 @@ class KneeTask(Task):
     def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether the next step would pass heel strike, as `Task.is_over`."""
         return period + self.periods > curves().length[scene["row"]]
+
+
+@cache
+def design_cam() -> EllipticalCam:
+    """The knee's cam, designed once.
+
+    Returns
+    -------
+    EllipticalCam
+        That of `dualcam.systems.knee.design_cam`.
+    """
+    return knee.design_cam()
+
+
+@cache
+def most_drive() -> float:
+    """A bound of the torque of gravity and of the thigh's motion.
+
+    Returns
+    -------
+    float
+        Torque [N.m], larger than all at the heaviest shank.
+    """
+    planned, body = curves(), WALKER.pendulum
+    turning, ahead, above = (
+        float(np.max(np.abs(c))) for c in (planned.turning, planned.ahead, planned.above)
+    )
+    return MOST_SHANK * (body.inertia * turning + body.moment * (ahead + above + body.gravity))
 
 
 @cache

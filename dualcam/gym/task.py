@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -83,6 +82,7 @@ class Task(ABC):
     gear: ClassVar[CamGear]
     periods: ClassVar[int]  # control periods in a step of the task
     draws: ClassVar[int]  # numbers drawn per episode
+    told: ClassVar[tuple[str, ...]]  # what of a scene the infos of a reset tell; the policy does not see it
 
     def __post_init__(self) -> None:
         for name in ("energy_weight", "error_weight", "impact_weight"):
@@ -199,21 +199,6 @@ class Task(ABC):
         """
         return np.zeros(len(period), bool)
 
-    def told(self, scene: Scene) -> Mapping[str, Array]:
-        """What is told of a scene at the begin of an episode, for analysis: the policy does not see it.
-
-        Parameters
-        ----------
-        scene : dict of str to ndarray
-            From `draw`.
-
-        Returns
-        -------
-        mapping of str to ndarray, shape (count,) each
-            Loads and frictions by name.
-        """
-        return scene
-
 
 def spread(number: Array, over: Range) -> Array:
     """A random number from [0, 1) over a range.
@@ -265,11 +250,9 @@ def check_range(name: str, over: object, least: float, most: float, unit: str) -
     >>> check_range("payload", (0.5, 2.5), 0.0, 3.0, "kg")
     """
     allowed = f"(low, high) with {least:g} <= low <= high <= {most:g} {unit}".rstrip()
-    is_pair = isinstance(over, tuple | list) and len(over) == 2
-    if not (is_pair and all(isinstance(end, int | float) for end in over)):  # type: ignore[attr-defined]
-        raise TaskError(f"{name} = {over!r}: allowed is {allowed}")
-    low, high = over  # type: ignore[misc]
-    if not least <= low <= high <= most:  # also where one is NaN
+    ends = list(over) if isinstance(over, tuple | list) else []
+    are_numbers = all(isinstance(end, int | float) and not isinstance(end, bool) for end in ends)
+    if len(ends) != 2 or not are_numbers or not least <= ends[0] <= ends[1] <= most:  # also where one is NaN
         raise TaskError(f"{name} = {over!r}: allowed is {allowed}")
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,12 +13,13 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.errors import TaskError
+from dualcam.fleet.arguments import whole_number
 from dualcam.gym.batch import Batch
 from dualcam.gym.car_door_task import CarDoorTask
 from dualcam.gym.elbow_task import ElbowTask
 from dualcam.gym.environment import action_space, checked_actions, observation_space, terms_of
 from dualcam.gym.knee_task import KneeTask
-from dualcam.gym.task import Task
+from dualcam.gym.task import Range, Task
 from dualcam.reals import Array
 
 Flags = NDArray[np.bool_]
@@ -59,9 +61,9 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int = 1,
-        **options: Any,
+        **options: float | Range,
     ) -> None:
-        self.task = self.task_type(**options)
+        self.task = self.task_type(**options)  # type: ignore[arg-type]
         try:
             self.autoreset_mode = AutoresetMode(autoreset_mode)
         except ValueError:
@@ -70,6 +72,8 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.batch = Batch(self.task, num_envs, threads)
         self.num_envs = num_envs
+        if max_episode_steps is not None:
+            whole_number(max_episode_steps, "max_episode_steps", "a whole number > 0, or None", math.inf)
         self.max_episode_steps = max_episode_steps
         self.single_observation_space = observation_space(self.task)
         self.single_action_space = action_space()
@@ -149,13 +153,13 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
             infos |= self._told(begins)
         self._ended = terminated | truncated
         if self._ended.any() and self.autoreset_mode is AutoresetMode.SAME_STEP:
-            ended = self._ended
+            ended = self._ended.copy()
             infos = final_infos(seen, infos, ended)
             seen = self._begin(ended)
             infos |= self._told(ended)
         return seen, rewards, terminated, truncated, infos
 
-    def close_extras(self, **options: Any) -> None:
+    def close_extras(self, **options: object) -> None:
         """Free the FMUs.
 
         Parameters
@@ -177,7 +181,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return self.batch.reset(numbers, chosen)
 
     def _told(self, chosen: Flags) -> Infos:
-        return masked(self.task.told(self.batch.scene), chosen)
+        return masked({name: self.batch.scene[name] for name in self.task.told}, chosen)
 
     def _seed(self, seed: int | Sequence[int | None] | None, chosen: Flags) -> None:
         seeds: Sequence[int | None]
@@ -208,7 +212,7 @@ class TaskVectorEnv(VectorEnv[Array, Array, NDArray[Any]]):
         return given
 
 
-def masked(values: Any, chosen: Flags) -> Infos:
+def masked(values: Mapping[str, Array], chosen: Flags) -> Infos:
     """Infos of some instances, as gymnasium's vector environments give them.
 
     Parameters

@@ -92,16 +92,19 @@ class CurrentLoop:
         self.current: Any = 0.0  # A; an array after `run` with arrays
         self._integral_voltage: Any = 0.0  # V, the PI's integral part
 
-    def stop(self, chosen: NDArray[np.bool_]) -> None:
-        """Begin anew without current in some of many motors.
+    def stop(self, chosen: NDArray[np.bool_] | None = None) -> None:
+        """Begin anew without current.
 
         Parameters
         ----------
-        chosen : ndarray of bool, shape (count,)
-            Which motors.
+        chosen : ndarray of bool, shape (count,), optional
+            Which of many motors. Default: all.
         """
-        self.current = np.where(chosen, 0.0, self.current)
-        self._integral_voltage = np.where(chosen, 0.0, self._integral_voltage)
+        if chosen is None:
+            self.current = self._integral_voltage = 0.0
+        else:
+            self.current = np.where(chosen, 0.0, self.current)
+            self._integral_voltage = np.where(chosen, 0.0, self._integral_voltage)
 
     def run(self, torque: Number, speed: Number) -> MotorPeriod[Number]:
         """Run one control period.
