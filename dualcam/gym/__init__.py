@@ -28,6 +28,8 @@ from dualcam.gym.vector import CarDoorVectorEnv, ElbowVectorEnv, KneeVectorEnv, 
 # most 105 steps, so that the limit is never met.
 EPISODE_STEPS = {"Elbow": 200, "Knee": 120, "CarDoor": 250}
 
+TASKS = {"Elbow": ElbowTask, "Knee": KneeTask, "CarDoor": CarDoorTask}
+
 for _name, _steps in EPISODE_STEPS.items():
     gymnasium.register(
         id=f"dualcam/{_name}-v0",
@@ -37,6 +39,8 @@ for _name, _steps in EPISODE_STEPS.items():
     )
 
 __all__ = [
+    "EPISODE_STEPS",
+    "TASKS",
     "Batch",
     "CarDoorEnv",
     "CarDoorTask",

@@ -96,7 +96,7 @@ class KneeTask(Task):
     Parameters
     ----------
     energy_weight, error_weight, impact_weight : float
-        As in `Task`.
+        As in `Task`; the error counts ten times as much.
     shank : tuple of float
         Least and largest mass and inertia of shank and foot over those of the walker [1].
     friction : tuple of float
@@ -105,6 +105,7 @@ class KneeTask(Task):
         Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
     """
 
+    error_weight: float = 1000.0
     shank: Range = (0.85, 1.15)
     friction: Range = (0.10, 0.18)
     cadence: Range = (0.9, 1.1)
