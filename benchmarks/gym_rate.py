@@ -3,7 +3,8 @@
     ./build.sh gym
 
 A step of the elbow is 10 control periods of 1 ms: 200 samples of the current loop and 10 steps of the FMU.
-Random torques; episodes begin anew as they end. Each row is a median over rounds in which all ways take turns:
+Random torques; episodes begin anew as they end. Each row is a median over rounds in which all ways take
+turns:
 
 gymnasium.make      one environment
 sync                gymnasium.make_vec with vectorization_mode="sync": a loop over environments

@@ -174,18 +174,42 @@ class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
 
 
 class ElbowEnv(TaskEnv):
-    """The task `ElbowTask`, "dualcam/Elbow-v0"."""
+    """The task `ElbowTask`, "dualcam/Elbow-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = ElbowTask
 
 
 class KneeEnv(TaskEnv):
-    """The task `KneeTask`, "dualcam/Knee-v0"."""
+    """The task `KneeTask`, "dualcam/Knee-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = KneeTask
 
 
 class CarDoorEnv(TaskEnv):
-    """The task `CarDoorTask`, "dualcam/CarDoor-v0"."""
+    """The task `CarDoorTask`, "dualcam/CarDoor-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = CarDoorTask

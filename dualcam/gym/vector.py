@@ -266,18 +266,42 @@ def final_infos(seen: Array, infos: Infos, ended: Flags) -> Infos:
 
 
 class ElbowVectorEnv(TaskVectorEnv):
-    """Many instances of the task `ElbowTask`, "dualcam/Elbow-v0"."""
+    """Many instances of the task `ElbowTask`, "dualcam/Elbow-v0".
+
+    Parameters
+    ----------
+    num_envs, max_episode_steps, autoreset_mode, threads
+        As in `TaskVectorEnv`.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = ElbowTask
 
 
 class KneeVectorEnv(TaskVectorEnv):
-    """Many instances of the task `KneeTask`, "dualcam/Knee-v0"."""
+    """Many instances of the task `KneeTask`, "dualcam/Knee-v0".
+
+    Parameters
+    ----------
+    num_envs, max_episode_steps, autoreset_mode, threads
+        As in `TaskVectorEnv`.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = KneeTask
 
 
 class CarDoorVectorEnv(TaskVectorEnv):
-    """Many instances of the task `CarDoorTask`, "dualcam/CarDoor-v0"."""
+    """Many instances of the task `CarDoorTask`, "dualcam/CarDoor-v0".
+
+    Parameters
+    ----------
+    num_envs, max_episode_steps, autoreset_mode, threads
+        As in `TaskVectorEnv`.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
 
     task_type = CarDoorTask
