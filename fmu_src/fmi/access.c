@@ -197,8 +197,8 @@ static bool retune(Instance *instance, const char *function, const Draft *draft)
 }
 
 /* Of a call that does not set inputs alone, or that is refused. */
-static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                          const double value[]) {
+NOINLINE static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                                   const double value[]) {
     if (!are_good_reals(instance, function, vr, n, value)) return false;
     if (instance_has_begun(instance)) {
         Draft draft = draft_of(&instance->values.model);
@@ -221,6 +221,8 @@ bool access_set_reals(Instance *instance, const char *function, const ValueRefer
     instance_invalidate(instance);
     return true;
 }
+
+COMPACT_BEGIN
 
 /* Only Reals and Integers are tunable. So Booleans and Strings are set before the run begins, without a draft. */
 
@@ -265,3 +267,5 @@ bool access_set_texts(Instance *instance, const char *function, const ValueRefer
     instance_invalidate(instance);
     return true;
 }
+
+COMPACT_END
