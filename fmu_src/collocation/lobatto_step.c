@@ -206,16 +206,26 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     return true;
 }
 
+/* f_i at the start, where friction varies. */
+static void start_friction(const LobattoSystem *s, const LobattoStart *from, double friction[2]) {
+    for (int i = 0; i < 2; i++) {
+        const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
+        friction[i] = friction_nearby_at(&s->law[i], (Vector2){v, v}).value[0];
+    }
+}
+
 /* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
  * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const FrictionBase base[2]) {
+static inline double guess_rhs(const LobattoSystem *s, const LobattoStart *from) {
+    const SlipMode *slip = s->slip;
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
+    double varying[2];
+    if (slip->friction_varies) start_friction(s, from, varying);
+    const double *friction = slip->friction_varies ? varying : slip->signed_friction;
     for (int i = 0; i < 2; i++) {
-        const double sign = slip->direction * slip->flank[i];
-        const double friction = slip->friction_varies ? sign * base[i].value : slip->signed_friction[i];
-        contact_factors_set(&f, i, g->radius[i], friction, g->slope[i]);
+        contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
     }
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
@@ -252,9 +262,8 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     LobattoSystem s;
     s.slip = slip;
     for (int i = 0; slip->friction_varies && i < 2; i++)
-        s.base[i] =
-            friction_base(&slip->params->cam[i], slip->direction * from->omega * cam_sliding(from->geometry, i));
-    const double rhs = guess_rhs(slip, from, s.base);
+        s.law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+    const double rhs = guess_rhs(&s, from);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     s.h = left;

@@ -30,7 +30,7 @@ typedef struct {
 typedef struct {
     const SlipMode *slip;
     double theta, omega, h; /* rad, rad/s at the start; s */
-    FrictionBase base[2];   /* at the start, only where friction varies */
+    FrictionNearby law[2];  /* only where friction varies */
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */

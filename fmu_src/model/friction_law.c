@@ -33,16 +33,29 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     return mu;
 }
 
-FrictionBase friction_base(const CamParams *cam, double v) {
-    const double excess = excess_of(cam);
-    return (FrictionBase){.value = friction_at(cam, v).value,
-                          .excess = excess,
-                          .per_speed = excess != 0.0 ? 1.0 / cam->law.stribeck_velocity : 0.0};
+static double speed_without_excess(const CamParams *cam) {
+    if (cam->law.table) return INFINITY;
+    if (excess_of(cam) == 0.0) return -INFINITY;
+    return cam->law.stribeck_velocity * (cam->law.stribeck_exponent == 2 ? STRIBECK_GONE_GAUSS : STRIBECK_GONE_TUSTIN);
 }
 
-VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v) {
+FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
+    const Vector2 none = {0.0, 0.0};
+    return (FrictionNearby){
+        .kinetic = none + sign * cam->friction,
+        .viscous = none + sign * cam->law.viscous,
+        .excess = none + sign * excess_of(cam),
+        .minus_by_v = none - 1.0 / cam->law.stribeck_velocity,
+        .gone = speed_without_excess(cam),
+        .is_gauss = cam->law.stribeck_exponent == 2,
+        .sign = sign,
+        .table = cam->law.table,
+    };
+}
+
+VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
     const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
-    return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
+    return (VectorFriction){sign * (Vector2){a.value, b.value}, sign * (Vector2){a.by_speed, b.by_speed}};
 }
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {

@@ -131,10 +131,11 @@ static const double FLANK_CLEARANCE = 1e-9;
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
 /* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
- * pass over the fall unseen; by tolerance the exponent at its end; the exponent of an excess below all rounding. */
+ * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
-static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7, STRIBECK_GONE = -45.0;
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0,
+                    STRIBECK_GONE_GAUSS = 6.1, STRIBECK_GONE_TUSTIN = 37.0;
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
 
 /* ---- closed_form ---- */
 
