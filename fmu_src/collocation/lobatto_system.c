@@ -68,15 +68,23 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* Where friction varies: f_i at the speeds of two nodes. */
-ALWAYS_INLINE static inline void find_friction(const SlipMode *slip, const FrictionNearby law[2], Vector2 omega,
-                                               NodePair *n) {
-    const double sigma = slip->direction;
+void lobatto_system_set_law(LobattoSystem *s) {
+    const SlipMode *slip = s->slip;
+    const Vector2 none = {0.0, 0.0};
+    s->sigma = none + slip->direction;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction f = friction_nearby_at(&law[i], omega * sliding);
+        s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+        s->radius2[i] = none + r * r;
+    }
+}
+
+/* Where friction varies: f_i at the speeds of two nodes. */
+ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const Vector2 length2 = s->radius2[i] + n->slope[i] * n->slope[i];
+        const Vector2 sliding = s->sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
     }
@@ -98,11 +106,12 @@ static void follow_speeds(LobattoSystem *s) {
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-ALWAYS_INLINE static inline void find_factors(const SlipMode *slip, const FrictionNearby law[2], Vector2 theta,
-                                              Vector2 F_ext, Vector2 omega, bool varies, NodePair *n) {
+ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+                                              bool varies, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
-    if (varies) find_friction(slip, law, omega, n);
+    if (varies) find_friction(s, omega, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
@@ -197,7 +206,7 @@ ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool fi
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(slip, s->law, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+        find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
         if (lobatto_system_is_inertial(s))
             s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], varies, first, n);
         else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
@@ -207,8 +216,7 @@ ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool fi
 double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
-    find_factors(s->slip, s->law, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false,
-                 &pair);
+    find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
     return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static double excess_of(const CamParams *cam) {
     return cam->friction * (cam->law.peak - 1.0); /* of the static coefficient */
@@ -53,7 +54,7 @@ FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
     };
 }
 
-VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
+NOINLINE VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
     const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
     return (VectorFriction){sign * (Vector2){a.value, b.value}, sign * (Vector2){a.by_speed, b.by_speed}};
 }

@@ -59,6 +59,13 @@ static inline double friction_share(const FrictionFall *fall, double v, double t
     return allowed < change ? allowed / change : 1.0;
 }
 
+/* May one step span the speeds from `low` to `high`? The step starts at v. Not for tables. */
+static inline bool friction_is_resolved(const FrictionFall *fall, double v, double low, double high) {
+    if (low >= fall->end) return true;
+    const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span;
+    return v - low <= allowed && (v >= fall->end || high - v <= allowed);
+}
+
 /* The law as a step evaluates it again and again: its constants, in both halves of a vector. */
 typedef struct {
     Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */

@@ -316,6 +316,10 @@ static const double LOBATTO_CONTRACTION = 0.1;
 
 enum { LOBATTO_SWEEPS = 8 }; /* of one step */
 
+/* Where friction falls: the most parts of a step, the halvings of a part, and the least steepness of Gauss's law. */
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 1 };
+static const double LOBATTO_FALL_LEAST = 8.0;
+
 /* Share of the largest alpha (without inertia omega) below which a change is rounding. */
 static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
 
