@@ -251,8 +251,7 @@ typedef struct {
     bool falls; /* a sliding speed is where mu falls steeply */
 } StartFriction;
 
-static void start_friction(LobattoSystem *s, const LobattoStart *from, StartFriction *out) {
-    lobatto_system_set_law(s);
+static void start_friction(const LobattoSystem *s, const LobattoStart *from, StartFriction *out) {
     out->falls = false;
     for (int i = 0; i < 2; i++) {
         const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
@@ -296,7 +295,7 @@ static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from
 
 bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double left, LobattoStep *out) {
     LobattoSystem s;
-    s.slip = slip;
+    lobatto_system_begin(&s, slip);
     StartFriction friction;
     if (slip->friction_varies) start_friction(&s, from, &friction);
     const double rhs = guess_rhs(slip, from, slip->friction_varies ? friction.value : slip->signed_friction);

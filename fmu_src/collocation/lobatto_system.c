@@ -68,7 +68,7 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-void lobatto_system_set_law(LobattoSystem *s) {
+static void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0};
     s->sigma = none + slip->direction;
@@ -77,6 +77,13 @@ void lobatto_system_set_law(LobattoSystem *s) {
         s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
         s->radius2[i] = none + r * r;
     }
+}
+
+void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
+    s->slip = slip;
+    s->has_damper = slip->c + slip->q > 0.0;
+    s->is_resisted = slip->follower_has_inertia || s->has_damper || slip->params->shaft.damping > 0.0;
+    if (slip->friction_varies) set_law(s);
 }
 
 /* Where friction varies: f_i at the speeds of two nodes. */
@@ -122,20 +129,12 @@ ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 th
     n->force = spring->preload + n->z * rate + F_ext;
 }
 
-static inline bool has_damper(const SlipMode *slip) {
-    return slip->c + slip->q > 0.0;
-}
-
-/* True if alpha depends on the speed. */
-static inline bool is_resisted(const SlipMode *slip, bool varies) {
-    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0 || varies;
-}
-
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
  * forces of a sweep. */
-static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
+static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vector2 omega) {
+    const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
-    return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
+    return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
@@ -159,12 +158,13 @@ static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vec
 }
 
 /* alpha */
-static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, bool varies, bool first,
+static inline Vector2 inertial_rhs(const LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first,
                                    NodePair *n) {
+    const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * f->delta;
     if (slip->follower_has_inertia) {
@@ -174,7 +174,7 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
         net -= swirl * omega;
     }
     if (varies) n->damping_rate = (Vector2){0.0, 0.0};
-    if (is_resisted(slip, false)) {
+    if (s->is_resisted) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
@@ -187,7 +187,8 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
-static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
+static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const VectorContactFactors *f = &n->factors;
     const Vector2 lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
     n->mass = slip->params->shaft.damping * f->delta + slip->c * lever;
@@ -197,19 +198,18 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
         sum = n->mass + (Vector2){sqrt(square[0]), sqrt(square[1])};
     }
     const Vector2 omega = 2.0 * net / sum;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     return omega;
 }
 
 /* The balances at the nodes. */
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
-    const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
         find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
         if (lobatto_system_is_inertial(s))
-            s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], varies, first, n);
-        else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
+            s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
+        else s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
     }
 }
 
@@ -217,7 +217,7 @@ double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
     find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
-    return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
+    return viscous_rhs(s, s->tau.half[last], &pair)[1];
 }
 
 /* True if at every node the slip mode is possible, and if without inertia the motion is stable and the flanks
@@ -269,7 +269,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
-    const bool resisted = is_resisted(s->slip, varies);
+    const bool resisted = s->is_resisted || varies;
     if (resisted)
         growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
     const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
