@@ -177,9 +177,8 @@ enum { LINEAR_ROOT_ITERATIONS = 200 };
 
 /* Radau step */
 
-/* Newton's method ends when a correction is this share of what the tolerance allows; the second one where reactions
- * follow friction that varies with the speed. */
-static const double RADAU_NEWTON_SHARE = 0.05, RADAU_NEWTON_SHARE_VARYING = 0.001;
+/* Newton's method ends when a correction is this share of what the tolerance allows. */
+static const double RADAU_NEWTON_SHARE = 0.05;
 
 /* Share of alpha (without inertia omega), or of the terms that add up to it, below which a correction is rounding. */
 static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
