@@ -245,32 +245,39 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
     return true;
 }
 
-/* f_i at the start, where friction varies, without its excess over the kinetic friction too. */
+/* Friction at the start, where it varies. */
 typedef struct {
-    double value[2], kinetic[2];
-    bool falls; /* a sliding speed is where mu falls steeply */
+    double value[2], kinetic[2]; /* f_i, f_i without an excess that falls */
+    bool falls;                  /* at a contact */
 } StartFriction;
 
-static void start_friction(const LobattoSystem *s, const LobattoStart *from, StartFriction *out) {
-    out->falls = false;
+static StartFriction start_friction(const LobattoSystem *s, const LobattoStart *from) {
+    const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
+    StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) {
+        const FrictionNearby *law = &s->law[i];
         const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
-        out->value[i] = friction_nearby_at(&s->law[i], (Vector2){v, v}).value[0];
-        out->kinetic[i] = s->law[i].kinetic[0] + s->law[i].viscous[0] * v;
-        out->falls = out->falls || v < s->slip->fall[i].end;
+        const double kinetic = law->kinetic[0] + law->viscous[0] * v;
+        out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
+        const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
+        const bool falls = shows && v < s->slip->fall[i].end;
+        out.kinetic[i] = falls ? kinetic : out.value[i];
+        out.falls = out.falls || falls;
     }
+    return out;
 }
 
 /* Where mu falls: the share of the step that four nodes resolve; 0: a share too small for such steps. With u = v/v_s and
  * x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u| times
  * as large. The error grows with the fourth power of the share, see is_accurate(). */
-NOINLINE static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
-                                     double rhs) {
+static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
+                            double rhs) {
     const SlipMode *slip = s->slip;
     const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic));
     const double root = sqrt(slip->params->tolerance), allowed = root * sqrt(root);
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
+        if (friction->value[i] == friction->kinetic[i]) continue;
         const double per_angle = cam_sliding(from->geometry, i) * fabs(s->law[i].minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
         const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
@@ -281,14 +288,22 @@ NOINLINE static double share_in_fall(const LobattoSystem *s, const LobattoStart 
     return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
 }
 
-/* Solves the step to a breakpoint or the end of s->h seconds. Where mu falls, a part of the step may be accurate where
- * the whole is not. */
+/* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
+NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
+    const StartFriction friction = start_friction(s, from);
+    const double rhs = guess_rhs(s->slip, from, friction.value);
+    if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    return rhs;
+}
+
+/* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
+ * where the whole is not. */
 static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, LobattoStep *out) {
     double longest = s->h;
     for (int n = 0;; n++) {
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
-        if (!s->slip->friction_varies || out->accurate || n == LOBATTO_HALVINGS) return false;
+        if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
         s->h = longest *= 0.5;
     }
 }
@@ -296,13 +311,10 @@ static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from
 bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double left, LobattoStep *out) {
     LobattoSystem s;
     lobatto_system_begin(&s, slip);
-    StartFriction friction;
-    if (slip->friction_varies) start_friction(&s, from, &friction);
-    const double rhs = guess_rhs(slip, from, slip->friction_varies ? friction.value : slip->signed_friction);
+    s.h = left;
+    const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
-    s.h = left;
-    if (slip->friction_varies && friction.falls) s.h *= share_in_fall(&s, from, &friction, rhs);
     if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, out)) return false;
     const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
     out->h = s.h;

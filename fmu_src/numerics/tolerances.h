@@ -315,9 +315,10 @@ static const double LOBATTO_CONTRACTION = 0.1;
 
 enum { LOBATTO_SWEEPS = 8 }; /* of one step */
 
-/* Where friction falls: the most parts of a step, the halvings of a part, and the least steepness of Gauss's law. */
+/* Where friction falls: the most parts of a step and the halvings of a part; the least steepness of Gauss's law; in
+ * roots of the tolerance the share of friction that an excess must have to need parts. */
 enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 1 };
-static const double LOBATTO_FALL_LEAST = 8.0;
+static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding. */
 static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
