@@ -33,13 +33,26 @@ static bool differs_from_edge(const SlipMode *slip, const Balance *start) {
     return !(fabs(difference) <= BAND_EDGE_SAME * rates.net_size);
 }
 
+/* Delta, m^3 */
+static double jam_determinant(const SlipMode *slip, const Balance *b) {
+    ContactFactors f;
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        contact_factors_set(&f, i, r, b->friction[i], sqrt(fmax(b->length2[i] - r * r, 0.0)));
+    }
+    contact_factors_multiply(&f);
+    return f.delta;
+}
+
 SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop) {
     SegmentLimits limits = {
         .slip = slip,
         .to_stop = to_stop,
         .breakpoint = breakpoint_ahead(slip, start->theta),
         .has_friction = has_friction(slip->params),
+        .has_jam = slip->friction_varies && slip->regime == REGIME_INERTIAL,
     };
+    if (limits.has_jam) limits.jam_sign = jam_determinant(slip, start) < 0.0 ? -1.0 : 1.0;
     if (slip->regime == REGIME_VISCOUS && limits.has_friction && !is_on_spring_flanks(slip, start))
         limits.has_band_edge = differs_from_edge(slip, start);
     return limits;
@@ -57,6 +70,7 @@ static inline double value_at(const SegmentLimits *limits, StepIndicator indicat
         case STEP_TO_STOP: return limits->to_stop - advance;
         case STEP_BREAKPOINT: return breakpoint_limit(&limits->breakpoint) - advance;
         case STEP_BAND_EDGE: return torque_beyond_edge(slip, b);
+        case STEP_JAM: return limits->jam_sign * jam_determinant(slip, b);
         case STEP_FLANK_1: return slip->flank[0] * b->x[0];
         default: return slip->flank[1] * b->x[1];
     }
@@ -159,6 +173,8 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
     }
     if (limits->has_band_edge && counts(STEP_BAND_EDGE, ignored))
         keep_earlier(crossing_of(limits, STEP_BAND_EDGE, step), STEP_BAND_EDGE, &first);
+    if (limits->has_jam && counts(STEP_JAM, ignored))
+        keep_earlier(crossing_of(limits, STEP_JAM, step), STEP_JAM, &first);
     for (StepIndicator k = STEP_FLANK_1; limits->has_friction && k <= STEP_FLANK_2; k++)
         if (counts(k, ignored)) keep_earlier(crossing_of(limits, k, step), k, &first);
     *which = first.indicator;
