@@ -156,6 +156,7 @@ static void enter(Mechanism *m, Decision decision) {
         m->cache.rest.valid = false;
     }
     if (is_slip(decision.mode)) slip_flanks(decision.slip_index, state->flank);
+    else if (!has_inertia(&m->params)) state->omega = sum_of(0.0); /* with inertia a jam takes the speed */
 }
 
 void enter_decided_mode(Mechanism *m) {
