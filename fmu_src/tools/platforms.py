@@ -28,8 +28,8 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werr
 # All other rules of IEEE 754 hold: -ffast-math would break compensated sums and the tests for NaN.
 ARITHMETIC = ("-std=c17", "-ffp-contract=off", "-fno-math-errno")
 # The compiler in zig keeps a frame pointer in each function, unless told otherwise. Without frame pointers a
-# step takes 1 to 8 % fewer instructions. Debuggers and profilers unwind by the tables .eh_frame (Linux, macOS)
-# and .pdata (64-bit Windows).
+# step takes 1 to 8 % fewer instructions. Debuggers and profilers unwind by tables: .eh_frame on Linux and
+# macOS, .pdata on 64-bit Windows.
 FRAMES = "-fomit-frame-pointer"
 LIBRARY = ("-fPIC", "-fvisibility=hidden", FRAMES)
 OPTIMISATION = "-O3"
