@@ -6,6 +6,9 @@
 #include "forward/stick.h"
 #include "numerics/bernstein.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* What must be positive: the acceleration in the direction of the torque, and the reactions on their flanks. */
 enum { CONDITIONS = 3, TIMES_MAX = CONDITIONS * INPUT_ORDER };
@@ -107,3 +110,5 @@ double wedge_agreement(const Mechanism *m) {
     }
     return largest;
 }
+
+COMPACT_END
