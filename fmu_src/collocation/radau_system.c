@@ -192,16 +192,17 @@ typedef struct {
 
 static SmallCorrection small_correction(const RadauSystem *s) {
     const int n = s->method->stages;
-    double speed = fabs(s->start->omega), y = fabs(s->start->rhs.value);
+    double speed = fabs(s->start->omega), slowest = INFINITY, y = fabs(s->start->rhs.value);
     for (int i = 0; i < n; i++) {
         speed = fmax(speed, fabs(s->omega[i]));
+        slowest = fmin(slowest, fabs(s->omega[i]));
         y = fmax(y, fabs(s->y[i]));
     }
+    if (s->slip->friction_varies) speed = slowest; /* friction at a node needs the node's speed to the same share */
     const double per_y = is_inertial(s) ? speed / s->h : speed;
-    const double share = s->slip->friction_varies ? RADAU_NEWTON_SHARE_VARYING : RADAU_NEWTON_SHARE;
     return (SmallCorrection){
         .rounding = RADAU_ROUNDING * fmax(y, s->start->rhs.size),
-        .wanted = share * s->slip->params->tolerance * per_y,
+        .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
     };
 }
 
