@@ -225,11 +225,9 @@ enum { EDGE_ITERATIONS = 100 };
 
 /* Energy balance of a step */
 
-/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth. */
-static const double STEP_ENERGY_SHARE = 0.1;
-
-/* Share of all energies in the balance that is their rounding. */
-static const double STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
+/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth.
+ * Share of all energies in the balance that is their rounding. */
+static const double STEP_ENERGY_SHARE = 0.1, STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
 
 /* Breakpoints: overshoot as a share of the narrower piece's width */
 
@@ -247,11 +245,9 @@ static const double BREAKPOINT_TIME_CHANGE = 0.1;
 
 /* Step control */
 
-/* h over the time scale of the motion below which three, or five, stages suffice. */
-static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5;
-
-/* Tolerance above which a step never starts with seven stages. */
-static const double STEP_7_STAGES_TOLERANCE = 1e-6;
+/* h over the time scale of the motion below which three, or five, stages suffice; and the tolerance above which a step
+ * never starts with seven stages. */
+static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5, STEP_7_STAGES_TOLERANCE = 1e-6;
 
 /* First step of a vibration of angular frequency w: STEP_FIRST_LENGTH tolerance^(1/STEP_FIRST_ORDER)/w, which is 1/w at
  * the tolerance 1e-9. Measured: about the length that a step of seven stages turns out to have. */
