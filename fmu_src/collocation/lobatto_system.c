@@ -219,13 +219,14 @@ double lobatto_system_speed_at_end(const LobattoSystem *s) {
     return viscous_rhs(s, s->tau.half[last], &pair)[1];
 }
 
-/* True if at every node the slip mode is possible, and if without inertia the motion is stable and the flanks
- * support it. */
+/* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
+ * and if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
 static inline bool is_possible(const LobattoSystem *s) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
+        possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
