@@ -220,13 +220,13 @@ double lobatto_system_speed_at_end(const LobattoSystem *s) {
 }
 
 /* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
- * and if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
-static inline bool is_possible(const LobattoSystem *s) {
+ * and where friction varies if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
+static inline bool is_possible(const LobattoSystem *s, bool varies) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
-        possible &= delta * s->pair[0].factors.delta[0] > 0.0;
+        if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
@@ -343,11 +343,11 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
         if (converged && at_end && (!varies || is_placed(s))) {
             if (varies) follow_speeds(s);
-            return is_possible(s);
+            return is_possible(s, varies);
         }
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
-            return at_end && size <= rounding && is_possible(s);
+            return at_end && size <= rounding && is_possible(s, varies);
         }
         before = size;
     }
