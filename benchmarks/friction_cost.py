@@ -71,7 +71,7 @@ def laws() -> Iterator[Law]:
     for cams, label in (((1, 2), "both"), ((1,), "cam 1")):
         yield Law("Stribeck, exponent 2", label, stribeck(2, cams))
         yield Law("Stribeck, exponent 1", label, stribeck(1, cams))
-        yield Law("table", label, {f"cam{i}.friction_table": table for i in cams})
+        yield Law("friction table", label, {f"cam{i}.friction_table": table for i in cams})
 
 
 def job(scene: Scene, library: Path) -> instructions.Job:
