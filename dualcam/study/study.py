@@ -18,9 +18,10 @@ from rich.text import Text
 from dualcam.library import source_path
 from dualcam.model_description import Scalar
 from dualcam.study import execution
+from dualcam.study.checking import check
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
-from dualcam.study.runner import Job, check
+from dualcam.study.runner import Job
 from dualcam.study.scenario import Scenario
 from dualcam.study.store import Column, Store, read_results
 
