@@ -43,7 +43,7 @@ class Cluster(Workers):
     def __init__(self, task: Task, scheduler: str | Client) -> None:
         super().__init__(task)
         self._distributed = _distributed()
-        self._is_own = not isinstance(scheduler, self._distributed.Client)
+        self._is_own = isinstance(scheduler, str)
         self._client: Any = self._connected(str(scheduler)) if self._is_own else scheduler
         if self._client.asynchronous:
             raise StudyError("scheduler: an asynchronous Client: allowed is one with asynchronous = False")

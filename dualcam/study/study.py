@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +94,15 @@ class Study:
         Job
             Path, names, scenario and results.
         """
-        return Job(str(self.path), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
+        return Job(
+            str(self.path),
+            self.plan.names,
+            dict(self.parameters),
+            self.scenario,
+            list(self.results),
+            self.plan.texts,
+            dict(self.plan.constraints),
+        )
 
     def run(
         self,
@@ -193,15 +201,10 @@ class Study:
         dict
             Plain data.
         """
-        scenario = asdict(self.scenario)
-        if control := self.scenario.controller:
-            scenario["controller"] |= {
-                "create_law": f"{control.create_law.__module__}.{control.create_law.__qualname__}"
-            }
         return {
             "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),
-            "scenario": scenario,
+            "scenario": self.scenario.facts(),
             "results": list(self.results),
             "parameters": dict(self.parameters),
         }
