@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from dualcam.fmu import Array, Fmu
 from dualcam.study.entries import NUMBER, TEXT, Kind, entries
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read_results
+from dualcam.study.results import read_results
 from dualcam.study.study import Study
 
 DPI = 90
@@ -77,7 +77,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    known = [*study.plan.names, *study.results]
+    known = [*study.plan.names, *study.readings.columns]
     for plot in study.plots:
         kind = plot.get("kind", "")
         if kind not in list(KINDS):
