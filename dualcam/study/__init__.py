@@ -19,6 +19,7 @@ plan.toml` is the same on the command line.
 
 from dualcam.module_calls import explain_call_of
 from dualcam.study.description import read_study
+from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
 from dualcam.study.plan import Plan, Vary
 from dualcam.study.problem import StudyError
 from dualcam.study.scenario import Controller, History, Scenario
@@ -27,12 +28,18 @@ from dualcam.study.study import Study
 
 __all__ = [
     "Controller",
+    "Deviation",
+    "FmuRuns",
     "History",
+    "Optimisation",
+    "Optimum",
     "Plan",
     "Scenario",
     "Study",
     "StudyError",
     "Vary",
+    "optimise",
+    "read_optimisation",
     "read_results",
     "read_study",
 ]
