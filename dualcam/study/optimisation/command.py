@@ -10,7 +10,7 @@ import numpy as np
 
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
 from dualcam.study.optimisation.optimum import Optimum
-from dualcam.study.optimisation.page import write_page
+from dualcam.study.optimisation.page import shown, write_page
 from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.problem import StudyError
@@ -34,7 +34,7 @@ def run(path: Path, folder: Path, console: Console) -> Optimum:
 
     task = read_optimisation(path)
     say(console, f"{folder.name}: {task.method_used}, at most {task.budget:,} designs")
-    found = optimise(task, folder, console)
+    found = optimise(task, folder, console=console)
     write_files(found, folder, path.stem)
     for line in summary(found):
         say(console, line)
@@ -87,7 +87,7 @@ def _write_designs(found: Optimum, folder: Path, title: str) -> None:
     if len(found.task.objectives) < 2:
         return
     (folder / FRONT_DESIGNS).mkdir(exist_ok=True)
-    for k in range(len(found.front[next(iter(found.task.vary))])):
+    for k in shown(found):
         design = {name: float(found.front[name][k]) for name in found.task.vary}
         design |= {name: design[other] for name, other in found.task.same_as.items()}
         words = ", ".join(f"{text} = {found.front[text][k]:.6g}" for text in found.task.objectives)

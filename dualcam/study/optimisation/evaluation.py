@@ -42,14 +42,14 @@ class Batch:
 class Evaluator:
     """Evaluates designs of a task. Values of a design do not depend on what is evaluated with it."""
 
-    def __init__(self, task: Optimisation) -> None:
+    def __init__(self, task: Optimisation, workers: int = 0) -> None:
         self.task = task
         nominal = nominal_values(task)
         self._extra = [name for name in task.tolerances if name not in task.vary]
         self.names = [*task.vary, *task.same_as, *self._extra]
         self._fixed = [nominal.get(name, math.nan) for name in self._extra]
         self._deviations = _deviations(task)
-        self._model: Model = open_model(task, self.names)
+        self._model: Model = open_model(task, self.names, workers)
         self.limits = [
             (text, sign, limit)
             for text, (least, most) in task.constraints.items()

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from dualcam.reals import Array
 from dualcam.study.optimisation.evolution import first_designs
+from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.search import TOLERANCE, Search
 from dualcam.study.problem import StudyError
 
@@ -57,3 +59,11 @@ def load() -> tuple[Any, Any]:
             'several objectives need pymoo: pip install "dualcam[optimise]"; without it, make one objective '
             "and limit the others in constraints"
         ) from None
+
+
+def hypervolume(losses: Array, reference: float) -> float:
+    """Volume between a front and a point that has this number as all its losses."""
+    if len(losses) == 0:
+        return 0.0
+    indicator = importlib.import_module("pymoo.indicators.hv").HV
+    return float(indicator(ref_point=np.full(losses.shape[1], reference))(losses[unbeaten(losses)]))

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import math
+import multiprocessing
+import pickle
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -29,11 +34,11 @@ class Model(Protocol):
     def close(self) -> None: ...
 
 
-def open_model(task: Optimisation, names: Sequence[str]) -> Model:
+def open_model(task: Optimisation, names: Sequence[str], workers: int = 0) -> Model:
     """The task's model for rows of these values. StudyError for what concerns every design."""
     if isinstance(task.model, FmuRuns):
         return _fmu_model(task, task.model, names)
-    return FunctionModel(task.model, names, task.read)
+    return FunctionModel(task.model, names, task.read, workers)
 
 
 def nominal_values(task: Optimisation) -> dict[str, float]:
@@ -74,24 +79,38 @@ def _fmu_model(task: Optimisation, model: FmuRuns, names: Sequence[str]) -> Mode
 
 
 class FunctionModel:
-    """Calls a function for one design after the other."""
+    """Calls a function for each design, here or in processes."""
 
-    def __init__(self, function: Function, names: Sequence[str], results: Sequence[str]) -> None:
+    def __init__(
+        self, function: Function, names: Sequence[str], results: Sequence[str], workers: int = 0
+    ) -> None:
         self._function, self._names, self._results = function, list(names), list(results)
+        self._processes: ProcessPoolExecutor | None = None
+        if workers > 0:
+            _check_sendable(function)
+            self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
 
     def run(self, rows: Array) -> Block:
+        designs = [dict(zip(self._names, row, strict=True)) for row in rows.tolist()]
+        attempt = partial(_attempt, self._function)
         values = np.full((len(rows), len(self._results)), math.nan)
         messages: dict[int, str] = {}
-        for place, row in enumerate(rows.tolist()):
-            try:
-                given = self._function(dict(zip(self._names, row, strict=True)))
-            except REFUSALS as error:
-                messages[place] = str(error) or type(error).__name__
-                continue
-            values[place] = self._chosen(given)
+        try:
+            given = list((self._processes.map if self._processes else map)(attempt, designs))
+        except BrokenProcessPool as error:
+            raise StudyError(
+                "a process of the model ended without a word (crashed or killed). What was evaluated before "
+                "is kept in the folder: give the same command again. A script that starts processes needs "
+                'if __name__ == "__main__":'
+            ) from error
+        for place, one in enumerate(given):
+            if isinstance(one, str):
+                messages[place] = one
+            else:
+                values[place] = self._chosen(one)
         return Block(values, messages)
 
-    def _chosen(self, given: Mapping[str, Any]) -> list[float]:
+    def _chosen(self, given: object) -> list[float]:
         if not isinstance(given, Mapping):
             raise StudyError(f"the model returned {given!r:.60}: allowed is a dict of results by name")
         if lacking := [name for name in self._results if name not in given]:
@@ -102,4 +121,24 @@ class FunctionModel:
         return [float(given[name]) for name in self._results]
 
     def close(self) -> None:
-        pass
+        if self._processes is not None:
+            self._processes.shutdown(cancel_futures=True)
+
+
+def _attempt(function: Function, design: dict[str, float]) -> Any:  # noqa: ANN401
+    """What the function returns, or why it refuses the design."""
+    try:
+        given = function(design)
+    except REFUSALS as error:
+        return str(error) or type(error).__name__
+    return None if isinstance(given, str) else given
+
+
+def _check_sendable(function: Function) -> None:
+    try:
+        pickle.dumps(function)
+    except Exception as error:  # pickle has several for it
+        raise StudyError(
+            f"the model cannot be sent to other processes: {error}: allowed is a function of a module; or "
+            "use workers = 0"
+        ) from error

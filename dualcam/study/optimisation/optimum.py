@@ -45,7 +45,8 @@ class Optimum:
         All designs in the order of their evaluation: values, results, objectives, `feasible` (1 or 0) and
         `message` (why it failed, or empty), arrays by name.
     history
-        Convergence, shape (n, 2): designs evaluated so far, and the best first objective until then.
+        Convergence, shape (n, 2): designs evaluated so far, and the best objective until then; of several
+        objectives the hypervolume of the front until then, as a share of that at the end.
     evaluated, infeasible, failed
         Number of designs, of those that miss a constraint or failed, and of those that failed.
     messages
@@ -75,10 +76,11 @@ class Optimum:
 def unbeaten(losses: Array) -> Array:
     """Places of the designs that no other one beats: no loss above, one below. In order of the first loss.
     Of equal designs the first."""
-    order = np.lexsort(losses.T[::-1])
-    kept: list[int] = []
+    order = np.lexsort(losses.T[::-1])  # a design is beaten by earlier ones only
+    kept = np.empty_like(losses)
+    places: list[int] = []
     for place in order:
-        one = losses[place]
-        if not any(np.all(losses[other] <= one) for other in kept):
-            kept.append(int(place))
-    return np.array(kept, dtype=np.intp)
+        if not np.any(np.all(kept[: len(places)] <= losses[place], axis=1)):
+            kept[len(places)] = losses[place]
+            places.append(int(place))
+    return np.array(places, dtype=np.intp)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -67,6 +67,11 @@ def _unit(name: str, units: Mapping[str, str]) -> str:
     return units.get(name.partition("@")[0], "")
 
 
+def _numbers(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table whose cells keep their numbers in one line."""
+    return f'<div class="numbers">{table(heads, rows)}</div>\n'
+
+
 def _number(value: float) -> str:
     return f"{value:.{DIGITS}g}"
 
@@ -80,7 +85,7 @@ def _usual(value: float, unit: str) -> str:
 
 def _kind(found: Optimum) -> str:
     """What a value of an objective or constraint is where parts differ."""
-    return f", {found.task.percentile:g} % of the parts are as good" if found.task.tolerances else ""
+    return f", for {found.task.percentile:g} % of the parts" if found.task.tolerances else ""
 
 
 def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
@@ -102,7 +107,7 @@ def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
     return (
         f'<p class="{"good" if found.feasible else "error"}"><b>{escape(head)}</b></p>\n'
         + (f"<ul>{missed}</ul>\n" if missed else "")
-        + table(("objective", "value", "wanted"), rows)
+        + _numbers(("objective", "value", "wanted"), rows)
     )
 
 
@@ -116,7 +121,7 @@ def _design(found: Optimum, units: Mapping[str, str]) -> str:
     active = "".join(f"<li>{escape(text)}</li>" for text in found.active)
     held = f"<p>Active: a wider limit would give a better design.</p>\n<ul>{active}</ul>\n" if active else ""
     none = "" if active else "<p>No bound and no constraint is active: the optimum lies inside.</p>\n"
-    return "<h2>Design</h2>\n" + table(("value", "SI", "usual unit", "bounds"), rows) + held + none
+    return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + none
 
 
 def _bounds(found: Optimum, name: str, value: float) -> str:
@@ -142,7 +147,7 @@ def _constraints(found: Optimum, units: Mapping[str, str]) -> str:
         limits = [f"at least {_number(least)}"] if least is not None else []
         limits += [f"at most {_number(most)}"] if most is not None else []
         rows.append((text, f"{_number(value)} {_unit(text, units)}".strip(), " and ".join(limits)))
-    return "<h2>Constraints</h2>\n" + table(("constraint" + _kind(found), "value", "allowed"), rows)
+    return "<h2>Constraints</h2>\n" + _numbers(("constraint" + _kind(found), "value", "allowed"), rows)
 
 
 def _results(found: Optimum, units: Mapping[str, str]) -> str:
@@ -151,21 +156,27 @@ def _results(found: Optimum, units: Mapping[str, str]) -> str:
         unit = _unit(name, units)
         rows.append((name, f"{_number(value)} {unit}".strip(), _usual(value, unit)))
     exact = "<p>Of a part that is exactly as designed.</p>\n" if found.task.tolerances else ""
-    return "<h2>Results of this design</h2>\n" + exact + table(("result", "SI", "usual unit"), rows)
+    return "<h2>Results of this design</h2>\n" + exact + _numbers(("result", "SI", "usual unit"), rows)
 
 
 def _front(found: Optimum, units: Mapping[str, str]) -> str:
     texts = [*found.task.objectives, *found.task.vary]
     count = len(found.front[texts[0]])
-    chosen = np.unique(np.linspace(0, count - 1, min(ROWS, count)).round().astype(int))
+    chosen = shown(found)
     rows = [(str(k + 1), *(_number(found.front[text][k]) for text in texts)) for k in chosen]
     heads = ["design", *(f"{text} [{unit}]" if (unit := _unit(text, units)) else text for text in texts)]
     return (
         "<h2>Front</h2>\n"
         + figure_element(draw_front(found, units), "Front")
         + f"<p>{len(chosen)} of {count} designs; front.csv has all of them.</p>\n"
-        + table(heads, rows)
+        + _numbers(heads, rows)
     )
+
+
+def shown(found: Optimum) -> list[int]:
+    """Places of the designs of the front that the page shows, spread over it."""
+    count = len(next(iter(found.front.values())))
+    return sorted({round(place) for place in np.linspace(0, count - 1, min(ROWS, count))})
 
 
 def draw_front(found: Optimum, units: Mapping[str, str]) -> Figure:
@@ -203,7 +214,10 @@ def draw_convergence(found: Optimum, units: Mapping[str, str]) -> Figure:
     count, best = np.append(count, found.evaluated), np.append(best, best[-1])
     axes.step(count, best, where="post", color="tab:blue")
     axes.set_xscale("log")
-    axes.set(xlabel="designs evaluated", ylabel=_label(found, next(iter(found.task.objectives)), units))
+    label = _label(found, next(iter(found.task.objectives)), units)
+    if len(found.task.objectives) > 1:
+        label = "hypervolume of the front\nas a share of that at the end"
+    axes.set(xlabel="designs evaluated", ylabel=label)
     axes.grid(alpha=0.3)
     return figure
 
@@ -213,7 +227,7 @@ def _next_steps(found: Optimum) -> str:
         return "<h2>Go on</h2>\n<p>designs.csv has all designs, front.csv the best ones.</p>\n"
     more = ""
     if len(found.task.objectives) > 1:
-        more = "<p>front_designs has one such file for each design of the front, by its number.</p>\n"
+        more = "<p>front_designs has such a file for each design in the table of the front.</p>\n"
     return (
         "<h2>Go on</h2>\n<p>best.toml, beside this page, is the best design as a design file:</p>\n"
         "<pre>dualcam check best.toml\ndualcam report best.toml -o best.html\n"

@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from dualcam.library import source_path
 from dualcam.reals import Array
+from dualcam.study.entries import is_whole
 from dualcam.study.optimisation import evolution, genetic, gradient
 from dualcam.study.optimisation.evaluation import Evaluator
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
@@ -26,6 +28,8 @@ from dualcam.study.optimisation.task import FmuRuns, Optimisation
 from dualcam.study.problem import StudyError
 
 RUNS = {"slsqp": gradient.run, "evolution": evolution.run, "nsga2": genetic.run}
+CHECKS = 40  # of the front's hypervolume over the search
+BEYOND = 1.01  # reference point of the hypervolume, in extents of the front from its best corner
 PACKAGES = {
     "slsqp": ("numpy", "scipy"),
     "evolution": ("numpy", "scipy"),
@@ -33,7 +37,12 @@ PACKAGES = {
 }
 
 
-def optimise(task: Optimisation, folder: str | Path | None = None, console: Console | None = None) -> Optimum:
+def optimise(
+    task: Optimisation,
+    folder: str | Path | None = None,
+    workers: int = 0,
+    console: Console | None = None,
+) -> Optimum:
     """Search for the best design.
 
     Parameters
@@ -43,6 +52,9 @@ def optimise(task: Optimisation, folder: str | Path | None = None, console: Cons
     folder : str or Path, optional
         Folder of the results. A search that was interrupted continues there: no design is evaluated twice,
         and the end is that of an uninterrupted search, bit for bit.
+    workers : int
+        Processes that share the designs of a batch, of a function as the model. 0: all in this process.
+        Values do not depend on `workers`.
     console : rich.console.Console, optional
         Shows the progress.
 
@@ -65,10 +77,12 @@ def optimise(task: Optimisation, folder: str | Path | None = None, console: Cons
     >>> round(best.design["cam1.lead_angle"], 4), round(best.objectives["efficiency"], 4)  # pi/4
     (0.7854, 0.5691)
     """
+    if not is_whole(workers) or workers < 0:
+        raise StudyError(f"workers = {workers!r}: allowed is a whole number, 0 or more")
     if task.method_used == "nsga2":
         genetic.load()
     place = None if folder is None else Path(folder)
-    with closing(Evaluator(task)) as evaluator:
+    with closing(Evaluator(task, workers)) as evaluator:
         record = Record(place, facts(task), _versions(task))
         with _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)
@@ -118,7 +132,6 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
     front |= {name: results[places, k] for k, name in enumerate(task.read)}
     front |= {text: objectives[places, k] for k, text in enumerate(task.objectives)}
     design = dict(zip(task.vary, values[best].tolist(), strict=True))
-    ways = np.array([1.0 if way == "minimise" else -1.0 for way in task.objectives.values()])
     return Optimum(
         task=task,
         design=design | {name: design[other] for name, other in task.same_as.items()},
@@ -130,13 +143,31 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
         violated=_violated(search, constraints[best], search.excess[best]),
         front=front,
         designs=_designs(search, values, results, objectives),
-        history=np.array([(count, loss * ways[0]) for count, loss in search.history], float).reshape(-1, 2),
+        history=_history(search, losses, fit),
         evaluated=search.count,
         infeasible=search.count - len(fit),
         failed=search.failed,
         messages=dict(messages),
         folder=folder,
     )
+
+
+def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
+    """Designs evaluated, and how good the best ones are."""
+    if len(search.task.objectives) == 1:
+        way = 1.0 if next(iter(search.task.objectives.values())) == "minimise" else -1.0
+        return np.array([(count, loss * way) for count, loss in search.history], float).reshape(-1, 2)
+    if len(fit) == 0:
+        return np.empty((0, 2))
+    front = losses[fit[unbeaten(losses[fit])]]
+    worst, best = front.max(axis=0), front.min(axis=0)
+    extent = np.where(worst > best, worst - best, 1.0)
+    counts = np.unique(np.linspace(fit[0] + 1, search.count, CHECKS).round().astype(int))
+    volumes = []
+    for count in counts:
+        scaled = (losses[fit[fit < count]] - best) / extent
+        volumes.append(genetic.hypervolume(scaled[np.all(scaled <= 1.0, axis=1)], BEYOND))
+    return np.column_stack([counts, np.array(volumes) / volumes[-1]])
 
 
 def _designs(search: Search, values: Array, results: Array, objectives: Array) -> dict[str, Any]:
