@@ -25,8 +25,9 @@ def run(search: Search) -> None:
     first = first_designs(search, population)
 
     def losses(shares: Array) -> Array:
-        values = search.scores(shares.T).losses[:, 0]
-        return np.where(np.isfinite(values), values, np.inf)
+        values = search.scores(np.atleast_2d(shares.T)).losses[:, 0]
+        found = np.where(np.isfinite(values), values, np.inf)
+        return found if shares.ndim == 2 else found[0]
 
     def excess(shares: Array) -> Array:
         scores = search.scores(np.atleast_2d(shares.T))

@@ -14,7 +14,7 @@ from dualcam.study.entries import NUMBER, QUANTITY, TABLE, TEXT, WHOLE, entries
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
-from dualcam.study.quantities import Units, fixed, number, units_of_designs, units_of_fmu
+from dualcam.study.quantities import Units, fixed, number, units_of_fmu
 
 OPTIMISE = {
     "objectives": TABLE,
@@ -120,8 +120,8 @@ def _of_design(path: Path) -> Optimisation:
         raise StudyError(
             "an optimisation needs a [scenario]: what is done in each run, for example stop = 1.0"
         )
-    study = design.study or {}
-    plan = _plan(study["plan"], path.parent, units_of_designs)
+    study, units = design.study or {}, units_of_fmu(design.model)
+    plan = _plan(study["plan"], path.parent, units)
     others = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
     model = FmuRuns(design.model, design.scenario, others)
     start = {name: value for name, value in design.parameters_for().items() if name in plan.vary}
@@ -131,7 +131,7 @@ def _of_design(path: Path) -> Optimisation:
         study["optimise"],
         study.get("results", ()),
         path.parent,
-        units_of_designs,
+        units,
         start,
     )
 

@@ -101,7 +101,7 @@ def facts(task: Optimisation) -> dict[str, Any]:
             law = control.create_law
             found["model"]["scenario"]["controller"]["create_law"] = f"{law.__module__}.{law.__qualname__}"
     else:
-        found["model"] = f"{model.__module__}.{model.__qualname__}"
+        found["model"] = f"{model.__module__}.{getattr(model, '__qualname__', type(model).__qualname__)}"
     for vary in found["vary"].values():
         vary["values"] = [float(value) for value in vary["values"]]
     return found

@@ -63,10 +63,10 @@ class Search:
         if len(fresh) > left:
             raise BudgetSpent
         places = [self._places[key] for key in keys]
-        return Scores(
-            np.array([self.losses[place] for place in places]),
-            np.array([self.excess[place] for place in places]),
-        )
+        losses = np.array([self.losses[place] for place in places])
+        excess = np.array([self.excess[place] for place in places])
+        shape = len(places), len(self._limits)  # also of no designs and no limits
+        return Scores(losses.reshape(len(places), len(self._ways)), excess.reshape(shape))
 
     def shares(self, place: int) -> Array:
         """A design, as shares of the bounds."""
