@@ -12,7 +12,7 @@ from rich.console import Console
 
 from dualcam.study.description import read_study
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read_results
+from dualcam.study.results import read_results
 from dualcam.study.study import Study, say
 
 

@@ -13,9 +13,10 @@ from typing import Any
 from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.study.entries import NUMBER, QUANTITY, SWITCH, TABLE, TEXT, VALUES, WHOLE, Kind, entries
-from dualcam.study.plan import Plan, Vary
+from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.quantities import Units, fixed, number, units_of_designs, units_of_fmu
+from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Controller, History, Scenario
 from dualcam.study.study import Study
 

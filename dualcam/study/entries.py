@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from dualcam.study.problem import StudyError
@@ -26,6 +27,13 @@ class Kind:
 
 def is_whole(value: object) -> bool:
     return hasattr(value, "__index__") and not isinstance(value, bool)
+
+
+def hint(name: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown name: what could be meant, or what is allowed."""
+    allowed = list(known)
+    close = get_close_matches(str(name), allowed, n=2, cutoff=0.6)
+    return f": did you mean {' or '.join(close)}?" if close else f": allowed are {', '.join(allowed)}"
 
 
 NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))

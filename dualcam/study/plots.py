@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from dualcam.fmu import Array, Fmu
 from dualcam.study.entries import NUMBER, TEXT, Kind, entries
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read_results
+from dualcam.study.results import read_results
 from dualcam.study.study import Study
 
 DPI = 90

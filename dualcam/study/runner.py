@@ -30,6 +30,7 @@ from dualcam.model_description import Kind, Scalar, Variable
 from dualcam.reals import Array
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.sampling.texts import Texts
 from dualcam.study.scenario import Controller, Scenario, Step, instants, times_of
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
@@ -39,13 +40,17 @@ NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 
 @dataclass(frozen=True)
 class Job:
-    """What every worker needs to know. `content` is the FMU itself where the workers may not see its path."""
+    """What every worker needs to know. `content` is the FMU itself where the workers may not see its path.
+
+    dualcam.study.resolved says what a row means for its run."""
 
     path: str
-    names: Sequence[str]  # that vary, in the order of a row
+    names: Sequence[str]  # of the columns of a row: variables of the FMU, and others for formulas
     parameters: Mapping[str, Scalar]
     scenario: Scenario
     results: Sequence[str]
+    texts: Mapping[str, Texts] = field(default_factory=dict)  # of Strings: a row has the place in this list
+    constraints: Mapping[str, str] = field(default_factory=dict)  # a run that violates one is not made
     content: bytes | None = field(default=None, repr=False)
     token: str = field(default_factory=lambda: uuid.uuid4().hex)
 
