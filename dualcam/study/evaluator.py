@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualcam.study.checking import check
 from dualcam.study.chunk import Task
 from dualcam.study.execution import workers_for
 from dualcam.study.problem import StudyError
-from dualcam.study.runner import Block, check
+from dualcam.study.runner import Block
 
 if TYPE_CHECKING:
     from distributed import Client

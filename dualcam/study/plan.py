@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,8 @@ from dualcam.fmu import Array
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.sampling import designs
 from dualcam.study.sampling.correlation import Copula, Correlation
-from dualcam.study.sampling.formula import Formula, formula
+from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.rules import any_of, in_order, violations
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.sampling.vary import Vary
 
@@ -114,14 +115,17 @@ class Plan:
     # ---- tables and other packages ----
 
     @classmethod
-    def from_csv(cls, path: str | Path) -> Plan:
+    def from_csv(cls, path: str | Path, texts: Collection[str] = ()) -> Plan:
         """A plan of kind "table" from a CSV file.
 
         Parameters
         ----------
         path : str or Path
             File whose first line names the variables. Each other line has the values of a run, in the FMU's
-            units. A column without any number has texts.
+            units.
+        texts : collection of str
+            Variables whose column has texts, such as groove tables. Relative paths start in the file's
+            folder.
 
         Returns
         -------
@@ -135,7 +139,7 @@ class Plan:
         """
         from dualcam.study.sampling import tables
 
-        return cls.from_columns(tables.read_csv(Path(path)), Path(path).parent)
+        return cls.from_columns(tables.read_csv(Path(path), texts), Path(path).parent)
 
     @classmethod
     def from_parquet(cls, path: str | Path) -> Plan:
@@ -402,7 +406,7 @@ class Plan:
         bad = 0
         for start in range(0, looked, 10_000):
             rows = self.completed(self._drawn(np.arange(start, min(start + 10_000, looked))))
-            bad += int(np.sum(_any(self.violations(rows), len(rows))))
+            bad += int(np.sum(any_of(self.violations(rows), len(rows))))
         return bad, looked
 
     def _drawn(self, numbers: NDArray[np.int_]) -> Array:
@@ -425,26 +429,18 @@ class Plan:
 
     def _redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
         """Puts values that keep the constraints in place of others; random numbers by the run's number."""
-        for place in np.flatnonzero(_any(self.violations(rows), len(rows))):
+        for place in np.flatnonzero(any_of(self.violations(rows), len(rows))):
             random = np.random.default_rng([self.seed, int(numbers[place])])
             for _ in range(0, TRIES, 50):
                 again = self.completed(self._at(random.random((50, len(self.vary)))))
-                good = np.flatnonzero(~_any(self.violations(again), len(again)))
+                good = np.flatnonzero(~any_of(self.violations(again), len(again)))
                 if len(good):
                     rows[place] = again[good[0]]
                     break
 
     @cached_property
     def _order(self) -> list[tuple[str, Formula]]:
-        """Derived names, each after those that it uses."""
-        left = {name: formula(text) for name, text in self.derived.items()}
-        done: list[tuple[str, Formula]] = []
-        while left:
-            ready = [name for name, each in left.items() if not set(each.names) & set(left)]
-            if not ready:
-                raise StudyError(f"derived: {', '.join(left)} use each other in a circle: break it")
-            done += [(name, left.pop(name)) for name in ready]
-        return done
+        return in_order(self.derived)
 
     @cached_property
     def _copula(self) -> Copula:
@@ -499,16 +495,3 @@ class Plan:
             "levels": self.kind == "morris" and [self.levels],
         }
         return facts | {name: fact for name, fact in more.items() if fact}  # as versions before wrote them
-
-
-def violations(
-    constraints: Mapping[str, str], columns: Mapping[str, Array], count: int
-) -> dict[str, NDArray[np.bool_]]:
-    """Which of `count` runs violate which constraint: True where a formula is not true.
-
-    `columns` has the values of the runs by name, shape (count,) each."""
-    return {name: ~formula(text).truth(columns, count) for name, text in constraints.items()}
-
-
-def _any(found: Mapping[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_]:
-    return np.any([*found.values(), np.zeros(count, bool)], axis=0)

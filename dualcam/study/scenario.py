@@ -103,7 +103,7 @@ class Scenario:
         Step [s] for FMUs that take no derivatives of inputs, and for FMUs that need steps of one length. The
         inputs are then held over each step at their value in the middle. Other steps are as long as the
         histories allow.
-    tolerance : float or str, optional
+    tolerance : float, optional
         Relative tolerance of the FMU's integrator.
     controller : Controller, optional
         A closed loop.
@@ -129,7 +129,7 @@ class Scenario:
     stop: Number
     inputs: Mapping[str, History] = field(default_factory=dict)
     step: Number | None = None
-    tolerance: Number | None = None
+    tolerance: float | None = None
     controller: Controller | None = None
 
     def __post_init__(self) -> None:
@@ -172,7 +172,7 @@ class Scenario:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The names that the formulas use, each once; none if every run has the same scenario."""
-        own = names_in([number for number in (self.stop, self.step, self.tolerance) if number is not None])
+        own = names_in([number for number in (self.stop, self.step) if number is not None])
         parts = [own, *(history.names for history in self.inputs.values())]
         if self.controller:
             parts.append(self.controller.names)
@@ -206,13 +206,10 @@ class Scenario:
         if not self.names:
             return self
         numbers: Any = values
-        stop, step, tolerance = (
-            None if each is None else number_at(each, numbers)
-            for each in (self.stop, self.step, self.tolerance)
-        )
+        stop, step = (None if each is None else number_at(each, numbers) for each in (self.stop, self.step))
         inputs = {name: history.at(numbers) for name, history in self.inputs.items()}
         control = self.controller.at(values) if self.controller else None
-        return Scenario(stop, inputs, step, tolerance, control)
+        return Scenario(stop, inputs, step, self.tolerance, control)
 
     def facts(self) -> dict[str, Any]:
         """What makes two scenarios the same, as plain data."""

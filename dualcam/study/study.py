@@ -18,12 +18,13 @@ from rich.text import Text
 
 from dualcam.library import source_path
 from dualcam.model_description import Scalar
+from dualcam.study.checking import check
 from dualcam.study.chunk import Task, Written
 from dualcam.study.execution import workers_for
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.results import Results, read_results
-from dualcam.study.runner import Job, check
+from dualcam.study.runner import Job
 from dualcam.study.scenario import Scenario
 from dualcam.study.store import Store
 

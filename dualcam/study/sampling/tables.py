@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +16,13 @@ from dualcam.study.sampling.texts import GivenTexts
 from dualcam.study.sampling.vary import Vary
 
 
-def read(path: Path) -> dict[str, Sequence[Any]]:
-    """The columns of a CSV file, or of a Parquet file whose name ends in .parquet or .pq."""
-    return read_parquet(path) if path.suffix.lower() in (".parquet", ".pq") else read_csv(path)
+def is_parquet(path: Path) -> bool:
+    """Whether the name of a file says that it is a Parquet file."""
+    return path.suffix.lower() in (".parquet", ".pq")
 
 
-def read_csv(path: Path) -> dict[str, Sequence[Any]]:
-    """Columns by name. A column without any number has texts. StudyError for a file that is no such table."""
+def read_csv(path: Path, texts: Collection[str] = ()) -> dict[str, Sequence[Any]]:
+    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file)
@@ -35,28 +35,25 @@ def read_csv(path: Path) -> dict[str, Sequence[Any]]:
                 raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
         columns = [[row[place].strip() for _, row in rows] for place in range(len(names))]
         lines = [line for line, _ in rows]
-        found = [_numbers_or_texts(name, cells, lines) for name, cells in zip(names, columns, strict=True)]
+        found = {
+            name: cells if name in texts else _numbers(cells, lines)
+            for name, cells in zip(names, columns, strict=True)
+        }
     except (OSError, ValueError) as error:
         raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error
     if twice := {name for name in names if names.count(name) > 1}:
         raise StudyError(f"plan: {path} has two columns {', '.join(twice)}: allowed is one")
-    return dict(zip(names, found, strict=True))
+    return found
 
 
-def _numbers_or_texts(name: str, cells: Sequence[str], lines: Sequence[int]) -> list[float] | list[str]:
-    numbers = [_number(cell) for cell in cells]
-    if any(number is not None for number in numbers):
-        for line, cell, number in zip(lines, cells, numbers, strict=True):
-            if number is None:
-                raise ValueError(f"line {line}: could not convert string to float: {cell!r} in column {name}")
-    return list(cells) if cells and numbers[0] is None else [n for n in numbers if n is not None]
-
-
-def _number(cell: str) -> float | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return None
+def _numbers(cells: Sequence[str], lines: Sequence[int]) -> list[float]:
+    found = []
+    for line, cell in zip(lines, cells, strict=True):
+        try:
+            found.append(float(cell))
+        except ValueError as error:
+            raise ValueError(f"line {line}: {error}") from error
+    return found
 
 
 def read_parquet(path: Path) -> dict[str, Sequence[Any]]:
