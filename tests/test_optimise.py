@@ -15,8 +15,8 @@ from dualcam.__main__ import main
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
 from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
-from dualcam.study.optimisation import Formula
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
+from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES
@@ -201,13 +201,13 @@ def test_deviations_are_those_of_the_distribution_and_common_to_all_designs():
         {"efficiency": "maximise"}, tolerances={"cam1.lead_angle": Deviation(0.02, "uniform")}, same_as={}
     )
     evaluator = Evaluator(one)
-    made = evaluator._made(np.array([[0.5, 0.6], [0.8, 0.9]]))
+    made = evaluator.made(np.array([[0.5, 0.6], [0.8, 0.9]]))
     evaluator.close()
     moved = made[:, 1:, 0] - made[:, :1, 0]
     assert np.allclose(moved[0], moved[1], atol=1e-15)
     strata = np.floor(uniform(-0.02, 0.04).cdf(moved[0]) * one.samples)
     assert sorted(strata) == list(range(one.samples))  # a Latin hypercube
-    assert np.array_equal(made[:, :, 1], np.broadcast_to([[0.6], [0.9]], made.shape[:2]))
+    assert np.allclose(made[:, :, 1], np.broadcast_to([[0.84], [1.11]], made.shape[:2]))
 
 
 def test_robust_optimum_keeps_a_distance_from_the_limit():
@@ -324,7 +324,7 @@ def test_all_mistakes_at_once():
         "constraint torque_load from 2 to 1: the first must not be above the second",
         "efficiency = 'more': allowed are minimise, maximise",
         "is no formula",
-        "start: cam2.radius does not vary",
+        "start: cam2.radius is not designed",
         "tolerances: cam1.friction: plus_minus = -1",
     )
     with refused(*mistakes):
@@ -338,7 +338,7 @@ def test_all_mistakes_at_once():
             start={"cam2.radius": 0.02},
             tolerances={"cam1.friction": Deviation(-1.0)},
         )
-    with refused("there is no objective", "nothing varies"):
+    with refused("there is no objective", "nothing is designed"):
         task({}, {})
 
 
@@ -395,20 +395,20 @@ def test_pymoo_is_named_where_it_lacks(monkeypatch):
         optimise(Optimisation(schaffer, {"x": Vary(0.0, 1.0)}, {"f1": "minimise", "f2": "minimise"}))
 
 
-@pytest.mark.parametrize("text", ["", "1 +", "a b", "f(x)", "__import__('os')", "x.y()", "x = 1", "[1]"])
+@pytest.mark.parametrize("text", ["", "1 +", "a b", "f x", "x = 1"])
 def test_no_formulas(text):
     with refused("no formula"):
-        Formula(text)
+        result_formula(text)
 
 
 def test_formula_has_the_fields_names_and_rules():
-    heat = Formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
+    heat = result_formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
     assert heat.names == ("energy.heat_cam1@0.5", "theta@1e-3", "der(h) x")
     values = {
         name: np.array(numbers)
         for name, numbers in zip(heat.names, ([1.0, 3.0], [9.0, 0.0], [0.0, 4.0]), strict=True)
     }
-    assert heat.value(values).tolist() == [2.0 - 9.0, 18.0 - 4.0]
+    assert heat(values).tolist() == [2.0 - 9.0, 18.0 - 4.0]
 
 
 # ---- files ----
@@ -457,7 +457,7 @@ def test_a_plan_by_the_command_line(tmp_path, capsys):
     assert main(["check", str(folder / "best.toml")]) == 0
     rows = (folder / "designs.csv").read_text().splitlines()
     facts = json.loads((folder / "optimisation.json").read_text())
-    assert rows[0].startswith("cam1.lead_angle,torque_load,efficiency,torque_release")
+    assert rows[0].startswith("cam1.lead_angle,cam2.lead_angle,torque_load,efficiency,torque_release")
     assert facts["task"]["method"] == "slsqp" and "scipy" in facts["versions"]
 
 
@@ -483,10 +483,12 @@ samples = 16
     )
     one = read_optimisation(path)
     assert one.method_used == "nsga2"
-    assert one.start == {"cam1.lead_angle": pytest.approx(math.radians(40.0))}
     assert one.tolerances["cam1.lead_angle"].plus_minus == pytest.approx(math.radians(1.0))
     assert one.constraints == {"torque_load": (None, 0.9)}
-    assert one.model.parameters == {"cam1.friction": 0.1}
+    evaluator = Evaluator(one)
+    begins = evaluator.design(evaluator.start())
+    evaluator.close()
+    assert begins["cam1.lead_angle"] == pytest.approx(math.radians(40.0))
 
 
 def test_a_plan_with_mistakes(tmp_path, capsys):

@@ -16,10 +16,9 @@ percentile. The search (`gradient`, `evolution`, `genetic`) asks for batches of 
 keeps them.
 """
 
-from dualcam.study.optimisation.formula import Formula
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation
 
-__all__ = ["Deviation", "FmuRuns", "Formula", "Optimisation", "Optimum", "optimise", "read_optimisation"]
+__all__ = ["Deviation", "FmuRuns", "Optimisation", "Optimum", "optimise", "read_optimisation"]

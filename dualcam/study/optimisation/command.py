@@ -52,7 +52,10 @@ def summary(found: Optimum) -> list[str]:
     lines = [
         f"{text} = {value:.6g} ({found.task.objectives[text]})" for text, value in found.objectives.items()
     ]
-    lines += [f"  {name} = {value:.6g}" for name, value in found.design.items()]
+    lines += [
+        f"  {name} = {value}" if isinstance(value, str) else f"  {name} = {value:.6g}"
+        for name, value in found.design.items()
+    ]
     lines += [f"  active: {text}" for text in found.active]
     count = f"{found.evaluated:,} designs evaluated, {found.infeasible:,} of them infeasible"
     if found.failed:
@@ -88,8 +91,7 @@ def _write_designs(found: Optimum, folder: Path, title: str) -> None:
         return
     (folder / FRONT_DESIGNS).mkdir(exist_ok=True)
     for k in shown(found):
-        design = {name: float(found.front[name][k]) for name in found.task.vary}
-        design |= {name: design[other] for name, other in found.task.same_as.items()}
+        design = {name: found.front[name].tolist()[k] for name in found.design}
         words = ", ".join(f"{text} = {found.front[text][k]:.6g}" for text in found.task.objectives)
         path = folder / FRONT_DESIGNS / f"design_{k + 1:04d}.toml"
         write_design(path, found.task, design, f"Design {k + 1} of the front of {title}: {words}")

@@ -6,8 +6,11 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from dualcam.model_description import Scalar
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
+from dualcam.study.sampling.formula import formula
 from dualcam.study.scenario import History, Scenario
 
 PROFILES = {1: "helix", 2: "ellipse", 3: "table"}
@@ -20,10 +23,14 @@ def fits_design_file(task: Optimisation) -> bool:
     from dualcam.variables import all_inputs, all_parameters
 
     known = {**all_parameters(), **all_inputs()}
-    return all(name in known for name in [*task.vary, *task.same_as, *task.model.parameters])
+    used = {*task.model.scenario.names}  # serve the scenario or other values
+    for text in [*task.model.derived.values(), *task.model.conditions.values()]:
+        used |= set(formula(text).names)
+    names = [*task.designed, *task.same_as, *task.model.derived, *task.model.parameters]
+    return all(name in known or name in used for name in names)
 
 
-def design_text(task: Optimisation, design: Mapping[str, float], head: str) -> str:
+def design_text(task: Optimisation, design: Design, head: str) -> str:
     """A design file: fixed values, this design's values, and the scenario where a design file can have it."""
     from dualcam.variables import all_inputs, all_parameters
 
@@ -42,8 +49,15 @@ def design_text(task: Optimisation, design: Mapping[str, float], head: str) -> s
     for group in sorted(groups):  # keys without a table first
         lines += ["", *([f"[{group}]"] if group else []), *groups[group]]
     held = {name: float(value) for name, value in values.items() if name in all_inputs()}
-    lines += _scenario_lines(task.model.scenario, held)
+    lines += _scenario_lines(_numbers(task, design), held)
     return "\n".join(lines) + "\n"
+
+
+def _numbers(task: Optimisation, design: Design) -> Scenario:
+    """The scenario of this design; what happens by chance has its median."""
+    assert isinstance(task.model, FmuRuns)
+    chance = {name: float(vary.at(np.array([0.5]))[0]) for name, vary in task.chance.items()}
+    return task.model.scenario.at({**chance, **design})
 
 
 def _literal(name: str, value: Scalar) -> str:
@@ -79,7 +93,7 @@ def _history(history: History) -> str:
     return f"{{time = {time}, value = {value}{shape}}}"
 
 
-def write_design(path: Path, task: Optimisation, design: Mapping[str, float], head: str) -> Path:
+def write_design(path: Path, task: Optimisation, design: Design, head: str) -> Path:
     """Write it, and give its path."""
     path.write_text(design_text(task, design, head), encoding="utf-8")
     return path

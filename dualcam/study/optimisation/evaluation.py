@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dualcam.reals import Array
-from dualcam.study.optimisation.models import Model, nominal_values, open_model
-from dualcam.study.optimisation.task import Optimisation, share_of
+from dualcam.study.optimisation.models import Model, open_model, own_values, plan_of
+from dualcam.study.optimisation.task import Design, Optimisation, choices, share_of
+from dualcam.study.plan import Plan
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 RUNS_AT_ONCE = 100_000  # so that memory does not grow with designs times samples
 
@@ -22,7 +27,7 @@ class Batch:
     Attributes
     ----------
     shares
-        Designs, as shares of the bounds, shape (designs, varied).
+        Designs, as shares of the bounds, shape (designs, designed values).
     results
         Results of the parts exactly as designed, shape (designs, results).
     objectives, constraints
@@ -40,16 +45,13 @@ class Batch:
 
 
 class Evaluator:
-    """Evaluates designs of a task. Values of a design do not depend on what is evaluated with it."""
+    """Evaluates designs of a task."""
 
-    def __init__(self, task: Optimisation, workers: int = 0) -> None:
+    def __init__(self, task: Optimisation, workers: int = 0, scheduler: str | Client | None = None) -> None:
         self.task = task
-        nominal = nominal_values(task)
-        self._extra = [name for name in task.tolerances if name not in task.vary]
-        self.names = [*task.vary, *task.same_as, *self._extra]
-        self._fixed = [nominal.get(name, math.nan) for name in self._extra]
-        self._deviations = _deviations(task)
-        self._model: Model = open_model(task, self.names, workers)
+        self.plan = plan_of(task)
+        self._deviations, self._chance = _parts(task, self.plan)
+        self._model: Model = open_model(task, self.plan, workers, scheduler)
         self.limits = [
             (text, sign, limit)
             for text, (least, most) in task.constraints.items()
@@ -60,26 +62,57 @@ class Evaluator:
     def close(self) -> None:
         self._model.close()
 
-    def values(self, shares: Array) -> Array:
-        """Values of designs, columns in the order of `vary`."""
-        columns = [vary.at(share) for vary, share in zip(self.task.vary.values(), shares.T, strict=True)]
-        return np.column_stack(columns)
-
     def start(self) -> Array:
         """Shares of the design with which the search begins."""
-        own = nominal_values(self.task)
-        found = np.full(len(self.task.vary), 0.5)
-        for place, (name, vary) in enumerate(self.task.vary.items()):
-            low, high = vary.limits()
-            value = self.task.start.get(name, own.get(name, math.nan))
-            if len(vary.values) > 0 and value not in list(vary.values):
-                continue
-            if low <= value <= high:
+        values: dict[str, float | str] = {**own_values(self.task), **self.task.start}
+        found = np.full(len(self.task.designed), 0.5)
+        for place, (name, vary) in enumerate(self.task.designed.items()):
+            value = values.get(name, math.nan)
+            if vary.is_list:
+                found[place] = share_of(vary, value) if value in choices(vary) else 0.5
+            elif vary.low <= float(value) <= vary.high:
                 found[place] = share_of(vary, value)
         return found
 
+    # ---- values ----
+
+    def rows(self, shares: Array) -> Array:
+        """Values of the parts exactly as designed, columns in the order of the plan's names."""
+        return self.plan.completed(self._designed(shares))
+
+    def design(self, shares: Array) -> Design:
+        """Values of one design by name, without those that only happen."""
+        row = dict(zip(self.plan.names, self.rows(shares[None, :])[0].tolist(), strict=True))
+        found: Design = {name: row[name] for name in self.chosen}
+        return found | {name: texts[round(row[name])] for name, texts in self.plan.texts.items()}
+
+    @property
+    def chosen(self) -> list[str]:
+        """Names of what a design says, and of what follows from that."""
+        happens = {name for name in self.plan.vary if name not in self.task.designed}
+        happens |= {name for name, other in self.task.same_as.items() if other in happens}
+        return [name for name in self.plan.names if name not in happens]
+
+    def _designed(self, shares: Array) -> Array:
+        """Columns in the order of the plan's `vary`: what happens has its median."""
+        columns = [vary.at(share) for vary, share in zip(self.task.designed.values(), shares.T, strict=True)]
+        middle = np.full(len(shares), 0.5)
+        others = [vary.at(middle) for name, vary in self.plan.vary.items() if name not in self.task.designed]
+        return np.column_stack([*columns, *others])
+
+    def made(self, shares: Array) -> Array:
+        """The parts as designed, then as made, shape (designs, 1 + samples, names)."""
+        designed = self._designed(shares)
+        parts = np.repeat(designed[:, None, :], 1 + len(self._deviations), axis=1)
+        if len(self._deviations):
+            parts[:, 1:] = np.where(self._chance, 0.0, parts[:, 1:]) + self._deviations
+        count, copies, width = parts.shape
+        return self.plan.completed(parts.reshape(count * copies, width)).reshape(count, copies, -1)
+
+    # ---- evaluation ----
+
     def evaluate(self, shares: Array) -> Batch:
-        """Objectives and constraints of designs, shape (designs, varied)."""
+        """Objectives and constraints of designs, shape (designs, designed values)."""
         size = max(1, RUNS_AT_ONCE // (1 + len(self._deviations)))
         parts = [self._evaluate(shares[k : k + size]) for k in range(0, len(shares), size)]
         messages = {
@@ -92,59 +125,45 @@ class Evaluator:
         return Batch(shares, results, objectives, constraints, messages)
 
     def _evaluate(self, shares: Array) -> Batch:
-        count, copies = len(shares), 1 + len(self._deviations)
-        designed = self._all_columns(self.values(shares))
-        block = self._model.run(self._made(designed).reshape(count * copies, -1))
+        made = self.made(shares)
+        count, copies, width = made.shape
+        block = self._model(made.reshape(count * copies, width))
         results = block.values.reshape(count, copies, -1)
-        known = self._known(self._made(designed), results)
-        formulas = self.task.formulas
-        with_sign = [(text, 1.0 if way == "minimise" else -1.0) for text, way in self.task.objectives.items()]
+        known = {name: made[:, :, k] for k, name in enumerate(self.plan.names)}
+        known |= {name: results[:, :, k] for k, name in enumerate(self.task.read)}
+        ways = self.task.objectives.items()
         objectives = np.column_stack(
-            [self._value(formulas[text].value(known), sign) for text, sign in with_sign]
+            [self._value(text, known, 1.0 if way == "minimise" else -1.0) for text, way in ways]
         )
         constraints = np.empty((count, len(self.limits)))
         for place, (text, sign, _) in enumerate(self.limits):
-            constraints[:, place] = self._value(formulas[text].value(known), sign)
-        messages = self._messages(block.messages, copies, objectives, constraints)
+            constraints[:, place] = self._value(text, known, sign)
+        messages = _messages(block.messages, copies, objectives, constraints)
         for place in messages:
             objectives[place] = constraints[place] = math.nan
         return Batch(shares, results[:, 0], objectives, constraints, messages)
 
-    def _all_columns(self, values: Array) -> Array:
-        place = {name: k for k, name in enumerate(self.task.vary)}
-        same = [values[:, place[other]] for other in self.task.same_as.values()]
-        extra = [np.full(len(values), value) for value in self._fixed]
-        return np.column_stack([values, *same, *extra]) if same or extra else values
-
-    def _made(self, designed: Array) -> Array:
-        """The parts as designed, then as made, shape (designs, 1 + samples, names)."""
-        made = np.repeat(designed[:, None, :], 1 + len(self._deviations), axis=1)
-        if len(self._deviations):
-            made[:, 1:] += self._deviations
-        return made
-
-    def _known(self, made: Array, results: Array) -> Mapping[str, Array]:
-        values = {name: made[:, :, k] for k, name in enumerate(self.names)}
-        return values | {name: results[:, :, k] for k, name in enumerate(self.task.read)}
-
-    def _value(self, values: Array, sign: float) -> Array:
-        """Of shape (designs, 1 + samples) the value of each design; `sign` 1: less is better."""
-        if values.shape[1] == 1:
+    def _value(self, text: str, known: Mapping[str, Array], sign: float) -> Array:
+        """The formula's value of each design; `sign` 1: less is better."""
+        shape = next(iter(known.values())).shape
+        values = np.broadcast_to(np.asarray(self.task.formulas[text](known), float), shape)
+        if shape[1] == 1:
             return values[:, 0]
         return sign * percentile(sign * values[:, 1:], self.task.percentile)
 
-    def _messages(
-        self, of_runs: Mapping[int, str], copies: int, objectives: Array, constraints: Array
-    ) -> dict[int, str]:
-        """Why designs failed, by their place."""
-        unfit = ~np.all(np.isfinite(np.column_stack([objectives, constraints])), axis=1)
-        first: dict[int, str] = {}
-        for run, text in of_runs.items():
-            first.setdefault(run // copies, text)
-        found = {}
-        for place in map(int, np.flatnonzero(unfit)):
-            found[place] = first.get(place, "an objective or a constraint has no finite value")
-        return found
+
+def _messages(
+    of_runs: Mapping[int, str], copies: int, objectives: Array, constraints: Array
+) -> dict[int, str]:
+    """Why designs failed, by their place."""
+    unfit = ~np.all(np.isfinite(np.column_stack([objectives, constraints])), axis=1)
+    first: dict[int, str] = {}
+    for run, text in of_runs.items():
+        first.setdefault(run // copies, text)
+    return {
+        place: first.get(place, "an objective or a constraint has no finite value")
+        for place in map(int, np.flatnonzero(unfit))
+    }
 
 
 def percentile(values: Array, level: float) -> Array:
@@ -157,14 +176,20 @@ def percentile(values: Array, level: float) -> Array:
     return np.where(low == high, low, between)
 
 
-def _deviations(task: Optimisation) -> Array:
-    """Common random numbers: the same deviations for every design, shape (samples, names)."""
-    if not task.tolerances:
-        return np.empty((0, 0))
-    from scipy.stats import qmc
-
-    shares = qmc.LatinHypercube(len(task.tolerances), rng=task.seed).random(task.samples)
-    of = {name: deviation.at(shares[:, k]) for k, (name, deviation) in enumerate(task.tolerances.items())}
-    extra = [name for name in task.tolerances if name not in task.vary]
-    sources = [*task.vary, *task.same_as.values(), *extra]
-    return np.column_stack([of.get(name, np.zeros(task.samples)) for name in sources])
+def _parts(task: Optimisation, plan: Plan) -> tuple[Array, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
+    """Common random numbers: what is added to each design, shape (samples, columns of the plan's `vary`), and
+    which columns have nothing but that."""
+    chance = np.array([name in task.chance for name in plan.vary])
+    if not task.is_robust:
+        return np.empty((0, len(plan.vary))), chance
+    spread = {name: each.distribution() for name, each in task.tolerances.items()}
+    drawn = Plan(
+        "latin",
+        {**task.chance, **spread},
+        runs=task.samples,
+        seed=task.seed,
+        correlations=task.correlations,
+    )
+    columns = dict(zip(drawn.names, drawn.rows(0, task.samples).T, strict=True))
+    nothing = np.zeros(task.samples)
+    return np.column_stack([columns.get(name, nothing) for name in plan.vary]), chance

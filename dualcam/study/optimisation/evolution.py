@@ -18,7 +18,7 @@ def run(search: Search) -> None:
     from scipy.optimize import NonlinearConstraint, differential_evolution
 
     task = search.task
-    smooth = all(len(vary.values) == 0 for vary in task.vary.values())
+    smooth = not any(vary.is_list for vary in task.designed.values())
     population = task.population_used
     share = 1.0 - POLISHED if smooth else 1.0
     generations = max(0, int(share * task.budget) // population - 1)
@@ -38,7 +38,7 @@ def run(search: Search) -> None:
 
     differential_evolution(
         losses,
-        [(0.0, 1.0)] * len(task.vary),
+        [(0.0, 1.0)] * len(task.designed),
         init=first,
         maxiter=generations,
         rng=np.random.default_rng(task.seed),
@@ -56,6 +56,6 @@ def first_designs(search: Search, population: int) -> Array:
     """The start, and a Latin hypercube."""
     from scipy.stats import qmc
 
-    random = qmc.LatinHypercube(len(search.task.vary), rng=search.task.seed).random(population)
+    random = qmc.LatinHypercube(len(search.task.designed), rng=search.task.seed).random(population)
     random[0] = search.evaluator.start()
     return random

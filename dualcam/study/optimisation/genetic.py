@@ -28,7 +28,7 @@ def run(search: Search) -> None:
     size = task.population_used
     algorithm = nsga2(pop_size=size, sampling=first_designs(search, size))
     problem = problem_of(
-        n_var=len(task.vary),
+        n_var=len(task.designed),
         n_obj=len(task.objectives),
         n_ieq_constr=len(search.evaluator.limits) + 1,
         xl=0.0,

@@ -27,7 +27,7 @@ def run(search: Search) -> None:
 
     task = search.task
     first = search.evaluator.start()[None, :]
-    others = qmc.LatinHypercube(len(task.vary), rng=task.seed).random(max(1, 4 * (task.starts - 1)))
+    others = qmc.LatinHypercube(len(task.designed), rng=task.seed).random(max(1, 4 * (task.starts - 1)))
     starts = np.concatenate([first, others]) if task.starts > 1 else first
     scores = search.scores(starts)
     ranks = [

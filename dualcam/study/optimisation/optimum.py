@@ -11,7 +11,7 @@ import numpy as np
 from dualcam.reals import Array
 
 if TYPE_CHECKING:
-    from dualcam.study.optimisation.task import Optimisation
+    from dualcam.study.optimisation.task import Design, Optimisation
 
 ACTIVE = 1e-3  # a bound or a limit that is nearer than this share of the range or of the limit is active
 
@@ -56,14 +56,14 @@ class Optimum:
     """
 
     task: Optimisation
-    design: dict[str, float]
+    design: Design
     results: dict[str, float]
     objectives: dict[str, float]
     constraints: dict[str, float]
     feasible: bool
     active: list[str]
     violated: list[str]
-    front: dict[str, Array]
+    front: dict[str, Any]
     designs: dict[str, Any]
     history: Array
     evaluated: int

@@ -16,7 +16,7 @@ from dualcam.model_description import read_model_description
 from dualcam.report_inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
-from dualcam.study.optimisation.task import FmuRuns, share_of
+from dualcam.study.optimisation.task import FmuRuns, bounds_words, share_of
 from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
@@ -72,12 +72,12 @@ def _numbers(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f'<div class="numbers">{table(heads, rows)}</div>\n'
 
 
-def _number(value: float) -> str:
-    return f"{value:.{DIGITS}g}"
+def _number(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.{DIGITS}g}"
 
 
-def _usual(value: float, unit: str) -> str:
-    if unit not in USUAL:
+def _usual(value: float | str, unit: str) -> str:
+    if unit not in USUAL or isinstance(value, str):
         return ""
     name, factor = USUAL[unit]
     return f"{value * factor:.{DIGITS}g} {name}"
@@ -85,7 +85,7 @@ def _usual(value: float, unit: str) -> str:
 
 def _kind(found: Optimum) -> str:
     """What a value of an objective or constraint is where parts differ."""
-    return f", for {found.task.percentile:g} % of the parts" if found.task.tolerances else ""
+    return f", for {found.task.percentile:g} % of the parts" if found.task.is_robust else ""
 
 
 def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
@@ -124,12 +124,14 @@ def _design(found: Optimum, units: Mapping[str, str]) -> str:
     return "<h2>Design</h2>\n" + _numbers(("value", "SI", "usual unit", "bounds"), rows) + held + none
 
 
-def _bounds(found: Optimum, name: str, value: float) -> str:
+def _bounds(found: Optimum, name: str, value: float | str) -> str:
     if name in found.task.same_as:
         return f"same as {found.task.same_as[name]}"
-    vary = found.task.vary[name]
-    if len(vary.values) > 0:
-        return "one of " + ", ".join(map(_number, vary.values))
+    if name not in found.task.designed:
+        return "follows from others"
+    vary = found.task.designed[name]
+    if vary.is_list:
+        return bounds_words(vary)
     low, high = vary.limits()
     share = share_of(vary, value)
     words = (
@@ -155,12 +157,12 @@ def _results(found: Optimum, units: Mapping[str, str]) -> str:
     for name, value in found.results.items():
         unit = _unit(name, units)
         rows.append((name, f"{_number(value)} {unit}".strip(), _usual(value, unit)))
-    exact = "<p>Of a part that is exactly as designed.</p>\n" if found.task.tolerances else ""
+    exact = "<p>Of a part that is exactly as designed.</p>\n" if found.task.is_robust else ""
     return "<h2>Results of this design</h2>\n" + exact + _numbers(("result", "SI", "usual unit"), rows)
 
 
 def _front(found: Optimum, units: Mapping[str, str]) -> str:
-    texts = [*found.task.objectives, *found.task.vary]
+    texts = [*found.task.objectives, *found.task.designed]
     count = len(found.front[texts[0]])
     chosen = shown(found)
     rows = [(str(k + 1), *(_number(found.front[text][k]) for text in texts)) for k in chosen]
@@ -245,13 +247,14 @@ def _search(found: Optimum) -> str:
         ("designs that failed", f"{found.failed:,}"),
         ("seed", str(task.seed)),
     ]
-    if task.tolerances:
+    if task.is_robust:
         parts = f"{task.samples} of each design, the same deviations for all designs"
         rows += [("parts as made", parts), ("percentile", f"{task.percentile:g} %")]
         rows += [
             (f"tolerance of {name}", f"+- {each.plus_minus:g}, {each.shape}")
             for name, each in task.tolerances.items()
         ]
+        rows += [(f"distribution of {name}", vary.distribution) for name, vary in task.chance.items()]
     reasons = sorted(found.messages.items(), key=lambda item: -item[1])[:3]
     rows += [(f"{count:,} failed designs", text) for text, count in reasons]
     return "<h2>Search</h2>\n" + table(("what", "value"), rows)

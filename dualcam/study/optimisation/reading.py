@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from dualcam.library import MODELS
 from dualcam.study import description
-from dualcam.study.entries import NUMBER, QUANTITY, TABLE, TEXT, WHOLE, entries
+from dualcam.study.entries import NUMBER, QUANTITY, TABLE, TEXT, WHOLE, Kind, entries
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
 from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
+from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import Units, fixed, number, units_of_fmu
 
 OPTIMISE = {
@@ -33,10 +33,12 @@ OPTIMISE = {
 NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
 CONSTRAINT = {"from": QUANTITY, "to": QUANTITY}
 TOLERANCE = {"plus_minus": QUANTITY, "shape": TEXT}
-FILE = {name: description.FILE[name] for name in ("fmu", "plan", "scenario", "results", "parameters")} | {
-    "optimise": TABLE
-}
-PLAN = {"vary": TABLE}
+FILE = {
+    name: description.FILE[name] for name in ("fmu", "plan", "scenario", "results", "parameters", "plots")
+} | {"optimise": TABLE}
+STUDY = {name: FILE[name] for name in ("plan", "results", "plots", "optimise")}
+ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
+T = TypeVar("T")
 
 
 def asks_for_optimum(path: Path) -> bool:
@@ -107,9 +109,15 @@ def _of_plan(content: Mapping[str, Any], folder: Path) -> Optimisation:
     table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "optimise"))
     fmu = table["fmu"] if table["fmu"] in MODELS else folder / table["fmu"]
     units = units_of_fmu(fmu)
-    parameters = fixed(table.get("parameters", {}), units)
-    model = FmuRuns(fmu, description._scenario(table["scenario"]), parameters)
-    return _task(model, table["plan"], table["optimise"], table.get("results", ()), folder, units)
+    pieces = _Pieces()
+    scenario = pieces.read(description._scenario, table["scenario"])
+    parameters = pieces.read(fixed, table.get("parameters", {}), units)
+    plan = pieces.read(_plan, table["plan"], folder, units)
+    goals = pieces.read(_goals, table["optimise"], units)
+    if scenario is not None and parameters is not None and plan is not None and goals is not None:
+        model = FmuRuns(fmu, scenario, parameters, plan.derived, plan.constraints)
+        return _task(model, plan, goals, table.get("results", ()))
+    raise pieces.error()
 
 
 def _of_design(path: Path) -> Optimisation:
@@ -120,67 +128,72 @@ def _of_design(path: Path) -> Optimisation:
         raise StudyError(
             "an optimisation needs a [scenario]: what is done in each run, for example stop = 1.0"
         )
-    study, units = design.study or {}, units_of_fmu(design.model)
-    plan = _plan(study["plan"], path.parent, units)
-    others = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
-    model = FmuRuns(design.model, design.scenario, others)
-    start = {name: value for name, value in design.parameters_for().items() if name in plan.vary}
-    return _task(
-        model,
-        study["plan"],
-        study["optimise"],
-        study.get("results", ()),
-        path.parent,
-        units,
-        start,
-    )
+    study = entries(design.study, "study", STUDY, ("plan", "optimise"))
+    units, pieces = units_of_fmu(design.model), _Pieces()
+    plan = pieces.read(_plan, study["plan"], path.parent, units)
+    goals = pieces.read(_goals, study["optimise"], units)
+    if plan is not None and goals is not None:
+        parameters = design.parameters_for()
+        model = FmuRuns(design.model, design.scenario, parameters, plan.derived, plan.constraints)
+        return _task(model, plan, goals, study.get("results", ()))
+    raise pieces.error()
+
+
+class _Pieces:
+    """Parts of a file that are read one by one, so that all mistakes are told at once."""
+
+    def __init__(self) -> None:
+        self._problems: list[str] = []
+
+    def read(self, function: Callable[..., T], *arguments: object) -> T | None:
+        """What the function gives; None if the part has mistakes."""
+        try:
+            return function(*arguments)
+        except StudyError as error:
+            self._problems += error.problems
+            return None
+
+    def error(self) -> StudyError:
+        """All mistakes so far."""
+        try:
+            refuse(self._problems)
+        except StudyError as error:
+            return error
+        raise AssertionError("no part was refused")
 
 
 def _plan(content: Mapping[str, Any], folder: Path, units: Units) -> Plan:
-    table = entries(content, "plan", PLAN, ("vary",))
-    return description.read_plan({"kind": "latin", "runs": 1, "vary": table["vary"]}, folder, units)
+    """What varies. A plan of another kind will do: how its runs are arranged does not matter here."""
+    table = {name: value for name, value in content.items() if name not in ARRANGEMENT}
+    if "table" in table:
+        raise StudyError("a plan of a table has no bounds: an optimisation needs plan.vary")
+    return description.read_plan(table | {"kind": "latin", "runs": 1}, folder, units)
 
 
-def _task(
-    model: FmuRuns,
-    plan_table: Mapping[str, Any],
-    content: Mapping[str, Any],
-    results: Any,  # noqa: ANN401
-    folder: Path,
-    units: Units,
-    own: Mapping[str, Any] | None = None,
-) -> Optimisation:
-    plan = _plan(plan_table, folder, units)
+def _goals(content: Mapping[str, Any], units: Units) -> dict[str, Any]:
+    """Arguments of Optimisation."""
     table = entries(content, "optimise", OPTIMISE)
-    start = {
-        name: number(f"optimise: start: {name}", name, value, units)
-        for name, value in entries_of(table, "start", QUANTITY).items()
-    }
-    inside = {
-        name: float(value)
-        for name, value in (own or {}).items()
-        if plan.vary[name].limits()[0] <= float(value) <= plan.vary[name].limits()[1]
-    }
+    pieces = _Pieces()
+    found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
+    found["objectives"] = pieces.read(_free, table, "objectives", TEXT)
+    for part, (kind, read) in PARTS.items():
+        given = pieces.read(_free, table, part, kind)
+        found[part] = {name: pieces.read(read, name, value, units) for name, value in (given or {}).items()}
+    if pieces._problems:
+        raise pieces.error()
+    return found
+
+
+def _task(model: FmuRuns, plan: Plan, goals: Mapping[str, Any], results: Any) -> Optimisation:  # noqa: ANN401
     return Optimisation(
-        model,
-        plan.vary,
-        entries_of(table, "objectives", TEXT),
-        {text: _range(text, each, units) for text, each in entries_of(table, "constraints", TABLE).items()},
-        start=inside | start,
-        tolerances={
-            name: _deviation(name, each, units)
-            for name, each in entries_of(table, "tolerances", TABLE).items()
-        },
-        same_as=plan.same_as,
-        results=results,
-        **{name: table[name] for name in NUMBERS if name in table},
+        model, plan.vary, same_as=plan.same_as, correlations=plan.correlations, results=results, **goals
     )
 
 
-def entries_of(table: Mapping[str, Any], name: str, kind: Any) -> dict[str, Any]:  # noqa: ANN401
+def _free(table: Mapping[str, Any], part: str, kind: Kind) -> dict[str, Any]:
     """A table whose keys are free and whose values are of one kind."""
-    found = table.get(name, {})
-    return dict(entries(found, f"optimise: {name}", dict.fromkeys(found, kind)))
+    found = table.get(part, {})
+    return dict(entries(found, f"optimise: {part}", dict.fromkeys(found, kind)))
 
 
 def _range(text: str, content: Mapping[str, Any], units: Units) -> Range:
@@ -198,3 +211,16 @@ def _deviation(name: str, content: Mapping[str, Any], units: Units) -> Deviation
     table = entries(content, where, TOLERANCE, ("plus_minus",))
     half = number(f"{where}: plus_minus", name, table["plus_minus"], units)
     return Deviation(half, table.get("shape", "normal"))
+
+
+def _start(name: str, value: float | str, units: Units) -> float | str:
+    if units().get(name) is None:  # a text to choose from, or a whole number
+        return value
+    return number(f"optimise: start: {name}", name, value, units)
+
+
+PARTS: dict[str, tuple[Kind, Callable[..., Any]]] = {
+    "constraints": (TABLE, _range),
+    "tolerances": (TABLE, _deviation),
+    "start": (QUANTITY, _start),
+}

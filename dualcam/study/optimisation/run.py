@@ -7,9 +7,8 @@ import importlib.metadata
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +23,16 @@ from dualcam.study.optimisation.evaluation import Evaluator
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.task import FmuRuns, Optimisation
+from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
 from dualcam.study.problem import StudyError
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 RUNS = {"slsqp": gradient.run, "evolution": evolution.run, "nsga2": genetic.run}
 CHECKS = 40  # of the front's hypervolume over the search
+NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
+STATE = ("feasible", "message")  # of a design, beside its values
 BEYOND = 1.01  # reference point of the hypervolume, in extents of the front from its best corner
 PACKAGES = {
     "slsqp": ("numpy", "scipy"),
@@ -41,6 +45,7 @@ def optimise(
     task: Optimisation,
     folder: str | Path | None = None,
     workers: int = 0,
+    scheduler: str | Client | None = None,
     console: Console | None = None,
 ) -> Optimum:
     """Search for the best design.
@@ -53,8 +58,9 @@ def optimise(
         Folder of the results. A search that was interrupted continues there: no design is evaluated twice,
         and the end is that of an uninterrupted search, bit for bit.
     workers : int
-        Processes that share the designs of a batch, of a function as the model. 0: all in this process.
-        Values do not depend on `workers`.
+        Processes that share the runs of a batch. 0: all in this process. Values do not depend on `workers`.
+    scheduler : str or distributed.Client, optional
+        Dask workers are used instead, for runs of an FMU: address of the scheduler, or a client.
     console : rich.console.Console, optional
         Shows the progress.
 
@@ -82,7 +88,7 @@ def optimise(
     if task.method_used == "nsga2":
         genetic.load()
     place = None if folder is None else Path(folder)
-    with closing(Evaluator(task, workers)) as evaluator:
+    with closing(Evaluator(task, workers, scheduler)) as evaluator:
         record = Record(place, facts(task), _versions(task))
         with _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)
@@ -93,18 +99,28 @@ def optimise(
 
 def facts(task: Optimisation) -> dict[str, Any]:
     """What makes two searches the same, plain data."""
-    found = asdict(task)
     model = task.model
+    described: dict[str, Any] | str
     if isinstance(model, FmuRuns):
-        found["model"]["fmu"] = hashlib.sha256(source_path(model.fmu).read_bytes()).hexdigest()
-        if control := model.scenario.controller:
-            law = control.create_law
-            found["model"]["scenario"]["controller"]["create_law"] = f"{law.__module__}.{law.__qualname__}"
+        described = {
+            "fmu": hashlib.sha256(source_path(model.fmu).read_bytes()).hexdigest(),
+            "scenario": model.scenario.facts(),
+            "parameters": dict(model.parameters),
+            "derived": dict(model.derived),
+            "conditions": dict(model.conditions),
+        }
     else:
-        found["model"] = f"{model.__module__}.{getattr(model, '__qualname__', type(model).__qualname__)}"
-    for vary in found["vary"].values():
-        vary["values"] = [float(value) for value in vary["values"]]
-    return found
+        described = f"{model.__module__}.{getattr(model, '__qualname__', type(model).__qualname__)}"
+    return {
+        "model": described,
+        "vary": {name: vary.facts() for name, vary in task.vary.items()},
+        "constraints": {text: list(limits) for text, limits in task.constraints.items()},
+        "tolerances": {name: [each.plus_minus, each.shape] for name, each in task.tolerances.items()},
+        "correlations": [[each.first, each.second, each.value, each.kind] for each in task.correlations],
+        "results": list(task.results),
+        **{name: dict(getattr(task, name)) for name in ("objectives", "start", "same_as")},
+        **{name: getattr(task, name) for name in NUMBERS},
+    }
 
 
 def _versions(task: Optimisation) -> dict[str, str]:
@@ -127,22 +143,19 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
     if len(task.objectives) == 1:
         places = np.array([search.best])
     best = int(places[_nearest(losses[places])])
-    values = evaluator.values(shares)
-    front = {name: values[places, k] for k, name in enumerate(task.vary)}
-    front |= {name: results[places, k] for k, name in enumerate(task.read)}
-    front |= {text: objectives[places, k] for k, text in enumerate(task.objectives)}
-    design = dict(zip(task.vary, values[best].tolist(), strict=True))
+    design = evaluator.design(shares[best])
+    designs = _designs(search, shares, results, objectives)
     return Optimum(
         task=task,
-        design=design | {name: design[other] for name, other in task.same_as.items()},
+        design=design,
         results=dict(zip(task.read, results[best].tolist(), strict=True)),
         objectives=dict(zip(task.objectives, objectives[best].tolist(), strict=True)),
         constraints=_nearer(search, constraints[best], search.excess[best]),
         feasible=len(fit) > 0,
         active=[*_active_bounds(task, shares[best], design), *_active_limits(search, best)],
         violated=_violated(search, constraints[best], search.excess[best]),
-        front=front,
-        designs=_designs(search, values, results, objectives),
+        front={name: column[places] for name, column in designs.items() if name not in STATE},
+        designs=designs,
         history=_history(search, losses, fit),
         evaluated=search.count,
         infeasible=search.count - len(fit),
@@ -170,15 +183,18 @@ def _history(search: Search, losses: Array, fit: NDArray[np.intp]) -> Array:
     return np.column_stack([counts, np.array(volumes) / volumes[-1]])
 
 
-def _designs(search: Search, values: Array, results: Array, objectives: Array) -> dict[str, Any]:
+def _designs(search: Search, shares: Array, results: Array, objectives: Array) -> dict[str, Any]:
     """All designs, as columns."""
-    task = search.task
-    columns: dict[str, Any] = {name: values[:, k] for k, name in enumerate(task.vary)}
+    task, plan = search.task, search.evaluator.plan
+    rows = search.evaluator.rows(shares)
+    columns: dict[str, Any] = {name: rows[:, plan.names.index(name)] for name in search.evaluator.chosen}
+    for name, texts in plan.texts.items():
+        columns[name] = np.array([texts[int(place)] for place in columns[name]], dtype=object)
     columns |= {name: results[:, k] for k, name in enumerate(task.read)}
     columns |= {text: objectives[:, k] for k, text in enumerate(task.objectives)}
-    columns["feasible"] = np.array([int(search.feasible(place)) for place in range(search.count)])
-    texts = (batch.messages.get(k, "") for batch in search.batches for k in range(len(batch.shares)))
-    return columns | {"message": np.array(list(texts), dtype=object)}
+    columns[STATE[0]] = np.array([int(search.feasible(place)) for place in range(search.count)])
+    messages = (batch.messages.get(k, "") for batch in search.batches for k in range(len(batch.shares)))
+    return columns | {STATE[1]: np.array(list(messages), dtype=object)}
 
 
 def _nearest(losses: Array) -> int:
@@ -197,10 +213,10 @@ def _nearer(search: Search, values: Array, excess: Array) -> dict[str, float]:
     return found
 
 
-def _active_bounds(task: Optimisation, shares: Array, design: dict[str, float]) -> list[str]:
+def _active_bounds(task: Optimisation, shares: Array, design: Design) -> list[str]:
     found = []
-    for share, (name, vary) in zip(shares, task.vary.items(), strict=True):
-        if len(vary.values) > 0:
+    for share, (name, vary) in zip(shares, task.designed.items(), strict=True):
+        if vary.is_list:
             continue
         for near, what in ((share < ACTIVE, "lower"), (share > 1.0 - ACTIVE, "upper")):
             if near:
