@@ -111,7 +111,7 @@ class _Reading:
             self._helical_spring(values["helical_spring"]) if "helical_spring" in values else None
         )
         limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
-        if "study" in values:
+        if "study" in values and "optimise" not in values["study"]:  # which is checked as it is read
             from dualcam.study.description import check_section
 
             self.attempt("study", lambda: check_section(values["study"], self.path.parent, scenario))

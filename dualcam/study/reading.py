@@ -14,7 +14,7 @@ from typing import Any
 from dualcam.errors import DualcamError
 from dualcam.study.entries import hint
 from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
+from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import STRING, Units, in_si, in_unit, number
 from dualcam.study.sampling import tables
 from dualcam.study.sampling.correlation import Correlation
@@ -50,7 +50,8 @@ class Reading:
     def note(self, problems: Iterable[str]) -> None:
         """Further problems, but for those that follow from a mistake that is known."""
         for text in problems:
-            if not any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", text) for name in self._refused):
+            told = re.split(r": did you mean|: allowed are", text)[0]
+            if not any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", told) for name in self._refused):
                 self.problems.append(text)
 
     def attempt(self, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
@@ -65,8 +66,15 @@ class Reading:
 
     # ---- the schema ----
 
-    def validated(self, model: Any, content: Mapping[str, Any], where: str) -> dict[str, Any]:  # noqa: ANN401
-        """The content without what the model refuses. `where` names the whole table."""
+    def validated(
+        self,
+        model: Any,  # noqa: ANN401
+        content: Mapping[str, Any],
+        where: str,
+        within: tuple[str, ...] = (),
+    ) -> dict[str, Any]:
+        """The content without what the model refuses. `where` names the whole table, `within` is its place in
+        the file."""
         from pydantic import ValidationError
 
         left = dict(content)
@@ -75,18 +83,20 @@ class Reading:
         except ValidationError as error:
             lacking: dict[tuple[int | str, ...], list[str]] = {}
             for problem in error.errors(include_url=False):
-                place = problem["loc"]
+                inner = problem["loc"]
+                place = (*within, *inner)
                 if place[0] == "plots" and len(place) > 1:
                     continue  # each kind of picture has keys of its own, which are checked later
                 if problem["type"] == "missing":
                     lacking.setdefault(place[:-1], []).append(str(place[-1]))
                     continue
-                self.problems.append(_words(problem, where, _fields(model, place[:-1])))
+                self.problems.append(_words(problem, place, where, _fields(model, inner[:-1])))
                 if place[:2] == ("plan", "vary") and len(place) > 2:
                     self._refused.add(str(place[2]))
-                left = _without(left, place)
-            for table, keys in lacking.items():
-                self.problems.append(f"{_where(table, where)} lacks {', '.join(sorted(keys))}")
+                left = _without(left, inner)
+            for place, keys in lacking.items():
+                table = place[len(within) :]
+                self.problems.append(f"{_where(place, where)} lacks {', '.join(sorted(keys))}")
                 left = _without(left, table) if table else left
         return left
 
@@ -206,9 +216,20 @@ class Reading:
             self.attempt(_time, f"scenario: {key}", content[key]) if key in content else None
             for key in ("stop", "step")
         )
-        if len(self.problems) > before:
+        sound = {name: history for name, history in histories.items() if history is not None}
+        tolerance = content.get("tolerance")
+        if len(self.problems) == before and stop is not None:
+            return self.attempt(Scenario, stop, sound, step, tolerance, control) or self._inputs_of(sound)
+        found = self.attempt(Scenario, 1.0 if stop is None else stop, sound, None, tolerance, control)
+        return found or self._inputs_of(sound)
+
+    @staticmethod
+    def _inputs_of(histories: Mapping[str, History]) -> Scenario | None:
+        """A scenario of the names of inputs, which can be checked further."""
+        try:
+            return Scenario(1.0, {name: History([0.0], [0.0]) for name in histories})
+        except StudyError:
             return None
-        return self.attempt(Scenario, stop, histories, step, content.get("tolerance"), control)
 
     def _history(self, name: str, content: Any, units: Units) -> History:  # noqa: ANN401
         where = f"scenario: {name}"
@@ -229,6 +250,28 @@ class Reading:
             if key in found:
                 found[key] = _number(f"{where}: {key}", found[key], own)
         return History(**found)
+
+
+def read_plan(content: Mapping[str, Any], folder: Path, units: Units) -> Plan:
+    """The plan of a table in a file of this folder. StudyError with all mistakes."""
+    from dualcam.study.schema import PLAN
+
+    reading = Reading(folder)
+    plan = reading.plan(reading.validated(PLAN, content, "plan", ("plan",)), units)
+    refuse(reading.problems)
+    assert plan is not None
+    return plan
+
+
+def read_scenario(content: Mapping[str, Any], folder: Path, units: Units) -> Scenario:
+    """The scenario of a table in a file of this folder. StudyError with all mistakes."""
+    from dualcam.study.schema import SCENARIO
+
+    reading = Reading(folder)
+    scenario = reading.scenario(reading.validated(SCENARIO, content, "scenario", ("scenario",)), units)
+    refuse(reading.problems)
+    assert scenario is not None
+    return scenario
 
 
 def _correlation(content: Mapping[str, Any]) -> Correlation:
@@ -299,8 +342,10 @@ def _where(place: tuple[int | str, ...], whole: str) -> str:
     return ": ".join(map(str, place))
 
 
-def _words(problem: Mapping[str, Any], whole: str, fields: Collection[str]) -> str:
-    place, value = problem["loc"], problem["input"]
+def _words(
+    problem: Mapping[str, Any], place: tuple[int | str, ...], whole: str, fields: Collection[str]
+) -> str:
+    value = problem["input"]
     where, key = _where(place[:-1], whole), place[-1]
     if problem["type"] == "extra_forbidden":
         return f"{where} has {key}{hint(str(key), fields)}"
