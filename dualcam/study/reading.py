@@ -19,6 +19,7 @@ from dualcam.study.quantities import STRING, Units, in_si, in_unit, number
 from dualcam.study.sampling import tables
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.formula import is_formula
+from dualcam.study.sampling.profiles import profiles_of_file
 from dualcam.study.sampling.texts import GivenTexts
 from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Controller, History, Scenario
@@ -44,6 +45,7 @@ class Reading:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._seed = 0  # of the plan
         self.problems: list[str] = []
         self._refused: set[str] = set()  # names with a mistake: what follows from it is no mistake of its own
 
@@ -111,6 +113,7 @@ class Reading:
             return self._plan_of_table(content, units)
         if "kind" not in content:
             self.note(["plan lacks kind"])
+        self._seed = content.get("seed", 0)
         same_as, vary = {}, {}
         for name, each in content.get("vary", {}).items():
             if "same_as" in each:
@@ -182,7 +185,7 @@ class Reading:
         if unit and name in units():
             raise StudyError(f"{where}: unit = {unit!r}: the FMU says the unit of {name}: leave unit out")
         if "table" in content:
-            return self._profiles(name, content, read)
+            return self._profiles(name, content)
         if "values" in content:
             values = content["values"]
             if units().get(name) == STRING or (name not in units() and _are_names(values)):
@@ -197,8 +200,22 @@ class Reading:
         }
         return Vary(low, high, count, log, (), content.get("distribution", ""), given, unit=unit)
 
-    def _profiles(self, name: str, content: Mapping[str, Any], read: Callable[[str, Any], float]) -> Vary:
-        raise StudyError(f"plan: {name}: table is not there yet")
+    def _profiles(self, name: str, content: Mapping[str, Any]) -> Vary:
+        """Tables with a random error. StudyError for a file or numbers that make none."""
+        where = f"plan: {name}"
+        if lacking := [key for key in WITH["table"] if key not in content]:
+            raise StudyError(f"{where} of table lacks {', '.join(lacking)}")
+        numbers = {}
+        for key, unit in (("deviation", "m"), ("correlation_length", "rad")):
+            value = content[key]
+            numbers[key] = in_unit(f"{where}: {key}", value, unit) if isinstance(value, str) else float(value)
+        try:
+            profiles = profiles_of_file(
+                self.folder / content["table"], **numbers, count=content["count"], seed=self._seed
+            )
+        except StudyError as error:
+            raise StudyError(f"{where}: {error}") from error
+        return Vary(values=profiles)
 
     # ---- the scenario ----
 
