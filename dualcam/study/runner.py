@@ -322,7 +322,7 @@ class Runner:
         """One run for each row, shape (runs, names). A run that fails gives NaN and the FMU's message; so
         does one that violates a constraint, or whose numbers are no scenario.
 
-        Runs of the same texts are made one after another: the FMU keeps what it has made of a groove table."""
+        Runs of the same texts are made one after another: the FMU keeps what it made of a groove table."""
         columns = [rows[:, self.job.names.index(name)] for name in self.job.texts if name in self.columns]
         if not columns:
             return self._run(rows)
