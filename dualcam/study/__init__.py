@@ -20,6 +20,7 @@ plan.toml` is the same on the command line.
 from dualcam.module_calls import explain_call_of
 from dualcam.study.description import read_study
 from dualcam.study.evaluator import Evaluator
+from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.results import Results, read_results
@@ -31,14 +32,20 @@ from dualcam.study.study import Study
 __all__ = [
     "Controller",
     "Correlation",
+    "Deviation",
     "Evaluator",
+    "FmuRuns",
     "History",
+    "Optimisation",
+    "Optimum",
     "Plan",
     "Results",
     "Scenario",
     "Study",
     "StudyError",
     "Vary",
+    "optimise",
+    "read_optimisation",
     "read_results",
     "read_study",
 ]

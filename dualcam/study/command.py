@@ -53,13 +53,19 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         What is wrong. All files that are written are complete: the same command goes on from there.
     """
     from dualcam.study import plots
+    from dualcam.study.optimisation import command as optimisation
+    from dualcam.study.optimisation.reading import asks_for_optimum
 
+    searches = [plan for plan in plans if asks_for_optimum(plan)]
+    plans = [plan for plan in plans if plan not in searches]
+    for plan in searches:
+        optimisation.run(plan, settings.folder / plan.stem, console)
     studies = [(read_study(plan), settings.folder / plan.stem) for plan in plans]
     if len({folder for _, folder in studies}) < len(studies):
         raise StudyError("two plans of the same name would share a folder: rename one")
     for study, _ in studies:
         plots.check(study)
-    if settings.figure:
+    if settings.figure and studies:
         plots.check_file([study for study, _ in studies], settings.figure)
     for study, folder in studies:
         say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
@@ -73,7 +79,7 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
             console=console,
         )
         _tell(study, folder, time.perf_counter() - begun, console)
-    if settings.figure:
+    if settings.figure and studies:
         _draw(studies, settings.figure, console)
         return
     for study, folder in studies:
