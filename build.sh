@@ -179,7 +179,7 @@ case $command in
     hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
-    rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
+    rate) run_program '.[build,study]' -m benchmarks.study_rate "$@" ;;
     studygrowth) run_program '.[build,study]' -m benchmarks.study_growth "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png

@@ -1,5 +1,6 @@
 """What comes out of a study: readings against a plain loop over the handle, and files that others read."""
 
+import csv
 import json
 import math
 from itertools import pairwise
@@ -158,6 +159,12 @@ def test_pandas_and_xarray_have_the_same_numbers(tmp_path):
     assert frame.index.name == "run" and frame.attrs["versions"]["dualcam"]
     assert frame["theta@0.01"].tolist() == table["series(theta, every=0.01)"][:, 1].tolist()
     assert frame["late@0.05"].tolist() == table["late"][:, 1].tolist()
+    table.to_csv(tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open(newline="") as file:
+        names, *lines = csv.reader(file)
+    assert names == ["run", *frame.columns]
+    place = names.index("late@0.05")
+    assert [float(line[place]) for line in lines] == table["late"][:, 1].tolist()
     cube = table.to_xarray()
     assert cube["theta"].dims == ("cam1.friction", "spring.preload")
     at = cube.sel({"cam1.friction": 0.2, "spring.preload": 60.0})

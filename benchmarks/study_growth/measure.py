@@ -88,12 +88,12 @@ def costs(rounds: int) -> Costs:
         files = store.files()
         rows = whole.plan.rows(0, FILE)
         block = runner.run(rows)
-        content = files.content(chunk, block)
+        content = files.content(chunk, rows, block)
         name = name_of(chunk, "parquet")
         return Costs(
             median(lambda: whole.plan.rows(0, FILE), rounds),
             median(lambda: runner.run(rows), rounds),
-            median(lambda: files.content(chunk, block), rounds),
+            median(lambda: files.content(chunk, rows, block), rounds),
             median(lambda: files.storage.write(name, content), rounds, time.perf_counter),
             by_pipe(rounds),
             by_dask(rounds),
