@@ -100,8 +100,8 @@ def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]
     columns: dict[str, Column] = dict(zip(names, rows.T, strict=True))
     for name, known in texts.items():
         places, inverse = np.unique(columns[name].astype(int), return_inverse=True)
-        label = getattr(known, "label", known.__getitem__)
-        columns[name] = np.array([label(place) for place in places.tolist()], dtype=object)[inverse]
+        labels = [known.label(place) for place in places.tolist()]
+        columns[name] = np.array(labels, dtype=object)[inverse]
     return columns
 
 
