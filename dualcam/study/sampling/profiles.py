@@ -92,7 +92,7 @@ class RandomProfiles:
             slope = float((np.diff(self.z) / np.diff(self.psi)).min())
             share = 100.0 * falling / self.count
             raise StudyError(
-                f"deviation = {self.deviation:g} m with correlation_length = {self.correlation_length:g} rad: "
+                f"deviation = {self.deviation:g} m, correlation_length = {self.correlation_length:g} rad: "
                 f"{share:.3g} % of the tables would fall somewhere, which the FMU refuses. The slope of the "
                 f"error has the standard deviation {self._slope:.3g} m/rad, the least slope of the groove is "
                 f"{slope:.3g} m/rad: give a smaller deviation or a longer correlation length"
