@@ -39,7 +39,7 @@ import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
-from dualcam.study.execution import DIED
+from dualcam.study.execution import AHEAD, DIED
 from dualcam.study.runner import Runner
 from dualcam.study.store import RECORD
 
@@ -423,7 +423,7 @@ def test_an_interrupted_study_of_processes_ends_at_once_and_goes_on(tmp_path):
     one = study()
     with pytest.raises(Stop):
         one.run_to_files(tmp_path, workers=2, runs_per_file=2, on_file_written=after(2, stop))
-    assert len(list(tmp_path.glob("runs/*"))) == 2
+    assert 2 <= len(list(tmp_path.glob("runs/*.*"))) <= 2 + 2 * AHEAD
     one.run(tmp_path, workers=0)
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
 

@@ -5,41 +5,59 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dualcam.errors import DualcamWarning, FmuError
-from dualcam.fmu import Fmu
-from dualcam.model_description import Kind, Variable
+from dualcam.handle import unknown_variable
+from dualcam.library import source_path
+from dualcam.model_description import Kind, Scalar, Variable, read_model_description
 from dualcam.study.entries import hint
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.runner import Job, Runner
 from dualcam.study.sampling.formula import formula
-from dualcam.study.scenario import instants
+from dualcam.study.scenario import Scenario, instants
 
 NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 RUNS_REFUSED = 0.01  # expected number of them, from which on a distribution is refused
 LOOKED_AT = 1000  # runs, for what cannot be known of all
 
 
+@dataclass(frozen=True)
+class Variables:
+    """The variables of an FMU by name."""
+
+    by_name: Mapping[str, Variable]
+    model: str
+
+    @classmethod
+    def of_fmu(cls, fmu: str | Path) -> Variables:
+        """Those of "forward", "inverse", or of the file of an FMU."""
+        description = read_model_description(source_path(fmu))
+        return cls({each.name: each for each in description.variables}, description.model_name)
+
+    def variable(self, name: str, *kinds: Kind) -> Variable:
+        """The variable. FmuError if there is none of that name, or of these kinds."""
+        variable = self.by_name.get(name)
+        if variable is None:
+            raise FmuError(unknown_variable(name, list(self.by_name), self.model))
+        if kinds and variable.kind not in kinds:
+            allowed = " or ".join(kind.capitalize() for kind in kinds)
+            raise FmuError(f"{name} is {variable.type}: allowed is {allowed}")
+        return variable
+
+
 def check(job: Job, plan: Plan) -> Runner:
     """A runner for the job, made here and now, so that what concerns every run is refused before any.
 
     StudyError with all that is wrong at once."""
-    problems = [] if job.results else ["the study reads nothing: name at least one result"]
-    for names in (list(job.names), list(job.results)):
-        if twice := {name for name in names if names.count(name) > 1}:
-            problems.append(f"{', '.join(twice)} is named twice: allowed is once")
-    with Fmu(job.path) as fmu:
-        known = set(fmu.names)
-        problems += _problems_of_names(job, plan, known)
-        problems += _problems_of_start_values(fmu, job, plan, known)
-        problems += _problems_of_results(fmu, job, plan)
-        problems += _problems_of_inputs(fmu, job)
-    refuse(problems)
+    variables = Variables.of_fmu(job.path)
+    refuse(problems_of_study(variables, plan, job.scenario, job.results, job.parameters))
     runner = Runner(job)
     try:
         _check_first_runs(runner, job, plan)
@@ -47,6 +65,25 @@ def check(job: Job, plan: Plan) -> Runner:
         runner.close()
         raise
     return runner
+
+
+def problems_of_study(
+    variables: Variables,
+    plan: Plan | None,
+    scenario: Scenario | None,
+    results: Sequence[str],
+    parameters: Mapping[str, Scalar],
+) -> list[str]:
+    """What of a study the FMU does not have or allow, one text each. A part that is None is left out."""
+    problems: list[str] = []
+    if plan is not None:
+        problems += problems_of_names(plan, scenario, variables.by_name)
+        problems += _problems_of_start_values(variables, plan, parameters)
+    problems += _problems_of_results(variables, results, scenario)
+    if scenario is not None:
+        taken = [*(plan.names if plan else ()), *parameters]
+        problems += _problems_of_inputs(variables, scenario, taken)
+    return problems
 
 
 def _attempt(problems: list[str], function: Callable[..., Any], *arguments: object) -> Any:  # noqa: ANN401
@@ -58,34 +95,38 @@ def _attempt(problems: list[str], function: Callable[..., Any], *arguments: obje
         return None
 
 
-def _problems_of_names(job: Job, plan: Plan, known: set[str]) -> list[str]:
+def problems_of_names(plan: Plan, scenario: Scenario | None, known: Collection[str]) -> list[str]:
     """Names that are no variables of the FMU serve formulas; formulas use names that vary."""
-    used = set(job.scenario.names)
+    used = set(scenario.names) if scenario else set()
     for text in [*plan.derived.values(), *plan.constraints.values()]:
         used |= set(formula(text).names)
     found = [
         f"plan: {name} is no variable of the FMU, and no formula uses {name}{hint(name, known)}"
-        for name in job.names
-        if name not in known | used
+        for name in plan.names
+        if name not in known and name not in used
     ]
-    for name in job.scenario.names:
-        if name not in job.names:
-            found.append(f"scenario: a formula uses {name}, which does not vary{hint(name, job.names)}")
-        elif name in job.texts and name not in _law_texts(job):
+    for name in scenario.names if scenario else ():
+        if name not in plan.names:
+            found.append(f"scenario: a formula uses {name}, which does not vary{hint(name, plan.names)}")
+        elif name in plan.texts and name not in _law_texts(scenario, plan):
             found.append(f"scenario: a formula uses {name}, which is a text: allowed are numbers")
     return found
 
 
-def _law_texts(job: Job) -> set[str]:
+def _law_texts(scenario: Scenario | None, plan: Plan) -> set[str]:
     """Texts that the law gets as they are."""
-    control = job.scenario.controller
-    return {each for each in control.arguments.values() if each in job.texts} if control else set()
+    control = scenario.controller if scenario else None
+    return {each for each in control.arguments.values() if each in plan.texts} if control else set()
 
 
-def _problems_of_start_values(fmu: Fmu, job: Job, plan: Plan, known: set[str]) -> list[str]:
+def _problems_of_start_values(
+    variables: Variables, plan: Plan, parameters: Mapping[str, Scalar]
+) -> list[str]:
     problems: list[str] = []
-    for name in [*(name for name in job.names if name in known), *job.parameters]:
-        variable = _attempt(problems, fmu.variable, name)
+    if twice := {name for name in plan.names if plan.names.count(name) > 1}:
+        problems.append(f"{', '.join(twice)} is named twice: allowed is once")
+    for name in [*(name for name in plan.names if name in variables.by_name), *parameters]:
+        variable = _attempt(problems, variables.variable, name)
         if variable is None:
             continue
         if not _is_start_value(variable):
@@ -93,20 +134,19 @@ def _problems_of_start_values(fmu: Fmu, job: Job, plan: Plan, known: set[str]) -
                 f"{name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and what "
                 "starts from a value that is exact"
             )
-        elif name in job.names:
-            problems += _problems_of_varied(variable, job, plan)
+        elif name in plan.names:
+            problems += _problems_of_varied(variable, plan, name in parameters)
     return problems
 
 
-def _problems_of_varied(variable: Variable, job: Job, plan: Plan) -> list[str]:
-    name, found = variable.name, []
-    if name in job.parameters:
-        found.append(f"{name} varies and is fixed too: allowed is one of them")
+def _problems_of_varied(variable: Variable, plan: Plan, is_fixed: bool) -> list[str]:
+    name = variable.name
+    found = [f"{name} varies and is fixed too: allowed is one of them"] if is_fixed else []
     if variable.kind == "string":
-        if name not in job.texts:
+        if name not in plan.texts:
             found.append(f'plan: {name} is a String: allowed are values = ["...", "..."]')
         return found
-    if name in job.texts:
+    if name in plan.texts:
         return [*found, f"plan: {name} is {variable.type}: allowed are numbers, given are texts"]
     found += _problem_of_range(variable, plan)
     if variable.kind != "real" and not plan.is_whole(name):
@@ -158,31 +198,32 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 
 
-def _problems_of_results(fmu: Fmu, job: Job, plan: Plan) -> list[str]:
-    problems: list[str] = []
-    for result in job.results:
-        name = result.partition("@")[0]
-        _attempt(problems, fmu.variable, name, *NUMERIC)
-    if isinstance(job.scenario.stop, str):
-        return problems  # each run has its own end
-    for result in job.results:
-        _attempt(problems, instants, [result], job.scenario.stop)
+def _problems_of_results(
+    variables: Variables, results: Sequence[str], scenario: Scenario | None
+) -> list[str]:
+    problems = [] if results else ["the study reads nothing: name at least one result"]
+    if twice := {name for name in results if list(results).count(name) > 1}:
+        problems.append(f"{', '.join(twice)} is named twice: allowed is once")
+    for result in results:
+        _attempt(problems, variables.variable, result.partition("@")[0], *NUMERIC)
+        if scenario is not None and not isinstance(scenario.stop, str):  # else each run has its own end
+            _attempt(problems, instants, [result], scenario.stop)
     return problems
 
 
-def _problems_of_inputs(fmu: Fmu, job: Job) -> list[str]:
+def _problems_of_inputs(variables: Variables, scenario: Scenario, taken: Collection[str]) -> list[str]:
     problems: list[str] = []
-    control = job.scenario.controller
-    for name in [*job.scenario.inputs, *(control.writes if control else ())]:
-        variable = _attempt(problems, fmu.variable, name, "real")
+    control = scenario.controller
+    for name in [*scenario.inputs, *(control.writes if control else ())]:
+        variable = _attempt(problems, variables.variable, name, "real")
         if variable is None:
             continue
         if variable.causality != "input":
             problems.append(f"scenario: {name} is {variable.causality}: allowed are inputs")
-        if name in job.names or name in job.parameters:
+        if name in taken:
             problems.append(f"{name} has a history and a value of its own: allowed is one of them")
     for name in control.reads if control else ():
-        _attempt(problems, fmu.variable, name, "real")
+        _attempt(problems, variables.variable, name, "real")
     return problems
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -13,7 +13,9 @@ import numpy as np
 from dualcam.fmu import Array
 from dualcam.study.encoding import Column, encoded
 from dualcam.study.plan import Plan
+from dualcam.study.readings import Readings
 from dualcam.study.runner import Block, Job, Runner, run_rows
+from dualcam.study.sampling.texts import Texts
 from dualcam.study.storage import Storage
 
 RUNS = "runs"  # folder of the files of runs and of nothing else, so that other programs read it as it is
@@ -50,7 +52,7 @@ class Files:
     storage: Storage
     file_format: str
     plan: Plan
-    results: tuple[str, ...]
+    readings: Readings
     metadata: Mapping[str, Any]
     mark: str
 
@@ -76,9 +78,13 @@ class Files:
         for place, text in block.messages.items():
             messages[place] = text
         columns: dict[str, Column] = {"run": np.arange(runs.start, runs.stop)}
-        columns |= dict(zip(self.plan.names, rows.T, strict=True))
-        columns |= dict(zip(self.results, block.values.T, strict=True))
+        columns |= (varied := self.varied(rows))
+        columns |= self.readings.of(block.values, varied, list(block.messages))
         return encoded(columns | {"message": messages}, self.file_format, self.metadata)
+
+    def varied(self, rows: Array) -> dict[str, Column]:
+        """The columns of the plan: numbers, or the texts of Strings."""
+        return varied_columns(self.plan.names, rows, self.plan.texts)
 
     def write(self, runs: range, block: Block) -> Written:
         """StudyError if it cannot be written."""
@@ -88,6 +94,16 @@ class Files:
             return Written(written.size, written.checksum, written.failed, content)
         self.storage.write(name_of(runs, self.file_format), content)
         return written
+
+
+def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]) -> dict[str, Column]:
+    """The columns of rows of a plan: numbers, or the texts of Strings as the plan has them."""
+    columns: dict[str, Column] = dict(zip(names, rows.T, strict=True))
+    for name, known in texts.items():
+        places, inverse = np.unique(columns[name].astype(int), return_inverse=True)
+        label = getattr(known, "label", known.__getitem__)
+        columns[name] = np.array([label(place) for place in places.tolist()], dtype=object)[inverse]
+    return columns
 
 
 @dataclass(frozen=True)

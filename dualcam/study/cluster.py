@@ -44,7 +44,8 @@ class Cluster(Workers):
         super().__init__(task)
         self._distributed = _distributed()
         self._is_own = isinstance(scheduler, str)
-        self._client: Any = self._connected(str(scheduler)) if self._is_own else scheduler
+        client: Any = scheduler
+        self._client = self._connected(client) if self._is_own else client
         if self._client.asynchronous:
             raise StudyError("scheduler: an asynchronous Client: allowed is one with asynchronous = False")
         self._name = f"dualcam-study-{task.job.token}"

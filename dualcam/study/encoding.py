@@ -92,19 +92,18 @@ def _cells(column: Column) -> list[Any]:
     return column.tolist() if column.ndim == 1 else [" ".join(map(repr, row)) for row in column.tolist()]
 
 
-def columns_of_csv(content: bytes, wanted: Sequence[str] | None, texts: Sequence[str]) -> dict[str, Column]:
-    """Columns of a CSV file of runs; `texts`: those that hold no numbers. ValueError if it is none."""
+def columns_of_csv(
+    content: bytes, wanted: Sequence[str] | None, texts: Sequence[str], series: Sequence[str]
+) -> dict[str, Column]:
+    """Columns of a CSV file of runs. `texts`: those that hold no numbers; `series`: those with several."""
     names, *rows = csv.reader(io.StringIO(content.decode(), newline=""))
     by_name = dict(zip(names, zip(*rows, strict=True), strict=True))
     chosen = [name for name in names if wanted is None or name in wanted]
-    return {name: _parsed(name, by_name[name], name in texts) for name in chosen}
-
-
-def _parsed(name: str, cells: Sequence[str], is_text: bool) -> Column:
-    if is_text:
-        return np.array(cells, dtype=object)
-    if name == "run":
-        return np.array(cells, dtype=np.int64)
-    if " " in cells[0]:
-        return np.array([cell.split() for cell in cells], dtype=np.float64)
-    return np.array(cells, dtype=np.float64)
+    found: dict[str, Column] = {}
+    for name in chosen:
+        cells: Sequence[Any] = by_name[name]
+        if name in series:
+            cells = [cell.split() for cell in cells]
+        kind = object if name in texts else np.int64 if name == "run" else np.float64
+        found[name] = np.array(cells, dtype=kind)
+    return found

@@ -48,8 +48,19 @@ VALUES = Kind(  # true and false are those of a Boolean variable
     'a list of numbers, or of texts with a unit such as "40 deg", at least one',
     Kind("", lambda value: isinstance(value, int | float | str)).listed().suits,
 )
+SCENARIO_NUMBER = Kind(  # which of the three a text is, is known once the names that vary are
+    'a number, a text with a unit such as "10 ms", or a formula such as "2 * peak"',
+    QUANTITY.suits,
+)
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 TABLE = Kind("a table", lambda value: isinstance(value, Mapping))
+NUMBERS_BY_NAME = Kind(
+    "a table of formulas or numbers, by name",
+    lambda value: isinstance(value, Mapping) and all(map(QUANTITY.suits, value.values())),
+)
+QUANTITIES_BY_NAME = Kind(
+    'a table of numbers, or of texts with a unit such as "2 mm", by name', NUMBERS_BY_NAME.suits
+)
 
 
 def entries(content: object, where: str, kinds: Mapping[str, Kind], needed: Collection[str] = ()) -> Any:  # noqa: ANN401

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualcam.study.checking import check
-from dualcam.study.chunk import Task
+from dualcam.study.chunk import Task, varied_columns
 from dualcam.study.execution import workers_for
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
@@ -53,7 +53,8 @@ class Evaluator:
             raise StudyError(f"workers = {workers}: allowed is 0 or more")
         job = study.job()
         self.names = list(job.names)
-        self.results = list(job.results)
+        self.results = list(study.readings.columns)
+        self._readings, self._texts = study.readings, study.plan.texts
         self._workers = workers_for(Task(job), check(job, study.plan), workers, scheduler)
 
     def __enter__(self) -> Evaluator:
@@ -77,7 +78,8 @@ class Evaluator:
         Returns
         -------
         Block
-            `values`, shape (runs, results), columns in the order of `results`; NaN where a run failed.
+            `values`, shape (runs, results), columns in the order of `results`; NaN where a run failed. A
+            series has a column for each instant.
             `messages`, a dict of place and reason of the runs that failed.
 
         Raises
@@ -89,14 +91,15 @@ class Evaluator:
         if table.ndim != 2 or table.shape[1] != len(self.names):
             raise StudyError(f"rows of shape {table.shape}: allowed is (runs, {len(self.names)})")
         if len(table) == 0:
-            return Block(np.empty((0, len(self.results))), {})
+            return Block(self._readings.table(np.empty((0, len(self._readings.raw))), {}), {})
         count = self._workers.count()
         size = math.ceil(len(table) / (SHARES * count)) if count > 1 else len(table)
         orders = [table[start : start + size] for start in range(0, len(table), size)]
         blocks = dict(self._workers.answers(orders))
-        joined = Block(np.empty((0, len(self.results))), {})
+        joined = Block(np.empty((0, len(self._readings.raw))), {})
         for place in range(len(orders)):
             block = blocks[place]
             assert isinstance(block, Block)
             joined = Block.joined(joined, block)
-        return joined
+        varied = varied_columns(self.names, table, self._texts)
+        return Block(self._readings.table(joined.values, varied, list(joined.messages)), joined.messages)

@@ -23,7 +23,7 @@ ROWS_NAMED = 10  # of a table with numbers that are not finite
 def problems_of(plan: Plan) -> list[str]:
     """What is wrong, one text each, each with the value and what is allowed."""
     found = _of_numbers(plan)
-    if plan.kind in designs.KINDS and plan.vary:
+    if plan.vary:
         found += _of_table(plan) if plan.kind == "table" else _of_values(plan)
     found += _of_formulas(plan)
     return [text if text.startswith("the plan") else f"plan: {text}" for text in found]
@@ -75,7 +75,7 @@ def _of_values(plan: Plan) -> list[str]:
 
 
 def _of_correlations(plan: Plan, refused: set[str]) -> list[str]:
-    if plan.kind not in designs.INDEPENDENT:
+    if plan.kind in designs.KINDS and plan.kind not in designs.INDEPENDENT:
         kinds = ", ".join(designs.INDEPENDENT)
         return [f"correlation in a plan of kind {plan.kind}: allowed are plans of kind {kinds}"]
     found = [

@@ -77,7 +77,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    known = [*study.plan.names, *study.results]
+    known = [*study.plan.names, *study.readings.columns]
     for plot in study.plots:
         kind = plot.get("kind", "")
         if kind not in list(KINDS):

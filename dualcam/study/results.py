@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,32 +20,39 @@ from dualcam.study.store import RECORD, finished_in, is_sound, record_in
 class Results(dict[str, Column]):
     """The table of a study: columns by name, with a value for each run.
 
-    A dict of NumPy arrays. `study` says what study the runs are of, `versions` what made them.
+    A dict of NumPy arrays, of shape (runs,), or (runs, instants) for a series.
 
     Parameters
     ----------
-    columns : mapping of str to ndarray, shape (runs,) or (runs, instants)
-        Columns by name. Series have a second axis.
-    study : mapping
+    columns : mapping of str to ndarray
+        Columns by name.
+    study : mapping, optional
         Plan, scenario, results, parameters and the checksum of the FMU.
-    versions : mapping of str to str
+    versions : mapping of str to str, optional
         Python and packages that made the first runs.
+    series : mapping of str to ndarray, shape (instants,), optional
+        The times [s] of each series.
 
     Examples
     --------
     >>> import numpy as np
     >>> from dualcam.study import Results
-    >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])}, {}, {})
-    >>> table["theta"].max()
-    np.float64(0.2)
+    >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
+    >>> float(table["theta"].max())
+    0.2
     """
 
     def __init__(
-        self, columns: Mapping[str, Column], study: Mapping[str, Any], versions: Mapping[str, str]
+        self,
+        columns: Mapping[str, Column],
+        study: Mapping[str, Any] | None = None,
+        versions: Mapping[str, str] | None = None,
+        series: Mapping[str, Column] | None = None,
     ) -> None:
         super().__init__(columns)
-        self.study = study
-        self.versions = versions
+        self.study = dict(study or {})
+        self.versions = dict(versions or {})
+        self.series = dict(series or {})
 
     def to_pandas(self) -> Any:  # noqa: ANN401
         """The table for pandas.
@@ -59,17 +67,103 @@ class Results(dict[str, Column]):
         ------
         StudyError
             pandas is not installed.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam.study import Results
+        >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
+        >>> table.to_pandas()["theta"].mean().round(3).item()
+        0.15
         """
         pandas = _module("pandas")
-        flat = {name: column for key, column in self.items() for name, column in self._flat(key, column)}
+        flat: dict[str, Column] = {}
+        for name, column in self.items():
+            if column.ndim == 1:
+                flat[name] = column
+            else:
+                variable = name.partition("(")[2].partition(",")[0] if "(" in name else name
+                times = self.series[name].tolist()
+                flat |= {f"{variable}@{time:.12g}": column[:, k] for k, time in enumerate(times)}
         frame = pandas.DataFrame(flat)
-        frame.attrs = {"study": dict(self.study), "versions": dict(self.versions)}
+        frame.attrs = {"study": self.study, "versions": self.versions}
         return frame.set_index("run") if "run" in flat else frame
 
-    def _flat(self, name: str, column: Column) -> list[tuple[str, Column]]:
-        if column.ndim == 1:
-            return [(name, column)]
-        return [(f"{name}[{k}]", column[:, k]) for k in range(column.shape[1])]
+    def to_xarray(self) -> Any:  # noqa: ANN401
+        """The table for xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Of a grid: a dimension for each value that varies, so that `table.sel(...)` and `.plot()` work. Of
+            other plans: the dimension `run`, with the values that vary as its coordinates. A series has the
+            dimension `time` [s] besides, or `time of NAME` where series have other times than the first one.
+            `attrs` has `study` and `versions` as JSON.
+
+        Raises
+        ------
+        StudyError
+            xarray is not installed, or `run` is not among the columns.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam.study import Results
+        >>> table = Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])})
+        >>> float(table.to_xarray()["theta"].sel(run=1))
+        0.2
+        """
+        xarray = _module("xarray")
+        if "run" not in self:
+            raise StudyError("these columns are without run: read it, too")
+        dimensions = self._grid()
+        shape = [len(values) for values in dimensions.values()]
+        plan = self.study.get("plan", {})
+        varied = [*plan.get("vary", {}), *plan.get("same_as", {}), *plan.get("derived", {})]
+        variables: dict[str, Any] = {}
+        times: dict[str, Column] = {}
+        for name, column in self.items():
+            if name in dimensions:
+                continue
+            axes = list(dimensions)
+            if column.ndim > 1:
+                axes.append(_time_axis(name, self.series[name], times))
+            variables[name] = (axes, column.reshape(*shape, *column.shape[1:]))
+        return xarray.Dataset(
+            {name: each for name, each in variables.items() if name not in varied},
+            coords={
+                **dimensions,
+                **times,
+                **{name: each for name, each in variables.items() if name in varied},
+            },
+            attrs={name: json.dumps(value) for name, value in self._facts().items()},
+        )
+
+    def _facts(self) -> dict[str, Any]:
+        return {"study": self.study, "versions": self.versions}
+
+    def _grid(self) -> dict[str, Column]:
+        """The dimensions: what varies, in the order of the plan, if the runs are a whole grid."""
+        plan = self.study.get("plan", {})
+        names = list(plan.get("vary", {}))
+        if plan.get("kind") == "grid" and all(name in self for name in names):
+            points = {name: np.array(list(dict.fromkeys(self[name].tolist()))) for name in names}
+            whole = np.meshgrid(*points.values(), indexing="ij")
+            if whole[0].size == len(self["run"]) and all(
+                np.array_equal(each.ravel(), self[name]) for name, each in zip(names, whole, strict=True)
+            ):
+                return points
+        return {"run": self["run"]}
+
+
+def _time_axis(name: str, instants: Column, times: dict[str, Column]) -> str:
+    """The dimension with these instants, noted in `times`."""
+    for axis, known in times.items():
+        if np.array_equal(known, instants):
+            return axis
+    axis = f"time of {name}" if times else "time"
+    times[axis] = instants
+    return axis
 
 
 def _module(name: str) -> Any:  # noqa: ANN401
@@ -121,10 +215,11 @@ def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Re
         raise StudyError(f"{folder} holds no runs yet")
     wanted = None if columns is None else list(dict.fromkeys(columns))
     read = _read_parquet if record["format"] == "parquet" else _read_csv
-    found = read(storage, names, wanted)
+    found = read(storage, names, wanted, record)
     if lacking := [name for name in wanted or () if name not in found]:
         raise StudyError(f"{folder} has no column {', '.join(lacking)}")
-    return Results(found, record["study"], record["versions"])
+    series = {name: np.array(times) for name, times in record["series"].items() if name in found}
+    return Results(found, record["study"], record["versions"], series)
 
 
 def _finished_files(storage: Storage, record: Mapping[str, Any]) -> list[str]:
@@ -139,7 +234,9 @@ def _finished_files(storage: Storage, record: Mapping[str, Any]) -> list[str]:
     return names
 
 
-def _read_parquet(storage: Storage, names: Sequence[str], wanted: Sequence[str] | None) -> dict[str, Column]:
+def _read_parquet(
+    storage: Storage, names: Sequence[str], wanted: Sequence[str] | None, record: Mapping[str, Any]
+) -> dict[str, Column]:
     dataset = pyarrow_module("pyarrow.dataset")
     places = [storage.place(name) for name in names]
     # With threads Arrow can abort or hang the process at its end (apache/arrow, issues 33975 and 34314).
@@ -162,6 +259,9 @@ def _column(column: Any) -> Column:  # noqa: ANN401
     return np.asarray(flat).reshape(-1, width)
 
 
-def _read_csv(storage: Storage, names: Sequence[str], wanted: Sequence[str] | None) -> dict[str, Column]:
-    parts = [columns_of_csv(storage.read(name), wanted, ["message"]) for name in names]
+def _read_csv(
+    storage: Storage, names: Sequence[str], wanted: Sequence[str] | None, record: Mapping[str, Any]
+) -> dict[str, Column]:
+    texts, series = record["texts"], list(record["series"])
+    parts = [columns_of_csv(storage.read(name), wanted, texts, series) for name in names]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -320,7 +320,20 @@ class Runner:
 
     def run(self, rows: Array) -> Block:
         """One run for each row, shape (runs, names). A run that fails gives NaN and the FMU's message; so
-        does one that violates a constraint, or whose numbers are no scenario."""
+        does one that violates a constraint, or whose numbers are no scenario.
+
+        Runs of the same texts are made one after another: the FMU keeps what it made of a groove table."""
+        columns = [rows[:, self.job.names.index(name)] for name in self.job.texts if name in self.columns]
+        if not columns:
+            return self._run(rows)
+        order = np.lexsort(columns)
+        block = self._run(rows[order])
+        values = np.empty_like(block.values)
+        values[order] = block.values
+        messages = {int(order[place]): text for place, text in block.messages.items()}
+        return Block(values, dict(sorted(messages.items())))
+
+    def _run(self, rows: Array) -> Block:
         values, messages = np.full((len(rows), len(self.job.results)), np.nan), self._violations(rows)
         for start in range(0, len(rows), self.BATCH):
             batch = np.arange(start, min(start + self.BATCH, len(rows)))

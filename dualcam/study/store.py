@@ -29,6 +29,7 @@ from dualcam.study.chunk import RUNS, Files, Written, checksum, name_of
 from dualcam.study.encoding import FORMATS, check_format, default_format
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.readings import Readings
 from dualcam.study.storage import Folder, Storage, storage_at
 
 LAYOUT = 2  # of the folder
@@ -50,14 +51,20 @@ class Store:
     """The folder of one study, while the study is run."""
 
     def __init__(
-        self, folder: str | Path, facts: dict[str, Any], plan: Plan, chunk: int, file_format: str | None
+        self,
+        folder: str | Path,
+        facts: dict[str, Any],
+        plan: Plan,
+        readings: Readings,
+        chunk: int,
+        file_format: str | None,
     ) -> None:
         """Opens it, or makes it. StudyError if it holds runs of another study, if another process writes
         there, or if it cannot be written. A study begun earlier keeps its size of chunks and its format."""
         self.storage = storage_at(folder)
-        self.plan = plan
+        self.plan, self.readings = plan, readings
         self.damaged: list[str] = []  # names of files, found by `missing`
-        facts = json.loads(json.dumps(facts))  # as it is read back
+        facts = json.loads(json.dumps(facts), parse_constant=_plain)  # as it is read back
         file_format = file_format or default_format()
         begun = record_in(self.storage)
         check_format(begun["format"] if begun else file_format)  # before the folder is made
@@ -73,6 +80,8 @@ class Store:
                     "chunk": chunk,
                     "format": file_format,
                     "versions": versions(),
+                    "texts": [*plan.texts, "message"],
+                    "series": readings.series,
                 },
             )
             self.storage.tidy(RUNS)
@@ -135,9 +144,8 @@ class Store:
 
     def files(self) -> Files:
         """What workers need to write the files of runs."""
-        metadata = {name: self.record[name] for name in ("study", "versions")}
-        results = tuple(self.record["study"]["results"])
-        return Files(self.storage, self.file_format, self.plan, results, metadata, self._mark)
+        metadata = {name: self.record[name] for name in ("study", "versions", "series")}
+        return Files(self.storage, self.file_format, self.plan, self.readings, metadata, self._mark)
 
     def chunks(self) -> list[range]:
         """All runs, file by file."""
@@ -212,13 +220,18 @@ def is_sound(storage: Storage, name: str, recorded: list[Any], sizes: dict[str, 
         return False
 
 
+def _plain(constant: str) -> str | None:
+    """JSON has no NaN, which stands for a range that is not given, and no infinity."""
+    return None if constant == "NaN" else constant
+
+
 def _differing(begun: dict[str, Any], facts: dict[str, Any], where: str = "") -> list[str]:
-    """Entries, by their path. Compared as text: NaN, a range that is not given, differs from itself."""
+    """Entries, by their path."""
     found = []
     for key in [*facts, *(key for key in begun if key not in facts)]:
         old, new = begun.get(key), facts.get(key)
         if isinstance(old, dict) and isinstance(new, dict):
             found += _differing(old, new, f"{where}{key}: ")
-        elif json.dumps(old) != json.dumps(new):
+        elif old != new:
             found.append(where + key)
     return found

@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +24,7 @@ from dualcam.study.chunk import Task, Written
 from dualcam.study.execution import workers_for
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.readings import Readings
 from dualcam.study.results import Results, read_results
 from dualcam.study.runner import Job
 from dualcam.study.scenario import Scenario
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
+NUMBERS_MAX = 2_000_000  # that the runs of a file are read for: 16 MB
 CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end does not wait for one worker
 
 
@@ -81,11 +84,17 @@ class Study:
     def __post_init__(self) -> None:
         if isinstance(self.results, str) or not all(isinstance(name, str) for name in self.results):
             raise StudyError(f"results = {self.results!r}: allowed is a list of names")
+        _ = self.readings  # what is wrong with them is said here
 
     @property
     def path(self) -> Path:
         """The file of the FMU."""
         return source_path(self.fmu)
+
+    @cached_property
+    def readings(self) -> Readings:
+        """What the results are made of."""
+        return Readings(self.results, self.scenario.stop, self.plan.names)
 
     def job(self) -> Job:
         """What a worker needs for the runs.
@@ -100,7 +109,7 @@ class Study:
             self.plan.names,
             dict(self.parameters),
             self.scenario,
-            list(self.results),
+            self.readings.raw,
             self.plan.texts,
             dict(self.plan.constraints),
         )
@@ -175,8 +184,11 @@ class Study:
         job = self.job()
         runner = check(job, self.plan)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        size = runs_per_file or min(CHUNK_MAX, math.ceil(self.plan.count / CHUNKS_MIN))
-        with closing(runner), closing(Store(folder, self.facts(), self.plan, size, file_format)) as store:
+        size = runs_per_file or self._runs_per_file()
+        with (
+            closing(runner),
+            closing(Store(folder, self.facts(), self.plan, self.readings, size, file_format)) as store,
+        ):
             missing = store.missing()
             if console and store.damaged:
                 say(console, f"damaged, made again: {', '.join(store.damaged)}")
@@ -193,6 +205,10 @@ class Study:
                     store.accept(missing[place], written)
                     advance(len(missing[place]), written.failed)
                     on_file_written()
+
+    def _runs_per_file(self) -> int:
+        most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))
+        return min(most, math.ceil(self.plan.count / CHUNKS_MIN))
 
     def facts(self) -> dict[str, Any]:
         """What makes two studies the same: their results could be mixed.

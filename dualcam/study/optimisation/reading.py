@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from dualcam.library import MODELS
-from dualcam.study import description
 from dualcam.study.entries import NUMBER, QUANTITY, TABLE, TEXT, WHOLE, Kind, entries
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import Units, fixed, number, units_of_fmu
+from dualcam.study.reading import read_plan, read_scenario
 
 OPTIMISE = {
     "objectives": TABLE,
@@ -31,11 +31,18 @@ OPTIMISE = {
     "difference": NUMBER,
 }
 NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
+LISTS = Kind("a list of tables", lambda value: isinstance(value, list))
 CONSTRAINT = {"from": QUANTITY, "to": QUANTITY}
 TOLERANCE = {"plus_minus": QUANTITY, "shape": TEXT}
 FILE = {
-    name: description.FILE[name] for name in ("fmu", "plan", "scenario", "results", "parameters", "plots")
-} | {"optimise": TABLE}
+    "fmu": TEXT,
+    "plan": TABLE,
+    "scenario": TABLE,
+    "results": TEXT.listed(),
+    "parameters": TABLE,
+    "plots": LISTS,
+    "optimise": TABLE,
+}
 STUDY = {name: FILE[name] for name in ("plan", "results", "plots", "optimise")}
 ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
 T = TypeVar("T")
@@ -110,7 +117,7 @@ def _of_plan(content: Mapping[str, Any], folder: Path) -> Optimisation:
     fmu = table["fmu"] if table["fmu"] in MODELS else folder / table["fmu"]
     units = units_of_fmu(fmu)
     pieces = _Pieces()
-    scenario = pieces.read(description._scenario, table["scenario"])
+    scenario = pieces.read(read_scenario, table["scenario"], folder, units)
     parameters = pieces.read(fixed, table.get("parameters", {}), units)
     plan = pieces.read(_plan, table["plan"], folder, units)
     goals = pieces.read(_goals, table["optimise"], units)
@@ -167,7 +174,7 @@ def _plan(content: Mapping[str, Any], folder: Path, units: Units) -> Plan:
     table = {name: value for name, value in content.items() if name not in ARRANGEMENT}
     if "table" in table:
         raise StudyError("a plan of a table has no bounds: an optimisation needs plan.vary")
-    return description.read_plan(table | {"kind": "latin", "runs": 1}, folder, units)
+    return read_plan(table | {"kind": "latin", "runs": 1}, folder, units)
 
 
 def _goals(content: Mapping[str, Any], units: Units) -> dict[str, Any]:

@@ -58,10 +58,10 @@ class Distribution:
         from scipy import stats
 
         if name not in names() and name not in USUAL:
-            close = get_close_matches(name.lower(), [*names(), *USUAL], n=3, cutoff=0.6)
-            hint = f": did you mean {' or '.join(close)}?" if close else ""
+            close = get_close_matches(name.lower(), sorted({*names(), *USUAL}), n=3, cutoff=0.6)
+            hint = f": did you mean {' or '.join(close)}?" if close else "."
             raise StudyError(
-                f"distribution = {name!r} is no distribution of scipy.stats{hint}; allowed are for example "
+                f"distribution = {name!r} is no distribution of scipy.stats{hint} Allowed are for example "
                 "normal, lognorm, weibull_min, triang, beta, gamma"
             )
         self.name = name

@@ -35,7 +35,7 @@ def read_csv(path: Path, texts: Collection[str] = ()) -> dict[str, Sequence[Any]
                 raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
         columns = [[row[place].strip() for _, row in rows] for place in range(len(names))]
         lines = [line for line, _ in rows]
-        found = {
+        found: dict[str, Sequence[Any]] = {
             name: cells if name in texts else _numbers(cells, lines)
             for name, cells in zip(names, columns, strict=True)
         }

@@ -82,6 +82,10 @@ class GivenTexts:
             return text
         return str(kept_file(Path(text).name, self.contents[place]))
 
+    def label(self, place: int) -> str:
+        """The text as it was given, in the table of results: the same on every machine."""
+        return self.texts[place]
+
     def facts(self) -> list[str]:
         """The texts; of a file its name and a hash of its content."""
         return [
