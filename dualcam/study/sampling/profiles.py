@@ -135,6 +135,10 @@ class RandomProfiles:
         lines = (f"{float(p)!r},{float(h)!r}\n" for p, h in zip(self.psi, self.height(place), strict=True))
         return str(kept_file(f"profile{place}.csv", f"{HEADER}\n{''.join(lines)}".encode()))
 
+    def label(self, place: int) -> str:
+        """The number of the table, in the table of results."""
+        return f"profile {place}"
+
     def facts(self) -> list[str]:
         """What makes two of these the same."""
         digest = hashlib.sha256(np.stack([self.psi, self.z]).tobytes()).hexdigest()
