@@ -11,6 +11,8 @@ from driver import ROOT
 from pages import TEXTS, load
 
 from dualcam.cli.study import PLAN
+from dualcam.study import plot_keys
+from dualcam.study.optimisation import reading
 from dualcam.study.schema import json_schema
 
 SCRIPT = runpy.run_path(str(ROOT / "docs" / "tools" / "study_plan_page.py"))
@@ -91,3 +93,16 @@ def test_kinds_and_shapes_are_all_on_the_page():
     text = TEXTS["docs/study-plan.md"]
     assert all(f"| `{kind}` |" in text for kind in KINDS)
     assert all(f"`{shape}`" in text or f'"{shape}"' in text for shape in SHAPES)
+
+
+def test_keys_of_pictures_and_optimisations_are_those_that_are_read():
+    """Their readers know them apart from the schema."""
+    shown = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/study-plan.md"], re.MULTILINE))
+    of_plots = {"kind", "title"}.union(*plot_keys.KINDS.values())
+    assert {key for key in shown if key.startswith("plots.")} == {f"plots.{key}" for key in of_plots}
+    of_search = {key.removeprefix("optimise.") for key in shown if key.startswith("optimise.")}
+    assert {key for key in of_search if "." not in key} == set(reading.OPTIMISE)
+    assert {key for key in of_search if "." in key} == {
+        *(f"constraints.NAME.{key}" for key in reading.CONSTRAINT),
+        *(f"tolerances.NAME.{key}" for key in reading.TOLERANCE),
+    }
