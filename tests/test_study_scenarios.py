@@ -9,6 +9,7 @@ from study_cases import FORWARD, INVERSE, refused, runs_of, study
 
 import dualcam
 from dualcam import Fmu
+from dualcam.__main__ import main
 from dualcam.errors import DualcamWarning
 from dualcam.study import Controller, History, Plan, Scenario, Vary, read_results, read_study
 from dualcam.study.resolved import resolve
@@ -407,3 +408,19 @@ def test_the_rows_of_a_study_are_those_of_its_plan(whole, tmp_path):
         texts = one.plan.texts.get(name)
         expected = column.tolist() if texts is None else [texts[int(place)] for place in column]
         assert table[name].tolist() == expected
+
+
+def test_pictures_have_names_that_the_fmu_does_not_have(whole, tmp_path):
+    """With their unit; a column of texts cannot be drawn."""
+    text = (
+        whole.read_text()
+        .replace("push = {{", "push = {{ ")
+        .replace('to = "250 ms" }', 'to = "250 ms", unit = "s" }')
+    )
+    plots = '[[plots]]\nkind = "pareto"\nx = "{x}"\ny = "swing"\ncolor = "peak"\n'
+    whole.write_text(text.replace("runs = 256", "runs = 16") + plots.format(x="push"))
+    assert main(["study", str(whole), "--out", str(tmp_path / "out"), "--workers", "0"]) == 0
+    assert (tmp_path / "out/whole/whole.png").read_bytes().startswith(b"\x89PNG")
+    whole.write_text(text + plots.format(x="cam1.table"))
+    with refused("plot pareto", "cam1.table", "no column of numbers"):
+        read_study(whole)

@@ -12,7 +12,7 @@ from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.study.checking import Variables, problems_of_names, problems_of_study
 from dualcam.study.plan import Plan
-from dualcam.study.plot_keys import problems_of_plots
+from dualcam.study.plot_keys import columns_to_draw, problems_of_plots
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import fixed, units_of_designs, units_of_fmu
 from dualcam.study.reading import Reading
@@ -124,7 +124,7 @@ def _check_results(
         return None
     if plan is not None and plots:
         kind = table["plan"].get("kind", plan.kind)
-        reading.note(problems_of_plots(plots, kind, [*plan.names, *readings.columns]))
+        reading.note(problems_of_plots(plots, kind, columns_to_draw(plan, readings)))
     return list(readings.raw)
 
 

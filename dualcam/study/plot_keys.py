@@ -6,7 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from dualcam.study.entries import NUMBER, TEXT, Kind, entries, hint
+from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.readings import Readings
 
 NAMES = TEXT.listed()
 BEST = Kind(
@@ -40,7 +42,7 @@ def problems_of_plots(
             found.append(str(error))
             continue
         found += [
-            f"plot {kind}: {name!r} is no column{hint(name, known)}"
+            f"plot {kind}: {name!r} is no column of numbers{hint(name, known)}"
             for name in columns_of(plot)
             if name not in known
         ]
@@ -50,6 +52,12 @@ def problems_of_plots(
 
 
 _ALLOWED = f": allowed are {', '.join(KINDS)}"
+
+
+def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
+    """Columns with one number for each run."""
+    names = [name for name in plan.names if name not in plan.texts]
+    return names + [name for name in readings.columns if name not in readings.series]
 
 
 def columns_of(plot: Mapping[str, Any]) -> list[str]:

@@ -25,7 +25,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
-from dualcam.study.plot_keys import columns_of, problems_of_plots
+from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.results import read_results
 from dualcam.study.study import Study
@@ -64,7 +64,7 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    refuse(problems_of_plots(study.plots, study.plan.kind, [*study.plan.names, *study.readings.columns]))
+    refuse(problems_of_plots(study.plots, study.plan.kind, columns_to_draw(study.plan, study.readings)))
 
 
 def check_file(studies: Sequence[Study], path: Path) -> None:
@@ -81,7 +81,7 @@ def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, A
         name: np.asarray(values, float) for name, values in read_results(folder, columns_of(plot)).items()
     }
     with Fmu(study.path) as fmu:
-        labels = {name: _label(fmu, name) for name in columns}
+        labels = {name: _label(fmu, study, name) for name in columns}
     if plot["kind"] == "sobol":
         _sobol(axis, study, columns, plot["of"])
     else:
@@ -95,10 +95,11 @@ def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, A
     axis.set_title(plot.get("title", ""), loc="left")
 
 
-def _label(fmu: Fmu, name: str) -> str:
-    """Name and unit; a dimensionless quantity has no unit."""
+def _label(fmu: Fmu, study: Study, name: str) -> str:
+    """Name and unit; a dimensionless quantity, and a name whose unit nobody says, has none."""
     variable, at, time = name.partition("@")
-    unit = fmu.variable(variable).unit
+    vary = study.plan.vary.get(name)
+    unit = fmu.variable(variable).unit if variable in fmu.names else vary.unit if vary else ""
     return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
 
 
