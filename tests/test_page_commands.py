@@ -38,6 +38,10 @@ def test_studies_of_the_page(tmp_path):
     assert table["efficiency"].max() == pytest.approx((0.92 / 1.08) ** 2, rel=1e-12)
     assert len((tmp_path / "angles.csv").read_text().splitlines()) == 1 + 63
     assert len(read_results(tmp_path / "study_results" / "my_study")["run"]) == 200
+    made, gains = (read_results(tmp_path / "study_results" / name) for name in ("made", "gains"))
+    assert len(made["run"]) == 512 and len(gains["run"]) == 16
+    assert made["spring.stiffness"] == pytest.approx(79e9 * made["wire"] ** 4 / (32 * made["coil"] ** 3))
+    assert set(made["message"]) == set(gains["message"]) == {""}
     for name in ("angles", "my_study"):
         assert set(read_results(tmp_path / "study_results" / name)["message"]) == {""}
         assert (tmp_path / "study_results" / name / f"{name}.png").is_file()
