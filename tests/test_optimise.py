@@ -3,10 +3,12 @@ may lose or repeat a design."""
 
 import json
 import math
+import re
 import sys
 
 import numpy as np
 import pytest
+from driver import ROOT
 from scipy.integrate import quad
 from scipy.stats import uniform
 from study_cases import FORWARD, refused
@@ -15,6 +17,7 @@ from dualcam.__main__ import main
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
 from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
+from dualcam.study.optimisation import reading
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
 from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.genetic import hypervolume
@@ -224,6 +227,43 @@ def test_robust_optimum_keeps_a_distance_from_the_limit():
     )
     found = optimise(wanted)
     assert found.design["cam1.lead_angle"] == pytest.approx(0.6 - 0.05 * 0.9, abs=5e-4)
+
+
+def test_what_happens_by_chance_and_what_is_derived():
+    """The torque is F0 r tan(lambda + phi)/2 of two equal cams with the friction of each part."""
+    grease = Vary(distribution="uniform", arguments={"loc": 0.1, "scale": 0.1})
+    same = SAME | {"cam2.friction": "cam1.friction"}
+    model = FmuRuns(FORWARD, REST, {}, {"spring.preload": "100 * size"}, {"large enough": "size > 0.4"})
+    vary = {"cam1.lead_angle": Vary(0.3, 1.2), "size": Vary(0.2, 2.0), "cam1.friction": grease}
+    limits = {"torque_load": (None, 0.8), "spring.preload": (60.0, 60.0)}
+    goals = {"torque_load": "maximise"}
+    one = Optimisation(model, vary, goals, limits, same_as=same, percentile=90.0, samples=500, method="slsqp")
+    found = optimise(one)
+    assert found.design["size"] == pytest.approx(0.6, abs=1e-6)
+    assert found.design["spring.preload"] == pytest.approx(60.0, abs=1e-4)
+    assert "cam1.friction" not in found.design and "cam2.friction" not in found.design
+    lead = math.atan(2.0 * 0.8 / (60.0 * RADIUS)) - math.atan(0.19)  # 90 % of the parts have less friction
+    assert found.design["cam1.lead_angle"] == pytest.approx(lead, abs=1e-3)
+    worst = 60.0 * RADIUS / 2.0 * math.tan(lead + math.atan(0.11))  # 90 % have more
+    assert found.objectives["torque_load"] == pytest.approx(worst, rel=2e-3)
+    exact = 60.0 * RADIUS / 2.0 * math.tan(found.design["cam1.lead_angle"] + math.atan(0.15))  # the median
+    assert found.results["torque_load"] == pytest.approx(exact, rel=1e-6)
+    assert list(found.messages) and all("large enough" in text for text in found.messages)
+
+
+def test_texts_to_choose_from():
+    """Groove tables of lead angles 0.5, pi/4 and 1: the middle one gives the best efficiency."""
+    found = optimise(
+        Optimisation(
+            by_name, {"table": Vary(values=["flat", "middle", "steep"])}, {"eta": "maximise"}, budget=60
+        )
+    )
+    assert found.design == {"table": "middle"} and found.evaluated <= 60
+    assert set(found.designs["table"].tolist()) == {"flat", "middle", "steep"}
+
+
+def by_name(design):
+    return {"eta": float(efficiency({"flat": 0.5, "middle": math.pi / 4, "steep": 1.0}[design["table"]]))}
 
 
 # ---- interruptions ----
@@ -489,6 +529,29 @@ samples = 16
     begins = evaluator.design(evaluator.start())
     evaluator.close()
     assert begins["cam1.lead_angle"] == pytest.approx(math.radians(40.0))
+
+
+def test_the_page_names_every_key():
+    shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
+    keys = set(reading.OPTIMISE) | {f"constraints.NAME.{key}" for key in reading.CONSTRAINT}
+    assert keys | {f"tolerances.NAME.{key}" for key in reading.TOLERANCE} <= shown
+
+
+def test_all_mistakes_of_a_file_at_once(tmp_path):
+    path = tmp_path / "wrong.toml"
+    text = PLAN.replace('"20 deg"', '"80 deg"').replace("from = 0.5", "form = 0.5")
+    path.write_text(
+        text.replace('"slsqp"', '"slspq"\nbudgets = 1').replace("torque_release", "torque_releas")
+    )
+    with refused(
+        "5 mistakes",
+        "plan: cam1.lead_angle: from 1.39626 to 1.22173",
+        "optimise has budgets: did you mean budget",
+        "optimise: constraint efficiency has form: allowed are from, to",
+        "optimise: method = 'slspq'",
+        "no variable 'torque_releas'",
+    ):
+        read_optimisation(path)
 
 
 def test_a_plan_with_mistakes(tmp_path, capsys):

@@ -173,7 +173,7 @@ class StepNumbers:
             try:
                 steps, read_after = self._steps(self._scenario_of(rows[line]))
             except StudyError as error:
-                failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), str(error))
+                failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), "; ".join(error.problems))
                 continue
             key = key_of(steps, read_after)
             entry = by_key.setdefault(key, (Arrangement(steps, read_after), [], []))
@@ -317,5 +317,5 @@ class StepNumbers:
         try:
             self._steps(self._scenario_of(row))
         except StudyError as error:
-            return str(error)
+            return "; ".join(error.problems)
         return "scenario: a number of an input is not finite"

@@ -4,23 +4,42 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from dualcam.library import MODELS
-from dualcam.study.entries import NUMBER, QUANTITY, TABLE, TEXT, WHOLE, Kind, entries
+from dualcam.model_description import Scalar
+from dualcam.study.checking import Variables, problems_of_study
+from dualcam.study.entries import (
+    NUMBER,
+    QUANTITIES_BY_NAME,
+    QUANTITY,
+    TABLE,
+    TEXT,
+    WHOLE,
+    Kind,
+    entries,
+    hint,
+)
+from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import Units, fixed, number, units_of_fmu
-from dualcam.study.reading import read_plan, read_scenario
+from dualcam.study.reading import Reading
+from dualcam.study.scenario import Scenario
 
+TEXTS_BY_NAME = Kind(
+    "a table of texts",
+    lambda value: isinstance(value, Mapping) and all(isinstance(each, str) for each in value.values()),
+)
 OPTIMISE = {
-    "objectives": TABLE,
+    "objectives": TEXTS_BY_NAME,
     "constraints": TABLE,
     "tolerances": TABLE,
-    "start": TABLE,
+    "start": QUANTITIES_BY_NAME,
     "method": TEXT,
     "budget": WHOLE,
     "population": WHOLE,
@@ -43,9 +62,9 @@ FILE = {
     "plots": LISTS,
     "optimise": TABLE,
 }
-STUDY = {name: FILE[name] for name in ("plan", "results", "plots", "optimise")}
+STUDY = {name: FILE[name] for name in ("plan", "scenario", "results", "plots", "optimise")}
 ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
-T = TypeVar("T")
+REST = Scenario(1.0)  # instead of one that is refused, so that the rest can be checked
 
 
 def asks_for_optimum(path: Path) -> bool:
@@ -106,88 +125,103 @@ def read_optimisation(path: str | Path) -> Optimisation:
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         raise StudyError(f"{path} cannot be read as TOML: {error}") from error
-    try:
-        return _of_design(path) if "study" in content else _of_plan(content, path.parent)
-    except StudyError as error:
-        raise StudyError(f"{path}: {error}") from error
+    return _of_design(path) if "study" in content else _of_plan(path, content)
 
 
-def _of_plan(content: Mapping[str, Any], folder: Path) -> Optimisation:
+def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
     table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "optimise"))
-    fmu = table["fmu"] if table["fmu"] in MODELS else folder / table["fmu"]
-    units = units_of_fmu(fmu)
-    pieces = _Pieces()
-    scenario = pieces.read(read_scenario, table["scenario"], folder, units)
-    parameters = pieces.read(fixed, table.get("parameters", {}), units)
-    plan = pieces.read(_plan, table["plan"], folder, units)
-    goals = pieces.read(_goals, table["optimise"], units)
-    if scenario is not None and parameters is not None and plan is not None and goals is not None:
-        model = FmuRuns(fmu, scenario, parameters, plan.derived, plan.constraints)
-        return _task(model, plan, goals, table.get("results", ()))
-    raise pieces.error()
+    fmu = table["fmu"] if table["fmu"] in MODELS else path.parent / table["fmu"]
+    reading = _Reading(path, fmu)
+    scenario = reading.scenario_of(table["scenario"])
+    parameters = reading.attempt(fixed, table.get("parameters", {}), reading.units)
+    return reading.whole(table, scenario, parameters or {})
 
 
 def _of_design(path: Path) -> Optimisation:
     from dualcam.design_file import read_design
 
     design = read_design(path)
-    if design.scenario is None:
-        raise StudyError(
-            "an optimisation needs a [scenario]: what is done in each run, for example stop = 1.0"
-        )
     study = entries(design.study, "study", STUDY, ("plan", "optimise"))
-    units, pieces = units_of_fmu(design.model), _Pieces()
-    plan = pieces.read(_plan, study["plan"], path.parent, units)
-    goals = pieces.read(_goals, study["optimise"], units)
-    if plan is not None and goals is not None:
-        parameters = design.parameters_for()
-        model = FmuRuns(design.model, design.scenario, parameters, plan.derived, plan.constraints)
-        return _task(model, plan, goals, study.get("results", ()))
-    raise pieces.error()
+    reading = _Reading(path, design.model)
+    scenario = design.scenario
+    if "scenario" in study:
+        scenario = reading.scenario_of(study["scenario"])
+    elif scenario is None:
+        reading.note(["an optimisation needs a [scenario]: what is done in each run, such as stop = 1.0"])
+    return reading.whole(study, scenario, design.parameters_for())
 
 
-class _Pieces:
-    """Parts of a file that are read one by one, so that all mistakes are told at once."""
+class _Reading(Reading):
+    """One reading of a file. What is refused is left out, and the rest is read on."""
 
-    def __init__(self) -> None:
-        self._problems: list[str] = []
+    def __init__(self, path: Path, fmu: str | Path) -> None:
+        super().__init__(path.parent)
+        self._path, self._fmu = path, fmu
+        self.units = units_of_fmu(fmu)
 
-    def read(self, function: Callable[..., T], *arguments: object) -> T | None:
-        """What the function gives; None if the part has mistakes."""
-        try:
-            return function(*arguments)
-        except StudyError as error:
-            self._problems += error.problems
+    def whole(
+        self, table: Mapping[str, Any], scenario: Scenario | None, parameters: Mapping[str, Scalar]
+    ) -> Optimisation:
+        """The optimisation of all parts. StudyError with all mistakes, also names that the FMU has not."""
+        plan = self._plan_of(table["plan"])
+        goals = self._goals(table["optimise"])
+        results = table.get("results", ())
+        task: Optimisation | None = None
+        if plan is not None:
+            model = FmuRuns(self._fmu, scenario or REST, parameters, plan.derived, plan.constraints)
+            task = self.attempt(_task, model, plan, goals, results)
+        names = plan.names if plan else ()
+        others = {name: value for name, value in parameters.items() if name not in names}
+        read = task.read if task else [*results, *_results_in(goals["objectives"], names)]
+        self.note(problems_of_study(Variables.of_fmu(self._fmu), plan, scenario, read, others))
+        refuse(self.problems, str(self._path))
+        assert task is not None
+        return task
+
+    def scenario_of(self, content: Mapping[str, Any]) -> Scenario | None:
+        """The scenario of a table."""
+        from dualcam.study.schema import SCENARIO  # loads pydantic
+
+        table = self.validated(SCENARIO, content, "scenario", ("scenario",))
+        return self.scenario(table, self.units)
+
+    def _plan_of(self, content: Mapping[str, Any]) -> Plan | None:
+        """What varies. A plan of any kind will do: how its runs are arranged does not matter here."""
+        from dualcam.study.schema import PLAN
+
+        if "table" in content:
+            self.note(["a plan of a table has no bounds: an optimisation needs plan.vary"])
             return None
+        table = self.validated(PLAN, content, "plan", ("plan",))
+        kept = {name: value for name, value in table.items() if name not in ARRANGEMENT}
+        return self.plan(kept | {"kind": "latin", "runs": 1}, self.units)
 
-    def error(self) -> StudyError:
-        """All mistakes so far."""
-        try:
-            refuse(self._problems)
-        except StudyError as error:
-            return error
-        raise AssertionError("no part was refused")
+    def _goals(self, content: Mapping[str, Any]) -> dict[str, Any]:
+        """Arguments of Optimisation."""
+        unknown = [key for key in content if key not in OPTIMISE]
+        self.note([f"optimise has {key}{hint(key, OPTIMISE)}" for key in unknown])
+        wrong = {key for key in content if key in OPTIMISE and not OPTIMISE[key].suits(content[key])}
+        self.note(
+            [f"optimise: {key} = {content[key]!r}: allowed is {OPTIMISE[key].words}" for key in sorted(wrong)]
+        )
+        table = {key: value for key, value in content.items() if key in OPTIMISE and key not in wrong}
+        found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
+        found["objectives"] = table.get("objectives", {})
+        for part, read in PARTS.items():
+            made = {
+                name: self.attempt(read, name, value, self.units)
+                for name, value in table.get(part, {}).items()
+            }
+            found[part] = {name: value for name, value in made.items() if value is not None}
+        return found
 
 
-def _plan(content: Mapping[str, Any], folder: Path, units: Units) -> Plan:
-    """What varies. A plan of another kind will do: how its runs are arranged does not matter here."""
-    table = {name: value for name, value in content.items() if name not in ARRANGEMENT}
-    if "table" in table:
-        raise StudyError("a plan of a table has no bounds: an optimisation needs plan.vary")
-    return read_plan(table | {"kind": "latin", "runs": 1}, folder, units)
-
-
-def _goals(content: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Arguments of Optimisation."""
-    table = entries(content, "optimise", OPTIMISE)
-    pieces = _Pieces()
-    found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
-    found["objectives"] = pieces.read(_free, table, "objectives", TEXT)
-    for part, (kind, read) in PARTS.items():
-        given = pieces.read(_free, table, part, kind)
-        found[part] = {name: pieces.read(read, name, value, units) for name, value in (given or {}).items()}
-    if pieces._problems:
-        raise pieces.error()
+def _results_in(texts: Iterable[str], varied: Collection[str]) -> list[str]:
+    """Results in formulas, of which those that are none are told elsewhere."""
+    found: list[str] = []
+    for text in texts:
+        with suppress(StudyError):
+            found += [name for name in result_formula(text).names if name not in varied]
     return found
 
 
@@ -195,12 +229,6 @@ def _task(model: FmuRuns, plan: Plan, goals: Mapping[str, Any], results: Any) ->
     return Optimisation(
         model, plan.vary, same_as=plan.same_as, correlations=plan.correlations, results=results, **goals
     )
-
-
-def _free(table: Mapping[str, Any], part: str, kind: Kind) -> dict[str, Any]:
-    """A table whose keys are free and whose values are of one kind."""
-    found = table.get(part, {})
-    return dict(entries(found, f"optimise: {part}", dict.fromkeys(found, kind)))
 
 
 def _range(text: str, content: Mapping[str, Any], units: Units) -> Range:
@@ -226,8 +254,8 @@ def _start(name: str, value: float | str, units: Units) -> float | str:
     return number(f"optimise: start: {name}", name, value, units)
 
 
-PARTS: dict[str, tuple[Kind, Callable[..., Any]]] = {
-    "constraints": (TABLE, _range),
-    "tolerances": (TABLE, _deviation),
-    "start": (QUANTITY, _start),
+PARTS: dict[str, Callable[..., Any]] = {
+    "constraints": _range,
+    "tolerances": _deviation,
+    "start": _start,
 }

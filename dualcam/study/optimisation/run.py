@@ -23,7 +23,7 @@ from dualcam.study.optimisation.evaluation import Evaluator
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
-from dualcam.study.optimisation.task import Design, FmuRuns, Optimisation
+from dualcam.study.optimisation.task import FmuRuns, Optimisation
 from dualcam.study.problem import StudyError
 
 if TYPE_CHECKING:
@@ -152,7 +152,7 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
         objectives=dict(zip(task.objectives, objectives[best].tolist(), strict=True)),
         constraints=_nearer(search, constraints[best], search.excess[best]),
         feasible=len(fit) > 0,
-        active=[*_active_bounds(task, shares[best], design), *_active_limits(search, best)],
+        active=[*_active_bounds(task, shares[best]), *_active_limits(search, best)],
         violated=_violated(search, constraints[best], search.excess[best]),
         front={name: column[places] for name, column in designs.items() if name not in STATE},
         designs=designs,
@@ -213,14 +213,16 @@ def _nearer(search: Search, values: Array, excess: Array) -> dict[str, float]:
     return found
 
 
-def _active_bounds(task: Optimisation, shares: Array, design: Design) -> list[str]:
+def _active_bounds(task: Optimisation, shares: Array) -> list[str]:
     found = []
     for share, (name, vary) in zip(shares, task.designed.items(), strict=True):
         if vary.is_list:
             continue
-        for near, what in ((share < ACTIVE, "lower"), (share > 1.0 - ACTIVE, "upper")):
-            if near:
-                found.append(f"{name} is at its {what} bound, {design[name]:.6g}")
+        low, high = vary.limits()
+        if share < ACTIVE:
+            found.append(f"{name} is at its lower bound, {low:.6g}")
+        if share > 1.0 - ACTIVE:
+            found.append(f"{name} is at its upper bound, {high:.6g}")
     return found
 
 

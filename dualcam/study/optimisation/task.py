@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from dualcam.design.tolerances.tolerance import SHAPES, SIGMAS
 from dualcam.model_description import Scalar
 from dualcam.study.entries import hint, is_whole
 from dualcam.study.optimisation.formula import result_formula
@@ -20,6 +19,8 @@ from dualcam.study.scenario import Scenario
 
 METHODS = ("slsqp", "evolution", "nsga2")
 DIRECTIONS = ("minimise", "maximise")
+SHAPES = ("normal", "uniform", "triangular")  # as Tolerance.within, whose module loads scipy.stats
+SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
 Design = dict[str, float | str]
 Function = Callable[[Design], Mapping[str, float]]
 Range = tuple[float | None, float | None]
