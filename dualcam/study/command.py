@@ -70,6 +70,7 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         plots.check_file([study for study, _ in studies], settings.figure)
     for plan, (study, folder) in zip(plans, studies, strict=True):
         say(console, f"{plan.stem}: {study.plan.count:,} runs, {study.plan.kind}")
+        _tell_violations(study, console)
         begun = time.perf_counter()
         study.run_to_files(
             folder,
@@ -87,6 +88,17 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         if study.plots:
             beside = Path() if is_url(folder) else Path(folder)
             _draw([(study, folder)], beside / f"{plan.stem}.png", console)
+
+
+def _tell_violations(study: Study, console: Console) -> None:
+    """How many runs the constraints concern."""
+    if not study.plan.constraints:
+        return
+    bad, looked = study.plan.violating()
+    runs = f"{looked:,}" if looked == study.plan.count else f"the first {looked:,}"
+    then = "drawn again" if study.plan.redraws else "not made"
+    if bad:
+        say(console, f"{bad:,} of {runs} runs violate a constraint: {then}")
 
 
 def _below(folder: str | Path, name: str) -> str | Path:

@@ -12,6 +12,7 @@ from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.study.checking import Variables, problems_of_names, problems_of_study
 from dualcam.study.plan import Plan
+from dualcam.study.plot_keys import problems_of_plots
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import fixed, units_of_designs, units_of_fmu
 from dualcam.study.reading import Reading
@@ -102,23 +103,29 @@ def _study_of_plan(path: Path, content: Mapping[str, Any]) -> Study:
     units = _no_units if variables is None else units_of_fmu(fmu or "")
     parameters = reading.attempt(fixed, table.get("parameters", {}), units) or {}
     plan, scenario = reading.plan(table.get("plan"), units), reading.scenario(table.get("scenario"), units)
-    results = table.get("results", [])
     if variables is not None:
-        raw = _raw(reading, results, plan, scenario)
+        raw = _check_results(reading, table, plan, scenario)
         reading.note(problems_of_study(variables, plan, scenario, raw, parameters))
     refuse(reading.problems, str(path))
     assert fmu is not None and plan is not None and scenario is not None
-    return Study(fmu, plan, scenario, results, parameters, table.get("plots", ()))
+    return Study(fmu, plan, scenario, table["results"], parameters, table.get("plots", ()))
 
 
-def _raw(
-    reading: Reading, results: Sequence[str], plan: Plan | None, scenario: Scenario | None
+def _check_results(
+    reading: Reading, table: Mapping[str, Any], plan: Plan | None, scenario: Scenario | None
 ) -> Sequence[str] | None:
-    """What the FMU is asked for; None where a result is refused."""
+    """Notes what is wrong with results and pictures. What the FMU is asked for; None where a result is
+    refused."""
+    results, plots = table.get("results", []), table.get("plots", ())
     if not results or scenario is None:
         return None
     readings = reading.attempt(Readings, results, scenario.stop, plan.names if plan else ())
-    return None if readings is None else list(readings.raw)
+    if readings is None:
+        return None
+    if plan is not None and plots:
+        kind = table["plan"].get("kind", plan.kind)
+        reading.note(problems_of_plots(plots, kind, [*plan.names, *readings.columns]))
+    return list(readings.raw)
 
 
 def _no_units() -> Mapping[str, str | None]:
@@ -143,13 +150,12 @@ def _study_of_design(path: Path) -> Study:
     fixed_values = design.parameters_for()
     if plan is not None:
         fixed_values = {name: value for name, value in fixed_values.items() if name not in plan.names}
-    results = section.get("results", [])
     variables = Variables.of_fmu(design.model)
-    raw = _raw(reading, results, plan, scenario)
+    raw = _check_results(reading, section, plan, scenario)
     reading.note(problems_of_study(variables, plan, scenario, raw, fixed_values))
     refuse(reading.problems, str(path))
     assert plan is not None and scenario is not None
-    return Study(design.model, plan, scenario, results, fixed_values, section.get("plots", ()))
+    return Study(design.model, plan, scenario, section["results"], fixed_values, section.get("plots", ()))
 
 
 def _section(reading: Reading, content: Mapping[str, Any]) -> Any:  # noqa: ANN401

@@ -24,6 +24,7 @@ from dualcam.study.sampling.vary import Vary
 
 RUNS_MAX = 10**9  # the names of the files of results are in order up to there
 TRIES = 1000  # draws of a run that violates a constraint
+AT_ONCE = 20  # of them
 
 
 @dataclass(frozen=True)
@@ -428,14 +429,17 @@ class Plan:
 
     def _redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
         """Puts values that keep the constraints in place of others; random numbers by the run's number."""
-        for place in np.flatnonzero(any_of(self.violations(rows), len(rows))):
-            random = np.random.default_rng([self.seed, int(numbers[place])])
-            for _ in range(0, TRIES, 50):
-                again = self.completed(self._at(random.random((50, len(self.vary)))))
-                good = np.flatnonzero(~any_of(self.violations(again), len(again)))
-                if len(good):
-                    rows[place] = again[good[0]]
-                    break
+        left = np.flatnonzero(any_of(self.violations(rows), len(rows)))
+        random = {place: np.random.default_rng([self.seed, int(numbers[place])]) for place in left.tolist()}
+        for _ in range(0, TRIES, AT_ONCE):
+            if len(left) == 0:
+                return
+            shares = [random[place].random((AT_ONCE, len(self.vary))) for place in left.tolist()]
+            again = self.completed(self._at(np.concatenate(shares)))
+            good = ~any_of(self.violations(again), len(again)).reshape(len(left), AT_ONCE)
+            found = np.flatnonzero(good.any(axis=1))
+            rows[left[found]] = again[found * AT_ONCE + good[found].argmax(axis=1)]
+            left = np.delete(left, found)
 
     @cached_property
     def _order(self) -> list[tuple[str, Formula]]:

@@ -25,8 +25,8 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
-from dualcam.study.entries import NUMBER, TEXT, Kind, entries
-from dualcam.study.problem import StudyError
+from dualcam.study.plot_keys import columns_of, problems_of_plots
+from dualcam.study.problem import StudyError, refuse
 from dualcam.study.results import read_results
 from dualcam.study.study import Study
 
@@ -37,19 +37,6 @@ DOTS = 6_000  # of a cloud, likewise
 RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
 SEED = 1  # of what is chosen at random here
 THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
-NAMES = TEXT.listed()
-BEST = Kind(
-    "a list of two of max, min",
-    lambda value: NAMES.suits(value) and len(value) == 2 and not set(value) - {"max", "min"},
-)
-SHARE = Kind("a number above 0, at most 1", lambda value: NUMBER.suits(value) and 0.0 < value <= 1.0)
-KINDS = {
-    "map": {"x": TEXT, "y": TEXT, "z": TEXT},
-    "sobol": {"of": NAMES},
-    "pareto": {"x": TEXT, "y": TEXT, "best": BEST, "color": TEXT},
-    "parallel": {"axes": NAMES, "color": TEXT, "highlight": SHARE},
-}
-OPTIONAL = {"title", "highlight", "color", "best"}
 
 
 def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
@@ -77,20 +64,7 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    known = [*study.plan.names, *study.readings.columns]
-    for plot in study.plots:
-        kind = plot.get("kind", "")
-        if kind not in list(KINDS):
-            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KINDS)}")
-        kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-        entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
-        for name in _columns(plot):
-            if name not in known:
-                raise StudyError(f"plot {kind}: {name!r} is no column: allowed are {', '.join(known)}")
-        if kind == "sobol" and study.plan.kind != "indices":
-            raise StudyError(
-                f"plot sobol needs a plan of kind indices, this one is of kind {study.plan.kind}"
-            )
+    refuse(problems_of_plots(study.plots, study.plan.kind, [*study.plan.names, *study.readings.columns]))
 
 
 def check_file(studies: Sequence[Study], path: Path) -> None:
@@ -102,14 +76,9 @@ def check_file(studies: Sequence[Study], path: Path) -> None:
         raise StudyError(f"picture {path}: allowed are names that end in .{', .'.join(formats)}")
 
 
-def _columns(plot: Mapping[str, Any]) -> list[str]:
-    single = [plot[key] for key in ("x", "y", "z", "color") if key in plot]
-    return [*single, *plot.get("of", []), *plot.get("axes", [])]
-
-
 def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, Any]) -> None:
     columns = {
-        name: np.asarray(values, float) for name, values in read_results(folder, _columns(plot)).items()
+        name: np.asarray(values, float) for name, values in read_results(folder, columns_of(plot)).items()
     }
     with Fmu(study.path) as fmu:
         labels = {name: _label(fmu, name) for name in columns}

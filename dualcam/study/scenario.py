@@ -236,7 +236,25 @@ class Scenario:
     # ---- steps of a run ----
 
     def source(self, name: str, seen: tuple[str, ...] = ()) -> tuple[History, int]:
-        """The history with points or a sine, and how often it is differentiated."""
+        """The history from which an input follows.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+        seen : tuple of str
+            Inputs that are derivatives of this one.
+
+        Returns
+        -------
+        tuple of History and int
+            A history with points or a sine, and how often it is differentiated.
+
+        Raises
+        ------
+        StudyError
+            An input without a history, or inputs that are derivatives of each other in a circle.
+        """
         history = self.inputs.get(name)
         if history is None or name in seen:
             raise StudyError(
@@ -299,7 +317,18 @@ class Scenario:
         ]
 
     def asks(self) -> list[float]:
-        """Times at which the controller is asked [s]; none without a controller."""
+        """Times at which the controller is asked.
+
+        Returns
+        -------
+        list of float
+            Times [s]; none without a controller.
+
+        Raises
+        ------
+        StudyError
+            Too many times.
+        """
         return self._multiples(self.controller.period) if self.controller else []
 
     def _multiples(self, period: float) -> list[float]:
