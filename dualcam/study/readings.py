@@ -31,7 +31,10 @@ from dualcam.study.sampling.formula import Formula
 SERIES, FORMULA, VALUE = "series", "formula", "value"
 SAMPLED = (SERIES, "max", "min", "mean", "integral")
 SAMPLES_MAX = 1_000_000  # of one result in a run
-CALL = re.compile(rf"({'|'.join(SAMPLED)})\s*\((.+?)(?:,\s*(\w+)\s*=\s*(.+?))?\s*\)")
+CALL = re.compile(rf"({'|'.join(SAMPLED)})\s*\(([^=]+?)(?:,\s*(\w+)\s*=\s*([^()]*?))?\s*\)")
+INNER = re.compile(  # one that stands in a formula
+    r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
+)
 NAMED = re.compile(r"([^=<>!`@()]+?)\s*=(?!=)\s*(.+)")
 AT_TIME = re.compile(r"(?<![`\w.])([A-Za-z_][\w.]*@\d[\d.]*(?:[eE][-+]?\d+)?)(?!`)")
 RESERVED = ("run", "message")
@@ -93,6 +96,7 @@ class Readings:
     def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
         self._varied = tuple(varied)
         self._parsed: dict[str, Reading] = {}
+        self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
         problems: list[str] = []
         for text in results:
             try:
@@ -127,22 +131,27 @@ class Readings:
             raise StudyError(f"{column} is the name of another column: give another name")
         if call := CALL.fullmatch(body):
             return _sampled(column, call, stop)
-        return self._of_formula(column, body)
+        return self._of_formula(column, body, stop)
 
-    def _of_formula(self, column: str, body: str) -> Reading:
-        if inner := re.search(r"\b(series|integral|mean)\s*\(|\b(?:max|min)\s*\([^)]*=", body):
-            raise StudyError(
-                f"{inner[0].split('(')[0]}(...) with samples is no part of a formula: give that result a "
-                "name of its own before, and use the name"
-            )
+    def _of_formula(self, column: str, body: str, stop: float | str) -> Reading:
+        inner: dict[str, Reading] = {}
+
+        def stand_in(call: re.Match[str]) -> str:
+            inner[call[0]] = _sampled(call[0], call, stop)
+            return f"`{call[0]}`"
+
+        body = INNER.sub(stand_in, body)
+        if "series(" in body:
+            raise StudyError("a series is no part of a formula: allowed are results with one value")
         formula = Formula(AT_TIME.sub(r"`\1`", body))
         for name in formula.names:
             if name in self._parsed and self._parsed[name].kind == SERIES:
                 raise StudyError(f"{name} is a series: allowed in formulas are results with one value")
-        known = (*self._varied, *self._parsed)
-        return Reading(
-            column, FORMULA, tuple(name for name in formula.names if name not in known), formula=formula
-        )
+        self._inner |= inner
+        known = (*self._varied, *self._parsed, *inner)
+        raw = [name for name in formula.names if name not in known]
+        raw += [name for each in inner.values() for name in each.raw]
+        return Reading(column, FORMULA, tuple(raw), formula=formula)
 
     # ---- values ----
 
@@ -169,8 +178,14 @@ class Readings:
         """
         if self._is_plain:
             return dict(zip(self.columns, raw.T, strict=True))
-        by_name = {name: raw[:, k] for k, name in enumerate(self.raw)}
         places = {name: k for k, name in enumerate(self.raw)}
+        by_name = {name: raw[:, k] for name, k in places.items()}
+
+        def reduced(each: Reading) -> Column:
+            samples = raw[:, [places[name] for name in each.raw]]
+            return np.asarray(_REDUCED[each.kind](samples, np.array(each.times)))
+
+        by_name |= {name: reduced(each) for name, each in self._inner.items()}
         found: dict[str, Column] = {}
         for each in self._parsed.values():
             if each.formula is not None:
@@ -179,8 +194,7 @@ class Readings:
             elif each.kind == VALUE:
                 found[each.column] = by_name[each.raw[0]]
             else:
-                samples = raw[:, [places[name] for name in each.raw]]
-                found[each.column] = _REDUCED[each.kind](samples, np.array(each.times))
+                found[each.column] = reduced(each)
         if len(failed):
             for name, column in found.items():
                 found[name] = column = np.array(column)
