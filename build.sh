@@ -50,6 +50,7 @@ usage: ./build.sh [command] [arguments]
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
+  studygrowth  build, then run benchmarks.study_growth (some minutes): a study over its workers; arguments go to it
   view     build, then run benchmarks.view_page (a minute): how fast the page of `dualcam view` opens and draws; needs
            Chromium
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
@@ -178,7 +179,8 @@ case $command in
     hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
-    rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
+    rate) run_program '.[build,study]' -m benchmarks.study_rate "$@" ;;
+    studygrowth) run_program '.[build,study]' -m benchmarks.study_growth "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
         run_program '.[build,study]' -m dualcam study "$@"

@@ -71,7 +71,7 @@ def problems_of_study(
     variables: Variables,
     plan: Plan | None,
     scenario: Scenario | None,
-    results: Sequence[str],
+    results: Sequence[str] | None,
     parameters: Mapping[str, Scalar],
 ) -> list[str]:
     """What of a study the FMU does not have or allow, one text each. A part that is None is left out."""
@@ -79,7 +79,8 @@ def problems_of_study(
     if plan is not None:
         problems += problems_of_names(plan, scenario, variables.by_name)
         problems += _problems_of_start_values(variables, plan, parameters)
-    problems += _problems_of_results(variables, results, scenario)
+    if results is not None:
+        problems += _problems_of_results(variables, results, scenario)
     if scenario is not None:
         taken = [*(plan.names if plan else ()), *parameters]
         problems += _problems_of_inputs(variables, scenario, taken)

@@ -71,9 +71,8 @@ class Files:
             return False
         return True
 
-    def content(self, runs: range, block: Block) -> bytes:
-        """The file of these runs."""
-        rows = self.plan.rows(runs.start, runs.stop)
+    def content(self, runs: range, rows: Array, block: Block) -> bytes:
+        """The file of these runs, with the values of the plan."""
         messages = np.full(len(runs), "", dtype=object)
         for place, text in block.messages.items():
             messages[place] = text
@@ -86,9 +85,9 @@ class Files:
         """The columns of the plan: numbers, or the texts of Strings."""
         return varied_columns(self.plan.names, rows, self.plan.texts)
 
-    def write(self, runs: range, block: Block) -> Written:
+    def write(self, runs: range, rows: Array, block: Block) -> Written:
         """StudyError if it cannot be written."""
-        content = self.content(runs, block)
+        content = self.content(runs, rows, block)
         written = Written(len(content), checksum(content), len(block.messages))
         if not self.is_seen:
             return Written(written.size, written.checksum, written.failed, content)
@@ -101,8 +100,8 @@ def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]
     columns: dict[str, Column] = dict(zip(names, rows.T, strict=True))
     for name, known in texts.items():
         places, inverse = np.unique(columns[name].astype(int), return_inverse=True)
-        label = getattr(known, "label", known.__getitem__)
-        columns[name] = np.array([label(place) for place in places.tolist()], dtype=object)[inverse]
+        labels = [known.label(place) for place in places.tolist()]
+        columns[name] = np.array(labels, dtype=object)[inverse]
     return columns
 
 
@@ -126,7 +125,8 @@ class Task:
             block: Block = run(order)
             return block
         assert self.files is not None
-        return self.files.write(order, run(self.files.plan.rows(order.start, order.stop)))
+        rows = self.rows(order)
+        return self.files.write(order, rows, run(rows))
 
     def rows(self, order: range | Array) -> Array:
         """The values of the runs of an order."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import math
+import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from dualcam.fmu import Array
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
 
 UNREACHABLE_AFTER = "10s"
 NO_WORKERS_FOR = 30  # s, after that a cluster is given up
+COUNTED_EVERY = 1.0  # s
+GROUP_SECONDS = 0.5  # of orders that travel together: a message takes about a thousandth
+GROUP_MAX = 50  # orders
 
 
 def _distributed() -> Any:  # noqa: ANN401
@@ -30,10 +36,12 @@ def _distributed() -> Any:  # noqa: ANN401
         raise StudyError('a scheduler needs dask.distributed: pip install "dualcam[study]"') from None
 
 
-def _in_cluster(name: str, order: Order) -> Answer:
-    """In a Dask worker: the task is the one that the plugin brought."""
+def _in_cluster(name: str, orders: Sequence[Order]) -> tuple[list[Answer], float]:
+    """In a Dask worker: the answers, and the seconds that they took. The task is the one that the plugin
+    brought."""
     task: Task = _distributed().get_worker().plugins[name].task
-    return task.perform(order)
+    begun = time.perf_counter()
+    return [task.perform(order) for order in orders], time.perf_counter() - begun
 
 
 class Cluster(Workers):
@@ -50,6 +58,7 @@ class Cluster(Workers):
             raise StudyError("scheduler: an asynchronous Client: allowed is one with asynchronous = False")
         self._name = f"dualcam-study-{task.job.token}"
         self._is_sent = False
+        self._count, self._counted = 1, -math.inf
 
     def _connected(self, scheduler: str) -> Any:  # noqa: ANN401
         try:
@@ -62,7 +71,11 @@ class Cluster(Workers):
         return str(scheduler.address) if scheduler else "an unknown address"
 
     def count(self) -> int:
-        return max(1, sum(self._client.nthreads().values()))
+        """Threads of all workers, as of a second ago at most: asking takes a message."""
+        if time.monotonic() - self._counted > COUNTED_EVERY:
+            self._count = max(1, sum(self._client.nthreads().values()))
+            self._counted = time.monotonic()
+        return self._count
 
     def close(self) -> None:
         if self._client.status == "running" and self._is_sent:  # else nothing is left to tidy up
@@ -73,18 +86,22 @@ class Cluster(Workers):
 
     def answers(self, orders: Iterable[Order]) -> Answers:
         left = deque(enumerate(orders))
-        flying: dict[Any, tuple[int, Order]] = {}
+        flying: dict[Any, list[tuple[int, Order]]] = {}
+        done: SimpleQueue[Any] = SimpleQueue()
+        seconds = math.inf  # of an order
         try:
             self._send_task()
             self._client.wait_for_workers(1, timeout=NO_WORKERS_FOR)
             while left or flying:
-                room = AHEAD * self.count()
-                while left and len(flying) < room:
-                    place, order = left.popleft()
-                    flying[self._submit(order)] = place, order
-                for future in self._finished(list(flying)):
-                    place, order = flying.pop(future)
-                    yield place, self._answer(future, order)
+                flying |= self._submitted(left, self._room(len(flying)), seconds, done)
+                future = self._next(done)
+                group = flying.pop(future)
+                if (found := self._group_answers(future, group)) is None:
+                    flying |= {self._submit([one], done): [one] for one in group}
+                    continue
+                answers, taken = found
+                seconds = taken / len(group)
+                yield from zip((place for place, _ in group), answers, strict=True)
         except (OSError, TimeoutError, self._distributed.CancelledError) as error:
             raise StudyError(
                 f"the Dask cluster at {self._where()} does not answer any more, or has no workers: {error}. "
@@ -93,6 +110,37 @@ class Cluster(Workers):
         finally:
             with suppress(Exception):
                 self._client.cancel(list(flying))
+
+    def _room(self, flying: int) -> int:
+        """Groups to submit now: some at a time, which takes one message."""
+        most = AHEAD * self.count()
+        room = most - flying
+        return room if room >= most // 4 else 0
+
+    def _submitted(
+        self, left: deque[tuple[int, Order]], room: int, seconds: float, done: SimpleQueue[Any]
+    ) -> dict[Any, list[tuple[int, Order]]]:
+        """Groups of orders on their way, each long enough for its messages not to matter."""
+        groups: list[list[tuple[int, Order]]] = []
+        while left and len(groups) < room:
+            fair = len(left) // (2 * AHEAD * self.count())  # so that all workers have something to the end
+            size = max(1, min(fair, int(GROUP_SECONDS / max(seconds, 1e-6)), GROUP_MAX))
+            groups.append([left.popleft() for _ in range(min(size, len(left)))])
+        return {self._submit(group, done): group for group in groups}
+
+    def _group_answers(
+        self,
+        future: Any,  # noqa: ANN401
+        group: list[tuple[int, Order]],
+    ) -> tuple[list[Answer], float] | None:
+        """Answers and seconds. None if the group is to be made order by order, since its workers died."""
+        try:
+            found: tuple[list[Answer], float] = future.result()
+        except self._distributed.KilledWorker:
+            if len(group) > 1:
+                return None
+            return [self._alone(self._attempt, group[0][1])], math.inf
+        return found
 
     def _send_task(self) -> None:
         if self._is_sent:
@@ -111,29 +159,26 @@ class Cluster(Workers):
             ) from error
         self._is_sent = True
 
-    def _submit(self, order: Order) -> Any:  # noqa: ANN401
-        return self._client.submit(_in_cluster, self._name, order, pure=False)
-
-    def _answer(self, future: Any, order: Order) -> Answer:  # noqa: ANN401
-        try:
-            answer: Answer = future.result()
-        except self._distributed.KilledWorker:
-            return self._alone(self._attempt, order)
-        return answer
+    def _submit(self, group: Sequence[tuple[int, Order]], done: SimpleQueue[Any]) -> Any:  # noqa: ANN401
+        orders = [order for _, order in group]
+        future = self._client.submit(_in_cluster, self._name, orders, pure=False)
+        future.add_done_callback(done.put)
+        return future
 
     def _attempt(self, rows: Array) -> Block:
-        future = self._submit(rows)
-        self._finished([future])
+        done: SimpleQueue[Any] = SimpleQueue()
+        future = self._submit([(0, rows)], done)
+        self._next(done)
         try:
-            block: Block = future.result()
+            block: Block = future.result()[0][0]
         except self._distributed.KilledWorker as error:
             raise Died from error
         return block
 
-    def _finished(self, futures: list[Any]) -> Any:  # noqa: ANN401
-        """Those that are, at least one. TimeoutError if there has been no worker for a while: one that comes
+    def _next(self, done: SimpleQueue[Any]) -> Any:  # noqa: ANN401
+        """The next future that is done. TimeoutError if there has been no worker for a while: one that comes
         back is given the work anew."""
         while True:
-            with suppress(TimeoutError), self._client.as_current():
-                return self._distributed.wait(futures, NO_WORKERS_FOR, return_when="FIRST_COMPLETED").done
+            with suppress(Empty):
+                return done.get(timeout=NO_WORKERS_FOR)
             self._client.wait_for_workers(1, timeout=NO_WORKERS_FOR)

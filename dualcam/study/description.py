@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.study.checking import Variables, problems_of_names, problems_of_study
+from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.quantities import fixed, units_of_designs, units_of_fmu
 from dualcam.study.reading import Reading
+from dualcam.study.readings import Readings
 from dualcam.study.scenario import Scenario
 from dualcam.study.study import Study
 
@@ -102,10 +104,21 @@ def _study_of_plan(path: Path, content: Mapping[str, Any]) -> Study:
     plan, scenario = reading.plan(table.get("plan"), units), reading.scenario(table.get("scenario"), units)
     results = table.get("results", [])
     if variables is not None:
-        reading.note(problems_of_study(variables, plan, scenario, results, parameters))
+        raw = _raw(reading, results, plan, scenario)
+        reading.note(problems_of_study(variables, plan, scenario, raw, parameters))
     refuse(reading.problems, str(path))
     assert fmu is not None and plan is not None and scenario is not None
     return Study(fmu, plan, scenario, results, parameters, table.get("plots", ()))
+
+
+def _raw(
+    reading: Reading, results: Sequence[str], plan: Plan | None, scenario: Scenario | None
+) -> Sequence[str] | None:
+    """What the FMU is asked for; None where a result is refused."""
+    if not results or scenario is None:
+        return None
+    readings = reading.attempt(Readings, results, scenario.stop, plan.names if plan else ())
+    return None if readings is None else list(readings.raw)
 
 
 def _no_units() -> Mapping[str, str | None]:
@@ -132,7 +145,8 @@ def _study_of_design(path: Path) -> Study:
         fixed_values = {name: value for name, value in fixed_values.items() if name not in plan.names}
     results = section.get("results", [])
     variables = Variables.of_fmu(design.model)
-    reading.note(problems_of_study(variables, plan, scenario, results, fixed_values))
+    raw = _raw(reading, results, plan, scenario)
+    reading.note(problems_of_study(variables, plan, scenario, raw, fixed_values))
     refuse(reading.problems, str(path))
     assert plan is not None and scenario is not None
     return Study(design.model, plan, scenario, results, fixed_values, section.get("plots", ()))

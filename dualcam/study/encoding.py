@@ -55,11 +55,13 @@ def _parquet(columns: Mapping[str, Column], metadata: Mapping[str, Any]) -> byte
     arrays = [_arrow(pyarrow, column) for column in columns.values()]
     fields = [pyarrow.field(name, array.type) for name, array in zip(columns, arrays, strict=True)]
     schema = pyarrow.schema(fields, {METADATA: json.dumps(metadata)})
+    few = [name for name, column in columns.items() if _has_few_values(column)]
     sink = pyarrow.BufferOutputStream()
     parquet.write_table(
         pyarrow.table(arrays, schema=schema),
         sink,
-        use_dictionary=[name for name, column in columns.items() if _has_few_values(column)],
+        use_dictionary=few,
+        compression={name: "snappy" if name in few else "none" for name in columns},
         write_page_checksum=True,
     )
     return bytes(sink.getvalue())
@@ -73,7 +75,7 @@ def _arrow(pyarrow: Any, column: Column) -> Any:  # noqa: ANN401
 
 
 def _has_few_values(column: Column) -> bool:
-    """A dictionary of many values costs time and saves no bytes."""
+    """A dictionary of many values costs time and saves no bytes; nor does compression."""
     if column.ndim > 1 or column.dtype == np.int64:  # series; the numbers of the runs
         return False
     return column.dtype == object or len(np.unique(column[:: len(column) // SAMPLE + 1])) < FEW

@@ -90,8 +90,9 @@ class Evaluator:
         table = np.asarray(rows, float)
         if table.ndim != 2 or table.shape[1] != len(self.names):
             raise StudyError(f"rows of shape {table.shape}: allowed is (runs, {len(self.names)})")
+        varied = varied_columns(self.names, table, self._texts)
         if len(table) == 0:
-            return Block(self._readings.table(np.empty((0, len(self._readings.raw))), {}), {})
+            return Block(self._readings.table(np.empty((0, len(self._readings.raw))), varied), {})
         count = self._workers.count()
         size = math.ceil(len(table) / (SHARES * count)) if count > 1 else len(table)
         orders = [table[start : start + size] for start in range(0, len(table), size)]
@@ -101,5 +102,4 @@ class Evaluator:
             block = blocks[place]
             assert isinstance(block, Block)
             joined = Block.joined(joined, block)
-        varied = varied_columns(self.names, table, self._texts)
         return Block(self._readings.table(joined.values, varied, list(joined.messages)), joined.messages)

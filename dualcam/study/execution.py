@@ -55,11 +55,12 @@ class Workers(ABC):
 
     def _alone(self, attempt: Callable[[Array], Block], order: Order) -> Answer:
         """The answer to an order whose worker has died, whatever it takes."""
-        block = _halved(attempt, self.task.rows(order), len(self.task.job.results))
+        rows = self.task.rows(order)
+        block = _halved(attempt, rows, len(self.task.job.results))
         if not isinstance(order, range):
             return block
         assert self.task.files is not None
-        return self.task.files.write(order, block)
+        return self.task.files.write(order, rows, block)
 
 
 def _halved(attempt: Callable[[Array], Block], rows: Array, width: int) -> Block:

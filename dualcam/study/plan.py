@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from dualcam.fmu import Array
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.sampling import designs
-from dualcam.study.sampling.correlation import Copula, Correlation
+from dualcam.study.sampling.correlation import OPEN, Copula, Correlation
 from dualcam.study.sampling.formula import Formula
 from dualcam.study.sampling.rules import any_of, in_order, violations
 from dualcam.study.sampling.texts import Texts
@@ -24,7 +24,6 @@ from dualcam.study.sampling.vary import Vary
 
 RUNS_MAX = 10**9  # the names of the files of results are in order up to there
 TRIES = 1000  # draws of a run that violates a constraint
-OPEN = 2.0**-54  # distance of shares from 0 and 1 where normal scores are needed
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from dualcam.study.quantities import STRING, Units, in_si, in_unit, number
 from dualcam.study.sampling import tables
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.formula import is_formula
+from dualcam.study.sampling.profiles import profiles_of_file
 from dualcam.study.sampling.texts import GivenTexts
 from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Controller, History, Scenario
@@ -30,6 +31,7 @@ WITH = {  # keys of a name that vary together, by the key that says what the val
     "distribution": ("distribution", "from", "to", "count", "mean", "std", "arguments", "unit"),
     "from": ("from", "to", "count", "log", "unit"),
 }
+RUNS = 128  # in place of a number that is refused: every kind of plan takes it
 STAND_IN = Vary(0.0, 1.0, count=2)  # for values that are refused, so that the rest can be checked
 
 
@@ -44,14 +46,19 @@ class Reading:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._seed = 0  # of the plan
         self.problems: list[str] = []
         self._refused: set[str] = set()  # names with a mistake: what follows from it is no mistake of its own
+        self._used: set[str] = set()  # names in formulas, also in those that are refused
+        self._is_plan_whole = True
 
     def note(self, problems: Iterable[str]) -> None:
         """Further problems, but for those that follow from a mistake that is known."""
         for text in problems:
             told = re.split(r": did you mean|: allowed are", text)[0]
-            if not any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", told) for name in self._refused):
+            follows = any(re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", told) for name in self._refused)
+            follows |= any(told.startswith(f"plan: {name} is no variable") for name in self._used)
+            if not follows:
                 self.problems.append(text)
 
     def attempt(self, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
@@ -78,6 +85,7 @@ class Reading:
         from pydantic import ValidationError
 
         left = dict(content)
+        self._used |= _names_in(content)
         try:
             model.model_validate(left)
         except ValidationError as error:
@@ -93,6 +101,9 @@ class Reading:
                 self.problems.append(_words(problem, place, where, _fields(model, inner[:-1])))
                 if place[:2] == ("plan", "vary") and len(place) > 2:
                     self._refused.add(str(place[2]))
+                if place[:2] == ("plan", "correlation"):
+                    inner = inner[: 3 - len(within)]
+                self._is_plan_whole &= place[:1] != ("plan",) or len(place) != 2
                 left = _without(left, inner)
             for place, keys in lacking.items():
                 table = place[len(within) :]
@@ -111,6 +122,7 @@ class Reading:
             return self._plan_of_table(content, units)
         if "kind" not in content:
             self.note(["plan lacks kind"])
+        self._seed = content.get("seed", 0)
         same_as, vary = {}, {}
         for name, each in content.get("vary", {}).items():
             if "same_as" in each:
@@ -128,8 +140,8 @@ class Reading:
         }
         correlations = [self.attempt(_correlation, each) for each in content.get("correlation", ())]
         parts["correlations"] = [each for each in correlations if each is not None]
-        numbers = content.get("runs", 0), content.get("seed", 0)
-        made: Plan | None = self.attempt(lambda: Plan(content.get("kind", "grid"), vary, *numbers, **parts))
+        numbers = content.get("runs", 0 if self._is_plan_whole else RUNS), content.get("seed", 0)
+        made: Plan | None = self.attempt(lambda: Plan(content.get("kind", "random"), vary, *numbers, **parts))
         return made or self._rest(vary, same_as, parts["derived"])
 
     def _attempt_of(self, name: str, function: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
@@ -182,7 +194,7 @@ class Reading:
         if unit and name in units():
             raise StudyError(f"{where}: unit = {unit!r}: the FMU says the unit of {name}: leave unit out")
         if "table" in content:
-            return self._profiles(name, content, read)
+            return self._profiles(name, content)
         if "values" in content:
             values = content["values"]
             if units().get(name) == STRING or (name not in units() and _are_names(values)):
@@ -197,8 +209,22 @@ class Reading:
         }
         return Vary(low, high, count, log, (), content.get("distribution", ""), given, unit=unit)
 
-    def _profiles(self, name: str, content: Mapping[str, Any], read: Callable[[str, Any], float]) -> Vary:
-        raise StudyError(f"plan: {name}: table is not there yet")
+    def _profiles(self, name: str, content: Mapping[str, Any]) -> Vary:
+        """Tables with a random error. StudyError for a file or numbers that make none."""
+        where = f"plan: {name}"
+        if lacking := [key for key in WITH["table"] if key not in content]:
+            raise StudyError(f"{where} of table lacks {', '.join(lacking)}")
+        numbers = {}
+        for key, unit in (("deviation", "m"), ("correlation_length", "rad")):
+            value = content[key]
+            numbers[key] = in_unit(f"{where}: {key}", value, unit) if isinstance(value, str) else float(value)
+        try:
+            profiles = profiles_of_file(
+                self.folder / content["table"], **numbers, count=content["count"], seed=self._seed
+            )
+        except StudyError as error:
+            raise StudyError(f"{where}: {error}") from error
+        return Vary(values=profiles)
 
     # ---- the scenario ----
 
@@ -282,6 +308,15 @@ def _correlation(content: Mapping[str, Any]) -> Correlation:
     if len(kinds) != 1:
         raise StudyError(f"plan: correlation of {' and '.join(of)}: allowed is one of rank and pearson")
     return Correlation(of[0], of[1], float(content[kinds[0]]), kinds[0])
+
+
+def _names_in(content: Any) -> set[str]:  # noqa: ANN401
+    """What looks like a name in any text."""
+    if isinstance(content, str):
+        return set(re.findall(r"[A-Za-z_][\w.]*", content))
+    if isinstance(content, Mapping):
+        return {name for each in content.values() for name in _names_in(each)}
+    return {name for each in content for name in _names_in(each)} if isinstance(content, list) else set()
 
 
 def _texts(formulas: Mapping[str, Any]) -> dict[str, str]:

@@ -189,7 +189,8 @@ class Readings:
 
     def table(self, raw: Array, varied: Mapping[str, Column], failed: Sequence[int] = ()) -> Array:
         """The same as one array, shape (runs, columns); each instant of a series is a column."""
-        columns = [column.reshape(len(raw), -1) for column in self.of(raw, varied, failed).values()]
+        found = self.of(raw, varied, failed).values()
+        columns = [column if column.ndim > 1 else column[:, None] for column in found]
         return np.concatenate(columns, axis=1) if columns else np.empty((len(raw), 0))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from dualcam.study.chunk import RUNS, name_of
-from dualcam.study.encoding import Column, columns_of_csv, pyarrow_module
+from dualcam.study.encoding import Column, columns_of_csv, encoded, pyarrow_module
 from dualcam.study.problem import StudyError
 from dualcam.study.storage import Storage, storage_at
 from dualcam.study.store import RECORD, finished_in, is_sound, record_in
@@ -77,6 +77,43 @@ class Results(dict[str, Column]):
         0.15
         """
         pandas = _module("pandas")
+        frame = pandas.DataFrame(self._flat())
+        frame.attrs = {"study": self.study, "versions": self.versions}
+        return frame.set_index("run") if "run" in self else frame
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the table as one CSV file.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: a line of names, then a line for each run. A series has a column for each instant,
+            `name@time`.
+
+        Raises
+        ------
+        StudyError
+            The file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> from pathlib import Path
+        >>> import numpy as np
+        >>> from dualcam.study import Results
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = Path(folder) / "table.csv"
+        ...     Results({"run": np.array([0, 1]), "theta": np.array([0.1, 0.2])}).to_csv(path)
+        ...     path.read_text().split()
+        ['run,theta', '0,0.1', '1,0.2']
+        """
+        try:
+            Path(path).write_bytes(encoded(self._flat(), "csv", {}))
+        except OSError as error:
+            raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
+
+    def _flat(self) -> dict[str, Column]:
+        """With a column for each instant of a series."""
         flat: dict[str, Column] = {}
         for name, column in self.items():
             if column.ndim == 1:
@@ -85,9 +122,7 @@ class Results(dict[str, Column]):
                 variable = name.partition("(")[2].partition(",")[0] if "(" in name else name
                 times = self.series[name].tolist()
                 flat |= {f"{variable}@{time:.12g}": column[:, k] for k, time in enumerate(times)}
-        frame = pandas.DataFrame(flat)
-        frame.attrs = {"study": self.study, "versions": self.versions}
-        return frame.set_index("run") if "run" in flat else frame
+        return flat
 
     def to_xarray(self) -> Any:  # noqa: ANN401
         """The table for xarray.

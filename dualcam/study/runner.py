@@ -183,6 +183,8 @@ class Runner:
         calls += self._beginning(self._values(arrangement, 0))
         if control:
             self._sensed, self._commands = self._fmu.reals(*control.reads), self._fmu.reals(*control.writes)
+            if control.arguments:
+                self._window("law", c_double, len(control.arguments))
             calls.append(partial(self._control_start, control))
         calls += self._read([k for k, after in enumerate(arrangement.read_after) if after == FIRST])
         for number in range(len(arrangement.steps)):

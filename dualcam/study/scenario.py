@@ -162,7 +162,7 @@ class Scenario:
 
     def _problem_of_derivative(self, name: str) -> list[str]:
         try:
-            self._source(name)
+            self.source(name)
         except StudyError as error:
             return [str(error)]
         return []
@@ -235,7 +235,7 @@ class Scenario:
 
     # ---- steps of a run ----
 
-    def _source(self, name: str, seen: tuple[str, ...] = ()) -> tuple[History, int]:
+    def source(self, name: str, seen: tuple[str, ...] = ()) -> tuple[History, int]:
         """The history with points or a sine, and how often it is differentiated."""
         history = self.inputs.get(name)
         if history is None or name in seen:
@@ -244,11 +244,11 @@ class Scenario:
             )
         if not history.derivative_of:
             return history, len(seen)
-        return self._source(history.derivative_of, (*seen, name))
+        return self.source(history.derivative_of, (*seen, name))
 
     def _laws(self, name: str) -> list[tuple[float, list[float]]]:
         """Taylor pieces of an input, differentiated as often as its history says."""
-        history, times = self._source(name)
+        history, times = self.source(name)
         if history.shape == "sine":
             for _ in range(times):
                 history = history.derivative()
@@ -288,7 +288,7 @@ class Scenario:
                 "needs steps of one length" if fixed else "takes no derivatives of inputs, which change here"
             )
             raise StudyError(f"scenario: this FMU {why}: give step, in seconds")
-        asks = self._multiples(self.controller.period) if self.controller else []
+        asks = self.asks()
         grid = self._multiples(self.step) if self.step and (fixed or (bends and not interpolates)) else []
         times = self._merged([*([] if fixed else marks), *([] if fixed else asks), *grid])
         if fixed:
@@ -297,6 +297,10 @@ class Scenario:
             self._make_step(laws, start, end, interpolates, self._is_in(asks, start))
             for start, end in pairwise(times)
         ]
+
+    def asks(self) -> list[float]:
+        """Times at which the controller is asked [s]; none without a controller."""
+        return self._multiples(self.controller.period) if self.controller else []
 
     def _multiples(self, period: float) -> list[float]:
         count = math.ceil(min(self.stop / period, 2.0 * STEPS_MAX) * (1.0 - SAME_TIME))

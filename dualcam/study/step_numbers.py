@@ -5,7 +5,7 @@ plan is then a line of numbers that is copied into the buffer before the first c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import c_double, sizeof
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,10 +21,9 @@ from dualcam.study.resolved import values_of
 from dualcam.study.sampling.formula import formula
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.scenario import Scenario, Step, instants
+from dualcam.study.step_times import AT_ONE_INSTANT, FIRST, is_piecewise_linear, steps_of_rows
 
 Key = tuple[Any, ...]
-AT_ONE_INSTANT = 1e-9  # share of a step by which a reading may miss the end of the step
-FIRST = -1  # of a result that is read before the first step
 
 
 @dataclass(frozen=True)
@@ -162,6 +161,8 @@ class StepNumbers:
         """
         if self._is_linear:
             return self._linear_group(rows)
+        if is_piecewise_linear(self.scenario, self._interpolates, self._fixed):
+            return self._piecewise_groups(rows)
         columns = [self.names.index(name) for name in self.scenario.names]
         different, which = np.unique(rows[:, columns], axis=0, return_inverse=True)
         first = np.zeros(len(different), int)
@@ -172,7 +173,7 @@ class StepNumbers:
             try:
                 steps, read_after = self._steps(self._scenario_of(rows[line]))
             except StudyError as error:
-                failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), str(error))
+                failed |= dict.fromkeys(np.flatnonzero(which == place).tolist(), "; ".join(error.problems))
                 continue
             key = key_of(steps, read_after)
             entry = by_key.setdefault(key, (Arrangement(steps, read_after), [], []))
@@ -211,7 +212,7 @@ class StepNumbers:
         ]
         return np.column_stack(found) if found else np.empty((len(rows), 0))
 
-    # ---- runs whose steps are at the same times ----
+    # ---- many runs at once ----
 
     @cached_property
     def _is_linear(self) -> bool:
@@ -226,7 +227,7 @@ class StepNumbers:
 
     @cached_property
     def _formulas(self) -> list[str]:
-        """Of the values of inputs, one after another."""
+        """Of the values of inputs, each once: equal ones keep a step without a slope."""
         found: list[str] = []
 
         def note(text: str) -> float:
@@ -234,7 +235,7 @@ class StepNumbers:
             return 0.0
 
         self._replaced(note, float)
-        return found
+        return list(dict.fromkeys(found))
 
     def _replaced(
         self, of_formula: Callable[[str], float], of_number: Callable[[float], float]
@@ -257,13 +258,11 @@ class StepNumbers:
     @cached_property
     def _line_and_matrix(self) -> tuple[Arrangement, Array, Array]:
         """The arrangement, the numbers where all formulas are 0, and what each formula adds for 1."""
-        count = len(self._formulas)
         samples = [self._sample(self._replaced(lambda text: 0.0, float))]
-        for wanted in range(count):
-            units = iter(np.eye(count)[wanted].tolist())
+        for wanted in self._formulas:
 
-            def unit(text: str, left: Iterator[float] = units) -> float:
-                return next(left)
+            def unit(text: str, one: str = wanted) -> float:
+                return float(text == one)
 
             samples.append(self._sample(self._replaced(unit, lambda number: 0.0)))
         rates = [
@@ -279,7 +278,7 @@ class StepNumbers:
         ]
         line = np.array(numbers_of(whole[0]))
         added = [[replace(step, time=0.0, size=0.0) for step in steps] for steps in whole[1:]]
-        matrix = np.array([numbers_of(steps) for steps in added]).reshape(count, len(line))
+        matrix = np.array([numbers_of(steps) for steps in added]).reshape(len(added), len(line))
         return Arrangement(tuple(whole[0]), samples[0][1]), line, matrix
 
     def _sample(self, inputs: Mapping[str, History]) -> tuple[tuple[Step, ...], tuple[int, ...]]:
@@ -299,9 +298,24 @@ class StepNumbers:
         places = np.flatnonzero(finite)
         return [Group(arrangement, places, numbers[places])], failed
 
+    def _piecewise_groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
+        columns = dict(zip(self.names, rows.T, strict=True))
+
+        def evaluate(number: Number) -> Array:
+            if isinstance(number, str):
+                return formula(number).numbers(columns, len(rows))
+            return np.full(len(rows), float(number))
+
+        found, refused = steps_of_rows(self.scenario, self.results, evaluate, len(rows))
+        failed = {int(place): self._why_not(rows[place]) for place in refused}
+        groups = [
+            Group(Arrangement(each.steps, each.read_after), each.places, each.numbers) for each in found
+        ]
+        return groups, failed
+
     def _why_not(self, row: Array) -> str:
         try:
-            self._scenario_of(row)
+            self._steps(self._scenario_of(row))
         except StudyError as error:
-            return str(error)
+            return "; ".join(error.problems)
         return "scenario: a number of an input is not finite"

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
 NUMBERS_MAX = 2_000_000  # that the runs of a file are read for: 16 MB
+RUNS_PER_TEXT = 20  # in a file: to read a groove table takes as long as two runs
 CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end does not wait for one worker
 
 
@@ -208,7 +209,8 @@ class Study:
 
     def _runs_per_file(self) -> int:
         most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))
-        return min(most, math.ceil(self.plan.count / CHUNKS_MIN))
+        texts = math.prod(len(each) for each in self.plan.texts.values()) if self.plan.texts else 0
+        return min(most, max(math.ceil(self.plan.count / CHUNKS_MIN), RUNS_PER_TEXT * texts))
 
     def facts(self) -> dict[str, Any]:
         """What makes two studies the same: their results could be mixed.

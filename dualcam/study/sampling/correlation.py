@@ -21,6 +21,7 @@ from dualcam.study.problem import StudyError
 from dualcam.study.sampling.vary import Vary
 
 NODES = 40  # of Gauss-Hermite quadrature in each direction
+OPEN = 2.0**-53  # least distance of shares from 0 and 1, where scores are infinite
 LEAST_EIGENVALUE = 1e-10  # of the matrix of the copula
 
 
@@ -158,18 +159,21 @@ def _pearson(one: Vary, other: Vary) -> Callable[[float], float]:
     """Pearson's correlation of the values as a function of that of the normal scores."""
     from scipy.special import ndtr
 
+    def at(vary: Vary, scores: Array) -> Array:
+        return vary.at(np.clip(ndtr(scores), OPEN, 1.0 - OPEN))
+
     nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
     weights = weights / weights.sum()
-    x = one.at(ndtr(nodes))
+    x = at(one, nodes)
     mean_x = weights @ x
     std_x = math.sqrt(weights @ (x - mean_x) ** 2)
-    y = other.at(ndtr(nodes))
+    y = at(other, nodes)
     mean_y = weights @ y
     std_y = math.sqrt(weights @ (y - mean_y) ** 2)
 
     def correlation(rho: float) -> float:
         second = rho * nodes[:, None] + math.sqrt(1.0 - rho * rho) * nodes
-        values = other.at(ndtr(second).ravel()).reshape(second.shape)
+        values = at(other, second.ravel()).reshape(second.shape)
         mixed = weights @ ((x - mean_x)[:, None] * (values - mean_y)) @ weights
         return float(mixed / (std_x * std_y))
 

@@ -21,7 +21,7 @@ from dualcam.study.problem import StudyError
 
 LONGEST = 1000  # characters; a longer text is no formula of a person
 DEEPEST = 60  # levels of brackets
-CONSTANTS = {"pi": np.pi, "e": np.e}
+CONSTANTS = {"pi": np.pi}
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": np.sqrt,
     "exp": np.exp,
@@ -160,7 +160,7 @@ class Formula:
             place = getattr(error, "offset", None)
             where = f", at character {place}" if place else ""
             raise StudyError(
-                f"{self.text!r} is no formula{where}: {getattr(error, 'msg', error)}. Allowed are numbers, "
+                f"{self.text!r} is no formula{where}: {getattr(error, 'msg', error)}: allowed are numbers, "
                 "names, + - * / ^ ( ), comparisons and functions such as sqrt(x)"
             ) from None
 

@@ -24,6 +24,9 @@ class Texts(Protocol):
     def __getitem__(self, place: int) -> str:
         """The text at a place, from 0. The text of a file is a path that this machine can read."""
 
+    def label(self, place: int) -> str:
+        """The text in the table of results: the same on every machine."""
+
     def facts(self) -> list[str]:
         """What makes two lists the same, as plain data."""
 
