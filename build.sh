@@ -36,9 +36,9 @@ usage: ./build.sh [command] [arguments]
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
-           docs/variables.md and the keys of docs/design-file.md (seconds); docs/figures/mechanism.py,
-           docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
-           docs/tools/design_file_page.py; arguments go to all
+           docs/variables.md and the keys of docs/design-file.md and docs/study-plan.md (seconds);
+           docs/figures/mechanism.py, docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
+           docs/tools/design_file_page.py, docs/tools/study_plan_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
@@ -194,6 +194,7 @@ case $command in
         .venv/bin/python docs/figures/design_quantities.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
+        .venv/bin/python docs/tools/study_plan_page.py "$@"
         ;;
     cad)
         install_dependencies '.[test,cad]'

@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from study_cases import DESIGN, FORWARD, PUSH, closed, every_run_once, refused, runs_of, slow, study
+from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, slow, study
 
 from dualcam import Fmu
 from dualcam.study import Evaluator, Plan, Vary, read_results
@@ -247,3 +247,15 @@ def test_files_have_enough_runs_for_each_table(tmp_path):
     one = study(Plan("latin", vary, runs=400), PUSH, ["theta"], parameters={"cam1.profile": 3})
     one.run_to_files(tmp_path / "out", workers=0)
     assert len(list((tmp_path / "out" / "runs").iterdir())) == 7  # of 60 runs, 20 for each table
+
+
+def test_the_command_writes_into_a_store(store, tmp_path, monkeypatch, capsys):
+    """The picture is in the present folder."""
+    from dualcam.__main__ import main
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(PLAN.format(fmu=FORWARD))
+    assert main(["study", "small.toml", "--out", store, "--workers", "0"]) == 0
+    assert f"256 runs in {store}/small" in capsys.readouterr().out
+    assert len(read_results(f"{store}/small")["run"]) == 256
+    assert (tmp_path / "small.png").is_file()

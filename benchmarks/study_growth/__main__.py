@@ -23,6 +23,7 @@ from benchmarks.study_growth.measure import (
     on_dask,
     on_processes,
     over_tables,
+    processor_time,
     throughput,
 )
 from benchmarks.study_growth.paper import STORES, grown, most_workers
@@ -55,6 +56,19 @@ def growth(rounds: int, files: int, console: Console) -> tuple[list[dict[str, st
     return lines, ratios
 
 
+def processor_times(rounds: int, files: int, console: Console) -> list[dict[str, str]]:
+    """Of a run with one and with two processes: what two free processors would make of them."""
+    times = {count: [processor_time(count, files) for _ in range(rounds)] for count in (1, 2)}
+    lines = [
+        row("processor time", f"processes, workers {count}, us of a run", 1e6 * statistics.median(taken))
+        for count, taken in times.items()
+    ]
+    free = 2.0 * statistics.median(times[1]) / statistics.median(times[2])
+    lines.append(row("processor time", "processes, two over one if both processors are free", free))
+    harness.say(console, f"By processor time two workers are {free:.2f} times one")
+    return lines
+
+
 def parts(found: Costs) -> list[dict[str, str]]:
     texts = {
         "values of the plan": found.rows,
@@ -75,6 +89,7 @@ def main() -> int:
     console = harness.new_console()
     lines, ratios = growth(arguments.rounds, arguments.files, console)
 
+    lines += processor_times(arguments.rounds, arguments.files, console)
     found = costs(arguments.rounds)
     lines += (shown := parts(found))
     table = harness.table(f"A file of {FILE:,} runs", "what", "value")

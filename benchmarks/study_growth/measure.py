@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import statistics
 import tempfile
 import time
@@ -49,6 +50,21 @@ def throughput(make: Callable[[Task], Workers], files: int) -> float:
                 assert isinstance(written, Written) and written.failed == 0
                 store.accept(chunks[place], written)
             return files * FILE / (time.perf_counter() - begun)
+
+
+def processor_time(count: int, files: int) -> float:
+    """Seconds of processors for a run, of the study and of its processes together. Starting them is left out
+    by the difference of a large study and a small one. Other programs on the machine matter little."""
+
+    def used(size: int) -> float:
+        begun = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+        throughput(on_processes(count), size)
+        ended = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+        pairs = zip(begun, ended, strict=True)
+        return sum(b.ru_utime + b.ru_stime - a.ru_utime - a.ru_stime for a, b in pairs)
+
+    small = 2 * count
+    return (used(small + files) - used(small)) / (files * FILE)
 
 
 def on_processes(count: int) -> Callable[[Task], Workers]:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 UNREACHABLE_AFTER = "10s"
 NO_WORKERS_FOR = 30  # s, after that a cluster is given up
 COUNTED_EVERY = 1.0  # s
-GROUP_SECONDS = 0.5  # of orders that travel together: a message takes about a thousandth
+GROUP_SECONDS = 1.0  # of orders that travel together: a message takes about a thousandth
 GROUP_MAX = 50  # orders
 
 

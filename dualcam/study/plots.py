@@ -52,7 +52,7 @@ KINDS = {
 OPTIONAL = {"title", "highlight", "color", "best"}
 
 
-def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
+def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
     """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
     if one cannot be drawn."""
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
@@ -107,7 +107,7 @@ def _columns(plot: Mapping[str, Any]) -> list[str]:
     return [*single, *plot.get("of", []), *plot.get("axes", [])]
 
 
-def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -> None:
+def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, Any]) -> None:
     columns = {
         name: np.asarray(values, float) for name, values in read_results(folder, _columns(plot)).items()
     }

@@ -205,7 +205,7 @@ def _module(name: str) -> Any:  # noqa: ANN401
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise StudyError(f'{name} is not installed: pip install "dualcam[study]"') from None
+        raise StudyError(f'{name} is not installed: pip install "dualcam[tables]"') from None
 
 
 def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Results:

@@ -227,8 +227,57 @@ PLOT = _table(
         ),
     },
 )
+GOAL_LIMITS = _table(
+    "GoalLimits",
+    "Limits of a result",
+    {
+        "from": _entry(QUANTITY, "least value of the result or formula"),
+        "to": _entry(QUANTITY, "greatest value of the result or formula"),
+    },
+)
+TOLERANCE = _table(
+    "Tolerance",
+    "Deviation of made parts",
+    {
+        "plus_minus": _entry(QUANTITY, "half-width of the limits around the designed value", needed=True),
+        "shape": _entry(
+            TEXT,
+            '`"normal"` (if not given; the limits are three standard deviations away), `"uniform"` or '
+            '`"triangular"`',
+            enum=("normal", "uniform", "triangular"),
+        ),
+    },
+)
+OPTIMISE = _table(
+    "Optimise",
+    "The search for the best design",
+    {
+        "objectives": _entry(
+            NUMBERS_BY_NAME, '`"minimise"` or `"maximise"`, by the result or formula', needed=True
+        ),
+        "constraints": _nested(
+            GenericAlias(dict, (str, GOAL_LIMITS)), "limits by the result or formula, with the next two keys"
+        ),
+        "method": _entry(
+            TEXT, '`"slsqp"`, `"evolution"` or `"nsga2"`', enum=("slsqp", "evolution", "nsga2")
+        ),
+        "budget": _entry(WHOLE, "most designs that are evaluated, 2000 if not given"),
+        "population": _entry(WHOLE, "designs in a generation"),
+        "starts": _entry(WHOLE, "`slsqp`: searches from different designs, 4 if not given"),
+        "start": _entry(QUANTITIES_BY_NAME, "values of the design with which the search begins, by name"),
+        "seed": _entry(WHOLE, "start of the random numbers, 0 if not given"),
+        "tolerances": _nested(
+            GenericAlias(dict, (str, TOLERANCE)), "deviations of made parts by name, with the next two keys"
+        ),
+        "percentile": _entry(NUMBER, "share of the parts [%], 95 if not given"),
+        "samples": _entry(WHOLE, "parts of each design, 64 if not given"),
+        "difference": _entry(
+            NUMBER, "`slsqp`: step of the differences as a share of the bounds, 0.001 if not given"
+        ),
+    },
+)
 PLOTS_ENTRY = _nested(GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables")
-RESULTS = 'what is read in each run: `"name"` or `"name@time"`'
+RESULTS = 'what is read in each run, such as `"theta"`, `"theta@0.2"` or `"top = max(theta, every=0.01)"`'
 
 
 @cache
@@ -269,6 +318,16 @@ def section_model() -> type[BaseModel]:
     return model
 
 
+@cache
+def whole_model() -> type[BaseModel]:
+    """The pydantic model of a plan of a study or of an optimisation: every key that a plan may have."""
+    fields = {name: (field.annotation, field) for name, field in plan_model().model_fields.items()}
+    fields["results"] = _entry(TEXT.listed(), RESULTS)
+    fields["optimise"] = _nested(OPTIMISE, "the search for the best design")
+    model: type[BaseModel] = _table("Plan", "A parameter study or an optimisation of an FMU", fields)
+    return model
+
+
 def json_schema() -> dict[str, Any]:
     """JSON Schema of plans, for editors.
 
@@ -277,7 +336,7 @@ def json_schema() -> dict[str, Any]:
     dict
         Plain data.
     """
-    schema = plan_model().model_json_schema()
+    schema = whole_model().model_json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | _plain(schema)
 
 

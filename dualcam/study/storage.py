@@ -177,12 +177,17 @@ def _is_finished(name: str) -> bool:
     return not (name.startswith(".") and name.endswith(UNFINISHED))
 
 
+def is_url(place: str | Path) -> bool:
+    """Whether a place is the URL of a store, and no path."""
+    return not isinstance(place, Path) and "://" in place
+
+
 def storage_at(place: str | Path) -> Storage:
     """A folder, or the store of a URL such as s3://bucket/folder.
 
     StudyError if the store needs a package that is not installed."""
     text = str(place)
-    if isinstance(place, Path) or "://" not in text:
+    if not is_url(place):
         return Folder(Path(place))
     if text.startswith("file://"):
         return Folder(Path(text.removeprefix("file://")))
