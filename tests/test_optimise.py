@@ -16,7 +16,16 @@ from study_cases import FORWARD, refused
 from dualcam.__main__ import main
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
-from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
+from dualcam.study import (
+    Deviation,
+    FmuRuns,
+    Optimisation,
+    Scenario,
+    StudyError,
+    Vary,
+    optimise,
+    read_optimisation,
+)
 from dualcam.study.optimisation import reading
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
 from dualcam.study.optimisation.formula import result_formula
@@ -334,7 +343,7 @@ def test_another_search_in_the_folder_is_refused(tmp_path):
     optimise(bowl(Counted(), "slsqp", budget=30), tmp_path)
     with refused("holds another search", "other budget"):
         optimise(bowl(Counted(), "slsqp", budget=40), tmp_path)
-    with refused("other method"):
+    with pytest.raises(StudyError, match="^[^:]* holds another search .other method.: give another folder"):
         optimise(bowl(Counted(), "evolution", budget=30), tmp_path)
 
 

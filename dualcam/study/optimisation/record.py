@@ -40,6 +40,8 @@ class Record:
             folder.mkdir(parents=True, exist_ok=True)
             self._begin(folder, json.loads(json.dumps(facts)), versions)
             batches = self._read(folder / BATCHES)
+        except StudyError:
+            raise
         except (OSError, ValueError, KeyError) as error:
             raise StudyError(
                 f"{folder} cannot be used: {error}: give another folder, or delete it"
