@@ -258,9 +258,7 @@ OPTIMISE = _table(
         "constraints": _nested(
             GenericAlias(dict, (str, GOAL_LIMITS)), "limits by the result or formula, with the next two keys"
         ),
-        "method": _entry(
-            TEXT, '`"slsqp"`, `"evolution"` or `"nsga2"`', enum=("slsqp", "evolution", "nsga2")
-        ),
+        "method": _entry(TEXT, '`"slsqp"`, `"evolution"` or `"nsga2"`', enum=("slsqp", "evolution", "nsga2")),
         "budget": _entry(WHOLE, "most designs that are evaluated, 2000 if not given"),
         "population": _entry(WHOLE, "designs in a generation"),
         "starts": _entry(WHOLE, "`slsqp`: searches from different designs, 4 if not given"),
