@@ -586,6 +586,27 @@ def test_two_workers_find_the_same_by_the_command_line(tmp_path):
     assert one == two
 
 
+@pytest.mark.parametrize("shape", ["linear", "sine"])
+def test_the_best_design_of_a_scenario_with_formulas(tmp_path, shape):
+    """A design file has the numbers of this design; a sine is left out."""
+    points = {
+        "linear": 'time = [0.0, "rise"], value = [0.1, 0.5]',
+        "sine": "mean = 0.3, amplitude = 0.1, frequency = 1.0",
+    }
+    text = PLAN.replace('"forward"', '"inverse"').replace("0.001\n", "'2 * rise'\n")
+    text = text.replace("[optimise]", "[optimise]\nbudget = 20")
+    text = re.sub("inputs.tau = .*", f'inputs.theta = {{{points[shape]}, shape = "{shape}"}}', text)
+    path = tmp_path / "rising.toml"
+    path.write_text(text.replace("[plan.vary]", '[plan.vary]\nrise = {from = 0.2, to = 0.4, unit = "s"}'))
+    assert main(["study", str(path), "--out", str(tmp_path)]) == 0
+    best = read_design(tmp_path / "rising/best.toml")
+    assert best.parameters["cam1.lead_angle"] == best.parameters["cam2.lead_angle"]
+    assert (best.scenario is None) == (shape == "sine")
+    if best.scenario is not None:
+        assert best.model == "inverse"
+        assert best.scenario.stop == 2.0 * best.scenario.inputs["theta"].time[1]
+
+
 def test_a_plan_with_mistakes(tmp_path, capsys):
     path = tmp_path / "wrong.toml"
     path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
