@@ -1,10 +1,12 @@
 """Optimisation: optima, fronts and percentiles against closed forms and plain Monte Carlo; no interruption
 may lose or repeat a design."""
 
+import csv
 import json
 import math
 import re
 import sys
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -13,16 +15,28 @@ from scipy.integrate import quad
 from scipy.stats import uniform
 from study_cases import FORWARD, refused
 
+from case_studies import optimised_designs
 from dualcam.__main__ import main
 from dualcam.design_file import read_design
 from dualcam.errors import DualcamError
-from dualcam.study import Deviation, FmuRuns, Optimisation, Scenario, Vary, optimise, read_optimisation
+from dualcam.study import (
+    Deviation,
+    FmuRuns,
+    Optimisation,
+    Scenario,
+    StudyError,
+    Vary,
+    optimise,
+    read_optimisation,
+)
 from dualcam.study.optimisation import reading
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
 from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
-from dualcam.study.optimisation.record import BATCHES
+from dualcam.study.optimisation.record import BATCHES, Record
+from dualcam.study.optimisation.run import facts
+from dualcam.systems import elbow, knee
 
 REST = Scenario(1e-3)
 ANGLES = {"cam1.lead_angle": Vary(0.3, 1.2), "cam2.lead_angle": Vary(0.3, 1.2)}
@@ -334,11 +348,20 @@ def test_another_search_in_the_folder_is_refused(tmp_path):
     optimise(bowl(Counted(), "slsqp", budget=30), tmp_path)
     with refused("holds another search", "other budget"):
         optimise(bowl(Counted(), "slsqp", budget=40), tmp_path)
-    with refused("other method"):
+    with pytest.raises(
+        StudyError, match=r"^[^:]* holds another search \(other method\): give another folder"
+    ):
         optimise(bowl(Counted(), "evolution", budget=30), tmp_path)
 
 
-def test_the_seed_decides(tmp_path):
+def test_one_search_at_a_time_in_a_folder(tmp_path):
+    task = bowl(Counted(), "slsqp", budget=30)
+    with closing(Record(tmp_path, facts(task), {})), refused("another process is searching in"):
+        optimise(task, tmp_path)
+    assert optimise(task, tmp_path).evaluated == 30
+
+
+def test_the_seed_decides():
     one, two = (optimise(bowl(Counted(), "evolution")) for _ in range(2))
     assert_same(one, two)
 
@@ -554,6 +577,36 @@ def test_all_mistakes_of_a_file_at_once(tmp_path):
         read_optimisation(path)
 
 
+def test_two_workers_find_the_same_by_the_command_line(tmp_path):
+    path = tmp_path / "torque.toml"
+    path.write_text(PLAN)
+    for workers in ("0", "2"):
+        assert main(["study", str(path), "--out", str(tmp_path / workers), "--workers", workers]) == 0
+    one, two = ((tmp_path / workers / "torque" / BATCHES).read_bytes() for workers in ("0", "2"))
+    assert one == two
+
+
+@pytest.mark.parametrize("shape", ["linear", "sine"])
+def test_the_best_design_of_a_scenario_with_formulas(tmp_path, shape):
+    """A design file has the numbers of this design; a sine is left out."""
+    points = {
+        "linear": 'time = [0.0, "rise"], value = [0.1, 0.5]',
+        "sine": "mean = 0.3, amplitude = 0.1, frequency = 1.0",
+    }
+    text = PLAN.replace('"forward"', '"inverse"').replace("0.001\n", "'2 * rise'\n")
+    text = text.replace("[optimise]", "[optimise]\nbudget = 20")
+    text = re.sub("inputs.tau = .*", f'inputs.theta = {{{points[shape]}, shape = "{shape}"}}', text)
+    path = tmp_path / "rising.toml"
+    path.write_text(text.replace("[plan.vary]", '[plan.vary]\nrise = {from = 0.2, to = 0.4, unit = "s"}'))
+    assert main(["study", str(path), "--out", str(tmp_path)]) == 0
+    best = read_design(tmp_path / "rising/best.toml")
+    assert best.parameters["cam1.lead_angle"] == best.parameters["cam2.lead_angle"]
+    assert (best.scenario is None) == (shape == "sine")
+    if best.scenario is not None:
+        assert best.model == "inverse"
+        assert best.scenario.stop == 2.0 * best.scenario.inputs["theta"].time[1]
+
+
 def test_a_plan_with_mistakes(tmp_path, capsys):
     path = tmp_path / "wrong.toml"
     path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
@@ -570,3 +623,54 @@ def test_a_plan_whose_constraints_no_design_keeps(tmp_path, capsys):
     text = " ".join(capsys.readouterr().err.split())
     assert "designs keeps all constraints" in text and "which it misses by 0.33" in text
     assert "None of" in (tmp_path / "out/far/optimum.html").read_text(encoding="utf-8")
+
+
+# ---- the case study ----
+
+
+def case_study():
+    with (ROOT / "case_studies/optimised_designs.csv").open(newline="") as file:
+        return {
+            (row["system"], row["design"], row["quantity"]): float(row["value"])
+            for row in csv.DictReader(file)
+        }
+
+
+def test_numbers_of_the_page_are_those_of_the_script():
+    found, page = case_study(), (ROOT / "docs/use-optimise.md").read_text(encoding="utf-8")
+    lines = {
+        "first subject": "heat, first subject",
+        "first subject, 95 % of the parts": "heat of 95 % of the parts, first subject",
+        "second subject, not used in the search": "heat, second subject",
+    }
+    for words, quantity in lines.items():
+        values = (found["knee", design, quantity] for design in ("hand-made", "optimum", "robust optimum"))
+        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
+    for words, quantity in {
+        "1.5 kg": "heat_1.5kg",
+        "without payload": "heat_0kg",
+        "3 kg": "heat_3kg",
+    }.items():
+        values = (found["elbow", design, quantity] for design in ("hand-made", "optimum"))
+        assert f"| {words} | {' | '.join(f'{value:.2f} J' for value in values)} |" in page
+
+
+@pytest.mark.parametrize("design", ["hand-made", "optimum", "robust optimum"])
+def test_designs_of_the_script_give_their_heat(design):
+    """Values are kept to six digits."""
+    found = case_study()
+    values = {name: found["knee", design, name] for name in optimised_designs.KNEE}
+    heat = optimised_designs.knee_of(values)
+    assert heat["heat"] == pytest.approx(found["knee", design, "heat, first subject"], rel=1e-3)
+
+
+def test_hand_made_designs_are_those_of_the_systems():
+    """The parameters of the case study make the cams of the examples."""
+    values = optimised_designs.hand_made_knee()
+    cam, same = knee.design_cam(), knee.elliptical_cam(*values.values(), knee.FRICTION)
+    for name, value in cam.parameters().items():
+        assert same.parameters()[name] == pytest.approx(value, rel=1e-12)
+    assert list(optimised_designs.hand_made_elbow().values())[2:] == [
+        elbow.design_cam().preload,
+        elbow.design_cam().stiffness,
+    ]

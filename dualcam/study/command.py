@@ -26,7 +26,7 @@ class Settings:
     folder
         The folder, or URL of a store, that gets one folder for each plan.
     workers
-        Processes of this machine; 0: in this one; None: one per core.
+        Processes of this machine; 0: in this one; None: one per core, of an optimisation this one.
     scheduler
         Address of a Dask scheduler to be used instead.
     file_format
@@ -57,12 +57,10 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
     from dualcam.study.optimisation import command as optimisation
     from dualcam.study.optimisation.reading import asks_for_optimum
 
-    searches = [plan for plan in plans if asks_for_optimum(plan)]
-    plans = [plan for plan in plans if plan not in searches]
-    for plan in searches:
-        optimisation.run(plan, _local(settings.folder) / plan.stem, console)
     if len({plan.stem for plan in plans}) < len(plans):
         raise StudyError("two plans of the same name would share a folder: rename one")
+    searches = [plan for plan in plans if asks_for_optimum(plan)]
+    plans = [plan for plan in plans if plan not in searches]
     studies = [(read_study(plan), _below(settings.folder, plan.stem)) for plan in plans]
     for study, _ in studies:
         plots.check(study)
@@ -83,7 +81,15 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         _tell(study, folder, time.perf_counter() - begun, console)
     if settings.figure and studies:
         _draw(studies, settings.figure, console)
-        return
+    else:
+        _draw_each(plans, studies, console)
+    if searches:
+        folder, workers = _local(settings.folder), settings.workers or 0
+        optimisation.run(searches, folder, workers, settings.scheduler, console)
+
+
+def _draw_each(plans: Sequence[Path], studies: Sequence[tuple[Study, str | Path]], console: Console) -> None:
+    """One picture for each study, beside its results."""
     for plan, (study, folder) in zip(plans, studies, strict=True):
         if study.plots:
             beside = Path() if is_url(folder) else Path(folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,8 @@ from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import shown, write_page
 from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
-from dualcam.study.problem import StudyError
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.problem import StudyError, refuse
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,28 +24,41 @@ PAGE, BEST, FRONT_DESIGNS = "optimum.html", "best.toml", "front_designs"
 FRONT, DESIGNS = "front.csv", "designs.csv"
 
 
-def run(path: Path, folder: Path, console: Console) -> Optimum:
-    """Search for the optimum that a file describes, and write what was found into a folder.
+def run(paths: Sequence[Path], folder: Path, workers: int, scheduler: str | None, console: Console) -> None:
+    """Search for the optima that files describe, and write what was found into folders below this one.
 
     Raises
     ------
     StudyError
-        The task is wrong; or no design keeps all constraints, which is said after all files are written.
+        A task is wrong; or no design keeps all constraints, which is said after all searches.
     """
+    tasks = [(read_optimisation(path), path.stem) for path in paths]
+    found = [_search(task, folder / name, workers, scheduler, console) for task, name in tasks]
+    refuse([text for one in found for text in _shortfall(one)])
+
+
+def _shortfall(found: Optimum) -> list[str]:
+    """What to say of a search without a design that keeps all constraints."""
+    if found.feasible or found.folder is None:
+        return []
+    nearest = found.folder / (BEST if fits_design_file(found.task) else PAGE)
+    return [
+        f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints. The nearest one, "
+        f"{nearest}, misses: {'; '.join(found.violated)}"
+    ]
+
+
+def _search(
+    task: Optimisation, folder: Path, workers: int, scheduler: str | None, console: Console
+) -> Optimum:
     from dualcam.study.study import say
 
-    task = read_optimisation(path)
     say(console, f"{folder.name}: {task.method_used}, at most {task.budget:,} designs")
-    found = optimise(task, folder, console=console)
-    write_files(found, folder, path.stem)
+    found = optimise(task, folder, workers, scheduler, console)
+    write_files(found, folder, folder.name)
     for line in summary(found):
         say(console, line)
     say(console, f"page: {folder / PAGE}")
-    if not found.feasible:
-        raise StudyError(
-            f"none of {found.evaluated:,} designs keeps all constraints. The nearest one, {folder / BEST}, "
-            f"misses: {'; '.join(found.violated)}"
-        )
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -77,6 +76,8 @@ def _literal(name: str, value: Scalar) -> str:
 def _scenario_lines(scenario: Scenario, held: Mapping[str, float]) -> list[str]:
     if scenario.controller is not None:
         return ["", "# The scenario has a controller in Python, which a design file cannot have."]
+    if any(history.shape == "sine" for history in scenario.inputs.values()):
+        return ["", "# The scenario has a sine, which a design file cannot have."]
     lines = ["", "[scenario]", f"stop = {scenario.stop!r}  # s"]
     lines += [f"{name} = {value!r}" for name in ("step", "tolerance") if (value := getattr(scenario, name))]
     for name, history in scenario.inputs.items():
@@ -88,7 +89,6 @@ def _scenario_lines(scenario: Scenario, held: Mapping[str, float]) -> list[str]:
 
 def _history(history: History) -> str:
     time, value = ([float(x) for x in numbers] for numbers in (history.time, history.value))
-    assert all(map(math.isfinite, [*time, *value]))
     shape = "" if history.shape == "linear" else f', shape = "{history.shape}"'
     return f"{{time = {time}, value = {value}{shape}}}"
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from filelock import FileLock, Timeout
 
 from dualcam.reals import Array
 from dualcam.study.optimisation.evaluation import Batch
@@ -34,18 +35,30 @@ class Record:
         self._folder = folder
         self._known: Iterator[Batch] = iter(())
         self.resumed = 0  # designs on disk
+        self._lock: FileLock | None = None
         if folder is None:
             return
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _locked(folder)
             self._begin(folder, json.loads(json.dumps(facts)), versions)
             batches = self._read(folder / BATCHES)
+        except StudyError:
+            self.close()
+            raise
         except (OSError, ValueError, KeyError) as error:
+            self.close()
             raise StudyError(
                 f"{folder} cannot be used: {error}: give another folder, or delete it"
             ) from error
         self.resumed = sum(len(batch.shares) for batch in batches)
         self._known = iter(batches)
+
+    def close(self) -> None:
+        """Others may write there now."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
 
     def _begin(self, folder: Path, facts: dict[str, Any], versions: dict[str, str]) -> None:
         path = folder / FACTS
@@ -103,6 +116,20 @@ class Record:
                 f"cannot write {path}: {error.strerror or error}. What was evaluated before is kept: make "
                 "room, and give the same command again"
             ) from error
+
+
+def _locked(folder: Path) -> FileLock | None:
+    """A lock that ends with the process, whatever ends that; None where the file system has none."""
+    lock = FileLock(folder / ".lock")
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise StudyError(
+            f"another process is searching in {folder}: wait for its end, or give another folder"
+        ) from None
+    except NotImplementedError:  # such as NFS without locks
+        return None
+    return lock
 
 
 def _line(batch: Batch) -> bytes:

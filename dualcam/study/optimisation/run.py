@@ -90,7 +90,7 @@ def optimise(
     place = None if folder is None else Path(folder)
     with closing(Evaluator(task, workers, scheduler)) as evaluator:
         record = Record(place, facts(task), _versions(task))
-        with _progress(console, task, record.resumed) as on_batch:
+        with closing(record), _progress(console, task, record.resumed) as on_batch:
             search = Search(evaluator, record, on_batch)
             with suppress(BudgetSpent):
                 RUNS[task.method_used](search)
