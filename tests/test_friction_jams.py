@@ -1,4 +1,4 @@
-"""Friction that grows with the speed until a jam, and wedged rest (docs/mechanism.md, sections 6 and 9).
+"""Friction that grows with the sliding speed until it jams, and wedged rest (docs/mechanism.md).
 
 Oracles: the balances solved by SciPy, DOP853, the zero of a polynomial, and the balance of energy.
 """
