@@ -35,8 +35,9 @@ from dualcam import Fleet
 from dualcam.design.statics import Array
 from dualcam.systems import elbow
 from dualcam.systems.axis import angle_amid
-from dualcam.systems.current_loop import CONTROL_PERIOD, UnlimitedCurrentLoop
+from dualcam.systems.current_loop import CONTROL_PERIOD
 from dualcam.systems.motor import AK80_6
+from dualcam.systems.motor_bank import MotorBank
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 CAM = elbow.design_cam()
@@ -117,16 +118,16 @@ def run_block(fleet: Fleet, loops: Loops) -> tuple[Array, Array]:
         }
     )
     controllers, weight = Controllers(loops), elbow.weight(loops.payload)
-    motors = UnlimitedCurrentLoop(AK80_6, count)
+    motors = MotorBank(AK80_6, count)
     angle, speed = np.full(count, ANGLES[0]), np.zeros(count)
     square, total, state = np.zeros(count), np.zeros(count), np.empty((count, 2))
     tau = np.empty((count, 1))
     for k in range(PERIODS):
-        torque, heat = motors.run(controllers.torque(angle, k))
-        tau[:, 0] = torque + weight.torque(angle_amid(angle, speed, CONTROL_PERIOD))
+        motor = motors.run(controllers.torque(angle, k), speed)
+        tau[:, 0] = motor.torque + weight.torque(angle_amid(angle, speed, CONTROL_PERIOD))
         angle, speed = fleet.step(tau, CONTROL_PERIOD, state).T.copy()
         square += (angle - ANGLES[k + 1]) ** 2
-        total += heat
+        total += motor.heat
     return np.sqrt(square / (PERIODS)), total
 
 

@@ -6,7 +6,7 @@ import pytest
 from dualcam import Fmu
 from dualcam.systems import elbow
 from dualcam.systems.axis import CamAxis
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop, UnlimitedCurrentLoop
+from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop
 from dualcam.systems.motor import AK80_6
 from system_examples import controller_gains as example
 
@@ -50,16 +50,6 @@ def test_blocks_and_workers_change_nothing(monkeypatch):
     for block, workers in ((20, 2), (8, 3)):
         second = example.run(loops, block, workers)
         assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
-
-
-def test_a_current_loop_without_limit_is_the_current_loop():
-    random, many, one = np.random.default_rng(2), UnlimitedCurrentLoop(AK80_6, 4), CurrentLoop(AK80_6)
-    speed = 0.0
-    for _ in range(50):
-        wanted, speed = random.uniform(-4.0, 4.0), speed + random.uniform(-0.3, 0.3)
-        period, (torque, heat) = one.run(wanted, speed), many.run(np.full(4, wanted))
-        assert torque == pytest.approx([period.torque] * 4, rel=1e-12, abs=1e-12)
-        assert heat == pytest.approx([period.heat] * 4, rel=1e-12)
 
 
 def test_the_picks_are_the_minima_of_the_maps():

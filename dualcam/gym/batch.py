@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -13,7 +12,8 @@ from dualcam.fleet import Fleet
 from dualcam.gym.task import Motion, Scene, Task
 from dualcam.reals import Array
 from dualcam.systems.axis import angle_amid
-from dualcam.systems.current_loop import CONTROL_PERIOD, CurrentLoop, MotorPeriod
+from dualcam.systems.current_loop import CONTROL_PERIOD
+from dualcam.systems.motor_bank import MotorBank
 
 OUTPUTS = ("theta", "omega", "energy.heat_stop")
 
@@ -95,7 +95,7 @@ class Batch:
         self.count = count
         self.step_size = task.periods * CONTROL_PERIOD
         self.scene: Scene = {}
-        self.current_loop = CurrentLoop(task.motor)
+        self.motors = MotorBank(task.motor, count)
         self._outputs = np.zeros((count, len(OUTPUTS)))
         self._motion = Motion(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
 
@@ -166,7 +166,7 @@ class Batch:
             np.where(which, 0, before.period),
         )
         self._outputs[which, 2] = 0.0
-        self.current_loop.stop(None if which.all() else which)
+        self.motors.stop(which)
 
     def step(self, torque: ArrayLike) -> tuple[Array, Outcome]:
         """One step of all instances.
@@ -194,7 +194,7 @@ class Batch:
         stop_heat = self._outputs[:, 2].copy()
         for _ in range(self.task.periods):
             angle, speed, _, period = self._motion
-            motor = self._run_motors(wanted, speed)
+            motor = self.motors.run(wanted, speed)
             load = self.task.load_torque(self.scene, angle_amid(angle, speed, size), period)
             self._step_fleet(self.task.gear.cam_torque(motor.torque + load))
             reached = self.task.gear.angle(self._outputs[:, 0])
@@ -214,12 +214,6 @@ class Batch:
         over = task.is_over(self.scene, self._motion.period)
         outcome = Outcome(-cost, error, squared, drawn, returned, heat, impact, over)
         return task.observe(self.scene, self._motion), outcome
-
-    def _run_motors(self, torque: Array, speed: Array) -> MotorPeriod[Array]:
-        if self.count > 1:
-            return self.current_loop.run(torque, speed)
-        motor = self.current_loop.run(float(torque[0]), float(speed[0]))  # the same numbers in less time
-        return MotorPeriod(*(np.array([value]) for value in astuple(motor)))
 
     def _step_fleet(self, tau: Array) -> None:
         try:

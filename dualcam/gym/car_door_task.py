@@ -8,7 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.gym.task import Motion, Quantity, Range, Scene, Task, check_range, highest_speed, spread
+from dualcam.gym.task import (
+    Motion,
+    Quantity,
+    Range,
+    Scene,
+    Task,
+    check_range,
+    highest_speed,
+    spread,
+    torque_entry,
+)
 from dualcam.reals import Array
 from dualcam.systems import car_door
 from dualcam.systems.axis import CamGear
@@ -68,7 +78,7 @@ class CarDoorTask(Task):
             Quantity("angle", "rad", 0.0, car_door.OPEN),
             Quantity("speed", "rad/s", -speed, speed),
             Quantity("target", "rad", *ENDS),
-            Quantity("torque", "N.m", -self.motor.peak_torque, self.motor.peak_torque),
+            torque_entry(self.motor),
         )
 
     def parameters(self) -> dict[str, float | int]:

@@ -7,7 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.gym.task import Motion, Quantity, Range, Scene, Task, check_range, highest_speed, spread
+from dualcam.gym.task import (
+    Motion,
+    Quantity,
+    Range,
+    Scene,
+    Task,
+    check_range,
+    highest_speed,
+    spread,
+    torque_entry,
+)
 from dualcam.reals import Array
 from dualcam.systems import elbow
 from dualcam.systems.axis import CamGear
@@ -57,7 +67,7 @@ class ElbowTask(Task):
             Quantity("angle", "rad", 0.0, elbow.RANGE),
             Quantity("speed", "rad/s", -speed, speed),
             Quantity("target", "rad", *ENDS),
-            Quantity("torque", "N.m", -self.motor.peak_torque, self.motor.peak_torque),
+            torque_entry(self.motor),
         )
 
     def parameters(self) -> dict[str, float | int]:

@@ -9,7 +9,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.gym.task import Motion, Quantity, Range, Scene, Task, check_range, highest_speed, spread
+from dualcam.gym.task import (
+    Motion,
+    Quantity,
+    Range,
+    Scene,
+    Task,
+    check_range,
+    highest_speed,
+    spread,
+    torque_entry,
+)
 from dualcam.reals import Array
 from dualcam.systems import knee
 from dualcam.systems.axis import CamGear
@@ -139,7 +149,7 @@ class KneeTask(Task):
             Quantity("planned_speed", "rad/s", -fastest, fastest),
             Quantity("phase", "1", 0.0, 1.0),
             Quantity("cadence", "1", SLOWEST, FASTEST),
-            Quantity("torque", "N.m", -self.motor.peak_torque, self.motor.peak_torque),
+            torque_entry(self.motor),
         )
 
     def parameters(self) -> dict[str, float | int]:

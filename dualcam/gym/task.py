@@ -18,6 +18,7 @@ from dualcam.reals import Array
 from dualcam.systems.axis import CamGear
 from dualcam.systems.motor import Motor
 
+OVERSHOOT = 1.05  # of the peak torque: room for rounding, and for the current after a limit of the voltage
 Scene = dict[str, Array]
 Range = tuple[float, float]
 
@@ -39,6 +40,30 @@ class Quantity(NamedTuple):
     unit: str
     low: float
     high: float
+
+
+def torque_entry(motor: Motor) -> Quantity:
+    """The motor's torque as an entry of an observation.
+
+    Parameters
+    ----------
+    motor : Motor
+        The motor.
+
+    Returns
+    -------
+    Quantity
+        The peak torque and OVERSHOOT bound its values.
+
+    Examples
+    --------
+    >>> from dualcam.gym.task import torque_entry
+    >>> from dualcam.systems.motor import AK80_6
+    >>> torque_entry(AK80_6).name, torque_entry(AK80_6).unit
+    ('torque', 'N.m')
+    """
+    bound = OVERSHOOT * motor.peak_torque
+    return Quantity("torque", "N.m", -bound, bound)
 
 
 class Motion(NamedTuple):

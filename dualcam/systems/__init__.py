@@ -1,6 +1,7 @@
 """Blocks of systems with the dual cam: motor, loads, reference motions, controllers, and their closed loop.
 
     motor, current_loop                       a geared brushless motor under a PI current loop
+    motor_bank                                many of them
     gravity, pendulum                         loads: a mass on an arm, a body on a hinge, a hanging segment
     motions                                   reference motions: pick and place, Fourier series
     helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design

@@ -6,10 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Any, Generic
 
-import numpy as np
-from numpy.typing import NDArray
-
-from dualcam.design.statics import Array
 from dualcam.systems.elementwise import Number, extremes, limited
 from dualcam.systems.motor import Motor
 
@@ -91,21 +87,7 @@ class CurrentLoop:
         self.proportional = (1.0 - self.closed_pole) * motor.resistance / (1.0 - self.pole)  # V/A
         self.integral = self.proportional * (1.0 - self.pole)  # V/A per sample
         self.current: Any = 0.0  # A; an array after `run` with arrays
-        self._integral_voltage: Any = 0.0  # V, the PI's integral part
-
-    def stop(self, chosen: NDArray[np.bool_] | None = None) -> None:
-        """Begin anew without current.
-
-        Parameters
-        ----------
-        chosen : ndarray of bool, shape (count,), optional
-            Which of many motors. Default: all.
-        """
-        if chosen is None:
-            self.current = self._integral_voltage = 0.0
-        else:
-            self.current = np.where(chosen, 0.0, self.current)
-            self._integral_voltage = np.where(chosen, 0.0, self._integral_voltage)
+        self.integral_voltage: Any = 0.0  # V, the PI's integral part
 
     def run(self, torque: Number, speed: Number) -> MotorPeriod[Number]:
         """Run one control period.
@@ -131,7 +113,7 @@ class CurrentLoop:
         decay = motor.electrical_time_constant * (1.0 - pole)  # s, integral of the response from 1 to 0
         decay_square = 0.5 * decay * (1.0 + pole)  # s, integral of its square
         least, most = extremes(reference)
-        current, integral_voltage, peak = self.current, self._integral_voltage, abs(self.current)
+        current, integral_voltage, peak = self.current, self.integral_voltage, abs(self.current)
         charge = square = energy = 0.0 * reference  # integrals of i, i^2 and v i
         for _ in range(self.samples):
             error = reference - current
@@ -148,7 +130,7 @@ class CurrentLoop:
             energy = energy + (voltage + back_emf) * area
             current = final + start * pole
             peak = most(peak, abs(current))
-        self.current, self._integral_voltage = current, integral_voltage
+        self.current, self.integral_voltage = current, integral_voltage
         duration = period * self.samples
         return MotorPeriod(
             torque=motor.output_constant * charge / duration,
@@ -156,62 +138,3 @@ class CurrentLoop:
             heat=resistance * square,
             energy=energy,
         )
-
-
-class UnlimitedCurrentLoop:
-    """The current loops of many motors that never meet the limit of their voltage.
-
-    Without that limit the loop is linear, and all its samples within a control period make one map: torque at
-    the end and mean torque are linear in the torque at the beginning and in the wanted torque, the heat is
-    quadratic. The coefficients are measured on a `CurrentLoop`, and the results are the same to rounding.
-
-    Parameters
-    ----------
-    motor : Motor
-        The motor, which starts without current.
-    count : int
-        Number of motors.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from dualcam.systems.current_loop import UnlimitedCurrentLoop
-    >>> from dualcam.systems.motor import AK80_6
-    >>> loop = UnlimitedCurrentLoop(AK80_6, count=2)
-    >>> for _ in range(5):
-    ...     torque, heat = loop.run(np.array([5.0, -2.0]))
-    >>> torque.round(3).tolist(), heat.round(4).tolist()  # N.m, J
-    ([5.0, -2.0], [0.0143, 0.0023])
-    """
-
-    def __init__(self, motor: Motor, count: int) -> None:
-        loop = CurrentLoop(motor)
-        rise = loop.run(1.0, 0.0)  # from 0 to 1 N.m
-        self._mean_share = 1.0 - rise.torque
-        self._end_share = 1.0 - loop.current * motor.output_constant
-        for _ in range(20):
-            hold = loop.run(1.0, 0.0)
-        fall = loop.run(0.0, 0.0)
-        self._heats = hold.heat, hold.heat + fall.heat - rise.heat, fall.heat  # J/(N.m)^2
-        self.motor = motor
-        self.torque = np.zeros(count)  # N.m, at the end of the last period
-
-    def run(self, torque: Array) -> tuple[Array, Array]:
-        """Run one control period.
-
-        Parameters
-        ----------
-        torque : ndarray, shape (count,)
-            Torque asked for at the output [N.m]; larger ones than the motor's peak torque are cut.
-
-        Returns
-        -------
-        tuple of two ndarray, shape (count,) each
-            Mean torque at the output [N.m], and heat in the winding [J].
-        """
-        wanted = limited(torque, -self.motor.peak_torque, self.motor.peak_torque)
-        start = self.torque - wanted
-        self.torque = wanted + self._end_share * start
-        hold, mixed, fall = self._heats
-        heat = (hold * wanted + mixed * start) * wanted + fall * start * start
-        return wanted + self._mean_share * start, heat
