@@ -34,14 +34,16 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks.work_precision (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
+  friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
+           needs valgrind
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
-           docs/variables.md and the keys of docs/design-file.md (seconds); docs/figures/mechanism.py,
-           docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
-           docs/tools/design_file_page.py; arguments go to all
+           docs/variables.md and the keys of docs/design-file.md and docs/study-plan.md (seconds);
+           docs/figures/mechanism.py, docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
+           docs/tools/design_file_page.py, docs/tools/study_plan_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
@@ -53,6 +55,7 @@ usage: ./build.sh [command] [arguments]
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
+  studygrowth  build, then run benchmarks.study_growth (some minutes): a study over its workers; arguments go to it
   view     build, then run benchmarks.view_page (a minute): how fast the page of `dualcam view` opens and draws; needs
            Chromium
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
@@ -168,6 +171,7 @@ case $command in
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
+    friction) run_program '.[build]' -m benchmarks.friction_cost "$@" ;;
     worst) run_program '.[build]' -m benchmarks.worst_step "$@" ;;
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
@@ -183,7 +187,8 @@ case $command in
     hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
-    rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
+    rate) run_program '.[build,study]' -m benchmarks.study_rate "$@" ;;
+    studygrowth) run_program '.[build,study]' -m benchmarks.study_growth "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
         run_program '.[build,study]' -m dualcam study "$@"
@@ -197,6 +202,7 @@ case $command in
         .venv/bin/python docs/figures/design_quantities.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
+        .venv/bin/python docs/tools/study_plan_page.py "$@"
         ;;
     cad)
         install_dependencies '.[test,cad]'

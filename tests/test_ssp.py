@@ -103,6 +103,15 @@ def test_connectors_are_variables_and_connections_join_equal_units(example, stru
     assert len(read) == len(inputs) == len({id(end) for end in read})  # each is connected, once
 
 
+def test_masters_find_the_step_of_the_package(example, structure):
+    """libcosim's annotation stands in the experiment, OMSimulator's in the system."""
+    (cosim,) = structure.iter(tag("osp:FixedStepAlgorithm"))
+    (openmodelica,) = structure.find(tag("ssd:System")).iter(tag("oms:FixedStepMaster"))
+    steps = cosim.attrib["baseStepSize"], openmodelica.attrib["stepSize"]
+    assert [float(step) for step in steps] == [example.system.step] * 2
+    assert openmodelica.attrib["description"] == "oms-ma"
+
+
 def test_parameter_sets_have_one_name_and_set_parameters_in_their_units(example, structure):
     with zipfile.ZipFile(example.system.path) as archive:
         for component in structure.iter(tag("ssd:Component")):

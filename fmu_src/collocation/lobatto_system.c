@@ -68,15 +68,32 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* Where friction varies: f_i at the speeds of two nodes. */
-static inline void find_friction(const SlipMode *slip, const FrictionBase base[2], Vector2 omega, NodePair *n) {
+static void set_law(LobattoSystem *s) {
+    const SlipMode *slip = s->slip;
+    const Vector2 none = {0.0, 0.0};
+    s->sigma = none + slip->direction;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 sliding = n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction mu = friction_near(&slip->params->cam[i], &base[i], slip->direction * omega * sliding);
-        n->friction[i] = slip->direction * slip->flank[i] * mu.value;
-        n->dfriction_domega[i] = slip->flank[i] * sliding * mu.by_speed;
+        s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+        s->radius2[i] = none + r * r;
+    }
+}
+
+void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
+    s->slip = slip;
+    s->has_damper = slip->c + slip->q > 0.0;
+    s->is_resisted = slip->follower_has_inertia || s->has_damper || slip->params->shaft.damping > 0.0;
+    if (slip->friction_varies) set_law(s);
+}
+
+/* Where friction varies: f_i at the speeds of two nodes. */
+ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const Vector2 length2 = s->radius2[i] + n->slope[i] * n->slope[i];
+        const Vector2 sliding = s->sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
+        n->friction[i] = f.value;
+        n->dfriction_domega[i] = f.by_speed * sliding;
     }
     n->omega = omega;
 }
@@ -96,11 +113,12 @@ static void follow_speeds(LobattoSystem *s) {
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-static inline void find_factors(const SlipMode *slip, const FrictionBase base[2], Vector2 theta, Vector2 F_ext,
-                                Vector2 omega, bool varies, NodePair *n) {
+ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+                                              bool varies, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
-    if (varies) find_friction(slip, base, omega, n);
+    if (varies) find_friction(s, omega, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
@@ -111,20 +129,12 @@ static inline void find_factors(const SlipMode *slip, const FrictionBase base[2]
     n->force = spring->preload + n->z * rate + F_ext;
 }
 
-static inline bool has_damper(const SlipMode *slip) {
-    return slip->c + slip->q > 0.0;
-}
-
-/* True if alpha depends on the speed. */
-static inline bool is_resisted(const SlipMode *slip, bool varies) {
-    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0 || varies;
-}
-
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
  * forces of a sweep. */
-static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
+static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vector2 omega) {
+    const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
-    return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
+    return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
@@ -148,12 +158,13 @@ static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vec
 }
 
 /* alpha */
-static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 omega, bool varies, bool first,
+static inline Vector2 inertial_rhs(const LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first,
                                    NodePair *n) {
+    const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * f->delta;
     if (slip->follower_has_inertia) {
@@ -162,20 +173,21 @@ static inline Vector2 inertial_rhs(const SlipMode *slip, Vector2 tau, Vector2 om
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
-    if (is_resisted(slip, varies)) {
+    if (s->is_resisted) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
     const Vector2 alpha = net / n->mass;
     if (varies) {
         if (first) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
-        n->damping_rate += n->friction_damping;
+        n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
     }
     return alpha;
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
-static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
+static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const VectorContactFactors *f = &n->factors;
     const Vector2 lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
     n->mass = slip->params->shaft.damping * f->delta + slip->c * lever;
@@ -185,46 +197,36 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
         sum = n->mass + (Vector2){sqrt(square[0]), sqrt(square[1])};
     }
     const Vector2 omega = 2.0 * net / sum;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     return omega;
 }
 
-/* The balances at the nodes. `varies` is a constant of the compiler: friction that does not vary costs nothing. */
-ALWAYS_INLINE static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
-    const SlipMode *slip = s->slip;
+/* The balances at the nodes. */
+ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(slip, s->base, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+        find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
         if (lobatto_system_is_inertial(s))
-            s->y.half[k] = inertial_rhs(slip, s->tau.half[k], s->speed.half[k], varies, first, n);
-        else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
+            s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
+        else s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
     }
-}
-
-NOINLINE static void evaluate_varying(LobattoSystem *s, bool first) {
-    evaluate_with(s, true, first);
-}
-
-static inline void evaluate(LobattoSystem *s, bool first) {
-    if (s->slip->friction_varies) evaluate_varying(s, first);
-    else evaluate_with(s, false, first);
 }
 
 double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
-    find_factors(s->slip, s->base, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false,
-                 &pair);
-    return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
+    find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
+    return viscous_rhs(s, s->tau.half[last], &pair)[1];
 }
 
-/* True if at every node the slip mode is possible, and if without inertia the motion is stable and the flanks
- * support it. */
-static inline bool is_possible(const LobattoSystem *s) {
+/* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
+ * and where friction varies if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
+static inline bool is_possible(const LobattoSystem *s, bool varies) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
+        if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
@@ -259,7 +261,7 @@ static inline void place_nodes(LobattoSystem *s) {
 
 /* Estimate of the change of y by the next sweep. `change` is the change by the latest sweep. y is taken to grow with
  * theta at its mean rate over the step; the known dependence on the speed is taken off. */
-static inline LobattoValues predict_change(const LobattoSystem *s, const LobattoValues *change) {
+static inline LobattoValues predict_change(const LobattoSystem *s, const LobattoValues *change, bool varies) {
     const double h = s->h, per_angle = 1.0 / s->dtheta.at[LOBATTO_END];
     double growth = (s->y.at[LOBATTO_END] - s->y.at[0]) * per_angle;
     LobattoValues next = lobatto_combine(LOBATTO.once, change);
@@ -267,7 +269,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
-    const bool resisted = is_resisted(s->slip, s->slip->friction_varies);
+    const bool resisted = s->is_resisted || varies;
     if (resisted)
         growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
     const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
@@ -299,42 +301,63 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
 }
 
 /* One evaluation at the nodes; returns the change of y. */
-static inline LobattoValues sweep(LobattoSystem *s, bool first) {
+ALWAYS_INLINE static inline LobattoValues sweep(LobattoSystem *s, bool varies, bool first) {
     LobattoValues change = s->y;
-    evaluate(s, first);
+    evaluate(s, varies, first);
     for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
     return change;
 }
 
-bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
+/* Were the forces found near enough to the angle at which the step ends? Where alpha hardly depends on the speed, the
+ * last prediction is small long before. */
+static inline bool is_placed(const LobattoSystem *s) {
+    const double theta = s->theta + s->dtheta.at[LOBATTO_END];
+    return fabs(s->end_shift) <= LOBATTO_SHIFT_SHARE * s->slip->params->tolerance * fabs(theta);
+}
+
+/* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
+ * depend on the speed more than all else does. Then the first prediction includes the change of the speed by the sweep
+ * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
+ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double share = slip->friction_varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
-    const double wanted = share * slip->params->tolerance * fabs(s->omega) / per_y;
+    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
         if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
-        const LobattoValues change = sweep(s, n == 0);
+        const LobattoValues change = sweep(s, varies, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
-        const LobattoValues next = predict_change(s, &change);
+        LobattoValues next = predict_change(s, &change, varies);
+        if (varies && n == 0) {
+            const LobattoValues speed = lobatto_combine(LOBATTO.once, &next);
+            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * speed.half[k]);
+        }
         /* Where the motion slows down, friction needs the lower speed to the same share. */
-        const double slowed = slip->friction_varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
+        const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
         const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
-        for (int k = 0; k < LOBATTO_HALVES && !converged; k++) s->y.half[k] += next.half[k];
+        for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
-        if (converged && at_end) {
-            if (slip->friction_varies) follow_speeds(s);
-            return is_possible(s);
+        if (converged && at_end && (!varies || is_placed(s))) {
+            if (varies) follow_speeds(s);
+            return is_possible(s, varies);
         }
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
-            return at_end && size <= rounding && is_possible(s);
+            return at_end && size <= rounding && is_possible(s, varies);
         }
         before = size;
     }
     return false;
+}
+
+NOINLINE static bool solve_varying(LobattoSystem *s, const EndAngle *end) {
+    return solve_with(s, end, true);
+}
+
+bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
+    return s->slip->friction_varies ? solve_varying(s, end) : solve_with(s, end, false);
 }

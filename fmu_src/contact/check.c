@@ -8,6 +8,9 @@
 #include "model/csv_file.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
@@ -37,7 +40,7 @@ bool check_initial(const Params *p, Fault *fault) {
 
 /* ---- friction law ---- */
 
-bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
+COMPACT bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
     for (int i = 0; i < 2; i++) {
         const FrictionTable *table = p->cam[i].law.table;
         if (table && !isnan(table->falls_at)) {
@@ -58,7 +61,7 @@ bool check_falling_friction(const Params *p, const char *cause, const char *reme
     return true;
 }
 
-bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
+COMPACT bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
     const DamperParams *d = &p->damper;
     const bool damped = p->shaft.damping > 0.0 || (d->c_load + d->q_load > 0.0 && d->c_release + d->q_release > 0.0);
     for (int i = 0; i < 2 && !damped; i++) {
@@ -72,6 +75,8 @@ bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
     }
     return true;
 }
+
+COMPACT_END
 
 /* ---- jam ---- */
 
@@ -115,6 +120,8 @@ static double jam_in(const Params *p, const TransmissionPiece *piece, int sample
     }
     return NAN;
 }
+
+COMPACT_BEGIN
 
 /* Of a helix the parameter, as `cam1.lead_angle = 1.5`; of other grooves the lead angle at this slope. */
 static void name_lead(char text[80], const Params *p, int i, double slope) {
@@ -165,3 +172,5 @@ bool check_transmission(const Params *p, const char *resources, Transmission *tr
     if (good) *transmission = made;
     return good;
 }
+
+COMPACT_END

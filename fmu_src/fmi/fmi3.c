@@ -9,6 +9,9 @@
 #include "fmi/fmi.h"
 #include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 const char *fmi3GetVersion(void) {
     return fmi3Version;
@@ -17,7 +20,7 @@ const char *fmi3GetVersion(void) {
 /* ---- life ---- */
 
 /* In a message of FMI, #...# stands for a variable, and ## for #. */
-static void log_error(const Log *log, const char *name, const char *text) {
+COLD static void log_error(const Log *log, const char *name, const char *text) {
     (void)name; /* the environment tells instances apart */
     const fmi3LogMessageCallback logger = (fmi3LogMessageCallback)log->logger;
     if (logger == NULL) return;
@@ -277,3 +280,5 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
     return write_count(instance, __func__, nContinuousStates, CONTINUOUS_STATES);
 }
+
+COMPACT_END

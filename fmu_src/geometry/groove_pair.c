@@ -6,6 +6,9 @@
 #include "geometry/pin_position.h"
 #include "model/csv_file.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
 typedef struct {
@@ -90,3 +93,5 @@ bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fa
              first.text, second.text, theta, z);
     return false;
 }
+
+COMPACT_END

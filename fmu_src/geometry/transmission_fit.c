@@ -10,6 +10,7 @@
 #include "geometry/transmission_breakpoint.h"
 #include "numerics/chebyshev.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 typedef TransmissionBreakpoint Breakpoint;
 
@@ -28,7 +29,7 @@ typedef struct {
     double latest_theta;
 } Fit;
 
-static PinPosition position_at(Fit *fit, double theta) {
+NOINLINE static PinPosition position_at(Fit *fit, double theta) {
     const double sum = fit->latest.slope[0] + fit->latest.slope[1];
     const double dgamma_dtheta = sum > 0.0 ? fit->latest.slope[1] / sum : 0.5;
     const double guess = fit->latest.gamma + dgamma_dtheta * (theta - fit->latest_theta);
@@ -104,6 +105,8 @@ static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *
     set_allowed(fit, steepest, rounding, samples);
     return true;
 }
+
+COMPACT_BEGIN
 
 /* ---- polynomials of one piece ---- */
 
@@ -239,3 +242,5 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     free(breakpoint);
     return good;
 }
+
+COMPACT_END

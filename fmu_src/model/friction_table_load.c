@@ -10,6 +10,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 /* One line of the file. */
 typedef struct {
     double v; /* m/s */
@@ -164,3 +166,5 @@ void friction_tables_free(FrictionTables *tables) {
         tables->table[i] = NULL;
     }
 }
+
+COMPACT_END

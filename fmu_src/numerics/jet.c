@@ -39,7 +39,7 @@ NOINLINE Jet jet_multiply(const Jet *a, const Jet *b) {
     return product;
 }
 
-NOINLINE Jet jet_divide(const Jet *a, const Jet *b) {
+COMPACT Jet jet_divide(const Jet *a, const Jet *b) {
     Jet quotient;
     for (int k = 0; k < JET_TERMS; k++) {
         Dual rest = a->c[k];
@@ -51,7 +51,7 @@ NOINLINE Jet jet_divide(const Jet *a, const Jet *b) {
 }
 
 /* e = exp a: de/dt = e da/dt, so that k e_k = sum j a_j e_(k-j). */
-NOINLINE Jet jet_exp(const Jet *a) {
+COMPACT Jet jet_exp(const Jet *a) {
     const double start = exp(a->c[0].value);
     Jet e = {.c = {{start, start * a->c[0].slope}}};
     for (int k = 1; k < JET_TERMS; k++)
@@ -61,7 +61,7 @@ NOINLINE Jet jet_exp(const Jet *a) {
 }
 
 /* s s = a, so that 2 s_0 s_k = a_k less the products of the coefficients between. */
-NOINLINE Jet jet_sqrt(const Jet *a) {
+COMPACT Jet jet_sqrt(const Jet *a) {
     const double start = sqrt(a->c[0].value);
     const Dual twice_inverse = {0.5 / start, -0.25 * a->c[0].slope / (start * a->c[0].value)};
     Jet s = {.c = {{start, 0.5 * a->c[0].slope / start}}};

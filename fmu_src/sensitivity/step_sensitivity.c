@@ -8,6 +8,9 @@
 #include "forward/step.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* Per N.m of the torque's shift. */
 typedef struct {
@@ -172,6 +175,8 @@ static void pass_inertial(const Mechanism *m, EventKind event, double omega, Car
         v->x.omega += before.alpha * v->delay;
         return;
     }
+    v->delay = 0.0;
+    if (event == EVENT_LET_GO) return; /* the motion is not unique there: no derivative of the instant exists */
     if (event == EVENT_REST) {
         v->delay = finite_or_zero(-v->x.omega / before.alpha);
         v->x.omega = 0.0;
@@ -278,3 +283,5 @@ void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     else if (slip.regime == REGIME_RATE_INDEPENDENT) x->omega = speed_on_edge(&slip, again.state.theta.hi) * x->theta;
     *out = (StepSensitivity){finite_or_zero(x->theta), finite_or_zero(x->omega)};
 }
+
+COMPACT_END
