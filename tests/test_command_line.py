@@ -330,7 +330,7 @@ def test_a_study_begins_with_the_values_of_the_design(design, capsys):
     words = ("study", "my.toml", "--out", "runs", "--workers", "0", "--format", "csv")
     assert "3 runs" in spoken(capsys, *words).out
     loads = {}
-    for file in Path("runs/my").glob("runs-*"):
+    for file in Path("runs/my").rglob("*.csv"):
         with file.open(encoding="utf-8") as lines:
             loads |= {float(r["spring.preload"]): float(r["torque_load"]) for r in csv.DictReader(lines)}
     assert set(loads) == {50.0, 100.0, 150.0}

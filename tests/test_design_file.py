@@ -346,9 +346,13 @@ nonsense = 1
         *("line 3: contacts = 3: allowed is a whole number from 1 to 2", 'line 4: ledger = "yes": allowed'),
         *("line 5: title = 5: allowed is text in quotes", "line 7: spring.free_length is given"),
         *("line 8: [scenario] lacks stop", "line 9: [scenario] has tau and theta"),
-        *("line 10: [pin] lacks width", "line 12: [limits] lead_angle", "line 14: [study] the table has"),
+        *("line 10: [pin] lacks width", "line 12: [limits] lead_angle", "line 14: [study] 2 mistakes"),
     )
-    assert all(line.strip().startswith(start) for line, start in zip(text[1:], starts, strict=True)), text
+    assert text[-2:] == [
+        "  study has nonsense: allowed are results, plan, scenario, plots",
+        "  study lacks plan, results",
+    ]
+    assert all(line.strip().startswith(start) for line, start in zip(text[1:-2], starts, strict=True)), text
 
 
 @pytest.mark.parametrize(
@@ -371,7 +375,7 @@ nonsense = 1
         ("[pin]\nradius = 0\nwidth = 1", "radius = 0.0: allowed is a finite number > 0"),
         ("[limits]\nlead_angle = [5, 80]", "this looks like degrees; 5 deg is 0.0872665 rad"),
         ("[spring]\nfree_length = 0.02\nsolid_length = 0.03", "allowed is less than spring.free_length"),
-        ('[study]\nresults = ["theta"]\nplan = {kind = "gird"}', "plan of kind 'gird'"),
+        ('[study]\nresults = ["theta"]\nplan = {kind = "gird"}', "kind = 'gird': did you mean grid?"),
     ],
 )
 def test_other_refusals(refusal, text, words):

@@ -158,7 +158,7 @@ def test_no_compiler_is_needed_to_run(members):
     )
     needed = {r.name for r in map(Requirement, lines) if r.marker is None}
     assert {"numpy", "scipy", "click"} <= needed
-    assert not needed & {"ziglang", "fmpy", "filelock", "setuptools"}
+    assert not needed & {"ziglang", "fmpy", "setuptools"}
     extras = {str(r.marker) for r in map(Requirement, lines) if r.marker is not None}
     assert {f'extra == "{name}"' for name in PROJECT["optional-dependencies"]} == extras
 
