@@ -4,7 +4,9 @@
 #include <stdio.h>
 
 #include "contact/contact_factors.h"
+#include "contact/loaded_contacts.h"
 #include "geometry/transmission_build.h"
+#include "model/elements.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
 
@@ -60,8 +62,18 @@ static double load_margin(const Params *p, const double slope[2]) {
     return f.delta;
 }
 
+/* Where friction depends on the load: under the spring's force. */
+static bool loads_under_spring(const Params *p, const TransmissionPoint *point) {
+    const double F_s = spring_force(&p->spring, point->z);
+    Geometry g = cam_geometry(p->cam, point->slope);
+    int flank[2];
+    Transfer transfer;
+    return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer);
+}
+
 static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_at(piece, theta);
+    if (any_friction_depends_on_load(p)) return loads_under_spring(p, &point);
     return load_margin(p, point.slope) > 0.0;
 }
 
@@ -102,22 +114,26 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
     const TransmissionPoint point = piece_at(piece, theta); /* of a helix only the parameter is named */
     char lead[2][80];
     for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, point.slope[i]);
-    char peak[100] = "";
+    char peak[100] = "", load[120] = "";
     if (p->cam[0].law.peak != 1.0 || p->cam[1].law.peak != 1.0)
         snprintf(peak, sizeof peak, ", times cam1.friction_peak = %.17g and cam2.friction_peak = %.17g at rest",
                  p->cam[0].law.peak, p->cam[1].law.peak);
+    if (any_friction_depends_on_load(p))
+        snprintf(load, sizeof load, ", cam1.friction_load_exponent = %.17g, cam2.friction_load_exponent = %.17g",
+                 p->cam[0].law.load_exponent, p->cam[1].law.load_exponent);
     snprintf(fault->text, sizeof fault->text,
              "the contacts jam when loading at theta = %.17g: %s and %s with cam1.friction = %.17g and "
-             "cam2.friction = %.17g%s; kappa_1 + kappa_2 must be > 0 from stop.lower to stop.upper",
-             theta, lead[0], lead[1], p->cam[0].friction, p->cam[1].friction, peak);
+             "cam2.friction = %.17g%s%s; kappa_1 + kappa_2 must be > 0 from stop.lower to stop.upper",
+             theta, lead[0], lead[1], p->cam[0].friction, p->cam[1].friction, peak, load);
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
     const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
-    if (transmission->straight && loads_in_straight(p, transmission->piece)) return true;
+    const bool loaded = any_friction_depends_on_load(p);
+    if (transmission->straight && !loaded && loads_in_straight(p, transmission->piece)) return true;
     for (size_t i = 0; i < transmission->count; i++) {
         const TransmissionPiece *piece = &transmission->piece[i];
-        const double theta = transmission->straight ? piece->lower : jam_in(p, piece, samples);
+        const double theta = transmission->straight && !loaded ? piece->lower : jam_in(p, piece, samples);
         if (isnan(theta)) continue;
         describe_jam(fault, p, piece, theta);
         return false;

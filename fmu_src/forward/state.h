@@ -106,6 +106,7 @@ typedef struct {
 /* What Params imply. */
 typedef struct {
     Transmission transmission; /* geometry along theta; the only member that owns memory */
+    bool friction_is_loaded;   /* a friction coefficient depends on the load */
     bool closed_form;          /* helices and linear forces: slip is known at any time (linear_slip.h) */
     LinearSlipMode linear_slip[SLIP_MODE_COUNT]; /* by slip_index(); coefficients of the closed form */
     unsigned linear_slips;                       /* bit k: linear_slip[k] has been built; most slip modes never occur */
