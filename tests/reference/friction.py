@@ -57,8 +57,8 @@ class FrictionLaw:
         return self.kinetic * self.peak
 
     def at(self, v: Any, reaction: Any = None) -> Any:
-        """mu at the sliding speed v and the reaction of one contact. A trial step of the integrator may ask for a
-        small negative speed."""
+        """mu at the sliding speed v and the reaction of one contact. A trial step of the integrator may
+        ask for a small negative speed."""
         if not self.varies and not self.is_loaded:
             return self.kinetic
         ratio = max(v / self.stribeck_velocity, -2.0)
@@ -104,8 +104,8 @@ class LoadedContact:
 
 
 def reactions_under(contacts: tuple[LoadedContact, LoadedContact], axial: float, moment: float) -> np.ndarray:
-    """Both reactions R_i of one contact under the axial load A > 0 and the moment W, on the flanks e_i = 1: T_2 - T_1 =
-    W and the axial balance, solved by SciPy. Raises Refused where SciPy finds none."""
+    """Both reactions R_i of one contact under the axial load A > 0 and the moment W, on the flanks e_i = 1:
+    T_2 - T_1 = W and the axial balance, solved by SciPy. Raises Refused where SciPy finds none."""
 
     def residual(log_r: np.ndarray) -> list[float]:
         r = np.exp(log_r)

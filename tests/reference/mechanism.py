@@ -159,8 +159,8 @@ class Mechanism:
 
     def static_ratio(self, kin: Kinematics, direction: int, f0: Number | None = None) -> Number | None:
         """Edge of the stick band per unit of F_0 > 0 for motion in `direction`; None if no torque starts it.
-        F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0). Where friction depends
-        on the load, the ratio is that under |f0|."""
+        F_0 < 0 mirrors: the ratio for (sigma, F_0) is that for direction sigma * sign(F_0). Where friction
+        depends on the load, the ratio is that under |f0|."""
         order = [(1, 1), (1, -1), (-1, 1), (-1, -1)] if direction < 0 else [(1, 1)]
         for e in order:
             q = self.balance(kin, Slip(direction, e))
@@ -363,14 +363,16 @@ class Mechanism:
         self, kin: Kinematics, slip: Slip, omega: Number, tau: Number, f_ext: Number
     ) -> tuple[Load, np.ndarray]:
         def law(mu: np.ndarray) -> np.ndarray:
-            return self._law_at(kin, slip, self._load(kin, slip, omega, tau, f_ext, (mu[0], mu[1])))
+            return self._law_at(
+                kin, slip, self._load(kin, slip, omega, tau, f_ext, (float(mu[0]), float(mu[1])))
+            )
 
         if not self.inertial and any(friction.viscous > 0 for friction in self.laws):
             speed = self._loaded_speed(kin, slip, tau, f_ext)
             load, mu = self._loaded_at_speed(kin, slip, speed, f_ext)
         else:
             mu = self._fixed_point(slip, law)
-            load = self._load(kin, slip, omega, tau, f_ext, (mu[0], mu[1]))
+            load = self._load(kin, slip, omega, tau, f_ext, (float(mu[0]), float(mu[1])))
         self._refuse_locked(kin, slip, load, mu)
         return load, mu
 
@@ -381,18 +383,18 @@ class Mechanism:
         axial = self.spring_force(kin.z) + f_ext + self.damper_force(slip.sigma, kin.dz * omega)
 
         def under(mu: np.ndarray) -> Load:
-            q = self._balance(kin, slip, (mu[0], mu[1]))
+            q = self._balance(kin, slip, (float(mu[0]), float(mu[1])))
             return Load(omega, 0.0, self.r2 * q.n2 * axial / q.delta, self.r1 * q.n1 * axial / q.delta)
 
         mu = self._fixed_point(slip, lambda now: self._law_at(kin, slip, under(now)))
         return under(mu), mu
 
     def _loaded_speed(self, kin: Kinematics, slip: Slip, tau: Number, f_ext: Number) -> Number:
-        """Without inertia: the speed at which the torque is balanced, from rest in the direction of the torque."""
+        """Without inertia: the speed at which the torque is balanced, from rest on."""
 
         def left(omega: float) -> float:
-            load, mu = self._loaded_at_speed(kin, slip, omega, f_ext)
-            q = self._balance(kin, slip, (mu[0], mu[1]))
+            _, mu = self._loaded_at_speed(kin, slip, omega, f_ext)
+            q = self._balance(kin, slip, (float(mu[0]), float(mu[1])))
             axial = self.spring_force(kin.z) + f_ext + self.damper_force(slip.sigma, kin.dz * omega)
             return float(tau - self.b * omega - q.product / q.delta * axial)
 
@@ -418,8 +420,8 @@ class Mechanism:
             for law, length, r in zip(self.laws, lengths, reactions, strict=True)
         ]
         now, tangent = (
-            self._balance(kin, slip, (mu[0], mu[1])),
-            self._balance(kin, slip, (steep[0], steep[1])),
+            self._balance(kin, slip, (float(mu[0]), float(mu[1]))),
+            self._balance(kin, slip, (float(steep[0]), float(steep[1]))),
         )
         pairs = ((tangent.n1, now.n1), (tangent.n2, now.n2))
         return now.delta * tangent.delta > 0 and not any(t <= 0 < n for t, n in pairs)
@@ -432,7 +434,7 @@ class Mechanism:
             return None
         if not self._has_one_answer(kin, slip, load, mu):
             return None
-        return self._balance(kin, slip, (mu[0], mu[1]))
+        return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
 
     def _loaded_at_rest(self, kin: Kinematics, slip: Slip, f0: Number) -> tuple[Load, np.ndarray]:
         return self._loaded_at_speed(kin, slip, 0.0, f0 - self.spring_force(kin.z))
@@ -440,7 +442,10 @@ class Mechanism:
     def powers(self, kin: Kinematics, slip: Slip, load: Load, tau: Number, f_ext: Number) -> list[Number]:
         """Rates of the accounts FLOWS."""
         omega, v = load.omega, kin.dz * load.omega
-        mu1, mu2 = self._law_at(kin, slip, load) if self.is_loaded else self.friction(kin, slip, omega)
+        if self.is_loaded:
+            mu1, mu2 = (float(mu) for mu in self._law_at(kin, slip, load))
+        else:
+            mu1, mu2 = self.friction(kin, slip, omega)
         return [
             tau * omega,
             f_ext * v,

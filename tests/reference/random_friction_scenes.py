@@ -1,4 +1,4 @@
-"""Random scenes with friction that depends on the sliding speed and, every other one, on the reaction."""
+"""Random scenes with friction that depends on the sliding speed and, every fourth one, on the reaction."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from .scene import Interval
 from .simulation import simulate
 
 HELICAL_EVERY = 3  # every third scene has helical grooves
+LOADED_EVERY = 4  # every fourth scene has friction that depends on the reaction
 ANGLES = 41  # at which the scene must load
 
 
@@ -30,7 +31,7 @@ def random_friction_scene(
         params, intervals = random_scene(rng)
     else:
         params, intervals = random_general_scene(rng, folder)
-    loaded = number % 2 == 1
+    loaded = number % LOADED_EVERY == 1
     if loaded:  # the times at which rest ends are then those of a fixed band
         intervals = [replace(one, F_ext_rate=0.0, F_ext_rate2=0.0, F_ext_rate3=0.0) for one in intervals]
     found = _with_law(rng, dict(params), intervals, loaded)
@@ -60,10 +61,11 @@ def _with_law(
         if loaded:
             params[f"cam{i}.friction_load_exponent"] = float(rng.uniform(-0.5, 0.5))
             params[f"cam{i}.friction_load"] = peak[f"reaction{i}"] * log_uniform(rng, 0.1, 1.0)
+            varies = varies or mechanism.inertial
         if rng.random() < (0.5 if mechanism.inertial else 0.9):
             params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
             varies = True
-    return params if (varies or (loaded and mechanism.inertial)) and _loads(params) else None
+    return params if varies and _loads(params) else None
 
 
 def _loads(params: Params) -> bool:
