@@ -10,11 +10,13 @@ import test_model_exchange as exchange
 import test_output_derivatives as output_derivatives
 import test_step_sensitivity as step_sensitivity
 from driver import Driver, models
+from friction_scenes import LOADED_FILE, load
 from reference import Refused
 from reference.friction import FrictionLaw, LoadedContact, reactions_under, torque_of_symmetric_edge
 from reference.parameters import DEFAULTS
 from scipy.optimize import brentq
 from test_friction_law import STRIBECK, VISCOUS, WEARING, slope
+from test_general_accuracy import TOLERANCES, cuts, title, verdict
 from test_sensitivity import partial
 
 LOADED = {
@@ -23,6 +25,7 @@ LOADED = {
     "cam2.friction_load_exponent": -0.4,
     "cam2.friction_load": 150.0,
 }
+GROWING = LOADED | {"cam2.friction_load_exponent": 0.4}
 LAW = (
     "friction",
     "friction_peak",
@@ -195,7 +198,7 @@ def test_directional_derivatives(make_model, law, omega):
 
 def test_directional_derivatives_without_inertia(make_model):
     start = (
-        LOADED | VISCOUS | {"inertia.shaft": 0.0, "initial.theta": 0.4, "tau": 12.0, "damper.c_load": 300.0}
+        GROWING | VISCOUS | {"inertia.shaft": 0.0, "initial.theta": 0.4, "tau": 12.0, "damper.c_load": 300.0}
     )
 
     def one(name: str, value: float) -> Driver:
@@ -230,8 +233,8 @@ def test_directional_derivatives_with_an_elastic_shaft(make_model):
 
 REGIMES = {
     "inertial": output_derivatives.REGIMES["inertial"] | STRIBECK | LOADED,
-    "viscous": output_derivatives.REGIMES["viscous"] | LOADED,
-    "viscous by friction": VISCOUS | LOADED,
+    "viscous": output_derivatives.REGIMES["viscous"] | GROWING,
+    "viscous by friction": VISCOUS | GROWING,
     "rate-independent": LOADED,
 }
 
@@ -255,7 +258,7 @@ SCENES = {
     "to rest": Scene(step_sensitivity.SLIP | LOADED, 3.0, 0.05, mode=1, events=1, size=1e-3),
     "breakaway": Scene(step_sensitivity.REST | LOADED, 3.0, 0.03, (100.0,), events=1, size=1e-4),
     "viscous": Scene(
-        step_sensitivity.REST | step_sensitivity.MASSLESS | LOADED | {"damper.c_load": 500.0}, 7.0, 0.02
+        step_sensitivity.REST | step_sensitivity.MASSLESS | GROWING | {"damper.c_load": 500.0}, 7.0, 0.02
     ),
 }
 
@@ -281,19 +284,18 @@ def test_power_is_the_rate_of_the_heat(make_model):
 
 GROOVES = {"helices": {}, "ellipses": step_sensitivity.ELLIPSES}
 INERTIAS = {
-    "inertial": {},
-    "viscous": {"inertia.shaft": 0.0, "damper.c_load": 300.0, "damper.c_release": 200.0},
-    "viscous by friction": {"inertia.shaft": 0.0} | VISCOUS,
-    "rate-independent": {"inertia.shaft": 0.0},
+    "inertial": LOADED,
+    "viscous": GROWING | {"inertia.shaft": 0.0, "damper.c_load": 300.0, "damper.c_release": 200.0},
+    "viscous by friction": GROWING | {"inertia.shaft": 0.0} | VISCOUS,
+    "rate-independent": LOADED | {"inertia.shaft": 0.0},
 }
 
 
 @pytest.mark.parametrize("groove", GROOVES)
 @pytest.mark.parametrize("regime", INERTIAS)
 def test_ledger_closes_and_cuts_change_nothing(make_model, groove, regime):
-    """Loading, rest, releasing, stops; the heat is the integral of the friction power. 200 short steps end where
-    five long ones end."""
-    values = LOADED | GROOVES[groove] | INERTIAS[regime] | WEARING
+    """Loading, rest, releasing, stops. 200 short steps end where five long ones end."""
+    values = INERTIAS[regime] | GROOVES[groove] | WEARING
     long, short = (make_model(FORWARD).start(values) for _ in range(2))
     for tau in (6.0, 14.0, 4.0, 9.0, 0.0):
         long.step(0.08, tau=tau)
@@ -309,7 +311,7 @@ def test_ledger_closes_and_cuts_change_nothing(make_model, groove, regime):
 @pytest.mark.parametrize("regime", INERTIAS)
 def test_rest_ends_where_the_torque_leaves_the_band(make_model, regime):
     """F_ext grows while cam 2 rests: the band's edge is no straight line of the time."""
-    p = LOADED | INERTIAS[regime] | {"initial.theta": 0.4, "tau": 12.0}
+    p = INERTIAS[regime] | {"initial.theta": 0.4, "tau": 12.0}
     fmu = make_model(FORWARD).start(p | {"F_ext": 900.0})
     full = p | {"cam1.radius": 0.02, "cam2.radius": 0.02}
     assert fmu.get("mode") == 1
@@ -378,3 +380,89 @@ def test_a_restored_run_repeats(make_model):
         fmu.step(0.02, tau=11.0)
         runs.append([fmu.get(n) for n in ("theta", "omega", "wear.cam1", "energy.heat_cam2")])
     assert runs[0] == runs[1]
+
+
+# ---- locks and refusals ----
+
+
+def test_contact_locks_above_a_load(make_model):
+    """T = R (s - mu(R)) of a releasing contact grows up to mu (1 + nu) = s. Beyond, two reactions give one
+    torque: the spring does not drive the mechanism back, whatever its force."""
+    p = {f"cam{i}.friction_load_exponent": 0.5 for i in (1, 2)} | {f"cam{i}.lead_angle": 0.35 for i in (1, 2)}
+    p |= {"initial.theta": 0.3, "tau": 0.0, "contacts": 1}
+    contact = contacts_of(p, 0.0, -1)[0][0]
+    largest = brentq(lambda r: contact.lead - contact.law.tangent(0.0, r), 1.0, 1e6)
+    F_0 = 2 * contact.axial(largest)
+    spring = make_model(FORWARD).start(p).get("spring.force")
+    below, above = (make_model(FORWARD).start(p | {"F_ext": F_0 * k - spring}) for k in (1 - 1e-6, 1 + 1e-6))
+    assert below.get("torque_release") == pytest.approx(contact.torque(largest), rel=1e-9)
+    assert below.get("torque_release") > 0
+    assert above.get("torque_release") <= 0
+    assert (below.get("mode"), above.get("mode")) == (3, 6)
+    above.step(0.1, tau=0.0, F_ext=F_0 * (1 + 1e-6) - spring)
+    assert above.get("theta") == 0.3
+
+
+def test_lubrication_moves_the_lock(make_model):
+    """With mu_v v the lock is at s = mu + nu (mu - mu_v v): the lubricated part has no load in it."""
+    p = {f"cam{i}.friction_load_exponent": 0.5 for i in (1, 2)} | {f"cam{i}.lead_angle": 0.35 for i in (1, 2)}
+    p |= {f"cam{i}.friction_viscous": 1.0 for i in (1, 2)} | {"theta": 0.3, "contacts": 1, "omega": -2.0}
+    contact = contacts_of(p, 2.0, -1)[0][0]
+    assert contact.law.viscous * contact.speed > 0.01
+    largest = brentq(lambda r: contact.lead - contact.law.tangent(contact.speed, r), 1.0, 1e6)
+    F_0 = 2 * contact.axial(largest)
+    spring = make_model(INVERSE).start(p).get("spring.force")
+    fmu = make_model(INVERSE).start(p | {"F_ext": F_0 * (1 - 1e-6) - spring})
+    assert fmu.get("tau") == pytest.approx(contact.torque(largest), rel=1e-9)
+    fmu.set({"F_ext": F_0 * (1 + 1e-6) - spring})
+    assert fmu.try_get(["tau"])[0] == 3
+
+
+def test_jam_under_the_spring_is_refused(make_model):
+    fmu = make_model(FORWARD)
+    fmu.set({f"cam{i}.friction_load_exponent": 0.6 for i in (1, 2)} | {"contacts": 1})
+    fmu.setup()
+    fmu.ok("fmi2EnterInitializationMode")
+    text = fmu.refused_start()
+    assert "jam" in text and "cam1.friction_load_exponent" in text
+
+
+def test_friction_that_falls_with_the_load_needs_inertia_or_no_damping(make_model):
+    fmu = make_model(FORWARD)
+    fmu.set({"cam2.friction_load_exponent": -0.2, "inertia.shaft": 0.0, "damper.c_load": 10.0})
+    fmu.setup()
+    fmu.ok("fmi2EnterInitializationMode")
+    text = fmu.refused_start()
+    assert "cam2.friction_load_exponent" in text and "inertia" in text
+
+
+@pytest.mark.parametrize("value", [-0.91, 0.91, math.nan])
+def test_exponent_out_of_range(make_model, value):
+    make_model(FORWARD).refused_set(
+        {"cam1.friction_load_exponent": value}, mentions=("cam1.friction_load_exponent", "0.9")
+    )
+
+
+# ---- random scenes, solved by the reference (friction_scenes.py) ----
+
+
+@pytest.fixture(scope="module")
+def scenes(tmp_path_factory):
+    return load(tmp_path_factory.mktemp("tables"), LOADED_FILE)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_random_scenes(tolerance, make_model, scenes):
+    """Error at most ten times the tolerance; helices, ellipses and tables, exponents of both signs."""
+    wrong = []
+    for scene in scenes:
+        rng = np.random.default_rng([1, scene.number])
+        found = verdict(make_model(FORWARD), scene, tolerance, lambda d, rng=rng: cuts(rng, d))
+        wrong += [f"{title(scene)}: {text}" for text in found[:4]]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_random_scenes_are_varied(scenes):
+    exponents = [s.params.get(f"cam{i}.friction_load_exponent", 0.0) for s in scenes for i in (1, 2)]
+    assert len(scenes) == 30 and min(exponents) < -0.3 and max(exponents) > 0.3
+    assert {s.params.get("cam1.profile", 1) for s in scenes} == {1, 2, 3}

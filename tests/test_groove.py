@@ -20,9 +20,18 @@ TransmissionPoint point(const TransmissionPiece *p, double t) { return piece_at(
 """
 
 
+class FrictionParams(Structure):
+    _fields_ = [
+        *((n, c_double) for n in ("peak", "stribeck_velocity", "viscous", "load_exponent", "load")),
+        ("stribeck_exponent", c_int),
+    ]
+
+
 class CamParams(Structure):
     _fields_ = [
         *((n, c_double) for n in ("radius", "lead_angle", "ellipse_a", "ellipse_b", "friction")),
+        ("law", FrictionParams),
+        ("wear", c_double),
         ("profile", c_int),
         ("ellipse_curvature", c_int),
     ]
@@ -145,7 +154,8 @@ def library(core):
 
 
 def cam(profile=HELIX, radius=0.02, lead=0.8, a=0.05, b=0.05, kappa=-1, table=""):
-    made = Cam(radius, lead, a, b, 0.14, profile, kappa)
+    coulomb = FrictionParams(peak=1.0, stribeck_velocity=0.01, stribeck_exponent=2, load=100.0)
+    made = Cam(radius, lead, a, b, 0.14, coulomb, 0.0, profile, kappa)
     made.table = str(table).encode()
     return made
 

@@ -49,6 +49,6 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
     if as_json:
         print_json({"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size})
         return
-    say(f"{written} written: FMI {fmi}.0, {model or design.model} dynamics, {size / 1e6:.1f} MB")
+    say(f"{written} written: FMI {fmi}.0, {model or design.model} dynamics, {size / 1e6:.0f} MB")
     if scenario_for(design.scenario, model or design.model):
         say(f"{FILE} in the FMU holds the scenario; documentation/index.html shows how to play the scenario")

@@ -6,7 +6,7 @@ import { Probe } from "dualcam/geometry";
 import { isTyping } from "dualcam/pointer";
 import { Drawings } from "dualcam/drawings";
 import { Player } from "dualcam/player";
-import { designScene, scenesOf } from "dualcam/presets";
+import { designScene, PRESETS } from "dualcam/presets";
 import { giveAccess } from "dualcam/script_access";
 
 const element = (id) => document.getElementById(id);
@@ -35,7 +35,7 @@ class Page {
     const engine = await this.create(content.start);
     this.probe = await Probe.create(wasm, content.description, content.files, content.start);
     this.player = new Player(engine, say);
-    this.scenes = [designScene(content, this.player), ...scenesOf(this.probe.known)];
+    this.scenes = [designScene(content, this.player), ...PRESETS];
     this.controls = new Controls(content, this.player);
     this.drawings = new Drawings(this.player, this.probe, this.controls);
     this.player.watch((kind) => this.changed(kind));

@@ -37,8 +37,6 @@ export class Drawings {
     this.frames = 0;
     this.trial = 0;
     this.shown = -Infinity;
-    // The coefficient in effect, where the friction law has more than one.
-    this.coefficient = probe.has("cam1.friction_coefficient") ? "cam1.friction_coefficient" : "cam1.friction";
     this.makeView();
     new ResizeObserver(() => this.invalidate("size")).observe(document.body);
   }
@@ -205,7 +203,7 @@ export class Drawings {
         z: 1e3 * now.z,
         slope: at(this.shape, this.curves[k].slope, now.theta),
         reaction: now[`${name}.reaction`],
-        friction: this.player.engine.get(this.coefficient.replace("cam1", name)),
+        friction: this.player.engine.get(`${name}.friction_coefficient`),
         sigma,
       });
     });

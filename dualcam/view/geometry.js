@@ -26,16 +26,10 @@ export class Probe {
   static async create(wasm, description, files, start) {
     const probe = new Probe();
     probe.engine = await Engine.create(wasm, description, files, { ...start, "initial.omega": 0 });
-    probe.known = new Set(description.variables.map((variable) => variable.name));
     probe.names = description.variables
       .filter((v) => v.causality === "parameter" && GEOMETRY.some((prefix) => v.name.startsWith(prefix)))
       .map((v) => v.name);
     return probe;
-  }
-
-  /** Does the model have a variable of this name? */
-  has(name) {
-    return this.known.has(name);
   }
 
   /**

@@ -6,7 +6,8 @@
 
 const SMOOTH = { "shaft.damping": 0.04 };
 
-const PRESETS = [
+/** The scenes of every page. */
+export const PRESETS = [
   {
     name: "Load",
     words: "The torque rises. Above the stick band cam 2 follows, and the spring takes up the work.",
@@ -48,7 +49,6 @@ const PRESETS = [
   },
   {
     name: "Stick-slip",
-    needs: "cam1.friction_peak",
     words: "A soft shaft pulls slowly, and friction is larger at rest than in motion: cam 2 sticks and slips in turn.",
     start: {
       "shaft.damping": 0.02, "inertia.shaft": 0.004, "cam1.friction_peak": 2, "cam2.friction_peak": 2,
@@ -57,35 +57,7 @@ const PRESETS = [
     drive: { stiffness: 20, speed: 0.5, until: 4 },
     seconds: 4.2,
   },
-  {
-    name: "Stick-slip",
-    words: "A torque that rises and trembles: cam 2 sticks and slips in turn, one small move for each tremble.",
-    start: { "shaft.damping": 0.02 },
-    histories: { tau: tremble(0.9, 8, 1.2, 0.12, 4) },
-    seconds: 4,
-  },
 ];
-
-/**
- * The scenes that a model can play. A scene may need a variable; the first scene of a name that can play counts.
- * @param {Set<string>} variables of the model
- */
-export function scenesOf(variables) {
-  const able = PRESETS.filter(({ needs }) => needs === undefined || variables.has(needs));
-  return able.filter((scene, k) => able.findIndex(({ name }) => name === scene.name) === k);
-}
-
-/** A rising torque [N.m] with a triangular tremble on top. */
-function tremble(low, high, size, period, seconds) {
-  const time = [];
-  const value = [];
-  for (let k = 0; k * period * 0.5 <= seconds; k += 1) {
-    const t = k * period * 0.5;
-    time.push(t);
-    value.push(low + ((high - low) * t) / seconds + (k % 2 === 0 ? -0.5 : 0.5) * size);
-  }
-  return { time, value };
-}
 
 /** The scene of the design itself: its scenario, or a slow turn through its stick band. */
 export function designScene(content, player) {

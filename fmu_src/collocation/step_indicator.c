@@ -5,11 +5,12 @@
 
 #include "contact/loaded_contacts.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- what may end the segment ---- */
 
 /* Torque beyond the edge of the stick band, N.m. */
-static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
+NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
     const CamParams *cam = slip->params->cam;
     double slope[2];
     for (int i = 0; i < 2; i++) slope[i] = sqrt(fmax(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));

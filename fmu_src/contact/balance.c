@@ -185,12 +185,15 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     const double delta = k->factors.delta.value;
     const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
     const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
+    bool blocked = false;
     double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
     if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
         const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
+        blocked = isnan(left.value) || (blocked && sign * left.value > 0.0);
         if (sign * left.value > 0.0) low = omega;
         else high = omega;
+        if (blocked && high - low <= VISCOUS_BLOCKED * high) return NAN; /* the contacts lock before a root */
         double next = omega - sign * left.value / left.slope;
         if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
         if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value)) return sign * omega;
@@ -273,7 +276,7 @@ NOINLINE static RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficient
     }
 }
 
-RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
+NOINLINE RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);
@@ -330,8 +333,10 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
         .x = {(f->rn[1].value * load.axial - f->d[1].value * load.moment) * inverse,
               (f->rn[0].value * load.axial + f->d[0].value * load.moment) * inverse},
     };
-    for (int i = 0; slip->friction_varies && slip->friction_is_loaded && i < 2; i++)
+    for (int i = 0; slip->friction_varies && slip->friction_is_loaded && i < 2; i++) {
         out->axial[i] = k->loaded.tangent.rn[1 - i] / k->loaded.tangent.delta;
+        out->x[i] = k->loaded.x[i];
+    }
     for (int i = 0; i < 2; i++)
         out->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
 }

@@ -52,8 +52,8 @@ static double contact_load(const SlipMode *slip, const SlipCoefficients *k, cons
     if (slip->friction_is_loaded) return k->loaded.x[i];
     const InertiaParams *in = &slip->params->inertia;
     const double omega2 = b->omega * b->omega, sign = i == 0 ? -1.0 : 1.0;
-    const double axial = b->force + b->damper +
-                         in->follower_mass * (k->dz_dtheta.value * b->alpha + k->d2z_dtheta2.value * omega2);
+    const double axial =
+        b->force + b->damper + in->follower_mass * (k->dz_dtheta.value * b->alpha + k->d2z_dtheta2.value * omega2);
     const double moment = in->follower * (k->dpsi_dtheta[0].value * b->alpha + k->d2gamma_dtheta2.value * omega2);
     const DualContactFactors *f = &k->factors;
     return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
@@ -66,7 +66,8 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, balance, z, &storage);
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const MotionTerms terms = terms_of(slip, balance);
     const bool loaded = slip->friction_is_loaded;
     const double lever = loaded ? loaded_slip_lever(slip, k, &terms) : f->p.value;
@@ -119,7 +120,8 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, balance, z, &storage);
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const DualContactFactors *f = &k->factors;
     const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
     const double follower_acceleration = k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega;

@@ -124,10 +124,8 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
                         inverse;
     if (!slip->friction_varies) return;
     if (slip->friction_is_loaded) {
-        const LoadStep step = {.theta = omega,
-                               .omega = rates->alpha,
-                               .axial = rates->axial_rate,
-                               .moment = rates->moment_rate};
+        const LoadStep step = {
+            .theta = omega, .omega = rates->alpha, .axial = rates->axial_rate, .moment = rates->moment_rate};
         out->contact[i] = loaded_slip_response(slip, omega, k, &step).x[i];
         out->rate_size[i] += fabs(out->contact[i]);
         return;
@@ -142,9 +140,8 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
 static double holding_lever(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance) {
     if (!slip->friction_varies || slip->regime != REGIME_VISCOUS) return k->factors.p.value / k->factors.delta.value;
     SlipCoefficients at_rest = *k;
-    Balance rest = *balance;
-    rest.omega = rest.damper = 0.0;
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &rest, rest.z, &at_rest);
+    const LoadedMotion rest = {.z = balance->z, .force = balance->force, .F_ext = balance->F_ext};
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &rest, &at_rest);
     else slip_set_friction(slip, 0.0, &at_rest);
     return at_rest.factors.p.value / at_rest.factors.delta.value;
 }
@@ -153,7 +150,8 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, balance->omega, &storage, &z);
-    if (slip->friction_is_loaded) loaded_slip_set_under(slip, balance, z, &storage);
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
     const MotionRates rates = motion_rates_of(slip, k, &in, balance);

@@ -51,6 +51,23 @@ bool check_falling_friction(const Params *p, const char *cause, const char *reme
     return true;
 }
 
+bool check_loaded_friction(const Params *p, Fault *fault) {
+    const DamperParams *d = &p->damper;
+    const bool damped = d->c_load + d->q_load + d->c_release + d->q_release + p->shaft.damping > 0.0 ||
+                        p->cam[0].law.viscous > 0.0 || p->cam[1].law.viscous > 0.0;
+    for (int i = 0; i < 2; i++) {
+        if (!(friction_depends_on_load(&p->cam[i]) && p->cam[i].law.load_exponent < 0.0) || !damped) continue;
+        snprintf(fault->text, sizeof fault->text,
+                 "cam%d.friction_load_exponent = %.17g without inertia: where damping takes the load off the contact, "
+                 "friction grows without bound and the reaction would jump; allowed is an exponent >= 0, no damping "
+                 "(damper.*, shaft.damping, cam*.friction_viscous), or inertia.shaft, inertia.follower_mass or "
+                 "inertia.follower > 0",
+                 i + 1, p->cam[i].law.load_exponent);
+        return false;
+    }
+    return true;
+}
+
 /* ---- jam ---- */
 
 /* m^3: Delta of the supporting flanks when loading (docs/mechanism.md, section 3). With n_i = a_i + mu_i r_i >= 0 Delta

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "contact/contact_factors.h"
+#include "platform/attributes.h"
 
 Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) {
     ContactFactors f;
@@ -28,7 +29,7 @@ static bool carries(const Transfer *t, const int flank[2]) {
 
 /* Loading: both supporting flanks. Releasing: the same, unless only one contact is locked; then the pin bears on the
  * other flank of the contact that is not locked. Both other flanks carry F > 0 only where loading jams. */
-bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
+static inline bool edge_of(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     for (int k = 0; k < candidates; k++) {
         flank_pair(k, 1, flank);
@@ -38,14 +39,17 @@ bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *tran
     return false;
 }
 
-BandFactors contact_band(const Geometry *g) {
+NOINLINE bool contact_edge(const Geometry *g, int direction, int flank[2], Transfer *transfer) {
+    return edge_of(g, direction, flank, transfer);
+}
+
+NOINLINE BandFactors contact_band(const Geometry *g) {
     int flank[2];
     Transfer t;
     BandFactors band = {.release = 0.0};
-    band.load = band.load_rate = contact_edge(g, 1, flank, &t) ? t.rho : INFINITY;
+    band.load = band.load_rate = edge_of(g, 1, flank, &t) ? t.rho : INFINITY;
     /* both lead angles equal the friction angle: n_1 = n_2 = 0, the torque is 0 at any load */
-    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1])
-        return band;
-    band.release = band.release_rate = contact_edge(g, -1, flank, &t) ? t.rho : -INFINITY;
+    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1]) return band;
+    band.release = band.release_rate = edge_of(g, -1, flank, &t) ? t.rho : -INFINITY;
     return band;
 }

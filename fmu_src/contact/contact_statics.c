@@ -10,7 +10,7 @@
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta) {
-    const TransmissionPoint point = piece_at(piece, theta);
+    const TransmissionPoint point = piece_point(piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
     ContactStatics statics = {.params = params,
                               .geometry = cam_geometry(params->cam, point.slope),
                               .dslope_dtheta = {point.dslope_dtheta[0], point.dslope_dtheta[1]},

@@ -79,8 +79,7 @@ static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms 
     const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)}, none[2] = {0.0, 0.0};
     double rest[2], before = INFINITY, share = 1.0;
     c->alpha = 0.0;
-    for (int i = 0; i < 2; i++)
-        contact_factors_set(&c->tangent, i, pin->params->cam[i].radius, 0.0, pin->slope[i]);
+    for (int i = 0; i < 2; i++) contact_factors_set(&c->tangent, i, pin->params->cam[i].radius, 0.0, pin->slope[i]);
     contact_factors_multiply(&c->tangent);
     c->x[0] = c->x[1] = 0.0;
     improve(pin, loads, by_alpha, none, 1.0, c);
@@ -88,7 +87,10 @@ static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms 
     for (int n = 0; n < LOADED_ITERATIONS; n++) {
         linearise(pin, reaction, c, rest);
         const double change = improve(pin, loads, by_alpha, rest, share, c);
-        if (!(change > LOADED_LAST_CHANGE)) { /* the next change would be the square of this one */
+        const bool stalls = change <= LOADED_STALLED && change > 0.5 * before; /* at rounding */
+        if (stalls || !(change > LOADED_LAST_CHANGE)) {
+            for (int i = 0; i < 2; i++)
+                if (fabs(c->x[i]) * pin->params->cam[i].radius <= LOADED_ZERO * loads->size) c->x[i] = 0.0;
             linearise(pin, reaction, c, rest);
             c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
             return;

@@ -29,6 +29,7 @@ typedef struct {
 /* T = torque - by_alpha.torque alpha, A = axial + by_alpha.axial alpha, W likewise. */
 typedef struct {
     double torque, axial, moment; /* N.m, N, N.m */
+    double size; /* N, the sum of the magnitudes of what adds up to the axial load: x_i below its rounding is 0 */
 } LoadTerms;
 
 typedef struct {
@@ -65,8 +66,7 @@ double loaded_pin_friction_by_slope(const LoadedPin *pin, const LoadedContacts *
 
 /* At rest: the response to a change of a_i by `dslope`, under constant loads. The groove's length per angle, and with it
  * R_i per x_i, changes too. */
-LoadResponse loaded_contacts_along_groove(const LoadedPin *pin, const LoadedContacts *contacts,
-                                          const double dslope[2]);
+LoadResponse loaded_contacts_along_groove(const LoadedPin *pin, const LoadedContacts *contacts, const double dslope[2]);
 
 /* N, R_i of one contact per |x_i|, N/m. */
 double loaded_pin_reaction(const LoadedPin *pin, int i);

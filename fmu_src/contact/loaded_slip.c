@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "model/elements.h"
 #include "platform/attributes.h"
 
 /* ---- the pin ---- */
@@ -36,8 +37,7 @@ static void add_own_changes(const SlipMode *slip, const LoadedPin *pin, const Sl
     const bool moves = slip->regime != REGIME_RATE_INDEPENDENT;
     for (int i = 0; i < 2; i++) {
         const Dual sliding = sliding_of(slip, k, i);
-        const double dv =
-            moves ? slip->direction * (sliding.slope * omega * dtheta + sliding.value * domega) : 0.0;
+        const double dv = moves ? slip->direction * (sliding.slope * omega * dtheta + sliding.value * domega) : 0.0;
         const double dslope = k->slope[i].slope * dtheta;
         change->slope[i] = dslope;
         change->friction[i] = slip->direction * slip->flank[i] * k->loaded.mu[i].by_speed * dv +
@@ -54,8 +54,7 @@ NOINLINE LoadResponse loaded_slip_response(const SlipMode *slip, double omega, c
     return loaded_contacts_response(&pin, &k->loaded, &change);
 }
 
-ContactFactors loaded_slip_change(const SlipMode *slip, double omega, const SlipCoefficients *k,
-                                  const LoadStep *step) {
+ContactFactors loaded_slip_change(const SlipMode *slip, double omega, const SlipCoefficients *k, const LoadStep *step) {
     const CamParams *cam = slip->params->cam;
     const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
     const LoadResponse response = loaded_slip_response(slip, omega, k, step);
@@ -89,8 +88,7 @@ static void load_steps(const SlipMode *slip, const SlipCoefficients *k, double z
     const double damper_rate = moves ? slip_damper_rate(slip, k->dz_dtheta.value * omega) : 0.0;
     step[0] = (LoadStep){
         .theta = 1.0,
-        .axial = spring_rate(&slip->params->spring, z) * k->dz_dtheta.value +
-                 damper_rate * k->dz_dtheta.slope * omega,
+        .axial = spring_rate(&slip->params->spring, z) * k->dz_dtheta.value + damper_rate * k->dz_dtheta.slope * omega,
     };
     step[1] = (LoadStep){.omega = moves ? 1.0 : 0.0, .axial = damper_rate * k->dz_dtheta.value};
     if (!slip->follower_has_inertia) return;
@@ -139,19 +137,22 @@ NOINLINE void loaded_slip_set(const SlipMode *slip, double omega, double z, cons
     const double damper = moves ? slip_damper_force(slip, k->dz_dtheta.value * omega) : 0.0;
     const LoadedPin pin = pin_of(slip, omega, k);
     LoadTerms loads, by_alpha;
-    find_loads(slip, k, spring_force(&p->spring, z) + in->F_ext + damper, omega, &loads, &by_alpha);
+    const double spring = spring_force(&p->spring, z);
+    find_loads(slip, k, spring + in->F_ext + damper, omega, &loads, &by_alpha);
+    loads.size = fabs(spring) + fabs(in->F_ext) + fabs(damper);
     loads.torque = in->tau - p->shaft.damping * omega;
     if (slip->regime == REGIME_INERTIAL) loaded_contacts_moving(&pin, &loads, &by_alpha, &k->loaded);
     else loaded_contacts_under(&pin, &loads, &k->loaded);
     set_factors(slip, z, omega, k->loaded.alpha, k);
 }
 
-NOINLINE void loaded_slip_set_under(const SlipMode *slip, const Balance *b, double z, SlipCoefficients *k) {
+NOINLINE void loaded_slip_set_under(const SlipMode *slip, const LoadedMotion *b, SlipCoefficients *k) {
     const LoadedPin pin = pin_of(slip, b->omega, k);
     LoadTerms loads, by_alpha;
     find_loads(slip, k, b->force + b->damper, b->omega, &loads, &by_alpha);
+    loads.size = fabs(b->force) + fabs(b->F_ext) + fabs(b->damper);
     loads.axial += by_alpha.axial * b->alpha;
     loads.moment += by_alpha.moment * b->alpha;
     loaded_contacts_under(&pin, &loads, &k->loaded);
-    set_factors(slip, z, b->omega, b->alpha, k);
+    set_factors(slip, b->z, b->omega, b->alpha, k);
 }

@@ -4,15 +4,20 @@
 #ifndef DUALCAM_LOADED_SLIP_H
 #define DUALCAM_LOADED_SLIP_H
 
-#include "contact/balance.h"
 #include "contact/residual.h"
 
 /* Sets the friction of the coefficients at theta: with inertia together with alpha, without inertia under F_0 and the
  * damper's force at the speed omega. Derivatives of the factors hold at constant alpha. */
 void loaded_slip_set(const SlipMode *slip, double omega, double z, const InputValues *in, SlipCoefficients *k);
 
-/* The same under the loads of a balance. */
-void loaded_slip_set_under(const SlipMode *slip, const Balance *balance, double z, SlipCoefficients *k);
+/* A motion, and the forces that act on the follower. */
+typedef struct {
+    double z, omega, alpha;      /* m, rad/s, rad/s^2 */
+    double force, damper, F_ext; /* N: F_0, D and the part F_ext of F_0 */
+} LoadedMotion;
+
+/* The same under these loads. */
+void loaded_slip_set_under(const SlipMode *slip, const LoadedMotion *motion, SlipCoefficients *k);
 
 /* A change of theta, omega, A, W and, for another reason, of f_i. */
 typedef struct {

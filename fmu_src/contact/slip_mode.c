@@ -1,5 +1,7 @@
 #include "contact/slip_mode.h"
 
+#include "platform/attributes.h"
+
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 gamma', differentiated (section 2 of docs/mechanism.md):
  *     gamma'' = (a_2' phi' - a_1' gamma')/(a_1 + a_2)          z'' = a_1' gamma'^2 + a_2' phi'^2
  *     gamma''' = (a_2'' phi' - a_1'' gamma' - 2 gamma'' (a_1' + a_2'))/(a_1 + a_2)
@@ -63,6 +65,11 @@ void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *k) 
     }
     dual_contact_factors_multiply(&k->factors);
     k->dfactors_domega = contact_factors_change(&k->factors, radius, slope, k->dfriction_domega);
+}
+
+NOINLINE InputValues input_values_at(const Inputs *in, double t) {
+    return (InputValues){input_value(in->tau, t), input_value(in->F_ext, t), input_rate(in->tau, t),
+                         input_rate(in->F_ext, t)};
 }
 
 static TransmissionPoint straight_point(const TransmissionPiece *piece) {

@@ -88,11 +88,12 @@ typedef struct {
     double tau, F_ext, tau_rate, F_ext_rate; /* N.m, N, N.m/s, N/s */
 } InputValues;
 
+InputValues input_values_at(const Inputs *inputs, double t);
+
 static inline InputValues slip_inputs_at(const SlipMode *slip, double t) {
     const Inputs *in = slip->inputs;
     if (slip->inputs_are_constant) return (InputValues){.tau = in->tau[0], .F_ext = in->F_ext[0]};
-    return (InputValues){input_value(in->tau, t), input_value(in->F_ext, t), input_rate(in->tau, t),
-                         input_rate(in->F_ext, t)};
+    return input_values_at(in, t);
 }
 
 /* N: D(v) = v (c + q |v|) */

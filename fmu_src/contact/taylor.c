@@ -2,28 +2,33 @@
 
 #include <math.h>
 
+#include "platform/attributes.h"
+
 static Dual constant(double value) {
     return (Dual){value, 0.0};
 }
 
 /* ---- along a given motion ---- */
 
-/* The polynomial p(x) as a polynomial in the variable of the jet x. */
-static void expand(const double p[TRANSMISSION_DEGREE + 1], const Jet *x, double out[JET_TERMS]) {
-    const Jet value = jet_polynomial(p, TRANSMISSION_DEGREE, x);
-    for (int k = 0; k < JET_TERMS; k++) out[k] = value.c[k].value;
+/* The polynomial p(x) as a polynomial in t, where x = start + rate t: its first coefficients, by Horner's scheme. */
+NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
+    for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
+    for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
+        for (int k = JET_TERMS - 1; k > 0; k--) out[k] = out[k - 1] * rate + out[k] * start;
+        out[0] = out[0] * start + p[n];
+    }
 }
 
 void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
-    const Jet x = {.c = {constant((t->theta.c[0].value - piece->middle) * piece->scale), constant(piece->scale)}};
+    const double start = (t->theta.c[0].value - piece->middle) * piece->scale;
     for (int i = 0; i < 2; i++) {
         double slope[TRANSMISSION_DEGREE + 1];
         for (int k = 0; k <= TRANSMISSION_DEGREE; k++) slope[k] = piece->slope[k][i];
-        expand(slope, &x, t->slope[i]);
+        expand(slope, start, piece->scale, t->slope[i]);
         t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
-    expand(piece->z, &x, t->height);
+    expand(piece->z, start, piece->scale, t->height);
 }
 
 /* A parameter and its derivative by the known. */
@@ -54,8 +59,13 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
 
 /* The grooves along the motion. */
 typedef struct {
-    Jet slope[2], dpsi_dtheta[2]; /* a_i; gamma', phi' */
+    Jet slope[2], sum, dgamma_dtheta; /* a_i, a_1 + a_2, gamma' */
 } GroovesAlong;
+
+/* psi_i' */
+static Jet dpsi_along(const GroovesAlong *g, int i) {
+    return i == 0 ? g->dgamma_dtheta : jet_divide(&g->slope[0], &g->sum);
+}
 
 /* hypot(r_i, a_i) */
 static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
@@ -66,11 +76,11 @@ static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
 }
 
 /* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i), under the load x_i. */
-static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
+NOINLINE static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
     const Jet length = length_along(slip, g, i);
     Jet v = {.c = {{0.0, 0.0}}}, R = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
-        const Jet sliding = jet_multiply(&g->dpsi_dtheta[i], &length);
+        const Jet dpsi_dtheta = dpsi_along(g, i), sliding = jet_multiply(&dpsi_dtheta, &length);
         jet_add_product(&v, slip->direction, &sliding, &t->omega);
     }
     jet_add_product(&R, (x->c[0].value < 0.0 ? -1.0 : 1.0) / slip->params->contacts, x, &length);
@@ -105,13 +115,13 @@ static void contact_loads_along(const Taylor *t, Jet x[2]) {
 
 /* Where friction depends on the load: x_i and f_i together. The derivatives of the balance by x_i at the instant itself
  * serve at every order, so that each pass of Newton's method makes one more coefficient exact. */
-static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+COLD static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
     const LoadTerms loads = {.axial = t->load.c[0].value, .moment = t->moment.c[0].value};
     LoadedPin pin = {.params = slip->params, .direction = slip->direction, .flank = {slip->flank[0], slip->flank[1]}};
     for (int i = 0; i < 2; i++) {
         const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * t->omega.c[0].value;
         pin.slope[i] = g->slope[i].c[0].value;
-        pin.speed[i] = rate * g->dpsi_dtheta[i].c[0].value * length_along(slip, g, i).c[0].value;
+        pin.speed[i] = rate * dpsi_along(g, i).c[0].value * length_along(slip, g, i).c[0].value;
     }
     LoadedContacts now;
     loaded_contacts_under(&pin, &loads, &now);
@@ -149,13 +159,13 @@ static void set_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylo
 static Jet follow_grooves(GroovesAlong *g, Taylor *t) {
     const Jet from_here = jet_line(constant(-t->theta.c[0].value), constant(1.0), &t->theta);
     for (int i = 0; i < 2; i++) g->slope[i] = jet_polynomial(t->slope[i], JET_TERMS - 1, &from_here);
-    Jet sum = g->slope[0];
-    jet_add_scaled(&sum, 1.0, &g->slope[1]);
-    for (int i = 0; i < 2; i++) g->dpsi_dtheta[i] = jet_divide(&g->slope[1 - i], &sum);
-    const Jet dz_dtheta = jet_multiply(&g->slope[0], &g->dpsi_dtheta[0]);
+    g->sum = g->slope[0];
+    jet_add_scaled(&g->sum, 1.0, &g->slope[1]);
+    g->dgamma_dtheta = jet_divide(&g->slope[1], &g->sum);
+    const Jet dz_dtheta = jet_multiply(&g->slope[0], &g->dgamma_dtheta);
     t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
     t->v = jet_multiply(&dz_dtheta, &t->omega);
-    return jet_multiply(&g->dpsi_dtheta[0], &t->omega);
+    return jet_multiply(&g->dgamma_dtheta, &t->omega);
 }
 
 void taylor_balance(const SlipMode *slip, Taylor *t) {

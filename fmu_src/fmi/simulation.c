@@ -6,6 +6,7 @@
 
 #include "fmi/access.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- co-simulation ---- */
 
@@ -104,7 +105,7 @@ static bool is_sampled(const Instance *instance, unsigned reference) {
 }
 
 /* Sets the derivatives of the sampled inputs from the master's values at the thirds of the step. */
-static bool sample_inputs(const WatchedStep *step, const char *function, double t, double h) {
+COMPACT static bool sample_inputs(const WatchedStep *step, const char *function, double t, double h) {
     Instance *instance = step->instance;
     const double third = h / 3.0;
     double u[INPUTS_MAX][INPUT_ORDER + 1];

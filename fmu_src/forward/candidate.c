@@ -4,6 +4,7 @@
 
 #include "collocation/radau_step.h"
 #include "forward/stick.h"
+#include "platform/attributes.h"
 
 /* ---- slip modes from the present state ---- */
 
@@ -31,7 +32,7 @@ SlipMode slip_mode_from_here(const Mechanism *m, int index) {
                         flank);
 }
 
-Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
+NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {
     Balance now;
     balance_at(slip, m->state.theta.hi, m->state.omega.hi, 0.0, &now);
     const bool starts = slip->regime == REGIME_INERTIAL && m->state.omega.hi == 0.0;

@@ -1,5 +1,15 @@
 #include "forward/configuration.h"
 
+#include "platform/attributes.h"
+
+NOINLINE void update_curved_configuration(Mechanism *m) {
+    const Transmission *transmission = &m->model.transmission;
+    const double theta = m->state.theta.hi;
+    const TransmissionPoint point = piece_point(transmission_piece(transmission, theta, 0), theta, TRANSMISSION_SLOPES);
+    m->configuration.geometry = cam_geometry(m->params.cam, point.slope);
+    m->configuration.z = point.z;
+}
+
 void mechanism_set_motion(Mechanism *m, double theta, double omega) {
     m->state.theta = sum_of(theta);
     m->state.omega = sum_of(omega);

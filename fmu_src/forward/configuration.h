@@ -4,18 +4,14 @@
 
 #include "forward/state.h"
 
+/* In grooves that are not straight. */
+void update_curved_configuration(Mechanism *m);
+
 /* To be called whenever theta has changed. */
 static inline void update_configuration(Mechanism *m) {
-    const Transmission *transmission = &m->model.transmission;
     Configuration *c = &m->configuration;
-    const double theta = m->state.theta.hi;
-    if (transmission->straight) {
-        c->z = c->geometry.dz_dtheta * theta;
-        return;
-    }
-    const TransmissionPoint point = piece_point(transmission_piece(transmission, theta, 0), theta, TRANSMISSION_SLOPES);
-    c->geometry = cam_geometry(m->params.cam, point.slope);
-    c->z = point.z;
+    if (m->model.transmission.straight) c->z = c->geometry.dz_dtheta * m->state.theta.hi;
+    else update_curved_configuration(m);
 }
 
 /* theta + dtheta, rad, kept between the stops: rounding must not carry theta past a stop. */

@@ -45,7 +45,8 @@ static bool check_mechanism(const Params *p, Fault *fault) {
     return check_params(p, fault) &&
            (has_inertia(p) ||
             check_falling_friction(p, "without inertia", "inertia.shaft, inertia.follower_mass or inertia.follower > 0",
-                                   fault));
+                                   fault)) &&
+           (has_inertia(p) || check_loaded_friction(p, fault));
 }
 
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {

@@ -7,6 +7,7 @@
 #include "forward/stick.h"
 #include "numerics/golden_section.h"
 #include "numerics/radau.h"
+#include "platform/attributes.h"
 
 /* Along the edge of the band, through one piece. */
 typedef struct {
@@ -27,7 +28,7 @@ typedef struct {
     double reaction[2]; /* N, |R_i|, total of all pin ends */
 } Edge;
 
-static Edge edge_at(const EdgePath *path, double theta) {
+NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     const Mechanism *m = path->m;
     const TransmissionPoint point = piece_at(path->piece, theta);
     Geometry g = cam_geometry(m->params.cam, point.slope);
@@ -79,7 +80,7 @@ static double held_between(const EdgePath *path, double from, double to) {
 }
 
 /* The heats and the work along the edge over [from, to], by the Radau rule of order 13. */
-static Booking sum_over(const EdgePath *path, double from, double to) {
+NOINLINE static Booking sum_over(const EdgePath *path, double from, double to) {
     const Radau *r = radau_of(RADAU_MAX);
     Booking sum = {.work_in = 0.0};
     for (int j = 0; j < r->stages; j++) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/attributes.h"
 #include "platform/platform.h"
 
 enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
@@ -241,7 +242,7 @@ static bool parse(const Source *source, Span text, Samples *samples) {
     return read_samples(source, text, samples) && check_whole(source, samples);
 }
 
-bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault) {
+COLD bool samples_read(Samples *samples, const char *path, const char *resources, const char *variable, Fault *fault) {
     Source source = {variable, path, fault, NULL};
     *samples = (Samples){.sample = NULL};
     if (path[0] == '\0') return refuse(&source, "a table profile must name a CSV file");

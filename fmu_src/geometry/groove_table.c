@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 enum { STENCIL = 5 }; /* samples in the difference formula */
 
@@ -153,7 +154,7 @@ static bool fill(Table *table, const Samples *samples, Knot *knot) {
     return true;
 }
 
-bool table_build(Table *table, const Samples *samples) {
+COMPACT bool table_build(Table *table, const Samples *samples) {
     Knot *knot = malloc(samples->count * sizeof *knot);
     *table = (Table){.piece = malloc((samples->count - 1) * sizeof(TablePiece)), .count = samples->count - 1};
     const bool good = knot && table->piece && fill(table, samples, knot);

@@ -6,6 +6,7 @@
 
 #include "geometry/pin_position.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 void transmission_free(Transmission *transmission) {
     for (int i = 0; i < 2; i++) groove_free(&transmission->groove[i]);
@@ -41,6 +42,10 @@ const TransmissionPiece *transmission_piece(const Transmission *transmission, do
     if (direction > 0 && low + 1 < transmission->count && theta >= piece->upper - near) return piece + 1;
     if (direction < 0 && low > 0 && theta <= piece->lower + near) return piece - 1;
     return piece;
+}
+
+NOINLINE TransmissionPoint piece_at(const TransmissionPiece *piece, double theta) {
+    return piece_point(piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
 }
 
 /* The polynomials give z, and the steeper groove gives gamma from z: the start of Newton's method. */

@@ -126,8 +126,7 @@ static inline TransmissionPoint piece_point(const TransmissionPiece *piece, doub
     };
 }
 
-static inline TransmissionPoint piece_at(const TransmissionPiece *piece, double theta) {
-    return piece_point(piece, theta, TRANSMISSION_SECOND_DERIVATIVES);
-}
+/* piece_point() with first derivatives, not inlined. */
+TransmissionPoint piece_at(const TransmissionPiece *piece, double theta);
 
 #endif

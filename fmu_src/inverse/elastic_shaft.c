@@ -49,7 +49,8 @@ static bool slips(const ElasticCam *cam, double theta, double omega, int directi
     const BandEdge edge = edge_of(cam, theta, direction);
     band_edge_at(&edge, cam->x, point);
     const double against_edge =
-        point->finite ? omega - point->forces.transfer.rho_rate * cam->F_ext_rate / edge.params->shaft.stiffness : omega;
+        point->finite ? omega - point->forces.transfer.rho_rate * cam->F_ext_rate / edge.params->shaft.stiffness
+                      : omega;
     *speed = against_edge * speed_ratio(&edge, point);
     return direction * against_edge > 0.0 && is_free(cam, direction) && band_edge_side(&edge, cam->x, point) == 0;
 }

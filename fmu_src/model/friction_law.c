@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "numerics/logarithm.h"
 #include "numerics/tolerances.h"
 
 static double excess_of(const CamParams *cam) {

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "platform/attributes.h"
+
 enum { N = CHEBYSHEV_DEGREE };
 
 static const double PI = 3.14159265358979323846;
@@ -28,7 +30,7 @@ static void build_monomials(ChebyshevBasis *basis) {
     }
 }
 
-void chebyshev_build(ChebyshevBasis *basis) {
+COMPACT void chebyshev_build(ChebyshevBasis *basis) {
     const double degree = N;
     double cosine[2 * N];
     for (int j = 0; j < 2 * N; j++) cosine[j] = cos(PI * j / degree);
@@ -40,7 +42,7 @@ void chebyshev_build(ChebyshevBasis *basis) {
 }
 
 /* The value at the middle node is kept out of the sums: its rounding would enter every coefficient. */
-void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[CHEBYSHEV_NODES], double c[CHEBYSHEV_NODES]) {
+NOINLINE void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[CHEBYSHEV_NODES], double c[CHEBYSHEV_NODES]) {
     double rest[N + 1];
     for (int j = 0; j <= N; j++) rest[j] = f[j] - f[N / 2];
     for (int k = 0; k <= N; k++) {
@@ -51,7 +53,7 @@ void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[CHEBYSHEV
     c[0] += f[N / 2];
 }
 
-void chebyshev_to_monomials(const ChebyshevBasis *basis, const double c[CHEBYSHEV_NODES], double out[CHEBYSHEV_NODES]) {
+NOINLINE void chebyshev_to_monomials(const ChebyshevBasis *basis, const double c[CHEBYSHEV_NODES], double out[CHEBYSHEV_NODES]) {
     for (int m = 0; m <= N; m++) out[m] = 0.0;
     for (int k = N; k >= 0; k--)
         for (int m = k & 1; m <= k; m += 2) out[m] += c[k] * basis->monomial[k][m];

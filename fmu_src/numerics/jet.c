@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#include "numerics/logarithm.h"
+#include "platform/attributes.h"
 
-Jet jet_of_derivatives(const double u[JET_TERMS]) {
+NOINLINE Jet jet_of_derivatives(const double u[JET_TERMS]) {
     Jet a = {.c = {{u[0], 0.0}}};
     double factorial = 1.0;
     for (int k = 1; k < JET_TERMS; k++) {
@@ -14,30 +14,33 @@ Jet jet_of_derivatives(const double u[JET_TERMS]) {
     return a;
 }
 
-Jet jet_line(Dual offset, Dual factor, const Jet *a) {
+NOINLINE Jet jet_line(Dual offset, Dual factor, const Jet *a) {
     Jet line;
     for (int k = 0; k < JET_TERMS; k++) line.c[k] = dual_multiply(factor, a->c[k]);
     line.c[0] = dual_add(line.c[0], offset);
     return line;
 }
 
-void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b) {
+NOINLINE void jet_add_product(Jet *sum, double factor, const Jet *a, const Jet *b) {
     for (int k = 0; k < JET_TERMS; k++)
         for (int j = 0; j <= k; j++)
             sum->c[k] = dual_add(sum->c[k], dual_scale(factor, dual_multiply(a->c[j], b->c[k - j])));
 }
 
-void jet_add_scaled(Jet *sum, double factor, const Jet *a) {
+NOINLINE void jet_add_scaled(Jet *sum, double factor, const Jet *a) {
     for (int k = 0; k < JET_TERMS; k++) sum->c[k] = dual_add(sum->c[k], dual_scale(factor, a->c[k]));
 }
 
-Jet jet_multiply(const Jet *a, const Jet *b) {
-    Jet product = {.c = {{0.0, 0.0}}};
-    jet_add_product(&product, 1.0, a, b);
+NOINLINE Jet jet_multiply(const Jet *a, const Jet *b) {
+    Jet product;
+    for (int k = 0; k < JET_TERMS; k++) {
+        product.c[k] = dual_multiply(a->c[0], b->c[k]);
+        for (int j = 1; j <= k; j++) product.c[k] = dual_add(product.c[k], dual_multiply(a->c[j], b->c[k - j]));
+    }
     return product;
 }
 
-Jet jet_divide(const Jet *a, const Jet *b) {
+NOINLINE Jet jet_divide(const Jet *a, const Jet *b) {
     Jet quotient;
     for (int k = 0; k < JET_TERMS; k++) {
         Dual rest = a->c[k];
@@ -49,7 +52,7 @@ Jet jet_divide(const Jet *a, const Jet *b) {
 }
 
 /* e = exp a: de/dt = e da/dt, so that k e_k = sum j a_j e_(k-j). */
-Jet jet_exp(const Jet *a) {
+NOINLINE Jet jet_exp(const Jet *a) {
     const double start = exp(a->c[0].value);
     Jet e = {.c = {{start, start * a->c[0].slope}}};
     for (int k = 1; k < JET_TERMS; k++)
@@ -67,7 +70,7 @@ Jet jet_log(const Jet *a) {
 }
 
 /* s s = a, so that 2 s_0 s_k = a_k less the products of the coefficients between. */
-Jet jet_sqrt(const Jet *a) {
+NOINLINE Jet jet_sqrt(const Jet *a) {
     const double start = sqrt(a->c[0].value);
     const Dual twice_inverse = {0.5 / start, -0.25 * a->c[0].slope / (start * a->c[0].value)};
     Jet s = {.c = {{start, 0.5 * a->c[0].slope / start}}};
@@ -79,15 +82,15 @@ Jet jet_sqrt(const Jet *a) {
     return s;
 }
 
-Jet jet_rate(const Jet *a) {
+NOINLINE Jet jet_rate(const Jet *a) {
     Jet rate = {.c = {{0.0, 0.0}}};
     for (int k = 1; k < JET_TERMS; k++) rate.c[k - 1] = dual_scale(k, a->c[k]);
     return rate;
 }
 
-Jet jet_polynomial(const double *p, int degree, const Jet *x) {
-    Jet sum = {.c = {{p[degree], 0.0}}};
-    for (int k = degree - 1; k >= 0; k--) {
+NOINLINE Jet jet_polynomial(const double *p, int degree, const Jet *x) {
+    Jet sum = jet_line((Dual){p[degree - 1], 0.0}, (Dual){p[degree], 0.0}, x);
+    for (int k = degree - 2; k >= 0; k--) {
         sum = jet_multiply(&sum, x);
         sum.c[0].value += p[k];
     }

@@ -4,6 +4,8 @@
 #ifndef DUALCAM_JET_H
 #define DUALCAM_JET_H
 
+#include <math.h>
+
 #include "numerics/dual.h"
 
 enum { JET_TERMS = 4 };
@@ -27,6 +29,11 @@ Jet jet_divide(const Jet *a, const Jet *b);
 
 Jet jet_exp(const Jet *a);
 
+/* log(x), x > 0, by log1p(), which the closed form needs as well: log() would add kilobytes of tables. */
+static inline double logarithm(double x) {
+    return x >= 1.0 ? log1p(x - 1.0) : -log1p(1.0 / x - 1.0);
+}
+
 /* a(0) > 0 */
 Jet jet_log(const Jet *a);
 
@@ -36,7 +43,7 @@ Jet jet_sqrt(const Jet *a);
 /* da/dt; the last coefficient, which a does not determine, is left 0. */
 Jet jet_rate(const Jet *a);
 
-/* p[0] + p[1] x + ... + p[degree] x^degree */
+/* p[0] + p[1] x + ... + p[degree] x^degree, degree >= 1 */
 Jet jet_polynomial(const double *p, int degree, const Jet *x);
 
 #endif

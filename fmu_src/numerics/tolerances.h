@@ -125,13 +125,14 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 /* The search for a speed that friction limits. Where friction falls with the speed: the change of v/v_s in one step, for
  * longer steps pass over the fall unseen (tests/test_friction_scenes.py), and the exponent at the end of the fall. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+                    STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
 
-/* Friction that depends on the load: the iteration for reactions and coefficients; the load, as a share of R_ref, below
- * which the coefficient counts as constant; the axial load, N, that stands for none. */
-enum { LOADED_ITERATIONS = 100 };
-static const double LOADED_LAST_CHANGE = 1e-9, FRICTION_LEAST_LOAD = 1e-9, LOADED_LEAST_FORCE = 1e-12;
+/* Friction that depends on the load. FRICTION_LEAST_LOAD: share of R_ref; LOADED_LEAST_FORCE: N, stands for no load. */
+enum { LOADED_ITERATIONS = 40, LOADED_REST_SAMPLES = 32 /* of the band's edge while F_ext varies */ };
+static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
+                    FRICTION_LEAST_LOAD = 1e-9, RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
 
 /* ---- closed_form ---- */
 
@@ -484,7 +485,6 @@ static const double SENSITIVITY_EDGE_HELD = 1e-9, SENSITIVITY_AT_REST = 1e-9;
 /* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.
  * The functions are smooth inside a piece, so that the difference has ten digits. */
 static const double SENSITIVITY_DIFFERENCE = 1e-3;
-
 /* ---- fmi ---- */
 
 /* Relative tolerance of integration: where the master gives none, and the range that others are brought into. Below the

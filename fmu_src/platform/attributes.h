@@ -2,11 +2,19 @@
  *
  * COLD      a function that no step calls: its code stands apart from the code of a step. A function that starts a run
  *           is not cold: a study starts 200,000 runs a second
- * NOINLINE  a large function with several callers, which is not to be copied into each of them */
+ * NOINLINE  a large function with several callers, which is not to be copied into each of them
+ * COMPACT   a function that no step calls and that is called often enough not to be cold: its code is kept small, and is
+ *           not copied into its callers */
 #ifndef DUALCAM_ATTRIBUTES_H
 #define DUALCAM_ATTRIBUTES_H
 
 #define COLD __attribute__((cold))
 #define NOINLINE __attribute__((noinline))
+
+#if __has_attribute(minsize)
+#define COMPACT __attribute__((minsize, noinline))
+#else
+#define COMPACT NOINLINE
+#endif
 
 #endif

@@ -59,6 +59,24 @@ FILE *platform_open(const char *path) {
     return fopen(path, "rb");
 }
 
+#ifdef __wasi__ /* has no other locale */
+
+PlainLocale *plain_locale_new(void) {
+    static char plain;
+    return (PlainLocale *)&plain;
+}
+
+void plain_locale_free(PlainLocale *locale) {
+    (void)locale;
+}
+
+double plain_number(const char *text, PlainLocale *locale) {
+    (void)locale;
+    return strtod(text, NULL);
+}
+
+#else
+
 PlainLocale *plain_locale_new(void) {
     return (PlainLocale *)newlocale(LC_ALL_MASK, "C", (locale_t)0);
 }
@@ -70,5 +88,7 @@ void plain_locale_free(PlainLocale *locale) {
 double plain_number(const char *text, PlainLocale *locale) {
     return strtod_l(text, NULL, (locale_t)locale);
 }
+
+#endif
 
 #endif

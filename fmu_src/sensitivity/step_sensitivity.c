@@ -39,7 +39,8 @@ static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, d
     int flank[2];
     Transfer transfer;
     Geometry g = m->configuration.geometry;
-    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer)) return false;
+    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer))
+        return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *slip = slip_mode_from_here(m, slip_index(direction, flank));
     slip->regime = REGIME_RATE_INDEPENDENT;

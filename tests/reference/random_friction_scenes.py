@@ -1,4 +1,4 @@
-"""Random scenes with friction that depends on the sliding speed and, every fourth one, on the reaction."""
+"""Random scenes with friction that depends on the sliding speed and, on request, on the reaction."""
 
 from __future__ import annotations
 
@@ -18,12 +18,11 @@ from .scene import Interval
 from .simulation import simulate
 
 HELICAL_EVERY = 3  # every third scene has helical grooves
-LOADED_EVERY = 4  # every fourth scene has friction that depends on the reaction
 ANGLES = 41  # at which the scene must load
 
 
 def random_friction_scene(
-    rng: np.random.Generator, number: int, folder: str | Path
+    rng: np.random.Generator, number: int, folder: str | Path, loaded: bool = False
 ) -> tuple[dict[str, Any], list[Interval]] | None:
     """A scene of the other generators with a friction law whose speeds suit its motion; None if no law does.
     Tables are written into `folder`."""
@@ -31,7 +30,7 @@ def random_friction_scene(
         params, intervals = random_scene(rng)
     else:
         params, intervals = random_general_scene(rng, folder)
-    loaded = number % LOADED_EVERY == 1
+    loaded = loaded and Mechanism(params, DOUBLE).inertial
     if loaded:  # the times at which rest ends are then those of a fixed band
         intervals = [replace(one, F_ext_rate=0.0, F_ext_rate2=0.0, F_ext_rate3=0.0) for one in intervals]
     found = _with_law(rng, dict(params), intervals, loaded)
@@ -59,9 +58,11 @@ def _with_law(
             params[f"cam{i}.stribeck_exponent"] = int(rng.integers(1, 3))
             varies = True
         if loaded:
-            params[f"cam{i}.friction_load_exponent"] = float(rng.uniform(-0.5, 0.5))
+            params[f"cam{i}.friction_load_exponent"] = float(
+                rng.uniform(-0.5 if mechanism.inertial else 0.0, 0.5)
+            )
             params[f"cam{i}.friction_load"] = peak[f"reaction{i}"] * log_uniform(rng, 0.1, 1.0)
-            varies = varies or mechanism.inertial
+            varies = True
         if rng.random() < (0.5 if mechanism.inertial else 0.9):
             params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
             varies = True
