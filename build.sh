@@ -9,6 +9,7 @@ usage: ./build.sh [command] [arguments]
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
   door     build, then run system_examples/car_door.py (seconds); arguments go to it
+  clamp    build, then run system_examples/spring_clamp.py (seconds); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -33,13 +34,18 @@ usage: ./build.sh [command] [arguments]
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
-  figures  draw the figures of docs/mechanism.md and docs/architecture.md, write docs/variables.md and the keys of
-           docs/design-file.md (seconds); docs/figures/mechanism.py, docs/figures/architecture.py,
-           docs/tools/variables_page.py, docs/tools/design_file_page.py; arguments go to all
+  figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
+           docs/variables.md and the keys of docs/design-file.md (seconds); docs/figures/mechanism.py,
+           docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
+           docs/tools/design_file_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
            draws docs/own_plant.png; arguments go to it
+  stickslip build, then run benchmarks.stick_slip (seconds): limit cycles behind a soft shaft; draws
+           docs/stick_slip.png; arguments go to it
+  hunting  build, then run benchmarks.hunting (a minute): where a PI position loop hunts; draws docs/hunting.png;
+           arguments go to it
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
@@ -136,6 +142,7 @@ case $command in
     example) run_program '.[build]' system_examples/robot_joint.py "$@" ;;
     knee) run_program '.[build]' system_examples/prosthetic_knee.py "$@" ;;
     door) run_program '.[build]' system_examples/car_door.py "$@" ;;
+    clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
     report)
@@ -165,6 +172,8 @@ case $command in
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
     firstuse) run_program '.[build]' -m benchmarks.first_use "$@" ;;
     ownplant) run_program '.[build]' -m benchmarks.own_plant "$@" ;;
+    stickslip) run_program '.[build]' -m benchmarks.stick_slip "$@" ;;
+    hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
     rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
@@ -178,6 +187,7 @@ case $command in
         install_dependencies '.[build]'
         .venv/bin/python docs/figures/mechanism.py "$@"
         .venv/bin/python docs/figures/architecture.py "$@"
+        .venv/bin/python docs/figures/design_quantities.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
         ;;

@@ -4,8 +4,9 @@
     fmu_path                    where this package's FMUs are
     to_nonlinear_io_system      the forward FMU as a control.NonlinearIOSystem, continuous or sampled
     linearize                   its linear model about an operating point, a control.StateSpace
-    CamHysteresis               its friction hysteresis for describing function analysis
+    CamHysteresis               its friction hysteresis: describing functions, limit cycles of position loops
     read_design, check_design   a design from a TOML file, and whether the design works
+    identify                    friction, spring and losses from a recording of time, angle and torque
     simulate, export_fmu        its scenario over time, and an FMU with its values
     write_report, export_ssp    a page about the design, and an SSP package
     Fleet                       thousands of instances, stepped by one call
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
         design,
         design_file,
         export,
+        identification,
         plots,
         report,
         simulation,
@@ -51,6 +53,8 @@ if TYPE_CHECKING:
         ExportError,
         FleetError,
         FmuError,
+        IdentificationError,
+        LimitCycleWarning,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
@@ -59,12 +63,16 @@ if TYPE_CHECKING:
     from dualcam.fleet import Fleet, FleetState
     from dualcam.fmu import Fmu, RepeatedStart
     from dualcam.handle import FmuState
+    from dualcam.harmonic_balance import LimitCycle
     from dualcam.hysteresis import CamHysteresis
+    from dualcam.identification import Identification, identify
     from dualcam.library import fmu_path
+    from dualcam.limit_cycles import LimitCycles
     from dualcam.linear import OperatingPoint, OperatingPointError, linearize
     from dualcam.model_description import ModelDescription, Variable, read_model_description
     from dualcam.reals import Reals
     from dualcam.report import write_report
+    from dualcam.sampled_loop import LoopMotion
     from dualcam.simulation import Trajectory, simulate
     from dualcam.ssp import export_ssp
     from dualcam.study.problem import StudyError
@@ -88,6 +96,12 @@ __all__ = [
     "Fmu",
     "FmuError",
     "FmuState",
+    "Identification",
+    "IdentificationError",
+    "LimitCycle",
+    "LimitCycleWarning",
+    "LimitCycles",
+    "LoopMotion",
     "ModelDescription",
     "OperatingPoint",
     "OperatingPointError",
@@ -111,6 +125,8 @@ __all__ = [
     "export_fmu",
     "export_ssp",
     "fmu_path",
+    "identification",
+    "identify",
     "linearize",
     "plots",
     "read_design",
@@ -143,6 +159,12 @@ _MODULE_OF = {
     "Fmu": "fmu",
     "FmuError": "errors",
     "FmuState": "handle",
+    "Identification": "identification",
+    "IdentificationError": "errors",
+    "LimitCycle": "harmonic_balance",
+    "LimitCycleWarning": "errors",
+    "LimitCycles": "limit_cycles",
+    "LoopMotion": "sampled_loop",
     "ModelDescription": "model_description",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",
@@ -161,6 +183,7 @@ _MODULE_OF = {
     "export_fmu": "export",
     "export_ssp": "ssp",
     "fmu_path": "library",
+    "identify": "identification",
     "linearize": "linear",
     "read_design": "design_file",
     "read_model_description": "model_description",
@@ -175,6 +198,7 @@ _MODULES = (
     "design",
     "design_file",
     "export",
+    "identification",
     "plots",
     "report",
     "simulation",

@@ -54,12 +54,20 @@ class CouplingError(DualcamError):
     """An own plant cannot be coupled with the FMU as asked."""
 
 
+class IdentificationError(DualcamError):
+    """A recording, or the wish what to fit to the recording, is refused. The message says what is allowed."""
+
+
 class DualcamWarning(UserWarning):
     """A request is carried out, but the result may not be what was meant."""
 
 
 class UnstableCouplingWarning(DualcamWarning):
     """Errors of an explicit coupling grow from step to step. The message names the numbers and what works."""
+
+
+class LimitCycleWarning(DualcamWarning):
+    """The FMU in the loop moves otherwise than a describing function predicts. The message has numbers."""
 
 
 class UnitWarning(DualcamWarning):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 
 import control
@@ -10,13 +11,19 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
+from dualcam.errors import LimitCycleWarning
 from dualcam.fmu import Fmu, RepeatedStart
-from dualcam.forward import Source, open_forward
+from dualcam.forward import CamAtState, Source, open_forward
+from dualcam.harmonic_balance import candidates
+from dualcam.limit_cycles import LimitCycles, check_in_loop, unchecked
 from dualcam.linear import OperatingPointError
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
+from dualcam.sampled_loop import SampledController
+from dualcam.swing import ImposedSwing
 
 POINTS = 201  # angles of the stick band from the FMU; cubic splines between them
+DURATION = 200.0  # s, of a run of the loop
 PHASES = 4096  # per cycle: kinks at turning points make an error of the harmonic near 1/PHASES^2
 
 
@@ -56,9 +63,13 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
     between its end stops. Its edges are not parallel: the band widens as the spring is compressed. Both edges
     are read from the FMU (docs/mechanism.md, section 3).
 
-    The prediction holds for a loop that is a low-pass, so that the angle's third harmonic hardly returns as
-    torque. The oscillation must be slow against sqrt(dT/dtheta/J), the cam's natural frequency
-    (`natural_frequency`).
+    With control.describing_function_response the prediction holds for a loop that is a low-pass, so that the
+    angle's third harmonic hardly returns as torque. The oscillation must be slow against sqrt(dT/dtheta/J),
+    the cam's natural frequency (`natural_frequency`). Otherwise the list of limit cycles is wrong, or empty,
+    without a warning. `limit_cycles` has the inertia and the controller's hold in the loop, and checks its
+    prediction with the FMU.
+
+    Friction that falls with the speed: the edges are the static ones. `swing_torque` has the whole law.
 
     Examples
     --------
@@ -82,6 +93,9 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         try:
             runs = RepeatedStart(fmu, values, ["initial.theta"])
             self.lower, self.upper = fmu.real("stop.lower"), fmu.real("stop.upper")
+            self.path, self.parameters = fmu.path, values
+            self.inertia, self.damping = fmu.real("inertia.shaft"), fmu.real("shaft.damping")
+            self.F_ext = float(values.get("F_ext", 0.0))
             if not self.lower < theta < self.upper:
                 raise OperatingPointError(
                     f"theta = {theta:g} rad: allowed is between the stops, {self.lower:g}"
@@ -192,6 +206,25 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         )
         return tau, theta
 
+    def steady_angle(self, tau: Array) -> Array:
+        """The angle in the steady cycle under any periodic torque.
+
+        Parameters
+        ----------
+        tau : ndarray, shape (n,)
+            A period of the torque [N.m].
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Angle [rad].
+        """
+        lowest, highest = (self._angle_at_edge(tau, rising).tolist() for rising in (True, False))
+        angle, found = self.theta, []
+        for _ in range(2):  # the first period forgets where it began
+            found = [angle := min(max(angle, low), high) for low, high in zip(lowest, highest, strict=True)]
+        return np.array(found)
+
     def bias_at(self, amplitude: float) -> float:
         """The bias of cycles of an amplitude: as given, or the one with the mean angle `theta`.
 
@@ -243,3 +276,121 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         theta = self.cycle(A, self.bias_at(A))[1]
         # theta = mean + A (Re N sin + Im N cos) + ...; the first line of its spectrum is Im N - i Re N
         return complex(2j / (PHASES * A) * np.fft.rfft(theta)[1])
+
+    # ---- in a loop, with inertia ----
+
+    def swing_torque(self, amplitude: float, frequency: float) -> complex:
+        """First harmonic of the torque that a sinusoidal swing needs, over the amplitude of the angle.
+
+        Parameters
+        ----------
+        amplitude : float
+            Of the angle, about `theta` [rad].
+        frequency : float
+            Angular frequency of the swing [rad/s].
+
+        Returns
+        -------
+        complex
+            [N.m/rad]: stiffness less inertia times frequency squared, and j times the friction's part. With
+            all inertia, damping, and the friction law at the speed of each instant.
+
+        Raises
+        ------
+        OperatingPointError
+            The swing reaches a stop, or no torque moves the cam so.
+        FmuError
+            The cam has no inertia.
+
+        Examples
+        --------
+        >>> import dualcam
+        >>> hysteresis = dualcam.CamHysteresis("forward", theta=0.5)
+        >>> needed = hysteresis.swing_torque(0.2, 20.0)
+        >>> round(needed.real, 2), round(needed.imag, 2)  # N.m/rad
+        (4.4, 5.45)
+        """
+        reach = min(self.theta - self.lower, self.upper - self.theta)
+        if not 0.0 < amplitude < reach or not frequency > 0.0:
+            raise OperatingPointError(
+                f"amplitude = {amplitude:g} rad, frequency = {frequency:g} rad/s: allowed are amplitudes"
+                f" between 0 and {reach:g} rad, the distance to the nearer stop, and frequencies > 0"
+            )
+        cam = CamAtState(self.path, self.parameters)
+        try:
+            return ImposedSwing(cam, self.theta, self.F_ext).harmonics(amplitude, frequency).first
+        finally:
+            cam.fmu.close()
+
+    def limit_cycles(
+        self, controller: control.lti.LTI, check: bool = True, duration: float = DURATION
+    ) -> LimitCycles:
+        """Limit cycles under a sampled position controller: predicted, and checked with the FMU in the loop.
+
+        Parameters
+        ----------
+        controller : control.StateSpace or control.TransferFunction
+            From the error, `theta` less the angle [rad], to the torque [N.m], with a sampling time. The
+            torque is held over the period.
+        check : bool
+            Whether the loop is run with the FMU: from each prediction, and from four offsets. Seconds;
+            without the check about one second.
+        duration : float
+            Longest time [s] of each run of the check.
+
+        Returns
+        -------
+        LimitCycles
+
+        Warns
+        -----
+        LimitCycleWarning
+            Once per finding: the FMU in the loop swings where no limit cycle is predicted, a prediction is
+            wrong by more than 10 % in amplitude or frequency, or a run has not settled. Without the check:
+            a prediction whose margin is too small (see LimitCycle).
+
+        Raises
+        ------
+        FmuError
+            A continuous controller, or one with several inputs or outputs.
+        OperatingPointError
+            The hysteresis has a bias `tau`: the controller makes the bias.
+
+        Notes
+        -----
+        Two harmonic balances are solved, each with the inertia, the shaft's damping and the hold. One takes
+        the angle for sinusoidal (`swing_torque`): good for swings that inertia carries. The other one takes
+        the torque on the grooves for sinusoidal, and then adds harmonics up to the ninth: good for slow
+        cycles with long rests. Neither knows the stops, nor the jumps out of rest of friction that falls with
+        the speed. The check knows both.
+
+        Examples
+        --------
+        >>> import warnings
+        >>> import control, dualcam
+        >>> hysteresis = dualcam.CamHysteresis("forward", theta=0.7)
+        >>> period, proportional, integral = 1e-3, 50.0, 2000.0  # s, N.m/rad, N.m/(rad.s)
+        >>> law = control.ss(1.0, integral * period, 1.0, proportional, period)
+        >>> with warnings.catch_warnings(record=True) as caught:
+        ...     warnings.simplefilter("always")
+        ...     found = hysteresis.limit_cycles(law)
+        >>> [(round(c.amplitude, 3), round(c.frequency), c.stable) for c in found.predicted]  # rad, rad/s
+        [(0.09, 163, False)]
+        >>> [round(motion.amplitude, 2) for motion in found.simulated]  # rad, from stop to stop
+        [0.66]
+        >>> len(caught), found.holds
+        (1, False)
+        """
+        if self.bias is not None:
+            raise OperatingPointError(
+                f"limit_cycles with the bias tau = {self.bias:g} N.m: allowed is a CamHysteresis without tau,"
+                " because the controller makes the bias"
+            )
+        law = SampledController(controller)
+        if not 0.0 < duration < math.inf:
+            raise OperatingPointError(f"duration = {duration} s: allowed is a finite number > 0")
+        found = candidates(self, law)
+        result = check_in_loop(self, law, found, duration) if check else unchecked(found)
+        for finding in result.findings:
+            warnings.warn(finding, LimitCycleWarning, stacklevel=2)
+        return result

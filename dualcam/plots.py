@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-BLUE, ORANGE, GREY, GREEN = "#0969da", "#bc4c00", "#8c959f", "#1a7f37"
+BLUE, ORANGE, GREY, GREEN, RED = "#0969da", "#bc4c00", "#8c959f", "#1a7f37", "#cf222e"
 WIDTH = 4.2  # inches: text of 10 points stays readable on a phone
 ANGLE = "angle of cam 2, theta [deg]"
 LEGEND = 9.0  # points

@@ -5,7 +5,6 @@ The file needs no network: pictures are SVG inside the page, and the page has no
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,21 +13,21 @@ import numpy as np
 
 import dualcam
 from dualcam.checking import Verdict, check_design
-from dualcam.design import Limits, TorqueBand, torque_band
+from dualcam.design import TorqueBand, torque_band
 from dualcam.design.torque_band import span
 from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
+from dualcam.html_page import page, table
 from dualcam.module_calls import explain_call_of
 from dualcam.paths import page_path_of
 from dualcam.plots import plot_band, plot_simulation, plot_strength
-from dualcam.report_inputs import Row, input_tables
+from dualcam.report_durability import durability_sections
+from dualcam.report_inputs import input_tables
 from dualcam.simulation import ENERGIES, Trajectory, simulate
 from dualcam.summary import (
     energy_scale,
     energy_words,
     largest_loads,
-    material_words,
-    pressure_words,
     reaction_words,
     residual_words,
     span_words,
@@ -39,24 +38,6 @@ if TYPE_CHECKING:
     from dualcam.design import Mechanism
     from dualcam.design_file import DesignFile, DesignSource
 
-STYLE = """\
-:root { color-scheme: light dark; --line: #d0d7de; --soft: #57606a; --bad: #cf222e; --warn: #9a6700;
-  --good: #1a7f37 }
-@media (prefers-color-scheme: dark) {
-  :root { --line: #3d444d; --soft: #9198a1; --bad: #ff7b72; --warn: #d29922; --good: #3fb950 } }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 46rem; margin: 0 auto; padding: 1rem }
-h1 { margin-bottom: 0 } h2 { margin-top: 2.2rem; border-bottom: 1px solid var(--line) }
-p.lead, caption { color: var(--soft) }
-table { border-collapse: collapse; width: 100%; font-size: 0.9rem } caption { text-align: left }
-th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 0;
-  border-bottom: 1px solid var(--line) }
-td { overflow-wrap: anywhere; font-variant-numeric: tabular-nums } td:first-child { overflow-wrap: normal }
-h3 { margin: 1.4rem 0 0.3rem; font-size: 1rem }
-.scroll { overflow-x: auto }
-.error { color: var(--bad) } .warning { color: var(--warn) } .good { color: var(--good) }
-figure { margin: 1rem 0; background: #fff; border-radius: 6px; padding: 0.4rem; max-width: 34rem }
-figure svg { width: 100%; height: auto }
-"""
 F_EXT = "F_ext is an external axial force on the follower, positive against loading."
 LABELS = {
     "energy.work_in": "work of the torque at the shaft",
@@ -116,26 +97,9 @@ def report_page(design: DesignFile) -> str:
     except DualcamError as error:
         sections.append(f'<p class="error">No curves: {escape(str(error))}</p>')
     sections.append(_inputs(design))
-    title = escape(design.title or design.name)
     words = f"<p>{escape(design.description)}</p>\n" if design.description else ""
-    return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}: dual cam report</title>
-<style>
-{STYLE}</style>
-</head>
-<body>
-<h1>{title}</h1>
-<p class="lead">Dual cylindrical cam, report by dualcam {escape(dualcam.__version__)} from
-{escape(design.path.name)}</p>
-{words}{"".join(sections)}
-</body>
-</html>
-"""
+    lead = f"Dual cylindrical cam, report by dualcam {dualcam.__version__} from {design.path.name}"
+    return page(design.title or design.name, "dual cam report", lead, words + "".join(sections))
 
 
 def _findings(verdict: Verdict) -> str:
@@ -151,10 +115,10 @@ def _findings(verdict: Verdict) -> str:
 
 
 def _curves(design: DesignFile, verdict: Verdict) -> list[str]:
-    """Torque band, reactions and, where there is a scenario, the simulation."""
+    """Torque band, reactions, what lasts and, where there is a scenario, the simulation."""
     mechanism = design.mechanism()
     band = torque_band(mechanism, 361)
-    sections = [_band(design, band), _strength(design, mechanism)]
+    sections = [_band(design, band), _reactions(design, mechanism), *durability_sections(design, mechanism)]
     if verdict.good and design.scenario is not None:
         sections.append(_simulation(simulate(design), band))
     return sections
@@ -173,30 +137,19 @@ def _band(design: DesignFile, band: TorqueBand) -> str:
     text = " ".join(filter(None, [text, design.friction_note()]))
     return (
         f"<h2>Torque over the angle</h2>\n<p>{text} {F_EXT}</p>\n"
-        + _table(("what", "value"), rows)
+        + table(("what", "value"), rows)
         + figure_element(plot_band(band), "Torque band and efficiency over the angle")
     )
 
 
-def _strength(design: DesignFile, mechanism: Mechanism) -> str:
-    """Reactions and, with a pin, the contact pressure: table and curves."""
-    loads = largest_loads(mechanism, design.pin)
+def _reactions(design: DesignFile, mechanism: Mechanism) -> str:
+    loads = largest_loads(mechanism, None)
     rows = [("largest reaction", reaction_words(loads.reaction, mechanism.contacts))]
     text = "The larger one of slow loading and releasing, without F_ext, as the normal force of one contact."
-    if design.pin is None or loads.pressure is None:
+    if design.pin is None:
         text += " A section [pin] in the design file adds the contact pressure."
-    else:
-        limit = (design.limits or Limits()).pressure
-        default = "" if design.limits else ", the default limit for any material"
-        rows += [
-            ("largest contact pressure", pressure_words(loads.pressure)),
-            ("allowed contact pressure", f"{limit / 1e6:.4g} MPa{default}"),
-            ("Young's moduli", material_words(design.pin)),
-        ]
-        text += " The contact pressure is the largest pressure of a line contact by Hertz, for one contact."
-    picture = figure_element(plot_strength(mechanism, design.pin), "Reactions over the angle")
-    heading = "Reactions" if design.pin is None else "Reactions and contact pressure"
-    return f"<h2>{heading}</h2>\n<p>{text}</p>\n" + _table(("what", "value"), rows) + picture
+    picture = figure_element(plot_strength(mechanism, None), "Reactions over the angle")
+    return f"<h2>Reactions</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
 
 
 def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
@@ -214,23 +167,17 @@ def _simulation(trajectory: Trajectory, band: TorqueBand) -> str:
         "<h2>Simulation</h2>\n"
         + figure_element(plot_simulation(trajectory, band), "The scenario over time")
         + f"<h2>Energy balance of the run, at {last['time']:g} s</h2>\n<p>{F_EXT}</p>\n"
-        + _table(("account", "energy"), rows)
+        + table(("account", "energy"), rows)
     )
 
 
 def _inputs(design: DesignFile) -> str:
     text = "Values in the units of the FMU (SI) and, beside them, in the usual unit."
     tables = "".join(
-        f"<h3>{escape(head)}</h3>\n" + _table(("key", "value", "unit", "usual unit"), rows)
+        f"<h3>{escape(head)}</h3>\n" + table(("key", "value", "unit", "usual unit"), rows)
         for head, rows in input_tables(design).items()
     )
     return f"<h2>Inputs</h2>\n<p>{text}</p>\n{tables}"
-
-
-def _table(heads: Row, rows: Sequence[Row]) -> str:
-    head = "".join(f"<th>{escape(name)}</th>" for name in heads)
-    body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
-    return f'<div class="scroll"><table>\n<tr>{head}</tr>\n{body}</table></div>\n'
 
 
 explain_call_of(__name__)

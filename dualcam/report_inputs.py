@@ -11,7 +11,7 @@ from dualcam.model_description import Scalar
 from dualcam.variables import SettableVariable, all_inputs, parameters_of
 
 if TYPE_CHECKING:
-    from dualcam.design import Limits, Pin
+    from dualcam.design import HelicalSpring, Limits, Pin, Roller
     from dualcam.design_file import DesignFile
     from dualcam.study.scenario import History, Scenario
 
@@ -33,7 +33,18 @@ PROFILE_OF = {
     "ellipse_curvature": (2,),
     "table": (3,),
 }
-PIN_UNITS = {"radius": "m", "width": "m", "modulus": "Pa", "cam_modulus": "Pa"}
+UNITS = {  # of the keys of [pin], [roller], [helical_spring] and [limits] that have one
+    "pin": {"radius": "m", "width": "m", "modulus": "Pa", "cam_modulus": "Pa", "wear": "m3/(N.m)"},
+    "roller": {"bearing_radius": "m", "lever_arm": "m"},
+    "helical_spring": {
+        "wire_diameter": "m",
+        "coil_diameter": "m",
+        "tensile_strength": "Pa",
+        "shear_modulus": "Pa",
+        "fatigue_strength": "Pa",
+    },
+    "limits": {"pressure": "Pa", "wear_depth": "m"},
+}
 MOST_POINTS = 12  # of an input over time that are listed one by one
 
 
@@ -44,7 +55,11 @@ def input_tables(design: DesignFile) -> dict[str, list[Row]]:
         lengths = design.spring_limits._asdict().items()
         tables["Lengths of the spring"] = [_row(f"spring.{name}", length, "m") for name, length in lengths]
     if design.pin is not None:
-        tables["Pin and material"] = _pin(design.pin)
+        tables["Pin and material"] = _object("pin", design.pin)
+    if design.roller is not None:
+        tables["Roller"] = [row for row in _object("roller", design.roller) if row[0] != "roller.radius"]
+    if design.helical_spring is not None:
+        tables["Wire and coil of the spring"] = _object("helical_spring", design.helical_spring)
     if design.limits is not None:
         tables["Limits of the check"] = _limits(design.limits)
     if design.scenario is not None:
@@ -87,17 +102,28 @@ def _row(name: str, value: float, unit: str) -> Row:
     return name, f"{value:.6g}", "" if unit == "1" else unit, beside
 
 
-def _pin(pin: Pin) -> list[Row]:
-    return [_row(f"pin.{f.name}", getattr(pin, f.name), PIN_UNITS.get(f.name, "1")) for f in fields(pin)]
+def _object(table: str, of: Pin | Roller | HelicalSpring | Limits) -> list[Row]:
+    """The keys of a table whose object has their values; a key without value is left out."""
+    values = {field.name: getattr(of, field.name) for field in fields(of)}
+    return [_entry(table, name, value) for name, value in values.items() if value is not None]
+
+
+def _entry(table: str, name: str, value: Scalar) -> Row:
+    key = f"{table}.{name}"
+    if isinstance(value, bool):
+        return key, "true" if value else "false", "", ""
+    if isinstance(value, str):
+        return key, value, "", ""
+    return _row(key, value, UNITS[table].get(name, "1"))
 
 
 def _limits(limits: Limits) -> list[Row]:
+    others = {f.name: getattr(limits, f.name) for f in fields(limits) if f.name != "lead_angle"}
     least, greatest = limits.lead_angle
     return [
         _row("limits.lead_angle, least", least, "rad"),
         _row("limits.lead_angle, greatest", greatest, "rad"),
-        _row("limits.pressure", limits.pressure, "Pa"),
-        ("limits.self_locking", "true" if limits.self_locking else "false", "", ""),
+        *(_entry("limits", name, value) for name, value in others.items()),
     ]
 
 

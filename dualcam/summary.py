@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.design.strength import Pin, strength
+from dualcam.design.hertz import Pin
+from dualcam.design.strength import strength
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from driver import ROOT
 from scipy.integrate import quad, simpson
-from scipy.optimize import fsolve
+from scipy.optimize import fsolve, minimize
 
 from case_studies.paper import __main__ as paper
 from case_studies.paper import fmus, published, readings
+from case_studies.paper.budget import QUANTITY, measurement, model, names
 from case_studies.paper.cams import Pair, Statics, pair
 from case_studies.paper.efficiency import beyond_one, efficiency, searched_optimum
+from case_studies.paper.fits import best, others
+from case_studies.paper.friction import ANGLE, at_speed, load_law, speed_law, turn_rate
 from case_studies.paper.measurements import needed_friction
 from case_studies.paper.printed import Case
 from case_studies.paper.published import (
@@ -27,6 +30,7 @@ from case_studies.paper.published import (
     RELEASING,
 )
 from case_studies.paper.readings import rms
+from case_studies.paper.varying import FrictionLaw, turning
 from dualcam import Fmu
 from dualcam.design import optimum
 
@@ -411,3 +415,149 @@ def test_largest_change_of_a_stribeck_curve(ratio):
     assert readings.largest_change(ratio) == pytest.approx(
         np.max(np.exp(-speed) - np.exp(-ratio * speed)), rel=1e-7
     )
+
+
+# ---- the budget by Monte Carlo ----
+
+
+def test_budget_by_monte_carlo():
+    """Mean of the cosine and moments of the product in closed form; the model's budget to first order."""
+    budget, torque = readings.uncertainty_budget(), measurement()
+    cosine = 1.0 - budget.bias
+    exact = math.hypot(cosine * budget.rest, budget.spread, budget.rest * budget.spread)
+    assert torque.standard_deviation[0] / published.TORQUE == pytest.approx(exact, rel=0.01)
+    error = published.TORQUE * exact / math.sqrt(len(torque.values))
+    assert torque.mean[0] == pytest.approx(published.TORQUE * cosine, abs=4.0 * error)
+    assert torque.budget.standard_uncertainty[0] == pytest.approx(published.TORQUE * budget.rest, rel=1e-12)
+    assert torque.standard_deviation[0] < published.UNCERTAINTY * published.TORQUE  # on the safe side
+
+
+@each_pair
+@each_way
+def test_what_the_words_on_tolerances_claim(work, name, way):
+    found = model(name)[QUANTITY[way]]
+    middle = model(name).nearest(0.5 * RANGE)
+    first, second = found.budget.standard_uncertainty[middle], found.standard_deviation[middle]
+    assert first == pytest.approx(second, rel=0.02)
+    assert max(found.budget.contribution[:, middle]) == found.budget.contribution[0, middle] > 50.0
+    assert len(names()) == len(found.budget.names)
+    # friction's part by another derivative: the FMU's torque at both ends
+    angle = np.array([model(name).theta[middle]])
+    h = 1e-5
+    ends = [
+        fmus.curve(work.inverse, pair(name), GREASES[0] + sign * h, way, angle).torque[0] for sign in (1, -1)
+    ]
+    slope = (ends[0] - ends[1]) / (2 * h)
+    assert found.budget.sensitivity[0, middle] == pytest.approx(slope, rel=1e-2)  # the FMU has no clearance
+
+
+# ---- friction that varies ----
+
+
+@each_pair
+@each_grease
+@each_way
+@pytest.mark.parametrize("sliding", [0.001, 0.01, 0.1])
+def test_friction_over_speed_is_that_of_the_fmu(work, name, mu, way, sliding):
+    angle = np.linspace(0.0, RANGE, 8)
+    statics = Statics(pair(name), angle)
+    speed = turn_rate(statics, sliding)
+    for law in (speed_law(mu), FrictionLaw(mu, 1.6, 0.003, 1), FrictionLaw(mu, viscous=0.5)):
+        mine = turning(statics, law, way, speed)
+        drawn = fmus.curve(work.inverse, pair(name), mu, way, angle, speed, law)
+        assert mine.torque == pytest.approx(drawn.torque, rel=1e-11)
+        for both in zip(mine.reactions, drawn.reactions, strict=True):
+            assert both[0] == pytest.approx(both[1], rel=1e-11)
+        for both in zip(mine.sliding, drawn.sliding, strict=True):
+            assert both[0] == pytest.approx(both[1], rel=1e-11)
+
+
+@each_pair
+@each_way
+@pytest.mark.parametrize("exponent", [-2 / 3, -1 / 3, 1 / 3, 2 / 3])
+def test_friction_over_load_solves_the_balance(name, way, exponent):
+    """`balance` at the coefficients found, which are those of the law at its reactions."""
+    angle = np.linspace(0.0, RANGE, 5)
+    cams, statics = pair(name), Statics(pair(name), angle)
+    law = FrictionLaw(GREASES[1], 1.3, 0.01, 2, 0.3, exponent, 200.0)
+    found = turning(statics, law, way, 0.5)
+    for k, theta in enumerate(angle):
+        lead, z = place(cams, float(theta))
+        force = cams.spring.force(float(z))
+        friction = [float(mu[k]) for mu in found.friction]
+        r1, r2, torque = balance(lead, RADII, friction, way, float(force))
+        assert found.torque[k] == pytest.approx(float(torque), rel=1e-10)
+        assert [float(r1) / 2, float(r2) / 2] == pytest.approx([r[k] for r in found.reactions], rel=1e-10)
+        for mu, reaction, v in zip(friction, (r1, r2), found.sliding, strict=True):
+            fall = 1.0 + 0.3 * math.exp(-((v[k] / 0.01) ** 2))
+            exact = GREASES[1] * fall * (float(reaction) / 2 / 200.0) ** exponent + 0.3 * v[k]
+            assert mu == pytest.approx(exact, rel=1e-10)
+
+
+def test_friction_over_load_agrees_with_the_power_law_by_iteration(work):
+    for name, way in [(name, way) for name in PAIRS for way in DIRECTIONS]:
+        statics = Statics(pair(name), work.angle)
+        mine = turning(statics, FrictionLaw(GREASES[0], load_exponent=-1 / 3, load=200.0), way)
+        other = statics.torque_under(readings.power_law(GREASES[0], 200.0, 1 / 3), way)
+        assert mine.torque == pytest.approx(other, rel=1e-9)
+
+
+def test_a_contact_locks_where_friction_grows_faster_than_the_load():
+    """R (s - mu(R)) = T h/(n r) has its largest value at s = (1 + nu) mu: beyond it there is no answer."""
+    statics = Statics(pair("B"), np.array([RANGE]))
+    slope = min(float(one[0]) for one in statics.slopes)
+    assert np.isnan(turning(statics, FrictionLaw(1.01 * slope), RELEASING).torque).all()
+    assert np.isfinite(turning(statics, FrictionLaw(0.9 * slope), RELEASING).torque).all()
+    grown = turning(statics, FrictionLaw(0.8 * slope, load_exponent=0.5, load=10.0), RELEASING)
+    assert np.isnan(grown.torque).all()
+
+
+@each_grease
+def test_what_the_words_on_friction_that_varies_claim(mu):
+    at_rest = {
+        (name, way): abs(
+            np.mean(at_speed(name, mu, way, 0.0).torque - Statics(pair(name), ANGLE).torque(way, mu))
+        )
+        for name in PAIRS
+        for way in DIRECTIONS
+    }
+    for (name, way), change in at_rest.items():
+        assert (change > PUBLISHED[name][way]) == ((name, way) == ("A", LOADING))
+    speeds = [np.mean(speed_law(mu).at(np.array(v), np.array(published.LOAD))) for v in published.SLIDING]
+    assert speeds[0] == max(speeds) and min(speeds) == speeds[3] and speeds[4] > speeds[3]
+    for exponent, sign in ((-1 / 3, -1), (1 / 3, 1)):
+        for name in PAIRS:
+            for way in DIRECTIONS:
+                line = Statics(pair(name), ANGLE)
+                change = turning(line, load_law(mu, exponent), way).torque - line.torque(way, mu)
+                assert sign * way * change[0] < 0.0 < sign * way * change[-1]
+    # pair B by a factor alone, pair A by no law, both by none
+    assert best("B", mu, 0.0, 0.0).misfit < 1.1
+    assert best("B", mu, 0.0, 0.0).factor > published.PEAK
+    assert best("A", mu, -1 / 3, 1 / 3).misfit > 1.3
+    assert best("A", mu, 0.0, 1 / 3).misfit > best("A", mu, -1 / 3, 0.0).misfit
+    assert best("AB", mu, -2 / 3, 2 / 3).misfit > 1.5
+    assert others(mu, 1 / 3).together.min() > 1.25
+
+
+@each_grease
+@pytest.mark.parametrize("which", ["A", "B", "AB"])
+def test_the_law_that_comes_nearest_is_found_by_a_search_too(mu, which):
+    """Nelder and Mead from there find nothing better than the grid's width."""
+
+    def miss(x):
+        worst = 0.0
+        for name in which:
+            statics = Statics(pair(name), np.linspace(0.0, RANGE, 29))
+            for way in DIRECTIONS:
+                law = FrictionLaw(mu * x[0], load_exponent=x[1], load=published.LOAD)
+                error = rms(turning(statics, law, way).torque - statics.torque(way, mu))
+                worst = max(worst, abs(math.log(error / PUBLISHED[name][way])))
+        return worst if abs(x[1]) <= 1 / 3 + 1e-12 else 9.0
+
+    grid = best(which, mu, -1 / 3, 1 / 3)
+    start = [grid.factor, 0.999 * grid.exponent]
+    simplex = [start, [start[0] + 0.02, start[1]], [start[0], 0.95 * start[1] + 0.01]]
+    found = minimize(miss, start, method="Nelder-Mead", options={"initial_simplex": simplex, "maxfev": 120})
+    assert math.exp(found.fun) > grid.misfit - 0.005
+    assert math.exp(miss([grid.factor, grid.exponent])) == pytest.approx(grid.misfit, rel=1e-6)

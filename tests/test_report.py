@@ -101,7 +101,7 @@ def test_the_title_stands_in_the_page_and_no_picture_repeats_the_heading(design)
     assert page.findtext(".//h1") == design.title
     assert design.title in page.findtext(".//title")
     drawn = ["".join(svg.itertext()) for svg in page.iter("svg")]
-    assert len(drawn) == 3
+    assert len(drawn) == 4
     assert not [text for text in drawn if design.title in text or "elbow" in text]
     assert design.description in words_of(report_page(design))
 
@@ -136,10 +136,12 @@ def test_inputs_are_complete_with_units(design):
 
 
 def test_axes_of_loads_begin_at_zero(design):
+    from dualcam.durability_plots import plot_contact
     from dualcam.plots import plot_strength
 
-    axes = plot_strength(design.mechanism(), design.pin).axes
-    assert [plot.get_ylim()[0] for plot in axes] == [0.0, 0.0]
+    mechanism = design.mechanism()
+    axes = [*plot_strength(mechanism, design.pin).axes, *plot_contact(mechanism, design.pin, 1e9).axes]
+    assert [plot.get_ylim()[0] for plot in axes] == [0.0, 0.0, 0.0, 0.0]
     assert all(plot.get_xlabel().endswith("[deg]") for plot in axes)
 
 

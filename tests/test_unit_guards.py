@@ -53,7 +53,16 @@ def test_what_can_be_meant_gets_no_warning():
 
 def test_rules_are_for_names_that_exist():
     known = {name.replace("cam1.", "cam.") for name in all_parameters()}
-    others = ("pin.", "limits.", "table.", "scenario.", "spring.free_length", "spring.solid_length")
+    others = (
+        "pin.",
+        "roller.",
+        "helical_spring.",
+        "limits.",
+        "table.",
+        "scenario.",
+        "spring.free_length",
+        "spring.solid_length",
+    )
     assert {name for name in RULES if not name.startswith(others)} <= known
 
 

@@ -10,14 +10,19 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from case_studies.paper.budget import budget_section
 from case_studies.paper.fmus import FmuResults
+from case_studies.paper.friction import explanation, varying_friction
 from case_studies.paper.measurements import friction_laws, measurements, uncertainty
 from case_studies.paper.pictures import PICTURES
 from case_studies.paper.theory import efficiency_section, errata, opening, torque_section, verdicts
 from dualcam import Fmu
 
 ROOT = Path(__file__).resolve().parents[2]
-SECTIONS = (verdicts, efficiency_section, torque_section, errata, uncertainty, measurements, friction_laws)
+SECTIONS = (
+    *(verdicts, efficiency_section, torque_section, errata, uncertainty, budget_section, measurements),
+    *(friction_laws, varying_friction, explanation),
+)
 
 
 def page(fmus: FmuResults) -> str:

@@ -79,17 +79,17 @@ class Statics:
 
     def __init__(self, pair: Pair, angle: Array) -> None:
         self.cams = (pair.inner, pair.outer)
-        self._radii = (pair.inner.radius, pair.outer.radius)
+        self.radii = (pair.inner.radius, pair.outer.radius)
         configuration = pair.mechanism(0.0, pair.spring).configuration(angle)
         self._slopes = configuration.slope  # m/rad, shape (2, n)
-        self.slopes = tuple(configuration.slope / np.array(self._radii)[:, None])  # tangents of lead angles
+        self.slopes = tuple(configuration.slope / np.array(self.radii)[:, None])  # tangents of lead angles
         self.spring = pair.spring.force(configuration.z)  # N
 
     def _transfer(self, direction: int, friction: tuple[Array | float, ...]) -> Transfer:
         """With friction of both contacts (one number: of each; none: grease 1)."""
         first = friction[0] if friction else GREASES[0]
         second = friction[1] if len(friction) > 1 else first
-        return transfer(self._slopes, (first, second), self._radii, direction)
+        return transfer(self._slopes, (first, second), self.radii, direction)
 
     def torque(self, direction: int, *friction: Array | float) -> Array:
         """Torque at the turning cam [N.m], shape (n,)."""
@@ -98,6 +98,16 @@ class Statics:
     def reactions(self, direction: int, *friction: Array | float) -> tuple[Array, Array]:
         """Normal reaction at each contact of cam 1 and cam 2 [N], shape (n,) each."""
         first, second = self._transfer(direction, friction).reaction * self.spring / CONTACTS
+        return first, second
+
+    def sliding(self, speed: float) -> tuple[Array, Array]:
+        """Sliding speed at cam 1 and cam 2 [m/s], shape (n,) each, at `speed` [rad/s] of the turning cam."""
+        a1, a2 = self._slopes
+        turns = a2 / (a1 + a2), a1 / (a1 + a2)  # of the pin along each groove, per turn of the cam
+        first, second = (
+            abs(speed) * turn * radius * np.hypot(1.0, slope)
+            for turn, radius, slope in zip(turns, self.radii, self.slopes, strict=True)
+        )
         return first, second
 
     def band(self, friction: float) -> Array:
@@ -110,7 +120,7 @@ class Statics:
         Given the friction forces A_i, the balance (see printed.Case.balance) is linear in the reactions R_i.
         A_i follows from R_i, and the two are iterated. ArithmeticError if they do not settle.
         """
-        (r1, r2), (s1, s2) = self._radii, self.slopes
+        (r1, r2), (s1, s2) = self.radii, self.slopes
         c1, c2 = 1.0 / np.hypot(1.0, s1), 1.0 / np.hypot(1.0, s2)  # cosines of the lead angles
         axial = (r1 * s1 + r2 * s2) * c1 * c2
         first, second = self.reactions(direction)

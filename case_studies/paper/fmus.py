@@ -22,6 +22,7 @@ from case_studies.paper.published import (
     SPEED,
     TORQUE,
 )
+from case_studies.paper.varying import FrictionLaw
 from dualcam import Fmu
 from dualcam.design.statics import Array
 
@@ -34,19 +35,28 @@ class Curve:
     angle: Array  # rad
     torque: Array  # N.m
     reactions: tuple[Array, Array]  # per contact, N
-    sliding: tuple[Array, Array]  # m/s at 1 rad/s
+    sliding: tuple[Array, Array]  # m/s
 
 
-def curve(inverse: Fmu, cams: Pair, friction: float, direction: int, angle: Array) -> Curve:
-    """The kinetostatic curve: at 1 rad/s without inertia, at these angles [rad], shape (n,)."""
-    inverse.start({**cams.parameters(friction), "ledger": False})
+def curve(
+    inverse: Fmu,
+    cams: Pair,
+    friction: float,
+    direction: int,
+    angle: Array,
+    speed: float = 1.0,
+    law: FrictionLaw | None = None,
+) -> Curve:
+    """The kinetostatic curve: at `speed` [rad/s] without inertia, at these angles [rad], shape (n,)."""
+    varying = law.parameters() if law else {}
+    inverse.start({**cams.parameters(friction), **varying, "ledger": False})
     motion = inverse.reals("theta", "omega")
     wanted = inverse.reals(
         "tau", "cam1.reaction", "cam2.reaction", "cam1.sliding_speed", "cam2.sliding_speed"
     )
     rows = []
     for theta in angle[::direction]:
-        motion.values[:] = theta, direction
+        motion.values[:] = theta, direction * speed
         motion.write()
         inverse.step(1.0)
         rows.append(wanted.read())

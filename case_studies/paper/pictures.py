@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,21 +12,27 @@ from matplotlib.figure import Figure
 
 from case_studies.paper.cams import Statics, pair
 from case_studies.paper.efficiency import efficiency
+from case_studies.paper.fits import rmse_of_factors
 from case_studies.paper.fmus import FmuResults, efficiency_of_fmu
+from case_studies.paper.friction import ANGLE, load_law, speed_law, turn_rate
 from case_studies.paper.published import (
     DIRECTIONS,
     EQUAL,
     GREASES,
+    LOAD,
     LOADING,
     MAP,
     OTHERS,
     PAIRS,
+    PEAK,
     PUBLISHED,
     RANGE,
     READINGS,
     RELEASING,
+    SLIDING,
 )
 from case_studies.paper.readings import band_at_readings, rms, share_needed
+from case_studies.paper.varying import FrictionLaw, turning
 from dualcam.design import optimum
 
 COLOURS = {LOADING: "tab:blue", RELEASING: "tab:orange"}
@@ -186,9 +194,75 @@ def draw_measurements(fmus: FmuResults) -> Figure:
     return figure
 
 
+def draw_coefficients(axes: Axes) -> None:
+    """The coefficient over the sliding speed."""
+    speed = np.linspace(0.0, SLIDING[-1], 400)
+    for mu, colour in zip(GREASES, ("tab:blue", "tab:green"), strict=True):
+        law = speed_law(mu)
+        axes.plot(1e3 * speed, law.at(speed, np.array(LOAD)), color=colour, label=f"grease with {mu}")
+        low, high = (replace(law, peak=peak).at(speed, np.array(LOAD)) for peak in (1.1, 1.6))
+        axes.fill_between(1e3 * speed, low, high, color=colour, alpha=0.2, lw=0)
+        axes.axhline(mu, color=colour, lw=0.7, ls=":")
+    axes.set(title=f"Static over kinetic coefficient {PEAK} (areas: 1.1 to 1.6)", xlim=(0, 1e3 * SLIDING[-1]))
+    axes.set(xlabel="sliding speed [mm/s]", ylabel="coefficient of friction", ylim=(0, 0.32))
+    axes.legend(fontsize=8)
+
+
+def draw_varied(axes: Axes, laws: dict[str, tuple[FrictionLaw, float]], title: str) -> None:
+    """Torque of pair B with grease 1 under laws at mean sliding speeds [m/s]."""
+    name, mu = "B", GREASES[0]
+    statics = Statics(pair(name), ANGLE)
+    for direction in DIRECTIONS:
+        line, error = statics.torque(direction, mu), PUBLISHED[name][direction]
+        axes.fill_between(ANGLE, line - error, line + error, color="0.9", lw=0,
+                          label="constant +- published RMSE" if direction == LOADING else None)  # fmt: skip
+        axes.plot(ANGLE, line, "k:", lw=1, label=f"constant {mu}" if direction == LOADING else None)
+        for (words, (law, speed)), style in zip(laws.items(), ("-", "--", "-."), strict=False):
+            drawn = turning(statics, law, direction, turn_rate(statics, speed))
+            label = words if direction == LOADING else None
+            axes.plot(ANGLE, drawn.torque, style, color=COLOURS[direction], label=label)
+    axes.set(title=title, xlabel="angle of the turning cam [rad]", ylabel="torque [N.m]")
+    axes.set(xlim=(0.0, RANGE), ylim=(0.0, 13.5))
+    axes.legend(loc="upper left", fontsize=8)
+
+
+def draw_factors(axes: Axes) -> None:
+    """RMSE over the published one, over the factor on the friction; areas: |nu| up to 1/3."""
+    factors = np.linspace(0.3, 2.0, 137)
+    colours = ("tab:purple", "tab:pink", "tab:green", "tab:olive")
+    for (name, direction), colour in zip(product(PAIRS, DIRECTIONS), colours, strict=True):
+        made = rmse_of_factors(name, GREASES[0], direction, factors)
+        axes.fill_between(factors, made.min(axis=1), made.max(axis=1), color=colour, alpha=0.25, lw=0)
+        axes.plot(factors, made[:, 1], color=colour, label=f"pair {name}, {DIRECTIONS[direction]}")
+    axes.axhline(1.0, color="k", lw=0.8)
+    axes.axvline(1.0, color="0.6", lw=0.8)
+    axes.set(title="RMSE made over RMSE published, grease 1 (areas: |nu| up to 1/3)", ylim=(0, 2.5))
+    axes.set(xlabel="friction over the grease's: f", ylabel="RMSE / published", xlim=(0.3, 2.0))
+    axes.legend(loc="upper center", fontsize=8)
+
+
+def draw_friction(fmus: FmuResults) -> Figure:
+    """Friction that varies with speed and load."""
+    figure = Figure(figsize=(12.5, 9.0), layout="constrained")
+    (first, second), (third, fourth) = figure.subplots(2, 2)
+    mu = GREASES[0]
+    draw_coefficients(first)
+    draw_factors(second)
+    speeds = {"at rest": 0.0, "10 mm/s": 0.01, "100 mm/s": 0.1}
+    draw_varied(
+        third,
+        {words: (speed_law(mu), v) for words, v in speeds.items()},
+        f"Pair B, speed, friction {mu} (blue loading, orange releasing)",
+    )
+    loads = {f"nu = {words}": (load_law(mu, n), 0.01) for words, n in (("-1/3", -1 / 3), ("1/3", 1 / 3))}
+    draw_varied(fourth, loads, f"Pair B, load, friction {mu} at {LOAD:.0f} N (colours likewise)")
+    return figure
+
+
 PICTURES = {
     "efficiency": draw_efficiency,
     "torque": draw_torque,
     "dependence": draw_dependence,
     "measurements": draw_measurements,
+    "friction": draw_friction,
 }

@@ -9,6 +9,7 @@ import numpy as np
 
 from case_studies.paper.cams import pair
 from case_studies.paper.efficiency import beyond_one, searched_optimum
+from case_studies.paper.fits import best as best_law
 from case_studies.paper.fmus import FmuResults, damper_of_fmu, efficiency_of_fmu, pull_of_fmu, torques_of_fmu
 from case_studies.paper.printed import Case
 from case_studies.paper.published import (
@@ -95,6 +96,7 @@ def verdicts(fmus: FmuResults) -> str:
     row_1, row_2 = case.balance(LOADING, axial=-1), case.balance(RELEASING, tangential=-1)
     x, y, best = fmus.best_on_grid(GREASES[0])
     unequal = optimum(UNEQUAL, RADII)
+    fits = {names: best_law(names, GREASES[0], -1 / 3, 1 / 3) for names in ("A", "B", "AB")}
     rows = [
         ["(3), (6)", "torque", "corrected", f"{level.printed_3():.1f} N.m printed, not"
          f" {level.correct():.2f}, for equal radii; plus in the denominator"],
@@ -123,6 +125,9 @@ def verdicts(fmus: FmuResults) -> str:
         ["section 7", "RMSE against the bench", "not reproducible", "neither readings nor dimensions are"
          " published; bounds below"],
         ["section 8", "bounds of the RMSE", "contradicted", "by section 7: 1.51 > 1.5 and 0.735 > 0.7 N.m"],
+        ["sections 4, 8", "friction that varies, as the cause of the deviations", "not confirmed",
+         f"pair B: friction {fits['B'].factor:.2f} times grease 1; pair A off by a factor of"
+         f" {fits['A'].misfit:.2f}, one law for both pairs by {fits['AB'].misfit:.2f}"],
         ["wear", "Archard's law", "corrected", f"hardness divides: the printed volume is H^2 ="
          f" {HARDNESS**2:.0e} Pa^2 times as large and no volume"],
     ]  # fmt: skip

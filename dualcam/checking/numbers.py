@@ -13,6 +13,18 @@ from dualcam.design.mechanism import POINTS
 from dualcam.design.strength import strength
 from dualcam.design.torque_band import span
 from dualcam.design_file import DesignFile
+from dualcam.durability import (
+    RollerNumbers,
+    SpringNumbers,
+    WearNumbers,
+    largest_contact,
+    roller_numbers,
+    roller_words,
+    spring_numbers,
+    spring_words,
+    wear_numbers,
+    wear_words,
+)
 
 
 @dataclass(frozen=True)
@@ -29,6 +41,10 @@ class LargestPressure:
         In whose groove: 1 or 2.
     modulus, cam_modulus : float
         Young's moduli of pin and cams [Pa].
+    shear : float
+        Largest shear stress below the surface there [Pa].
+    depth : float
+        Depth of that shear stress [m].
     """
 
     pressure: float
@@ -37,6 +53,8 @@ class LargestPressure:
     cam: int
     modulus: float
     cam_modulus: float
+    shear: float
+    depth: float
 
 
 @dataclass(frozen=True)
@@ -55,6 +73,12 @@ class KeyNumbers:
         Way of the follower from stop to stop [m].
     pressure : LargestPressure or None
         None without a pin.
+    roller : RollerNumbers or None
+        None without a roller.
+    spring : SpringNumbers or None
+        None without wire and coil of the spring.
+    wear : WearNumbers or None
+        None where nothing wears.
     """
 
     load: tuple[float, float]
@@ -63,6 +87,9 @@ class KeyNumbers:
     self_locking: bool
     stroke: float
     pressure: LargestPressure | None
+    roller: RollerNumbers | None = None
+    spring: SpringNumbers | None = None
+    wear: WearNumbers | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The numbers as JSON has them, in SI units."""
@@ -78,7 +105,24 @@ class KeyNumbers:
             f"self-locking: {locking}",
             f"stroke of the follower: {1e3 * self.stroke:.4g} mm",
             f"contact pressure: {self._pressure_in_words()}",
+            *self._durability_lines(),
         ]
+
+    def _durability_lines(self) -> list[str]:
+        """Shear stress, roller, spring and wear, as far as they are known."""
+        found = []
+        if (contact := self.pressure) is not None:
+            found.append(
+                f"shear stress below the surface: at most {contact.shear / 1e6:.4g} MPa,"
+                f" {1e3 * contact.depth:.3g} mm deep"
+            )
+        if self.roller is not None:
+            found.append(f"roller: {roller_words(self.roller)}")
+        if self.spring is not None:
+            found.append(f"spring: {spring_words(self.spring)}")
+        if self.wear is not None:
+            found.append(f"wear: {wear_words(self.wear)}")
+        return found
 
     def _pressure_in_words(self) -> str:
         largest = self.pressure
@@ -115,6 +159,9 @@ def key_numbers(design: DesignFile) -> KeyNumbers:
         self_locking=band.self_locking,
         stroke=float(band.z[-1] - band.z[0]),
         pressure=None if design.pin is None else _largest_pressure(design, design.pin),
+        roller=roller_numbers(design),
+        spring=spring_numbers(design, mechanism),
+        wear=wear_numbers(design, mechanism),
     )
 
 
@@ -126,6 +173,7 @@ def _largest_pressure(design: DesignFile, pin: Pin) -> LargestPressure:
     mechanism = design.mechanism()
     found = strength(mechanism, pin, np.linspace(*mechanism.reach(), POINTS))
     cam, place = np.unravel_index(int(np.argmax(found.pressure)), found.pressure.shape)
+    contact = largest_contact(mechanism, pin, int(cam) + 1, float(found.theta[place]))
     return LargestPressure(
         pressure=float(found.pressure[cam, place]),
         limit=(design.limits or Limits()).pressure,
@@ -133,4 +181,6 @@ def _largest_pressure(design: DesignFile, pin: Pin) -> LargestPressure:
         cam=int(cam) + 1,
         modulus=pin.modulus,
         cam_modulus=pin.cam_modulus,
+        shear=float(contact.shear),
+        depth=float(contact.depth),
     )

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from dualcam.checking.rules import WARNING
+from dualcam.checking.trouble import WARNING
 from dualcam.design import Mechanism, torque_band
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
-from dualcam.checking.rules import ERROR, Remedy, Trouble, troubles
+from dualcam.checking.rules import troubles
 from dualcam.checking.search import nearest_working
+from dualcam.checking.trouble import ERROR, Remedy, Trouble
 from dualcam.checking.values import value_of, with_value
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DualcamError

@@ -8,35 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from dualcam.checking.durability import durability
+from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
 from dualcam.checking.values import value_of
 from dualcam.design import Limits, Mechanism
 from dualcam.design.strength import Finding as Failure
 from dualcam.design.strength import examine
 from dualcam.design_file import DesignFile, Finding
 from dualcam.errors import DesignError
-
-ERROR, WARNING = "error", "warning"
-
-
-@dataclass(frozen=True)
-class Remedy:
-    """A key whose value, moved towards `bound`, can make a finding disappear."""
-
-    key: str
-    bound: float
-
-
-@dataclass(frozen=True)
-class Trouble:
-    """A finding, and what can help, the first remedy first; `hint` is a further sentence."""
-
-    finding: Finding
-    remedies: tuple[Remedy, ...] = ()
-    hint: str = ""
 
 
 def swap_warning(design: DesignFile) -> Finding | None:
@@ -65,14 +48,8 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
     more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (_solid_length, _start, _imposed)
-    return [*found, *(trouble for rule in more for trouble in rule(design, mechanism))]
-
-
-def _finding(
-    design: DesignFile, kind: str, key: str, text: str, severity: str = ERROR, value: object = None
-) -> Finding:
-    shown = value_of(design, key) if value is None and key else value
-    return Finding(severity, key, shown, text, kind=kind)
+    found += [trouble for rule in more for trouble in rule(design, mechanism)]
+    return [*found, *durability(design, mechanism, propose=locate)]
 
 
 # ---- stops and what cannot be a mechanism ----
@@ -88,14 +65,14 @@ def _stops(design: DesignFile) -> list[Trouble]:
     )
     is_negative = high < 0.0 and -high > low
     hint = f"Is the sign of stop.upper wrong: {-high:.6g} rad?" if is_negative else "Are the stops exchanged?"
-    return [Trouble(_finding(design, "stops", "stop.upper", text), hint=hint)]
+    return [Trouble(finding_of(design, "stops", "stop.upper", text), hint=hint)]
 
 
 def _impossible(design: DesignFile, error: DesignError) -> Trouble:
     """A groove that its class refuses, such as an ellipse that starts vertical."""
     steep = [f"cam{i}.lead_angle" for i in (1, 2) if design.value(f"cam{i}.profile") != 3]
     remedies = tuple(Remedy(key, 0.1) for key in steep if value_of(design, key) > 0.1)
-    return Trouble(_finding(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
+    return Trouble(finding_of(design, "groove", remedies[0].key if remedies else "", str(error)), remedies)
 
 
 # ---- failures of the assessment ----
@@ -108,14 +85,14 @@ def _trouble(design: DesignFile, mechanism: Mechanism, failure: Failure) -> Trou
     if what == "spring force":
         remedies = [Remedy("spring.preload", 1e3 * (1.0 + abs(failure.value)))]
         hint = "Is the sign of spring.preload wrong?" if design.value("spring.preload") < 0.0 else ""
-        return Trouble(_finding(design, "spring force", "spring.preload", text), tuple(remedies), hint)
+        return Trouble(finding_of(design, "spring force", "spring.preload", text), tuple(remedies), hint)
     if what.startswith("both grooves level"):
-        finding = _finding(design, "level", "cam1.lead_angle", text)
+        finding = finding_of(design, "level", "cam1.lead_angle", text)
         return Trouble(finding, (Remedy("cam1.lead_angle", 0.8), *_shorter(failure)))
     if what.startswith("jam"):
         return _jam(design, text)
     if what in design.parameters:
-        return Trouble(_finding(design, "limit", what, text))
+        return Trouble(finding_of(design, "limit", what, text))
     return _of_groove(design, failure, 2 if what.endswith("2") else 1)
 
 
@@ -123,7 +100,7 @@ def _groove_end(design: DesignFile, mechanism: Mechanism, failure: Failure) -> T
     """A groove that ends before a stop."""
     upper = failure.theta > 0.0 or mechanism.lower >= 0.0
     stop = "stop.upper" if upper else "stop.lower"
-    finding = _finding(design, "groove end", stop, f"{stop}: {failure.text}")
+    finding = finding_of(design, "groove end", stop, f"{stop}: {failure.text}")
     return Trouble(finding, (Remedy(stop, 0.5 * failure.theta),))
 
 
@@ -136,7 +113,7 @@ def _jam(design: DesignFile, text: str) -> Trouble:
     steep = sorted((1, 2), key=lambda i: -design.value(f"cam{i}.friction"))
     remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep]
     remedies += [Remedy(f"cam{i}.lead_angle", 0.1) for i in (1, 2) if design.value(f"cam{i}.profile") == 1]
-    return Trouble(_finding(design, "jam", remedies[0].key, text), tuple(remedies))
+    return Trouble(finding_of(design, "jam", remedies[0].key, text), tuple(remedies))
 
 
 def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
@@ -148,22 +125,22 @@ def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
     if what.startswith("self-locking"):
         remedies = [] if is_table else [Remedy(lead, 1.2)]
         hint = "If locking is meant, write self_locking = true below [limits]"
-        finding = _finding(design, f"self-locking {i}", key, text)
+        finding = finding_of(design, f"self-locking {i}", key, text)
         return Trouble(finding, (*remedies, Remedy(friction, 0.0), *shorter), hint)
     if what.startswith("lead angle"):
         low, high = (design.limits or Limits()).lead_angle
         remedies = [] if is_table else [Remedy(lead, 0.5 * (low + high))]
         severity = WARNING if design.limits is None else ERROR
-        finding = _finding(design, f"lead angle {i}", key, text, severity)
+        finding = finding_of(design, f"lead angle {i}", key, text, severity)
         return Trouble(finding, (*remedies, *shorter))
     if what.startswith("undercut"):
-        finding = _finding(design, f"undercut {i}", "pin.radius", text)
+        finding = finding_of(design, f"undercut {i}", "pin.radius", text)
         return Trouble(finding, (Remedy("pin.radius", 1e-6),))
     if ("limits", "pressure") not in design.lines and (
         design.limits or Limits()
     ).pressure == Limits().pressure:
         text += "; this limit is the default of limits.pressure"
-    finding = _finding(design, f"contact pressure {i}", "pin.width", text)
+    finding = finding_of(design, f"contact pressure {i}", "pin.width", text)
     return Trouble(finding, (Remedy("pin.width", 0.2), Remedy("spring.preload", 0.0), *shorter))
 
 
@@ -186,7 +163,7 @@ def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" solid_length = {1e3 * (free - solid):.4g} mm"
     )
     remedies = (Remedy("stop.upper", max(mechanism.lower, 0.0) + 0.01), Remedy("spring.preload", 0.0))
-    return [Trouble(_finding(design, "solid length", "stop.upper", text), remedies)]
+    return [Trouble(finding_of(design, "solid length", "stop.upper", text), remedies)]
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -199,7 +176,7 @@ def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         f" {mechanism.upper:.6g} rad"
     )
     middle = 0.5 * (mechanism.lower + mechanism.upper)
-    return [Trouble(_finding(design, "start", "initial.theta", text), (Remedy("initial.theta", middle),))]
+    return [Trouble(finding_of(design, "start", "initial.theta", text), (Remedy("initial.theta", middle),))]
 
 
 def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
@@ -217,4 +194,4 @@ def _imposed(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     )
     key = "scenario.inputs.theta"
     remedy = Remedy("stop.upper" if far > 0.0 else "stop.lower", 1.001 * far)
-    return [Trouble(_finding(design, "imposed angle", key, text, value=far), (remedy,))]
+    return [Trouble(finding_of(design, "imposed angle", key, text, value=far), (remedy,))]

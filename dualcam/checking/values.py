@@ -8,12 +8,14 @@ from typing import Any
 from dualcam.design_file import DesignFile
 from dualcam.variables import all_parameters
 
+TABLES = ("pin", "roller", "helical_spring", "limits")  # of the design file, each an object
+
 
 def value_of(design: DesignFile, key: str) -> Any:  # noqa: ANN401
-    """The value of a parameter or of the pin; None for another key."""
+    """The value of a parameter, or of a key of the TABLES; None for another key."""
     table, _, name = key.partition(".")
-    if table == "pin":
-        return getattr(design.pin, name)
+    if table in TABLES:
+        return getattr(getattr(design, table), name, None)
     return design.value(key) if key in all_parameters() else None
 
 
@@ -21,5 +23,7 @@ def with_value(design: DesignFile, key: str, value: float) -> DesignFile:
     """The design with another value of a parameter or of the pin."""
     table, _, name = key.partition(".")
     if table == "pin" and design.pin is not None:
-        return replace(design, pin=replace(design.pin, **{name: value}))
+        pin = replace(design.pin, **{name: value})
+        roller = replace(design.roller, radius=pin.radius) if design.roller else None
+        return replace(design, pin=pin, roller=roller)
     return replace(design, parameters=design.parameters | {key: value})

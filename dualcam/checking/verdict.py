@@ -8,7 +8,8 @@ from typing import Any
 from dualcam.checking.numbers import KeyNumbers, key_numbers
 from dualcam.checking.plausible import implausible
 from dualcam.checking.remedies import Search
-from dualcam.checking.rules import ERROR, WARNING, swap_warning, troubles
+from dualcam.checking.rules import swap_warning, troubles
+from dualcam.checking.trouble import ERROR, WARNING
 from dualcam.design_file import DesignFile, DesignSource, Finding, as_design
 from dualcam.design_file.toml_text import line_of
 from dualcam.errors import FmuError
@@ -38,7 +39,7 @@ class Verdict:
     notes : tuple of str
         How the files of groove tables were understood.
     numbers : KeyNumbers or None
-        Torques, efficiency, stroke and contact pressure; None for a design with errors.
+        Torques, efficiency, stroke, contact pressure, spring, roller and wear; None for a design with errors.
     """
 
     name: str

@@ -23,6 +23,7 @@ COMMANDS = {
     "export": "Make an FMU with an own name and own start values.",
     "report": "Write one HTML page about a design.",
     "view": "Write one HTML page in which the mechanism moves.",
+    "identify": "Fit friction, spring and losses to a recording.",
     "study": "Make many runs by a plan, and draw the results.",
     "design": "Find the groove that makes a wanted torque; cut grooves (CSV, DXF, STEP).",
     "ssp": "Make an SSP package with the FMU of a design.",

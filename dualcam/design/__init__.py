@@ -8,7 +8,10 @@
     torque_band                             torque band and efficiency over the whole range
     Helix, Ellipse, Table                   groove laws
     assess, Pin, Limits                     can it be made, does it carry its load
+    line_contact, Roller, wear              pressure and shear stress, roller, wear and what wear changes
+    HelicalSpring, find_springs             stress and fatigue of the spring, search in standard wires
     export_groove, GrooveCut, CamBody       files for a workshop: points, drawing, solid
+    dualcam.design.tolerances               what tolerances do to the torque band
 
 Everything here is slow motion without damper, external force and inertia, in SI units. An
 impossible design is a DesignError (a ValueError) that names the angle, the value and what is allowed.
@@ -19,8 +22,13 @@ from dualcam.design.cut.export import export_groove
 from dualcam.design.cut.groove_cut import Curve, Flanks, GrooveCut
 from dualcam.design.design import Design
 from dualcam.design.grooves import Ellipse, Groove, Helix, Table, curvature
+from dualcam.design.helical_spring import Fatigue, HelicalSpring
+from dualcam.design.hertz import LineContact, Pin, hertz_pressure, line_contact, relative_radius, shear_below
 from dualcam.design.mechanism import Mechanism, Spring
 from dualcam.design.proposal import SpringProposal
+from dualcam.design.roller import Roller
+from dualcam.design.spring_search import find_springs
+from dualcam.design.spring_steel import tensile_strength
 from dualcam.design.statics import (
     DesignError,
     EfficiencyMap,
@@ -30,9 +38,10 @@ from dualcam.design.statics import (
     efficiency_map,
     optimum,
 )
-from dualcam.design.strength import Assessment, Finding, Limits, Pin, assess, hertz_pressure
+from dualcam.design.strength import Assessment, Finding, Limits, assess
 from dualcam.design.synthesis import propose_spring, synthesize
 from dualcam.design.torque_band import TorqueBand, torque_band
+from dualcam.design.wear import Wear, WearLife, WornMechanism, wear
 from dualcam.design.workflow import TorqueCurve, design_groove
 from dualcam.module_calls import explain_call_of
 
@@ -44,20 +53,27 @@ __all__ = [
     "DesignError",
     "EfficiencyMap",
     "Ellipse",
+    "Fatigue",
     "Finding",
     "Flanks",
     "Groove",
     "GrooveCut",
+    "HelicalSpring",
     "Helix",
     "Limits",
+    "LineContact",
     "Mechanism",
     "Optimum",
     "Pin",
+    "Roller",
     "Spring",
     "SpringProposal",
     "Table",
     "TorqueBand",
     "TorqueCurve",
+    "Wear",
+    "WearLife",
+    "WornMechanism",
     "assess",
     "band_factors",
     "curvature",
@@ -65,11 +81,17 @@ __all__ = [
     "efficiency",
     "efficiency_map",
     "export_groove",
+    "find_springs",
     "hertz_pressure",
+    "line_contact",
     "optimum",
     "propose_spring",
+    "relative_radius",
+    "shear_below",
     "synthesize",
+    "tensile_strength",
     "torque_band",
+    "wear",
 ]
 
 explain_call_of(__name__)

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from dualcam.design.groove_files import HEADER, read_groove
 from dualcam.design.statics import Array, DesignError
@@ -23,6 +23,8 @@ from dualcam.unit_guards import table_warnings, unit_warning, units_checked_befo
 
 VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
 STENCIL = 5  # samples that a table's slope at a sample comes from
+
+Numbers = float | NDArray[Any]
 
 
 class Point(NamedTuple):
@@ -149,6 +151,41 @@ class Helix:
         return {"profile": 1, "radius": self.radius, "lead_angle": self.lead_angle}
 
 
+def ellipse_law(
+    psi: NDArray[Any], radius: Numbers, start: Numbers, a: Numbers, b: Numbers, bending: int
+) -> Point:
+    """The groove that unwraps to an arc of an ellipse, for arrays that broadcast, also of complex numbers.
+
+    Parameters
+    ----------
+    psi : ndarray
+        Angle of the pin along the groove [rad], inside the range of the law.
+    radius : float or ndarray
+        Radius of the cam [m].
+    start : float or ndarray
+        S at psi = 0: sin(atan(a/b tan(lead angle))) [1].
+    a, b : float or ndarray
+        Semi-axes along the circumference and along z [m].
+    bending : {1, -1}
+        +1: the groove steepens. -1: the groove flattens.
+
+    Returns
+    -------
+    Point
+
+    Notes
+    -----
+    Source: docs/mechanism.md, section 2.
+    """
+    rate = bending * radius / a
+    u = rate * psi
+    S, C0 = start + u, np.sqrt(1.0 - start**2)
+    rise = u * (start + S)  # C0^2 - C^2
+    C = np.sqrt(C0**2 - rise)
+    gain = radius * b / a
+    return Point(bending * b * rise / (C0 + C), gain * S / C, gain * rate / C**3)
+
+
 @dataclass(frozen=True)
 class Ellipse:
     """A groove that unwraps to an arc of an ellipse.
@@ -210,13 +247,7 @@ class Ellipse:
 
     def at(self, psi: ArrayLike) -> Point:
         angle = np.clip(np.asarray(psi, dtype=float), *self.range)
-        S0, rate = self._start, self.bending * self.radius / self.a
-        u = rate * angle
-        S, C0 = S0 + u, math.sqrt(1.0 - S0**2)
-        rise = u * (S0 + S)  # C0^2 - C^2
-        C = np.sqrt(C0**2 - rise)
-        gain = self.radius * self.b / self.a
-        return Point(self.bending * self.b * rise / (C0 + C), gain * S / C, gain * rate / C**3)
+        return ellipse_law(angle, self.radius, self._start, self.a, self.b, self.bending)
 
     def parameters(self) -> dict[str, float | int]:
         return {

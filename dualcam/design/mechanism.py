@@ -231,7 +231,7 @@ class Mechanism:
         """
         theta = np.asarray(theta, dtype=float)
         first, second = self.grooves
-        gamma = 0.5 * theta if first is second else _meeting(first, second, theta)
+        gamma = 0.5 * theta if first is second else meeting(first, second, theta)
         one, two = first.at(gamma), second.at(theta - gamma)
         return Configuration(
             np.stack([gamma, theta - gamma]),
@@ -324,9 +324,26 @@ class Mechanism:
         return found
 
 
-def _meeting(first: Groove, second: Groove, theta: Array) -> Array:
-    """gamma by Newton's method, held in a bracket that is halved where steps do not shrink (Newton's method
-    can go to and fro between two slopes for ever). The difference of heights increases with gamma."""
+def meeting(first: Groove, second: Groove, theta: Array) -> Array:
+    """The angle gamma at which both grooves have the same height.
+
+    Parameters
+    ----------
+    first, second : Groove
+        Groove laws of cam 1 and cam 2.
+    theta : ndarray
+        Angle of cam 2 [rad].
+
+    Returns
+    -------
+    ndarray
+        gamma [rad], of the shape of `theta`; at an end of the grooves where these do not meet.
+
+    Notes
+    -----
+    Newton's method, held in a bracket that is halved where steps do not shrink (Newton's method can go to and
+    fro between two slopes for ever). The difference of heights increases with gamma.
+    """
     low = np.maximum(first.range[0], theta - second.range[1])
     high = np.minimum(first.range[1], theta - second.range[0])
     # both grooves rise, so gamma is not outside [0, theta], but for rounding

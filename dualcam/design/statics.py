@@ -111,9 +111,9 @@ def transfer(
     >>> round(float(found.rho), 6)  # m: (1 + mu)/(1 - mu) r/2
     0.013256
     """
-    parts = np.broadcast_arrays(
-        *(np.asarray(one, float) for pair in (slope, friction, radius) for one in pair)
-    )
+    given = [np.asarray(one) for pair in (slope, friction, radius) for one in pair]
+    kind = np.result_type(float, *given)  # complex for derivatives by a complex step
+    parts = np.broadcast_arrays(*(one.astype(kind) for one in given))
     a, mu, r = (np.stack(parts[k : k + 2]) for k in (0, 2, 4))
     mu *= sign * np.reshape(flank, (2, *[1] * (mu.ndim - 1)))
     n, d = a + mu * r, r - mu * a
@@ -121,8 +121,9 @@ def transfer(
         inverse = 1.0 / (r[1] * d[0] * n[1] + r[0] * d[1] * n[0])
         axial = np.stack([r[1] * n[1] * inverse, r[0] * n[0] * inverse])
         rho = r[0] * r[1] * n[0] * n[1] * inverse
-    good = np.isfinite(inverse) & (flank[0] * axial[0] >= 0.0) & (flank[1] * axial[1] >= 0.0)
-    return Transfer(rho, axial * np.hypot(r, a), good)
+    good = np.isfinite(inverse) & (flank[0] * axial[0].real >= 0.0) & (flank[1] * axial[1].real >= 0.0)
+    length = np.sqrt(r * r + a * a) if kind.kind == "c" else np.hypot(r, a)
+    return Transfer(rho, axial * length, good)
 
 
 def band_factors(slope: Pair, friction: Pair, radius: Pair) -> tuple[Array, Array]:

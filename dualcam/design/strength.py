@@ -7,9 +7,7 @@ Where p |k| >= 1 the inner flank is undercut.
 
 The flank that supports the spring lies below the path, outside of a bend that steepens, where it is hollow
 and the contact is closer: 1/R = 1/p - k/(1 + k p), so R = p (1 + k p). On the other flank R = p (1 - k p).
-Line contact (Hertz) over the width w of the flank:
-
-    p_max = sqrt((N/w) E*/(pi R))     1/E* = (1 - nu_pin^2)/E_pin + (1 - nu_cam^2)/E_cam
+The pressure is that of a line contact by Hertz (hertz.py).
 
 The flank counts as the cylinder into which it unwraps at the cam's radius, as in the FMU's statics.
 """
@@ -21,99 +19,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from dualcam.design.hertz import Pin, hertz_pressure
 from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.statics import Array, DesignError, band
 from dualcam.unit_guards import unit_warning, warn_units
 from dualcam.variables import parameters_of
 
 JAM = "jam"
+RANGES = {"spring_safety": (0.01, 100.0), "wear_depth": (1e-9, 1.0), "cycles": (0.0, 1e15)}  # 1, m, 1
 LEVEL = 1e-9  # rad: a lead angle up to this counts as level, as in the FMU
-
-
-@dataclass(frozen=True)
-class Pin:
-    """A pin and the flanks that it bears on; steel unless said otherwise.
-
-    Parameters
-    ----------
-    radius : float
-        Radius of the pin [m], > 0.
-    width : float
-        Width of the flank along the pin [m], > 0.
-    modulus, cam_modulus : float
-        Young's moduli of pin and cam [Pa], > 0.
-    poisson, cam_poisson : float
-        Poisson's ratios of pin and cam [1], 0 to 0.5.
-
-    Raises
-    ------
-    DesignError
-        A value outside its range.
-
-    Examples
-    --------
-    >>> from dualcam.design import Pin
-    >>> pin = Pin(radius=0.003, width=0.008)
-    >>> f"{pin.contact_modulus:.4g}"  # Pa
-    '1.154e+11'
-    """
-
-    radius: float
-    width: float
-    modulus: float = 210e9
-    poisson: float = 0.3
-    cam_modulus: float = 210e9
-    cam_poisson: float = 0.3
-
-    def __post_init__(self) -> None:
-        for name in ("radius", "width", "modulus", "cam_modulus"):
-            if not 0.0 < getattr(self, name) < math.inf:
-                raise DesignError(f"{name} = {getattr(self, name)}: allowed is a finite number > 0")
-        for name in ("poisson", "cam_poisson"):
-            if not 0.0 <= getattr(self, name) <= 0.5:
-                raise DesignError(f"{name} = {getattr(self, name)}: allowed is 0 to 0.5")
-        guarded = ("radius", "width", "modulus", "cam_modulus")
-        warn_units({name: (f"pin.{name}", getattr(self, name)) for name in guarded})
-
-    @property
-    def contact_modulus(self) -> float:
-        """E* [Pa]"""
-        return 1.0 / ((1.0 - self.poisson**2) / self.modulus + (1.0 - self.cam_poisson**2) / self.cam_modulus)
-
-
-def hertz_pressure(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> Array:
-    """Largest pressure of the line contact between pin and flank, by Hertz.
-
-    Parameters
-    ----------
-    load : array_like
-        Normal force of one contact [N].
-    pin : Pin
-    curvature : array_like
-        Signed curvature of the path of the pin's centre [1/m], for the flank below the path. For the flank
-        above change the sign.
-
-    Returns
-    -------
-    ndarray
-        Pressure [Pa]; infinite where the flank is undercut.
-
-    Notes
-    -----
-    Source: the formulas at the head of this file; K. L. Johnson, Contact Mechanics (1985), section 4.2.
-
-    Examples
-    --------
-    >>> from dualcam.design import Pin, hertz_pressure
-    >>> round(float(hertz_pressure(400.0, Pin(radius=0.003, width=0.008))) / 1e6)  # MPa
-    782
-    """
-    radius = pin.radius * (1.0 + pin.radius * np.asarray(curvature, dtype=float))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        square = np.asarray(load, dtype=float) / pin.width * pin.contact_modulus / (math.pi * radius)
-        return np.where(radius > 0.0, np.sqrt(square), np.inf)
 
 
 @dataclass(frozen=True)
@@ -128,11 +44,17 @@ class Limits:
         Greatest contact pressure [Pa].
     self_locking : bool
         Whether a contact may lock itself.
+    spring_safety : float
+        Least Goodman safety of the helical spring [1].
+    wear_depth : float
+        Greatest depth of wear of each groove and of the pin [m].
+    cycles : float
+        Least number of slow cycles until the wear has that depth; 0: any number.
 
     Raises
     ------
     DesignError
-        Lead angles that do not grow inside [0, pi/2], or no pressure.
+        Lead angles that do not grow inside [0, pi/2], or another value outside its range.
 
     Examples
     --------
@@ -144,6 +66,9 @@ class Limits:
     lead_angle: tuple[float, float] = (math.radians(5.0), math.radians(80.0))
     pressure: float = 1.5e9
     self_locking: bool = False
+    spring_safety: float = 1.2
+    wear_depth: float = 0.1e-3
+    cycles: float = 0.0
 
     def __post_init__(self) -> None:
         low, high = self.lead_angle
@@ -155,7 +80,12 @@ class Limits:
             )
         if not self.pressure > 0.0:
             raise DesignError(f"pressure = {self.pressure}: allowed is a number > 0")
-        warn_units({"pressure": ("limits.pressure", self.pressure)})
+        for name, (low, high) in RANGES.items():
+            if not low <= getattr(self, name) <= high:
+                raise DesignError(
+                    f"{name} = {getattr(self, name):g}: allowed is a number from {low:g} to {high:g}"
+                )
+        warn_units({name: (f"limits.{name}", getattr(self, name)) for name in ("pressure", "wear_depth")})
 
 
 @dataclass(frozen=True)

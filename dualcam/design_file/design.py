@@ -15,7 +15,7 @@ from dualcam.unit_guards import units_checked_before
 from dualcam.variables import all_parameters, parameters_of
 
 if TYPE_CHECKING:
-    from dualcam.design import Groove, Limits, Mechanism, Pin
+    from dualcam.design import Groove, HelicalSpring, Limits, Mechanism, Pin, Roller
     from dualcam.study.scenario import Scenario
 
 
@@ -45,6 +45,10 @@ class DesignFile:
         Time between two samples of a simulation [s].
     pin : Pin or None
         The pin and its material.
+    roller : Roller or None
+        The roller with the radius of the pin.
+    helical_spring : HelicalSpring or None
+        Wire and coil of the spring.
     spring_limits : SpringLimits or None
         Free and solid length of the spring.
     limits : Limits or None
@@ -67,6 +71,8 @@ class DesignFile:
     scenario: Scenario | None = None
     output_interval: float | None = None
     pin: Pin | None = None
+    roller: Roller | None = None
+    helical_spring: HelicalSpring | None = None
     spring_limits: SpringLimits | None = None
     limits: Limits | None = None
     study: dict[str, Any] | None = None

@@ -30,6 +30,14 @@ OTHER_WORDS = {
     "duration": "stop",
     "stop_time": "stop",
     "torque": "tau",
+    "n": "active_coils",
+    "coils": "active_coils",
+    "d": "wire_diameter",
+    "mean_diameter": "coil_diameter",
+    "material": "grade",
+    "steel": "grade",
+    "rm": "tensile_strength",
+    "g": "shear_modulus",
 }
 
 
@@ -90,7 +98,7 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
 
 def _first(names: list[str]) -> list[str]:
     """At most three; those of the FMU's parameters if there are any, else those of other tables."""
-    others = ("scenario", "pin", "limits", "study")
+    others = ("scenario", "pin", "roller", "helical_spring", "limits", "study")
     return ([name for name in names if not name.startswith(others)] or names)[:3]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +105,10 @@ class _Reading:
             interval = scenario_table.get("output_interval")
             scenario = self.attempt("scenario", lambda: _scenario(scenario_table, model))
         pin = self._pin(values["pin"]) if "pin" in values and not self._is_refused("pin") else None
+        roller = self._roller(values["roller"], pin) if "roller" in values else None
+        helical_spring = (
+            self._helical_spring(values["helical_spring"]) if "helical_spring" in values else None
+        )
         limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
         if "study" in values:
             self.attempt("study", lambda: _check_study(values["study"], self.path.parent))
@@ -115,6 +119,8 @@ class _Reading:
             scenario=scenario,
             output_interval=interval,
             pin=pin,
+            roller=roller,
+            helical_spring=helical_spring,
             spring_limits=spring_limits,
             limits=limits,
             study=values.get("study"),
@@ -281,6 +287,33 @@ class _Reading:
             self.refuse("pin", None, f"[pin] lacks {' and '.join(lacking)}: give both radius and width in m")
             return None
         return self.attempt("pin", lambda: Pin(**table))
+
+    def _roller(self, table: Mapping[str, Any], pin: Any) -> Any:  # noqa: ANN401
+        from dualcam.design import Roller
+
+        if self._is_refused("roller") or self._lacks("roller", table, ("bearing_friction", "bearing_radius")):
+            return None
+        if pin is None:
+            if not any(error.key.startswith("pin") for error in self.errors):
+                text = "[roller] without [pin]: give pin.radius, the radius of the roller, and pin.width"
+                self.refuse("roller", None, text)
+            return None
+        return self.attempt("roller", lambda: Roller(pin.radius, **table))
+
+    def _helical_spring(self, table: Mapping[str, Any]) -> Any:  # noqa: ANN401
+        from dualcam.design import HelicalSpring
+
+        needed = ("wire_diameter", "coil_diameter", "active_coils")
+        if self._is_refused("helical_spring") or self._lacks("helical_spring", table, needed):
+            return None
+        return self.attempt("helical_spring", lambda: HelicalSpring(**table))
+
+    def _lacks(self, name: str, table: Mapping[str, Any], needed: Sequence[str]) -> bool:
+        """Whether a key is missing, which is then an error."""
+        lacking = [key for key in needed if key not in table]
+        if lacking:
+            self.refuse(name, None, f"[{name}] lacks {', '.join(lacking)}: give {', '.join(needed)}")
+        return bool(lacking)
 
 
 # ---- sections ----

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Annotated, Any
 
@@ -38,10 +38,37 @@ PIN = (
     _entry("poisson", "1", "Poisson's ratio of the pin", 0.0, 0.5),
     _entry("cam_modulus", "Pa", "Young's modulus of the cams; the default is steel", 0.0),
     _entry("cam_poisson", "1", "Poisson's ratio of the cams", 0.0, 0.5),
+    _entry("wear", "m3/(N.m)", "Specific wear rate of the pin; 0: the pin does not wear", 0.0, 1.0),
+)
+HELICAL_SPRING = (
+    _entry("wire_diameter", "m", "Diameter of the wire", 1e-6, 1.0),
+    _entry("coil_diameter", "m", "Mean diameter of the coil: outer diameter less wire diameter", 1e-6, 100.0),
+    _entry("active_coils", "1", "Number of active coils", 2.0, 1e4),
+    _entry("total_coils", "1", "Number of all coils; active coils and 2 if not given", 2.0, 1e5),
+    _entry("tensile_strength", "Pa", "Tensile strength; that of the grade if not given", 1e6, 1e11),
+    _entry("shear_modulus", "Pa", "Shear modulus of the wire; the default is spring steel", 1e6, 1e13),
+    _entry(
+        "fatigue_strength",
+        "Pa",
+        "Shear stress amplitude that the wire endures at mean stress 0; by Zimmerli if not given",
+        1e3,
+        1e11,
+    ),
+)
+ROLLER = (
+    _entry("bearing_friction", "1", "Coefficient of friction in the bearing of the roller", 0.0),
+    _entry("bearing_radius", "m", "Radius at which the bearing rubs, less than pin.radius", 0.0),
+    _entry("lever_arm", "m", "Lever arm of rolling resistance between roller and flank", 0.0),
+    _entry("sliding_friction", "1", "Coefficient of friction if the roller slides on the flank", 0.0),
 )
 LEAD_ANGLE = _entry("lead_angle", "rad", "Least and greatest lead angle", 0.0, 0.5 * math.pi)
 PRESSURE = _entry(
     "pressure", "Pa", "Greatest contact pressure by Hertz; the default is for hardened steel", 0.0
+)
+LIMITS = (
+    _entry("spring_safety", "1", "Least Goodman safety of the helical spring", 0.01, 100.0),
+    _entry("wear_depth", "m", "Greatest depth of wear of each groove and of the pin", 1e-9, 1.0),
+    _entry("cycles", "1", "Least number of slow cycles until then; 0: any number", 0.0, 1e15),
 )
 TIMES = (
     _entry("stop", "s", "End of the simulation", 0.0),
@@ -220,29 +247,55 @@ def _scenario_fields() -> dict[str, Any]:
 
 
 def defaults() -> dict[str, Any]:
-    """Defaults of [pin] and [limits] by their keys, in SI units: those of the classes Pin and Limits."""
-    from dualcam.design import Limits, Pin
+    """Defaults of the tables that have a class of dualcam.design, by their keys, in SI units: those of the
+    class. A key without default is left out."""
+    from dualcam.design import HelicalSpring, Limits, Pin, Roller
 
-    of_pin = {
-        f"pin.{f.name}": f.default for f in dataclasses.fields(Pin) if f.default is not dataclasses.MISSING
+    tables = {"pin": Pin, "roller": Roller, "helical_spring": HelicalSpring, "limits": Limits}
+    return {
+        f"{table}.{field.name}": field.default
+        for table, of in tables.items()
+        for field in dataclasses.fields(of)
+        if field.default is not dataclasses.MISSING and field.default is not None
     }
-    return of_pin | {f"limits.{f.name}": f.default for f in dataclasses.fields(Limits)}
+
+
+def _defaulted(table: str, entries: Sequence[SettableVariable]) -> dict[str, Any]:
+    """The fields of a table, with the defaults of its class."""
+    return {entry.name: _field(entry, defaults().get(f"{table}.{entry.name}")) for entry in entries}
+
+
+def _flag(description: str, default: bool) -> Any:  # noqa: ANN401
+    return bool, Field(default=None, description=description, json_schema_extra=_default(default))
+
+
+def _helical_spring_fields() -> dict[str, Any]:
+    from dualcam.design.spring_steel import STRENGTHS
+
+    grade = Field(
+        default=None,
+        description="Grade of the wire by EN 10270-1: SL, SM, DM, SH or DH",
+        json_schema_extra={"enum": list(STRENGTHS)},
+    )
+    more = {
+        "grade": (str, grade),
+        "shot_peened": _flag("Whether the spring is shot-peened", False),
+        "guided": _flag("Whether a rod or a sleeve guides the spring: then it cannot buckle", False),
+    }
+    return _defaulted("helical_spring", HELICAL_SPRING) | more
 
 
 def _limit_fields() -> dict[str, Any]:
     given = defaults()
     lead = _default(list(given["limits.lead_angle"]))
-    locking = _default(given["limits.self_locking"])
     return {
         "lead_angle": (
             _range_type(LEAD_ANGLE),
             Field(default=None, description="Least and greatest lead angle [rad]", json_schema_extra=lead),
         ),
         "pressure": _field(PRESSURE, given["limits.pressure"]),
-        "self_locking": (
-            bool,
-            Field(default=None, description="Whether a contact may lock itself", json_schema_extra=locking),
-        ),
+        "self_locking": _flag("Whether a contact may lock itself", given["limits.self_locking"]),
+        **_defaulted("limits", LIMITS),
     }
 
 
@@ -278,8 +331,14 @@ def design_model() -> type[BaseModel]:
     top["scenario"] = _table("Scenario", "What is simulated", _scenario_fields())
     top["pin"] = _table(
         "Pin",
-        "The pin and its material",
-        {entry.name: _field(entry, defaults().get(f"pin.{entry.name}")) for entry in PIN},
+        "The pin, or a roller on the pin: what runs in the groove, and its material",
+        _defaulted("pin", PIN),
+    )
+    top["roller"] = _table(
+        "Roller", "Bearing of a roller with the radius of [pin]", _defaulted("roller", ROLLER)
+    )
+    top["helical_spring"] = _table(
+        "HelicalSpring", "Wire and coil of the spring, for stress and fatigue", _helical_spring_fields()
     )
     top["limits"] = _table("Limits", "What `dualcam check` allows", _limit_fields())
     top["study"] = (

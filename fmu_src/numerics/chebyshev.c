@@ -42,7 +42,8 @@ COMPACT void chebyshev_build(ChebyshevBasis *basis) {
 }
 
 /* The value at the middle node is kept out of the sums: its rounding would enter every coefficient. */
-NOINLINE void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[CHEBYSHEV_NODES], double c[CHEBYSHEV_NODES]) {
+NOINLINE void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[CHEBYSHEV_NODES],
+                                    double c[CHEBYSHEV_NODES]) {
     double rest[N + 1];
     for (int j = 0; j <= N; j++) rest[j] = f[j] - f[N / 2];
     for (int k = 0; k <= N; k++) {
@@ -53,7 +54,8 @@ NOINLINE void chebyshev_interpolate(const ChebyshevBasis *basis, const double f[
     c[0] += f[N / 2];
 }
 
-NOINLINE void chebyshev_to_monomials(const ChebyshevBasis *basis, const double c[CHEBYSHEV_NODES], double out[CHEBYSHEV_NODES]) {
+NOINLINE void chebyshev_to_monomials(const ChebyshevBasis *basis, const double c[CHEBYSHEV_NODES],
+                                     double out[CHEBYSHEV_NODES]) {
     for (int m = 0; m <= N; m++) out[m] = 0.0;
     for (int k = N; k >= 0; k--)
         for (int m = k & 1; m <= k; m += 2) out[m] += c[k] * basis->monomial[k][m];

@@ -72,6 +72,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "coupling",
         "own_plant",
         "performance",
+        "stick_slip",
         "stress",
     )
 )

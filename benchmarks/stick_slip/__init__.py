@@ -1,0 +1,1 @@
+"""Stick-slip of the cam behind a soft shaft: the FMU against closed solutions and the phase plane."""

@@ -1,0 +1,105 @@
+"""`dualcam identify`: parameters of a design from a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
+from dualcam.cli.output import print_json, print_table, require_folder_of, say
+
+if TYPE_CHECKING:
+    from dualcam.identification import Identification
+
+DEFAULT = "friction,spring.preload,spring.stiffness"
+
+
+@click.command(
+    epilog=example(
+        "dualcam identify bench.csv my.toml -o fitted.toml --report bench.html",
+        "dualcam identify bench.csv my.toml --fit friction,friction_peak,stribeck_velocity,spring.preload",
+    )
+)
+@click.argument("data", type=FILE, metavar="DATA.csv")
+@design_file
+@click.option(
+    "--fit",
+    default=DEFAULT,
+    show_default=True,
+    metavar="A,B,...",
+    help="What is fitted: names of parameters; friction, friction_peak and the like for one value of both"
+    " cams; torque_offset and angle_offset for the zero errors of the sensors.",
+)
+@output_file("Design file with the fitted values (.toml).", required=False)
+@click.option("--report", type=FILE, help="One HTML page with values, doubts and residuals.")
+@click.option("--plot", type=FILE, help="Picture of torque and residuals (.png, .svg or .pdf).")
+@click.option(
+    "--motion",
+    type=click.Choice(["auto", "quasi-static", "dynamic"]),
+    default="auto",
+    show_default=True,
+    help="Whether the acceleration counts. auto: where the acceleration stands out of its noise.",
+)
+@click.option(
+    "--window",
+    type=float,
+    metavar="SECONDS",
+    help="Window in which the angle is smoothed. Default: that of the least error of prediction.",
+)
+@as_json
+def command(
+    data: Path,
+    design_file: Path,
+    fit: str,
+    output: Path | None,
+    report: Path | None,
+    plot: Path | None,
+    motion: str,
+    window: float | None,
+    as_json: bool,
+) -> None:
+    """Fit friction, spring and losses of a design to a recording of time, angle and torque.
+
+    DATA.csv has a header with units, such as time_s,theta_deg,tau_Nm. The torque is positive in the loading
+    direction. Columns of the angular velocity (omega_rad/s) and of the axial force (F_ext_N) are optional.
+    The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
+    """
+    from dualcam.identification import identify
+    from dualcam.paths import page_path_of
+    from dualcam.plots import check_picture, save
+
+    for path in (output, report, plot):
+        if path is not None:
+            require_folder_of(path)
+    if report is not None:
+        page_path_of(report, "the report")
+    if plot is not None:
+        check_picture(plot)
+    names = [name.strip() for name in fit.split(",") if name.strip()]
+    found = identify(data, open_design(design_file), names, motion=motion, window=window)
+    if output is not None:
+        found.write_design(output)
+    if report is not None:
+        found.write_report(report)
+    if plot is not None:
+        save(found.plot(), plot)
+    if as_json:
+        files = {"design": output, "report": report, "plot": plot}
+        print_json({**found.as_dict(), "files": {what: path for what, path in files.items() if path}})
+        return
+    _tell(found)
+    for path in (output, report, plot):
+        if path is not None:
+            say(f"{path} written")
+
+
+def _tell(found: Identification) -> None:
+    from dualcam.identification.words import HEADS, rows_of
+
+    print_table(HEADS, rows_of(found))
+    for line in found.summary():
+        say(line)
+    for text in found.warnings():
+        click.echo(f"dualcam: warning: {text}", err=True)

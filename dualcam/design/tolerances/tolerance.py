@@ -1,0 +1,286 @@
+"""A parameter that is known as a distribution only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from dualcam.design.statics import Array
+from dualcam.errors import DesignError
+
+SHARE_OUTSIDE = 1e-9  # of a distribution that may lie outside the allowed values: no sample falls there
+LEAST_SHARE = 2.0**-54  # of a distribution below a sample: a normal one has no value at 0
+MOST_SAMPLES = 10_000_000  # 80 MB of memory for each tolerance
+SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
+SHAPES = ("normal", "uniform", "triangular")
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """The distribution of one parameter, or of several that always have the same value.
+
+    Parameters
+    ----------
+    name : str or sequence of str
+        Parameter, such as `"cam1.friction"`. Several names share each value: `("cam1.friction",
+        "cam2.friction")` are two contacts with one grease.
+    distribution : frozen distribution of scipy.stats
+        Such as `scipy.stats.norm(0.14, 0.01)`, in the unit of the parameter.
+
+    Raises
+    ------
+    DesignError
+        No name, something that is no distribution, or a distribution without a mean or a standard deviation.
+
+    Examples
+    --------
+    >>> from scipy.stats import norm
+    >>> from dualcam.design.tolerances import Tolerance
+    >>> grease = Tolerance(("cam1.friction", "cam2.friction"), norm(0.14, 0.01))
+    >>> grease.mean, grease.standard_uncertainty
+    (0.14, 0.01)
+    """
+
+    name: str | Sequence[str]
+    distribution: Any
+
+    def __post_init__(self) -> None:
+        names = self.names if isinstance(self.name, str | Sequence) else ()
+        if not names or not all(isinstance(name, str) and name for name in names):
+            raise DesignError(f"name = {self.name!r}: allowed is a name, or a sequence of different names")
+        if len(set(names)) < len(names):
+            raise DesignError(f"name = {self.name!r}: a name stands there twice")
+        if not isinstance(self.distribution, stats.distributions.rv_frozen):
+            raise DesignError(
+                f"{self.label}: distribution = {self.distribution!r}: allowed is a distribution of"
+                " scipy.stats with its numbers, such as scipy.stats.norm(0.14, 0.01);"
+                " Tolerance.within(name, low, high) makes one from limits"
+            )
+        if np.ndim(self.distribution.mean()) > 0:
+            raise DesignError(
+                f"{self.label}: the distribution has arrays as numbers: allowed are single numbers"
+            )
+        for what, value in (("mean", self.mean), ("standard deviation", self.standard_uncertainty)):
+            if not math.isfinite(value):
+                raise DesignError(
+                    f"{self.label}: the {what} of the distribution is {value}: allowed is a finite number"
+                )
+
+    @classmethod
+    def named(cls, name: str | Sequence[str], distribution: str, **numbers: float) -> Tolerance:
+        """A tolerance by the name of a distribution of scipy.stats.
+
+        Parameters
+        ----------
+        name : str or sequence of str
+            Parameter, or parameters that share each value.
+        distribution : str
+            Name of a continuous distribution of scipy.stats, such as "norm", "uniform", "lognorm".
+        **numbers : float
+            Its numbers by SciPy's names, such as `loc` and `scale`.
+
+        Returns
+        -------
+        Tolerance
+
+        Raises
+        ------
+        DesignError
+            An unknown distribution, or numbers that this distribution does not have.
+
+        Examples
+        --------
+        >>> from dualcam.design.tolerances import Tolerance
+        >>> Tolerance.named("spring.preload", "norm", loc=50.0, scale=2.0).mean
+        50.0
+        """
+        found = getattr(stats, distribution, None) if isinstance(distribution, str) else None
+        if not isinstance(found, stats.rv_continuous):
+            known = [key for key, value in vars(stats).items() if isinstance(value, stats.rv_continuous)]
+            near = get_close_matches(str(distribution), known, n=3)
+            guess = f"did you mean {' or '.join(near)}?" if near else "common ones are norm, uniform, triang"
+            raise DesignError(
+                f"distribution = {distribution!r}: no continuous distribution of scipy.stats; {guess}"
+            )
+        try:
+            frozen = found(**numbers)
+            low, high = frozen.support()
+        except TypeError as error:
+            words = [*(found.shapes or "").replace(",", " ").split(), "loc", "scale"]
+            raise DesignError(
+                f"distribution {distribution} with {numbers}: allowed are the numbers {', '.join(words)}"
+            ) from error
+        if math.isnan(low) or math.isnan(high):
+            raise DesignError(f"distribution {distribution} with {numbers}: there is no such distribution")
+        return cls(name, frozen)
+
+    @classmethod
+    def within(cls, name: str | Sequence[str], low: float, high: float, shape: str = "normal") -> Tolerance:
+        """A tolerance from the limits on a drawing.
+
+        Parameters
+        ----------
+        name : str or sequence of str
+            Parameter, or parameters that share each value.
+        low, high : float
+            Limits, in the unit of the parameter.
+        shape : {"normal", "uniform", "triangular"}
+            "normal": a normal distribution whose limits are three standard deviations from the middle; parts
+            beyond the limits are sorted out. "uniform": nothing but the limits is known. "triangular": the
+            middle is more likely.
+
+        Returns
+        -------
+        Tolerance
+
+        Raises
+        ------
+        DesignError
+            Limits that do not grow, or another shape.
+
+        Notes
+        -----
+        Source: JCGM 100:2008 (GUM), 4.3.7 and 4.3.9: the standard uncertainty of half-width a is a/sqrt(3)
+        for "uniform" and a/sqrt(6) for "triangular".
+
+        Examples
+        --------
+        >>> from dualcam.design.tolerances import Tolerance
+        >>> radius = Tolerance.within("cam1.radius", 0.01995, 0.02005, "uniform")
+        >>> f"{radius.standard_uncertainty:.3e}"  # m
+        '2.887e-05'
+        """
+        if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            raise DesignError(f"{name}: limits {low} and {high}: allowed are two finite numbers that grow")
+        middle, width = 0.5 * (low + high), high - low
+        if shape == "normal":
+            return cls(name, stats.truncnorm(-SIGMAS, SIGMAS, middle, 0.5 * width / SIGMAS))
+        if shape == "uniform":
+            return cls(name, stats.uniform(low, width))
+        if shape == "triangular":
+            return cls(name, stats.triang(0.5, low, width))
+        raise DesignError(f"{name}: shape = {shape!r}: allowed are {', '.join(SHAPES)}")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters."""
+        return (self.name,) if isinstance(self.name, str) else tuple(self.name)
+
+    @property
+    def label(self) -> str:
+        """The parameters in words: `cam1.friction = cam2.friction` for two that share each value."""
+        return " = ".join(map(str, self.names))
+
+    @property
+    def mean(self) -> float:
+        """Mean of the distribution."""
+        return float(self.distribution.mean())
+
+    @property
+    def standard_uncertainty(self) -> float:
+        """Standard deviation of the distribution."""
+        return float(self.distribution.std())
+
+    def require_inside(self, least: float, greatest: float, allowed: str) -> None:
+        """Refuse a distribution of which more than a share of 1e-9 lies outside the allowed values.
+
+        Parameters
+        ----------
+        least, greatest : float
+            Allowed values.
+        allowed : str
+            The allowed values in words.
+
+        Raises
+        ------
+        DesignError
+            With the share outside.
+        """
+        below = float(self.distribution.cdf(np.nextafter(least, -np.inf))) if math.isfinite(least) else 0.0
+        above = float(self.distribution.sf(greatest)) if math.isfinite(greatest) else 0.0
+        if below + above > SHARE_OUTSIDE:
+            low, high = (float(self.distribution.ppf(share)) for share in (0.001, 0.999))
+            raise DesignError(
+                f"{self.label}: {100.0 * (below + above):.3g} % of the distribution is outside the allowed"
+                f" values: allowed is {allowed}. 99.8 % of it are from {low:.6g} to {high:.6g};"
+                " Tolerance.within(name, low, high) has no values outside its limits"
+            )
+
+
+def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, Array]:
+    """Independent values of all parameters.
+
+    Parameters
+    ----------
+    tolerances : sequence of Tolerance
+    samples : int
+    seed : int
+        Start of the random numbers. The values of a tolerance do not depend on the tolerances after it.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (samples,)
+        By the name of the parameter.
+
+    Raises
+    ------
+    DesignError
+        A name in two tolerances, a number of samples outside 2 to 1e7, a seed that is no whole number >= 0.
+
+    Notes
+    -----
+    By the inverse of the distribution function (JCGM 101:2008, C.2): the same seed gives the same values with
+    every version of SciPy.
+    """
+    check_names(tolerances)
+    if not is_whole(samples) or not 2 <= samples <= MOST_SAMPLES:
+        raise DesignError(f"samples = {samples!r}: allowed is a whole number from 2 to {MOST_SAMPLES}")
+    if not is_whole(seed) or seed < 0:
+        raise DesignError(f"seed = {seed!r}: allowed is a whole number, 0 or more")
+    found: dict[str, Array] = {}
+    for place, tolerance in enumerate(tolerances):
+        random = np.random.default_rng([seed, place])
+        share = np.maximum(random.random(samples), LEAST_SHARE)
+        values = np.asarray(tolerance.distribution.ppf(share), dtype=float)
+        found |= dict.fromkeys(tolerance.names, values)
+    return found
+
+
+def means(tolerances: Sequence[Tolerance]) -> dict[str, float]:
+    """Means of all parameters by name."""
+    return {name: one.mean for one in tolerances for name in one.names}
+
+
+def complex_steps(tolerances: Sequence[Tolerance], step: float) -> dict[str, NDArray[Any]]:
+    """The means, shape (tolerances,) for each name; in row j tolerance j has the imaginary part `step` times
+    its standard uncertainty."""
+    found = {name: np.full(len(tolerances), mean, complex) for name, mean in means(tolerances).items()}
+    for row, tolerance in enumerate(tolerances):
+        for name in tolerance.names:
+            found[name][row] += 1j * step * tolerance.standard_uncertainty
+    return found
+
+
+def check_names(tolerances: Sequence[Tolerance]) -> None:
+    """DesignError for no tolerances, other things than tolerances, and a name in two tolerances."""
+    if isinstance(tolerances, Mapping | str) or not isinstance(tolerances, Sequence) or not tolerances:
+        raise DesignError(f"tolerances = {tolerances!r:.60}: allowed is a list of Tolerance, at least one")
+    strange = [one for one in tolerances if not isinstance(one, Tolerance)]
+    if strange:
+        raise DesignError(f"tolerances: {strange[0]!r:.60} is no Tolerance")
+    names = [name for one in tolerances for name in one.names]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise DesignError(f"tolerances: {', '.join(twice)} stands in two tolerances: allowed is one for each")
+
+
+def is_whole(value: object) -> bool:
+    """Whether a value is a whole number."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -1,0 +1,105 @@
+"""The design file with fitted values: the other lines, with their comments, stay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dualcam.design_file import read_design
+from dualcam.design_file.toml_text import ENTRY, HEADER, line_of, lines_of_keys, read_text
+from dualcam.errors import DualcamError, IdentificationError
+from dualcam.identification.unknowns import GROUPS
+from dualcam.paths import path_of
+
+if TYPE_CHECKING:
+    from dualcam.identification.result import FittedParameter, Identification
+
+
+def write_fitted(found: Identification, path: str | Path) -> Path:
+    """Write the design file of an identification with the fitted values.
+
+    Parameters
+    ----------
+    found : Identification
+        The result.
+    path : str or Path
+        The new file. Relative paths of groove tables count from its folder.
+
+    Returns
+    -------
+    Path
+        The written file.
+
+    Raises
+    ------
+    IdentificationError
+        The path is that of the design itself, or the lines of the design file cannot be changed one by one.
+    DesignFileError
+        The new file would be refused, for example because a groove table is not in its folder.
+    """
+    path = path_of(path, "the fitted design")
+    source = found.design.path
+    if path.resolve() == source.resolve():
+        raise IdentificationError(f"{path} is the design of the start values: give another name")
+    existing = path.read_bytes() if path.exists() else None
+    path.write_text(_text(found, read_text(source)), encoding="utf-8")
+    try:
+        _check(found, path)
+    except DualcamError:
+        if existing is None:
+            path.unlink()
+        else:
+            path.write_bytes(existing)
+        raise
+    return path
+
+
+def _text(found: Identification, text: str) -> str:
+    """The text of the design file, with the lines of fitted values replaced or added."""
+    for parameter in found.parameters:
+        for key in parameter.keys:
+            text = _with_value(text, key, _line(key, parameter, found))
+    return text
+
+
+def _line(key: str, parameter: FittedParameter, found: Identification) -> str:
+    """A line of the file. The number is the shortest that reads as the fitted value again."""
+    name = key.rpartition(".")[2]
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    doubt = f"{parameter.interval}{unit}"
+    return f"{name} = {parameter.value!r}  # identified from {found.recording.source}, 95 %: {doubt}"
+
+
+def _with_value(text: str, key: str, line: str) -> str:
+    group, _, _ = key.partition(".")
+    known = lines_of_keys(text)
+    lines = text.split("\n")
+    place = known.get(tuple(key.split(".")))
+    if place is not None and (entry := ENTRY.match(lines[place - 1])):
+        indent = lines[place - 1][: len(lines[place - 1]) - len(lines[place - 1].lstrip())]
+        prefix = entry[1].rpartition(".")[0]
+        lines[place - 1] = f"{indent}{prefix}.{line}" if prefix else indent + line
+        return "\n".join(lines)
+    table = known.get((group,))
+    if table is None:
+        return "\n".join([text.rstrip("\n"), "", f"[{group}]", line, ""])
+    if not HEADER.match(lines[table - 1]):
+        raise IdentificationError(
+            f"line {line_of(known, (group,))}, {lines[table - 1].strip()[:60]!r}: allowed is a table"
+            f" [{group}] with one key per line, into which the fitted values can be written"
+        )
+    return "\n".join([*lines[:table], line, *lines[table:]])
+
+
+def _check(found: Identification, path: Path) -> None:
+    """An error unless the written file has the fitted values, and the others of the design."""
+    read = read_design(path).parameters
+    fitted = {key: one.value for one in found.parameters for key in one.keys}
+    wanted = found.design.parameters | fitted
+    different = [key for key in wanted if read.get(key) != wanted[key]]
+    if different:
+        raise IdentificationError(
+            f"{path}: {', '.join(different)} would not be read as fitted: write each of the tables"
+            f" {', '.join(GROUPS)} with one key per line, and the new file into the folder of"
+            f" {found.design.path}"
+        )

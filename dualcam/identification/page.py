@@ -1,0 +1,61 @@
+"""The result of an identification as one HTML page."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import dualcam
+from dualcam.html_page import page, table
+from dualcam.identification.picture import plot_identification
+from dualcam.identification.words import HEADS, rows_of
+from dualcam.paths import page_path_of
+from dualcam.svg import figure_element
+
+if TYPE_CHECKING:
+    from dualcam.identification.result import Identification
+
+CAPTION = (
+    "Where the cam slips, the residual is the fitted torque minus the measured one. At rest friction can"
+    " carry any torque of the stick band: there the residual is the distance from the band, less twice the"
+    " noise."
+)
+
+
+def write_page(found: Identification, path: str | Path) -> Path:
+    """Write the page. DualcamError for another ending than .html."""
+    path = page_path_of(path, "the report")
+    path.write_text(_page(found), encoding="utf-8")
+    return path
+
+
+def _page(found: Identification) -> str:
+    design, recording = found.design, found.recording
+    lead = (
+        f"Identification by dualcam {dualcam.__version__} from {recording.source}, start values from"
+        f" {design.path.name}"
+    )
+    doubts = "".join(f'<li class="warning">{escape(text)}</li>\n' for text in found.warnings())
+    content = [
+        "<h2>Fitted values</h2>\n",
+        table(HEADS, rows_of(found)),
+        "".join(f"<p>{escape(line)}.</p>\n" for line in found.summary()),
+        f"<h2>Doubts</h2>\n<ul>\n{doubts}</ul>\n" if doubts else "",
+        "<h2>Torque and residuals</h2>\n",
+        figure_element(plot_identification(found), "Torque and residuals", escape(CAPTION)),
+        "<h2>Correlation of the fitted values</h2>\n",
+        _correlation(found),
+        "<h2>How the recording was read</h2>\n",
+        "".join(f"<p>{escape(note)}.</p>\n" for note in recording.notes or (f"given as {recording.source}",)),
+    ]
+    return page(design.title or design.name, "dual cam identification", lead, "".join(content))
+
+
+def _correlation(found: Identification) -> str:
+    names = [parameter.name for parameter in found.parameters]
+    rows = [
+        [name, *(f"{value:+.3f}" for value in row)]
+        for name, row in zip(names, found.correlation.tolist(), strict=True)
+    ]
+    return table(["", *names], rows)

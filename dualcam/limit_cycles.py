@@ -1,0 +1,168 @@
+"""Limit cycles of the cam under a sampled controller: predicted by harmonic balance, checked in the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dualcam.harmonic_balance import Candidate, LimitCycle, Start
+from dualcam.sampled_loop import LoopMotion, SampledController, SampledLoop
+
+if TYPE_CHECKING:
+    from dualcam.hysteresis import CamHysteresis
+
+ALLOWED = 0.1  # relative error of a prediction that is said to hold
+STARTS = (-0.05, 0.3, -0.95, 0.95)  # offsets from which the loop is run, of the distance to the stop there
+LEAST_MARGIN = 1.9  # see LimitCycle; measured: benchmarks/results/hunting.csv
+ON_STOP = 1e-3  # of the room between the stops
+
+
+@dataclass(frozen=True)
+class LimitCycles:
+    """Limit cycles as predicted, and as the FMU in the loop shows them.
+
+    Attributes
+    ----------
+    predicted : tuple of LimitCycle
+        By harmonic balance, by rising amplitude.
+    simulated : tuple of LoopMotion
+        Different motions in which the loop with the FMU settles, by rising amplitude; rest is none of them.
+        Empty if the check was left out.
+    holds : bool or None
+        Whether the FMU agrees with the prediction to 10 %. Without the check: None, or False where a margin
+        is too small (see LimitCycle).
+    findings : tuple of str
+        Where the prediction does not hold; the texts of the warnings.
+    """
+
+    predicted: tuple[LimitCycle, ...]
+    simulated: tuple[LoopMotion, ...] = ()
+    holds: bool | None = None
+    findings: tuple[str, ...] = ()
+
+
+def unchecked(found: list[Candidate]) -> LimitCycles:
+    """The predictions alone."""
+    cycles = tuple(one.cycle for one in found)
+    findings = tuple(
+        f"predicted is {_words(cycle)}, but with this swing the cam nearly rests at its turning points: the"
+        f" torque there is {cycle.margin:.2g} half widths of the stick band from its middle, and the"
+        f" describing function holds from {LEAST_MARGIN} on. Run the check"
+        for cycle in cycles
+        if cycle.margin < LEAST_MARGIN
+    )
+    return LimitCycles(cycles, (), False if findings else None, findings)
+
+
+def check_in_loop(
+    hysteresis: CamHysteresis,
+    controller: SampledController,
+    found: list[Candidate],
+    duration: float,
+) -> LimitCycles:
+    """The predictions beside the FMU in the loop."""
+    loop = SampledLoop(hysteresis.path, hysteresis.parameters, controller, hysteresis.theta)
+    try:
+        checks = _Checks(hysteresis, loop, found, duration)
+        findings = [*checks.of_predictions(), *checks.of_offsets()]
+    finally:
+        loop.close()
+    motions = tuple(sorted(checks.motions, key=lambda motion: motion.amplitude))
+    return LimitCycles(tuple(one.cycle for one in found), motions, not findings, tuple(findings))
+
+
+class _Checks:
+    """Runs of the loop. `motions`: the different ones in which the loop settled, but for rest."""
+
+    def __init__(
+        self, hysteresis: CamHysteresis, loop: SampledLoop, found: list[Candidate], duration: float
+    ) -> None:
+        self.hysteresis, self.loop, self.found, self.duration = hysteresis, loop, found, duration
+        self.motions: list[LoopMotion] = []
+
+    def _settle(self, start: Start) -> LoopMotion:
+        return self.loop.settle(start.theta, start.omega, start.x, start.bias, self.duration)
+
+    def of_predictions(self) -> Iterator[str]:
+        """Texts where the loop does not settle in a stable cycle, or does not part at a border."""
+        for one in self.found:
+            if one.cycle.stable:
+                settled = self._settle(one.start)
+                if not _agrees(one.cycle, settled):
+                    yield (
+                        f"predicted is {_words(one.cycle)}, but from there the FMU in the loop"
+                        f" {_said(settled)}"
+                    )
+            else:
+                inside, outside = (
+                    self._settle(one.start.scaled(factor, self.hysteresis.theta))
+                    for factor in (1.0 - ALLOWED, 1.0 + ALLOWED)
+                )
+                if not inside.amplitude < one.cycle.amplitude < outside.amplitude:
+                    yield (
+                        f"predicted is {_words(one.cycle)}, but the FMU in the loop {_said(inside)} from 0.9"
+                        f" of this amplitude, and {_said(outside)} from 1.1 of this amplitude"
+                    )
+
+    def of_offsets(self) -> Iterator[str]:
+        """Texts where the loop, left at an offset, settles in what is not predicted."""
+        middle = float(np.mean(self.hysteresis.band(self.hysteresis.theta)))
+        theta, states = self.hysteresis.theta, np.zeros(self.loop.controller.states)
+        undecided = []
+        for share in STARTS:
+            stop = self.hysteresis.upper if share > 0.0 else self.hysteresis.lower
+            begin = theta + abs(share) * (stop - theta)
+            settled = self._settle(Start(begin, 0.0, states, middle))
+            if settled.kind == "undecided":
+                undecided.append(f"{begin:.4g} rad ({settled.lowest:.4g} to {settled.highest:.4g} rad)")
+            elif settled.kind != "rest" and not any(_alike(settled, other) for other in self.motions):
+                self.motions.append(settled)
+                if not any(one.cycle.stable and _agrees(one.cycle, settled) for one in self.found):
+                    yield (
+                        f"left at {begin:.4g} rad, the FMU in the loop {_said(settled)}{self._why(settled)}."
+                        " No limit cycle like this one is predicted: the describing function does not hold"
+                        " there"
+                    )
+        if undecided:
+            yield (
+                f"after {self.duration:g} s the FMU in the loop is neither at rest nor in cycles, if left at"
+                f" (with the range at the end): {', '.join(undecided)}. A longer duration decides"
+            )
+
+    def _why(self, settled: LoopMotion) -> str:
+        """What the harmonic balance does not know of this motion."""
+        near = ON_STOP * (self.hysteresis.upper - self.hysteresis.lower)
+        if settled.lowest < self.hysteresis.lower + near or settled.highest > self.hysteresis.upper - near:
+            return ", and hits a stop"
+        return ""
+
+
+def _agrees(cycle: LimitCycle, settled: LoopMotion) -> bool:
+    """Amplitude and frequency of a stable cycle within 10 %."""
+    return settled.kind == "cycle" and all(
+        abs(a - b) <= ALLOWED * b
+        for a, b in ((cycle.amplitude, settled.amplitude), (cycle.frequency, settled.frequency))
+    )
+
+
+def _alike(one: LoopMotion, other: LoopMotion) -> bool:
+    return one.kind == other.kind and abs(one.amplitude - other.amplitude) <= ALLOWED * other.amplitude
+
+
+def _words(cycle: LimitCycle) -> str:
+    kind = "a limit cycle" if cycle.stable else "a border"
+    return f"{kind} with an amplitude of {cycle.amplitude:.4g} rad at {cycle.frequency:.4g} rad/s"
+
+
+def _said(settled: LoopMotion) -> str:
+    swing = f"an amplitude of {settled.amplitude:.4g} rad"
+    ends = f"{settled.lowest:.4g} to {settled.highest:.4g} rad"
+    return {
+        "rest": "comes to rest",
+        "cycle": f"swings with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
+        "irregular": f"hunts in unequal cycles, with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
+        "undecided": f"is neither at rest nor in cycles at the end of the duration, from {ends}",
+    }[settled.kind]

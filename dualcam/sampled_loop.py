@@ -1,0 +1,281 @@
+"""The forward FMU in the loop with a sampled controller: where the loop settles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import control
+import numpy as np
+
+from dualcam.errors import FmuError
+from dualcam.fmu import Fmu, RepeatedStart
+from dualcam.forward import STICK, Source, open_forward
+from dualcam.model_description import Scalar
+from dualcam.reals import Array
+
+CHUNK = 1000  # samples between two looks at the record
+CYCLES = 8  # latest ones that must be equal in a limit cycle
+EQUAL = 0.005  # relative: cycles whose amplitudes and periods differ by less
+REST = 1e-5  # of the room between the stops: a swing below is rest
+FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at its end, enough to end it
+PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
+LATE = 0.4  # of the record, its end: the part that says where the loop settles
+BLOCK = 4096  # samples of the controller at rest, computed at once
+
+
+class SampledController:
+    """A controller from the error of the angle [rad] to the torque [N.m], which is held over a period.
+
+    Parameters
+    ----------
+    law : control.StateSpace or control.TransferFunction
+        With one input, one output and a sampling time.
+
+    Raises
+    ------
+    FmuError
+        A continuous controller, or one with several signals.
+    """
+
+    def __init__(self, law: control.lti.LTI) -> None:
+        period = getattr(law, "dt", None)
+        if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
+            raise FmuError(
+                f"controller with dt = {period!r}: allowed is a sampled controller, since the torque is held"
+                " over its period [s]; control.sample_system(controller, 1e-3) makes one of a continuous one"
+            )
+        if (law.ninputs, law.noutputs) != (1, 1):
+            raise FmuError(
+                f"controller with {law.ninputs} inputs and {law.noutputs} outputs: allowed is one input, the"
+                " error of the angle [rad], and one output, the torque [N.m]"
+            )
+        system = control.ss(law)
+        self.period = float(period)
+        self.A, self.B, self.C, self.D = system.A, system.B[:, 0], system.C[0], float(system.D[0, 0])
+        self._of_state, self._of_error = self._constant_error()
+
+    def _constant_error(self) -> tuple[Array, Array]:
+        """States after 0 to BLOCK samples with a constant error: their parts of the first state, shape
+        (BLOCK + 1, states, states), and of the error, shape (BLOCK + 1, states)."""
+        of_state, of_error = [np.eye(self.states)], [np.zeros(self.states)]
+        for _ in range(BLOCK):
+            of_state.append(self.A @ of_state[-1])
+            of_error.append(self.A @ of_error[-1] + self.B)
+        return np.array(of_state), np.array(of_error)
+
+    @property
+    def integrates(self) -> bool:
+        """Whether a constant error makes the torque grow without end."""
+        return bool(np.any(np.abs(np.linalg.eigvals(self.A)) > 1.0 - 1e-9))
+
+    def ahead(self, x: Array, error: float) -> Array:
+        """States after 0 to BLOCK samples with a constant error [rad], shape (BLOCK + 1, states)."""
+        return self._of_state @ x + error * self._of_error
+
+    @property
+    def states(self) -> int:
+        """Number of states."""
+        return len(self.B)
+
+    def state_phasor(self, frequency: float) -> Array:
+        """States over the error, at an angular frequency [rad/s]; complex, shape (states,)."""
+        z = np.exp(1j * frequency * self.period)
+        return np.linalg.solve(z * np.eye(self.states) - self.A, self.B.astype(complex))
+
+    def response(self, frequency: float) -> complex:
+        """First harmonic of the held torque over the error [N.m/rad]."""
+        held = 1j * frequency * self.period
+        return complex((self.C @ self.state_phasor(frequency) + self.D) * -np.expm1(-held) / held)
+
+
+@dataclass(frozen=True)
+class LoopMotion:
+    """Where a loop settles.
+
+    Attributes
+    ----------
+    kind : str
+        "rest", "cycle", "irregular" where the cam goes on to move in unequal cycles, or "undecided" where the
+        swing still decays or the motion is too slow for the duration.
+    amplitude : float
+        Half the range of the angle [rad], 0 at rest.
+    torque : float
+        Half the range of the torque [N.m].
+    frequency : float
+        Angular frequency [rad/s], the mean one of irregular cycles; NaN at rest.
+    lowest, highest : float
+        Ends of the angle's range [rad].
+    """
+
+    kind: str
+    amplitude: float
+    torque: float
+    frequency: float
+    lowest: float
+    highest: float
+
+
+class SampledLoop:
+    """The forward FMU with a controller on its angle. The loop has no reference but `theta`.
+
+    Parameters
+    ----------
+    source : str, Path, Fmu or ContinuousFmu
+        The forward FMU.
+    parameters : mapping of str to float, int, bool or str
+        Start values of the FMU.
+    controller : SampledController
+        The controller.
+    theta : float
+        Reference [rad].
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        parameters: Mapping[str, Scalar],
+        controller: SampledController,
+        theta: float,
+    ) -> None:
+        self.fmu, values = open_forward(Fmu, source, parameters)
+        self._runs = RepeatedStart(self.fmu, values, ["initial.theta", "initial.omega", "tau"])
+        self._tau, self._motion = self.fmu.reals("tau"), self.fmu.reals("theta", "omega")
+        self._edges = self.fmu.reals("torque_release", "torque_load")
+        self._room = self.fmu.real("stop.upper") - self.fmu.real("stop.lower")
+        self.controller, self.theta = controller, theta
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self.fmu.close()
+
+    def settle(self, theta: float, omega: float, x: Array, bias: float, duration: float) -> LoopMotion:
+        """Run from an angle [rad], a speed [rad/s] and states of the controller, until the loop rests or
+        swings in equal cycles, or `duration` [s] has passed. `bias`: torque beside the controller's [N.m]."""
+        law, record = self.controller, _Record(self._room)
+        x, samples, last = np.array(x, dtype=float), 0, round(duration / law.period)
+        self._runs.start([theta, omega, bias])
+        while samples < last:
+            for _ in range(CHUNK):
+                theta, omega = self._motion.read()
+                error = self.theta - theta
+                torque = bias + float(law.C @ x) + law.D * error
+                record.add(samples * law.period, theta, torque)
+                x = law.A @ x + law.B * error
+                self._tau.values[:] = torque
+                self._tau.write()
+                self.fmu.step(law.period)
+                samples += 1
+            if self.fmu.get("mode") == STICK:
+                samples, x = self._wait(x, bias, samples, last, record)
+            if record.rests(self.theta) or record.decided():
+                break
+        return record.settled(self.theta, law.integrates)
+
+    def _wait(self, x: Array, bias: float, samples: int, last: int, record: _Record) -> tuple[int, Array]:
+        """While the torque stays in the stick band nothing moves: only the controller goes on."""
+        law = self.controller
+        theta, _ = self._motion.read()
+        release, load = self._edges.read()
+        error = self.theta - theta
+        while samples < last:
+            states = law.ahead(x, error)
+            torques = bias + states @ law.C + law.D * error
+            out = np.flatnonzero(~((torques > release) & (torques < load)))
+            passed = int(out[0]) if out.size else BLOCK
+            samples, x = samples + passed, states[passed]
+            record.add(samples * law.period, theta, float(torques[passed]))
+            if out.size:
+                break
+        return samples, x
+
+
+class _Record:
+    """Time, angle and torque of a run."""
+
+    def __init__(self, room: float) -> None:
+        self._rows: list[tuple[float, float, float]] = []
+        self._least = REST * room
+        self._next = 0  # rows at which the record is looked at again
+
+    def add(self, time: float, theta: float, torque: float) -> None:
+        self._rows.append((time, theta, torque))
+
+    def decided(self) -> bool:
+        """Whether the latest cycles are equal, or unequal for long. The record is looked at each time it has
+        grown by a fifth."""
+        if len(self._rows) < self._next:
+            return False
+        self._next = math.ceil(1.2 * len(self._rows))
+        return self.cycle() is not None or self.irregular(MANY) is not None
+
+    def rests(self, reference: float) -> bool:
+        """Whether the latest samples are at the reference, but for what counts as rest."""
+        recent = np.array(self._rows[-CHUNK:])[:, 1]
+        return bool(np.abs(recent - reference).max() <= self._least)
+
+    def _late(self, share: float) -> tuple[Array, Array, Array]:
+        """The last part of the record."""
+        time, theta, torque = np.array(self._rows).T
+        late = time >= (1.0 - share) * time[-1]
+        return time[late], theta[late], torque[late]
+
+    def cycle(self) -> LoopMotion | None:
+        """The limit cycle, if the latest cycles are equal."""
+        time, theta, torque = self._late(0.5)
+        low, high = float(theta.min()), float(theta.max())
+        if high - low <= self._least:
+            return None
+        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))[-CYCLES - 1 :]
+        if len(ups) <= CYCLES:
+            return None
+        ranges = np.array([np.ptp(theta[a : b + 1]) for a, b in pairwise(ups)])
+        periods = np.diff(time[ups])
+        resolution = 2.0 * (time[1] - time[0])  # of a period, a sample at each end
+        if np.ptp(ranges) > EQUAL * ranges.max() or np.ptp(periods) > EQUAL * periods.max() + resolution:
+            return None
+        return _settled("cycle", ups, time, theta, torque)
+
+    def settled(self, reference: float, integrates: bool) -> LoopMotion:
+        """The limit cycle, rest, or neither. At rest an integrator that still has an error is not settled."""
+        if found := self.cycle():
+            return found
+        _, theta, torque = self._late(LATE)
+        low, high = float(theta.min()), float(theta.max())
+        quiet = high - low <= self._least and not integrates
+        if quiet or self.rests(reference):
+            return LoopMotion("rest", 0.0, 0.0, math.nan, low, high)
+        if found := self.irregular(FEW):
+            return found
+        return LoopMotion("undecided", 0.5 * (high - low), 0.5 * float(np.ptp(torque)), math.nan, low, high)
+
+    def irregular(self, least: int) -> LoopMotion | None:
+        """Unequal cycles that do not decay, at least so many of them."""
+        time, theta, torque = self._late(LATE)
+        low, high = float(theta.min()), float(theta.max())
+        if high - low <= self._least or np.ptp(self._late(2.0 * LATE)[1]) > PERSISTENT * (high - low):
+            return None
+        ups = _rises(theta, 0.5 * (low + high), 0.25 * (high - low))
+        return _settled("irregular", ups, time, theta, torque) if len(ups) > least else None
+
+
+def _settled(kind: str, ups: list[int], time: Array, theta: Array, torque: Array) -> LoopMotion:
+    """Between the first and the last rise."""
+    whole = slice(ups[0], ups[-1] + 1)
+    low, high = float(theta[whole].min()), float(theta[whole].max())
+    frequency = 2.0 * math.pi * (len(ups) - 1) / float(time[ups[-1]] - time[ups[0]])
+    return LoopMotion(kind, 0.5 * (high - low), 0.5 * float(np.ptp(torque[whole])), frequency, low, high)
+
+
+def _rises(theta: Array, level: float, margin: float) -> list[int]:
+    """Samples at which the angle rises through a level, after it has been below by the margin."""
+    found, armed = [], False
+    for k, value in enumerate(theta - level):
+        if value < -margin:
+            armed = True
+        elif armed and value >= 0.0:
+            found.append(k)
+            armed = False
+    return found

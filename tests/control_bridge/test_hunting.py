@@ -1,0 +1,313 @@
+"""Position loops that hunt: predicted by harmonic balance, against loops that are computed apart from the
+package (support/held_loop.py) or stepped here."""
+
+import math
+import warnings
+
+import control
+import numpy as np
+import pytest
+from control_cases import FORWARD, PERIOD, refused
+from held_loop import UPPER, advance, pi_loop, swing
+from mechanisms import INERTIA, LIFT, PRELOAD, RHO, STIFFNESS
+from numpy.polynomial.legendre import leggauss
+from scipy.integrate import quad
+
+from dualcam import CamHysteresis, Fmu, RepeatedStart
+from dualcam.errors import LimitCycleWarning
+from dualcam.linear import OperatingPointError
+
+MIDDLE = 0.7  # rad
+HELD = 0.5 * (RHO[1] + RHO[-1]) * (PRELOAD + STIFFNESS * LIFT * MIDDLE)  # N.m, middle of the band
+
+
+def pi_controller(proportional, integral, period=PERIOD):
+    return control.ss(1.0, integral * period, 1.0, proportional, period)
+
+
+def analysed(controller, parameters=None, **options):
+    """Result and the texts of the warnings."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = CamHysteresis(FORWARD, MIDDLE, parameters=parameters).limit_cycles(controller, **options)
+    assert all(issubclass(one.category, LimitCycleWarning) for one in caught)
+    assert [str(one.message) for one in caught] == list(found.findings)
+    return found
+
+
+# ---- the reference ----
+
+
+def test_reference_moves_as_the_fmu(slave):
+    """Through all modes, random torques held for random times."""
+    rng = np.random.default_rng(3)
+    slave.start({"initial.theta": MIDDLE})
+    state, modes = (MIDDLE, 0.0), set()
+    for _ in range(300):
+        tau, h = rng.uniform(-15.0, 25.0), rng.uniform(1e-3, 0.03)
+        slave.set("tau", tau)
+        slave.step(h)
+        state = advance(*state, tau, h)
+        assert (slave.get("theta"), slave.get("omega")) == pytest.approx(state, rel=1e-8, abs=1e-8)
+        modes.add(slave.get("mode"))
+    assert modes == {1, 2, 3, 4, 5}
+
+
+# ---- loops that swing by more than 60 deg, where the describing function of slow motion finds nothing ----
+
+
+@pytest.mark.parametrize(("proportional", "integral"), [(50.0, 2000.0), (100.0, 1000.0), (20.0, 500.0)])
+def test_a_swing_between_the_stops_is_found_and_warned_of(proportional, integral):
+    hysteresis = CamHysteresis(FORWARD, MIDDLE)
+    s = control.tf("s")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        slow = control.describing_function_response(
+            proportional + integral / s,
+            hysteresis,
+            np.linspace(1.02, 20.0, 200) * hysteresis.dead_band,
+            np.logspace(-1, 3, 400),
+        )
+    assert slow.intersections == []
+
+    start = (MIDDLE - 0.6, 0.0, HELD)
+    angles = pi_loop(proportional, integral, PERIOD, MIDDLE, start, 20_000)[-10_000:]
+    amplitude, frequency = swing(angles, PERIOD)
+    assert 2.0 * amplitude > math.radians(60.0)
+
+    found = analysed(pi_controller(proportional, integral))
+    assert not found.holds
+    assert any("hits a stop" in text and "does not hold" in text for text in found.findings)
+    (motion,) = found.simulated
+    assert (motion.amplitude, motion.frequency) == pytest.approx((amplitude, frequency), rel=0.03)
+
+
+# ---- the border between rest and growth ----
+
+
+def grows(proportional, integral, amplitude, frequency):
+    """Whether a swing of that amplitude about the reference goes on: the reference loop, begun in the middle
+    on the way up, with the integral as in a steady oscillation."""
+    error = -amplitude  # phasor at the phase 0 of a sine
+    held = (integral * PERIOD * error / (np.exp(1j * frequency * PERIOD) - 1.0)).imag
+    start = (MIDDLE, amplitude * frequency, HELD + held)
+    angles = pi_loop(proportional, integral, PERIOD, MIDDLE, start, 4000)
+    return np.ptp(angles[-1000:]) > 2.0 * amplitude
+
+
+GAINS = [(p, i) for p in (10.0, 20.0, 50.0, 100.0) for i in (300.0, 1000.0, 3000.0)]
+STICKY = [(10.0, 1000.0), (10.0, 3000.0), (20.0, 3000.0)]  # the cam nearly rests at its turning points
+
+
+def border_of(proportional, integral, **options):
+    found = analysed(pi_controller(proportional, integral), **options)
+    (border,) = found.predicted
+    assert not border.stable and border.sinusoid == "angle"
+    return border, found
+
+
+@pytest.mark.parametrize(("proportional", "integral"), [gains for gains in GAINS if gains not in STICKY])
+def test_the_border_is_within_ten_percent(proportional, integral):
+    border, found = border_of(proportional, integral, check=False)
+    assert found.findings == () and found.holds is None
+    for factor in (0.9, 1.1):
+        swung = grows(proportional, integral, factor * border.amplitude, border.frequency)
+        assert swung == (factor > 1.0), (factor, border)
+
+
+@pytest.mark.parametrize(("proportional", "integral"), STICKY)
+def test_a_border_that_is_wrong_is_warned_of(proportional, integral):
+    """A swing of 0.9 times the predicted border grows. The margin says so, and the check."""
+    border, unchecked = border_of(proportional, integral, check=False)
+    assert grows(proportional, integral, 0.9 * border.amplitude, border.frequency)
+    assert ["half widths of the stick band" in text for text in unchecked.findings] == [True]
+    assert unchecked.holds is False
+    _, found = border_of(proportional, integral)
+    assert any("predicted is a border" in text for text in found.findings)
+
+
+def test_the_hold_is_in_the_loop():
+    """A proportional controller alone drives a swing through its hold: a border, beyond which the loop grows.
+    With a period that is 20 times as short the border is beyond the stops."""
+    border, _ = border_of(100.0, 0.0, check=False)
+    for factor in (0.9, 1.1):
+        assert grows(100.0, 0.0, factor * border.amplitude, border.frequency) == (factor > 1.0)
+    assert analysed(pi_controller(100.0, 0.0, PERIOD / 20), check=False).predicted == ()
+
+
+def test_a_loop_that_rests_has_no_limit_cycle_and_no_warning():
+    found = analysed(pi_controller(5.0, 20.0))
+    assert (found.predicted, found.simulated, found.findings, found.holds) == ((), (), (), True)
+    for offset in (-0.6, 0.1, 0.6):
+        angles = pi_loop(5.0, 20.0, PERIOD, MIDDLE, (MIDDLE + offset, 0.0, HELD), 30_000)
+        assert np.ptp(angles[-10_000:]) < 1e-3
+
+
+# ---- limit cycles ----
+
+
+def stepped(fmu, controller, parameters, theta, seconds):
+    """Angles of a loop around the FMU, left at an angle at rest."""
+    system, x, angles = control.ss(controller), np.zeros(controller.nstates), []
+    bias = float(np.mean(CamHysteresis(FORWARD, MIDDLE, parameters=parameters).band(MIDDLE)))
+    fmu.start(parameters | {"initial.theta": theta, "tau": bias})
+    for _ in range(round(seconds / PERIOD)):
+        error = MIDDLE - fmu.real("theta")
+        angles.append(MIDDLE - error)
+        fmu.set("tau", bias + float(system.C[0] @ x) + system.D[0, 0] * error)
+        x = system.A @ x + system.B[:, 0] * error
+        fmu.step(PERIOD)
+    return np.array(angles)
+
+
+def test_a_stable_cycle_of_a_quadratic_damper(slave):
+    """The damper limits the swing before the stops do. The border below is confirmed too."""
+    parameters = {"damper.q_load": 2000.0, "damper.q_release": 2000.0, "inertia.follower_mass": 2.0}
+    found = analysed(pi_controller(50.0, 2000.0), parameters)
+    assert found.holds
+    border, cycle = found.predicted
+    assert (border.stable, cycle.stable) == (False, True)
+    measured = swing(stepped(slave, pi_controller(50.0, 2000.0), parameters, 1.1, 4.0)[-2000:], PERIOD)
+    assert (cycle.amplitude, cycle.frequency) == pytest.approx(measured, rel=0.1)
+    (motion,) = found.simulated
+    assert (motion.amplitude, motion.frequency) == pytest.approx(measured, rel=0.01)
+
+
+def test_a_slow_cycle_of_an_integrator(slave):
+    """The controller of the tutorial: long rests, so the balance of the torque, with higher harmonics."""
+    s = control.tf("s")
+    controller = control.sample_system(control.ss(22.0 / (s * (0.3 * s + 1) ** 2)), PERIOD)
+    stable = [one for one in analysed(controller, check=False).predicted if one.stable]
+    (cycle,) = stable
+    assert cycle.sinusoid == "torque"
+    measured = swing(stepped(slave, controller, {}, 0.3, 60.0)[-30_000:], PERIOD)
+    assert (cycle.amplitude, cycle.frequency) == pytest.approx(measured, rel=0.05)
+
+
+EXCESS = {
+    f"cam{i}.{name}": value
+    for i in (1, 2)
+    for name, value in (("friction_peak", 1.5), ("stribeck_velocity", 1e-3), ("stribeck_exponent", 1))
+}
+
+
+def test_hunting_of_a_static_excess_is_warned_of(slave):
+    """The integral winds through the stick band, the cam jumps past the reference, and so on. No describing
+    function knows these jumps. With Coulomb friction the same loop rests."""
+    controller = pi_controller(20.0, 200.0)
+    found = analysed(controller, EXCESS, duration=40.0)
+    assert not found.holds
+    hunting = [motion for motion in found.simulated if motion.amplitude < 0.1]
+    assert len(hunting) == 1
+    assert any("hunts" in text and "does not hold" in text for text in found.findings)
+    angles = stepped(slave, controller, EXCESS, MIDDLE + 0.15, 60.0)[-30_000:]
+    assert hunting[0].amplitude == pytest.approx(0.5 * np.ptp(angles), rel=0.1)
+    calm = stepped(slave, controller, {}, MIDDLE + 0.15, 10.0)[-2000:]
+    assert np.ptp(calm) < 1e-3
+
+
+# ---- the torque of a swing ----
+
+LAWS = {
+    "Coulomb": {},
+    "Gauss": {"friction_peak": 1.6, "stribeck_velocity": 0.05, "stribeck_exponent": 2},
+    "Tustin": {
+        "friction_peak": 1.4,
+        "stribeck_velocity": 0.1,
+        "stribeck_exponent": 1,
+        "friction_viscous": 0.3,
+    },
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_swing_torque_is_the_integral_of_its_definition(law):
+    values = {
+        "friction_peak": 1.0,
+        "stribeck_velocity": 0.01,
+        "stribeck_exponent": 2,
+        "friction_viscous": 0.0,
+    }
+    values |= LAWS[law]
+    mass, damping, viscous, amplitude, frequency = 0.5, 30.0, 0.01, 0.3, 20.0
+    parameters = {f"cam{i}.{name}": value for i in (1, 2) for name, value in LAWS[law].items()}
+    parameters |= {
+        "inertia.follower_mass": mass,
+        "damper.c_load": damping,
+        "damper.c_release": damping,
+        "shaft.damping": viscous,
+    }
+
+    def torque(phase):
+        theta, omega = MIDDLE + amplitude * math.sin(phase), amplitude * frequency * math.cos(phase)
+        alpha, sigma = -amplitude * frequency**2 * math.sin(phase), math.copysign(1.0, omega)
+        ratio = abs(omega) * LIFT * math.sqrt(2.0) / values["stribeck_velocity"]
+        fall = math.exp(-(ratio ** values["stribeck_exponent"]))
+        mu = 0.14 * (1.0 + (values["friction_peak"] - 1.0) * fall)
+        mu += values["friction_viscous"] * abs(omega) * LIFT * math.sqrt(2.0)
+        axial = PRELOAD + LIFT * (STIFFNESS * theta + damping * omega + mass * alpha)
+        assert axial > 0.0
+        slide = LIFT * (1.0 + sigma * mu) / (1.0 - sigma * mu) * axial
+        return INERTIA * alpha + viscous * omega + slide
+
+    halves = ((-0.5 * math.pi, 0.5 * math.pi), (0.5 * math.pi, 1.5 * math.pi))
+    sine, cosine = (
+        sum(quad(lambda p, f=f: torque(p) * f(p), *half, epsabs=1e-12, limit=200)[0] for half in halves)
+        for f in (math.sin, math.cos)
+    )
+    expected = complex(sine, cosine) / (math.pi * amplitude)
+    found = CamHysteresis(FORWARD, MIDDLE, parameters=parameters).swing_torque(amplitude, frequency)
+    assert found == pytest.approx(expected, rel=1e-8)
+
+
+def test_swing_torque_is_that_of_the_inverse_fmu():
+    """A groove that steepens, different laws in the cams."""
+    parameters = {
+        "cam2.profile": 2,
+        "cam2.ellipse_curvature": 1,
+        "cam2.lead_angle": 0.7,
+        "cam2.radius": 0.025,
+        "cam1.friction_peak": 1.5,
+        "cam1.stribeck_velocity": 0.1,
+        "cam2.friction_viscous": 0.2,
+    }
+    amplitude, frequency, middle = 0.4, 30.0, 0.6
+    found = CamHysteresis(FORWARD, middle, parameters=parameters).swing_torque(amplitude, frequency)
+    points, weights = leggauss(64)
+    total = 0.0
+    with Fmu("inverse") as inverse:
+        runs = RepeatedStart(inverse, parameters, ["theta", "omega", "alpha"])
+        for shift in (0.0, 2.0):
+            for phase, weight in zip(0.5 * np.pi * (points + shift), 0.5 * np.pi * weights, strict=True):
+                wave = amplitude * np.array(
+                    [np.sin(phase), frequency * np.cos(phase), -(frequency**2) * np.sin(phase)]
+                )
+                runs.initialize(np.add(wave, [middle, 0.0, 0.0]))
+                total += weight * inverse.real("tau") * np.exp(-1j * phase)
+    assert found == pytest.approx(complex(1j * total / (np.pi * amplitude)), rel=1e-6)
+
+
+# ---- refusals ----
+
+
+def test_refused():
+    hysteresis = CamHysteresis(FORWARD, MIDDLE)
+    with refused("dt = 0", "sample_system"):
+        hysteresis.limit_cycles(control.tf([1.0, 2.0], [1.0, 0.0]))
+    with refused("dt = None", "sampled controller"):
+        hysteresis.limit_cycles(control.ss(1.0, 1.0, 1.0, 1.0, None))
+    with refused("2 inputs"):
+        hysteresis.limit_cycles(control.ss([], [], [], [[1.0, 1.0]], PERIOD))
+    for duration in (0.0, math.nan):
+        with refused("duration"):
+            hysteresis.limit_cycles(pi_controller(5.0, 20.0), duration=duration)
+    with refused("tau = 3", error=OperatingPointError):
+        CamHysteresis(FORWARD, MIDDLE, tau=3.0).limit_cycles(pi_controller(5.0, 20.0))
+    for amplitude, frequency in ((0.0, 1.0), (UPPER, 1.0), (0.1, 0.0), (math.nan, 1.0)):
+        with refused("amplitude", error=OperatingPointError):
+            hysteresis.swing_torque(amplitude, frequency)
+
+
+def test_without_inertia_only_slow_cycles_are_looked_for():
+    found = analysed(pi_controller(5.0, 20.0), {"inertia.shaft": 0.0}, check=False)
+    assert found.predicted == ()

@@ -1,0 +1,306 @@
+"""What lasts, as a user of design files meets it: keys, messages, findings of the check, the report."""
+
+import json
+import math
+import re
+import runpy
+
+import pytest
+from driver import ROOT
+from lxml import etree
+
+from dualcam.checking import check_design
+from dualcam.checking.values import with_value
+from dualcam.cli import main
+from dualcam.design import HelicalSpring, Pin, Roller, line_contact, wear
+from dualcam.design_file import DesignFileError, read_design, write_template
+from dualcam.report import report_page
+
+PIN = '[pin]\nradius = "3 mm"\nwidth = "8 mm"\n'
+COIL = '[helical_spring]\nwire_diameter = "5 mm"\ncoil_diameter = "26 mm"\nactive_coils = 7.5\n'
+RATES = 'cam1.wear = "1e-6 mm^3/(N.m)"\ncam2.wear = 1e-15\n'
+STIFFNESS = 'spring.stiffness = "48.3 N/mm"\n'
+STRONG = STIFFNESS + COIL + 'grade = "DH"\nshot_peened = true\nguided = true\n'
+
+
+@pytest.fixture
+def design(tmp_path):
+    def read(text):
+        path = tmp_path / "my.toml"
+        path.write_text(text)
+        return read_design(path)
+
+    return read
+
+
+@pytest.fixture
+def texts(design):
+    """Severity and text of each finding."""
+    return lambda text: [(one.severity, one.text) for one in check_design(design(text)).findings]
+
+
+# ---- reading ----
+
+
+def test_tables_become_objects(design):
+    found = design(
+        PIN
+        + "wear = 1e-16\n[roller]\nbearing_friction = 0.1\nbearing_radius = '1 mm'\n"
+        + COIL
+        + 'grade = "SM"'
+    )
+    assert found.pin == Pin(0.003, 0.008, wear=1e-16)
+    assert found.roller == Roller(0.003, 0.1, 0.001)
+    assert found.helical_spring == HelicalSpring(0.005, 0.026, 7.5, grade="SM")
+    limits = design('[limits]\nspring_safety = 1.5\nwear_depth = "50 um"\ncycles = 1e5').limits
+    assert (limits.spring_safety, limits.wear_depth, limits.cycles) == (1.5, pytest.approx(50e-6), 1e5)
+
+
+def test_another_pin_is_another_roller(design):
+    found = design(PIN + "[roller]\nbearing_friction = 0.1\nbearing_radius = '1 mm'")
+    assert with_value(found, "pin.radius", 0.004).roller == Roller(0.004, 0.1, 0.001)
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        (PIN.replace("3 mm", "-3 mm"), "line 2: pin.radius = \"-3 mm\": allowed is a number >= 0"),
+        (PIN + "wear = -1", "line 4: pin.wear = -1: allowed is a number from 0 to 1 in m3/(N.m)"),
+        (COIL, 'line 1: [helical_spring] no material: give grade = "DH", or SL, SM, DM or SH of EN 10270-1'),
+        (COIL + 'grade = "piano"', "[helical_spring] grade = 'piano': allowed are SL, SM, DM, SH, DH"),
+        (COIL.replace("5 mm", "25 mm") + 'grade = "DH"', "grade DH is known from 0.3 to 20 mm"),
+        (COIL.replace("26 mm", "4 mm") + 'grade = "DH"', "allowed is more than wire_diameter = 0.005 m"),
+        ("[helical_spring]\nwire_diameter = 0.005", "[helical_spring] lacks coil_diameter, active_coils"),
+        (COIL.replace("7.5", "1"), "helical_spring.active_coils = 1: allowed is a number from 2 to 10000"),
+        (COIL + "material = 1", "helical_spring.material is no key: did you mean helical_spring.grade?"),
+        (COIL + "d = 1", "helical_spring.d is no key: did you mean helical_spring.wire_diameter?"),
+        ("[roller]\nbearing_friction = 0.1\nbearing_radius = 1e-3", "[roller] without [pin]: give pin"),
+        (PIN + "[roller]\nbearing_friction = 0.1", "line 4: [roller] lacks bearing_radius: give"),
+        (
+            PIN + '[roller]\nbearing_friction = 0.1\nbearing_radius = "4 mm"',
+            "[roller] bearing_radius = 0.004 m: allowed is more than 0 and less than the radius of the",
+        ),
+        ("[limits]\ncycles = -5", "line 2: limits.cycles = -5: allowed is a number from 0 to 1e+15"),
+        ("[limits]\nwear_depth = 0", "limits.wear_depth = 0: allowed is a number from 1e-09 to 1 in m"),
+        ("[limits]\nspring_safety = 0", "limits.spring_safety = 0: allowed is a number from 0.01 to 100"),
+    ],
+)  # fmt: skip
+def test_refused_files(design, text, words):
+    with pytest.raises(DesignFileError) as error:
+        design(text)
+    assert words in str(error.value)
+
+
+def test_numbers_that_look_like_another_unit(design):
+    found = design(
+        "[pin]\nradius = 0.003\nwidth = 0.008\nwear = 1e-6\n"
+        "[helical_spring]\nwire_diameter = 0.5\ncoil_diameter = 26\nactive_coils = 7\n"
+        'tensile_strength = "1 GPa"'
+    ).warnings
+    assert [one.key for one in found] == [
+        "pin.wear",
+        "helical_spring.wire_diameter",
+        "helical_spring.coil_diameter",
+    ]
+    assert "this looks like millimetres; 0.5 mm is 0.0005 m" in found[1].text
+
+
+# ---- findings ----
+
+
+def test_a_good_spring_has_no_finding(texts):
+    assert texts(STRONG) == []
+
+
+def test_fatigue(design, texts):
+    """By hand: 50 N and 724.4 N, k = (5.2 + 0.5)/(5.2 - 0.75) = 1.2809, tau_k = k 8 D F/(pi d^3)."""
+    weak = STIFFNESS + COIL + 'grade = "SM"\nguided = true\n'
+    forces = (50.0, 50.0 + 48.3e3 * 0.01 * 1.3963)
+    stress = [5.7 / 4.45 * 8.0 * 0.026 * force / (math.pi * 0.005**3) for force in forces]
+    amplitude, mean = (stress[1] - stress[0]) / 2.0, (stress[1] + stress[0]) / 2.0
+    shear = 0.67e6 * (1980.0 - 740.0 * math.log10(5.0))
+    safety = 1.0 / (amplitude / (241e6 / (1.0 - 379e6 / shear)) + mean / shear)
+    ((severity, text),) = texts(weak)
+    assert severity == "error"
+    assert (
+        f"between {stress[0] / 1e6:.4g} and {stress[1] / 1e6:.4g} MPa the Goodman safety is {safety:.3g}"
+        in text
+    )
+    assert "allowed is 1.2 or more, the default of limits.spring_safety" in text
+    wire, coil, coils = re.search(
+        r"wire_diameter = ([\d.]+) mm, coil_diameter = ([\d.]+) mm, active_coils = ([\d.]+) has", text
+    ).groups()
+    other = weak.replace('"5 mm"', f'"{wire} mm"').replace('"26 mm"', f'"{coil} mm"').replace("7.5", coils)
+    assert check_design(design(other)).good
+    assert texts(weak + f"[limits]\nspring_safety = {safety - 0.01:.3f}") == []
+
+
+def test_a_spring_that_sets(texts):
+    thin = COIL.replace('"5 mm"', '"3.2 mm"').replace("7.5", "2") + 'grade = "SL"'
+    found = dict(reversed([(text.partition(":")[0], text) for _, text in texts(thin)]))
+    assert "allowed is 0.56 of the tensile strength" in found["spring stress"]
+
+
+def test_no_spring_lasts(texts):
+    """So stiff that no wire up to 20 mm endures the force."""
+    found = texts("[spring]\nstiffness = 9e6\n" + COIL + 'grade = "DH"')
+    assert any(
+        "No spring in a standard wire lasts; shot_peened = true makes a wire endure more" in t
+        for _, t in found
+    )
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        (
+            STRONG.replace("48.3", "60"),
+            "helical_spring has the rate 48.3 N/mm, and spring.stiffness is 60 N/mm",
+        ),
+        (STRONG.replace("48.3", "60"), "active_coils = 6.038"),
+        (
+            STRONG.replace("26 mm", "18 mm").replace("7.5", "22.6"),
+            "spring index coil_diameter/wire_diameter = 3.6: a spring coiled cold has 4 to 20",
+        ),
+        ('spring.free_length = "60 mm"\nspring.solid_length = "40 mm"\n' + STRONG, "write the larger one"),
+        (
+            'spring.free_length = "65 mm"\nspring.solid_length = "47 mm"\n' + STRONG,
+            "spring length at full stroke, 50 mm: allowed is 55.41 mm or more",
+        ),
+        (
+            'spring.free_length = "260 mm"\nspring.solid_length = "47.5 mm"\n'
+            + STRONG.replace("guided = true", "guided = false").replace("48.3", "49")
+            + "[stop]\nupper = 3.5",
+            "buckling: between parallel plates the spring of free_length = 260 mm buckles at the deflection",
+        ),
+        (
+            PIN + '[roller]\nbearing_friction = 0.3\nbearing_radius = "2.5 mm"',
+            "the roller slides: rolling needs the coefficient 0.25, sliding only sliding_friction = 0.14; the"
+            " roller rolls with bearing_friction up to 0.168",
+        ),
+        (
+            PIN + '[roller]\nbearing_friction = 0.06\nbearing_radius = "1.5 mm"',
+            "cam1.friction = 0.14: the roller rolls with the coefficient 0.03; write cam1.friction = 0.03",
+        ),
+        (PIN + "[limits]\ncycles = 1e6", "limits.cycles = 1e+06 is not checked: give cam1.wear, cam2.wear"),
+        (
+            "[limits]\ncycles = 1e6",
+            "give [pin] and cam1.wear, cam2.wear or pin.wear, the specific wear rates",
+        ),
+    ],
+)
+def test_warnings(texts, text, words):
+    found = [message for severity, message in texts(text) if severity == "warning"]
+    assert any(words in message for message in found), found
+
+
+def test_a_spring_at_the_solid_length_of_its_coil_is_an_error(texts):
+    found = texts('spring.free_length = "55 mm"\nspring.solid_length = "30 mm"\n' + STRONG)
+    assert any(
+        severity == "error" and "spring length at full stroke, 40 mm" in text for severity, text in found
+    )
+
+
+def test_wear_proposes_a_width_that_lasts(design):
+    text = RATES + PIN + "[limits]\ncycles = 2e6"
+    verdict = check_design(design(text))
+    (finding,) = verdict.errors
+    assert "wear: groove 1 is 0.1 mm deep (limits.wear_depth) after" in finding.text
+    assert finding.change == "pin.width"
+    assert finding.nearest == pytest.approx(0.008 * 2e6 / 1482585, rel=2e-3)  # depth per cycle as 1/width
+    assert check_design(with_value(design(text), "pin.width", finding.nearest)).good
+
+
+def test_a_roller_that_rolls_wears_all_around(design):
+    """The roller of a rolling pin has no flat, so it lasts longer."""
+    pin = PIN + 'wear = "1e-6 mm^3/(N.m)"\n'
+    roller = '[roller]\nbearing_friction = 0.14\nbearing_radius = "2.99 mm"\n'
+    sliding, rolling = (check_design(design(pin + more)).numbers.wear for more in ("", roller))
+    assert sliding.part == rolling.part == "pin" and rolling.cycles > 10.0 * sliding.cycles
+
+
+# ---- numbers, command line and report ----
+
+
+def test_numbers_are_those_of_the_functions(design):
+    found = design(RATES + STRONG + PIN)
+    numbers, mechanism = check_design(found).numbers, found.mechanism()
+    load = 50.0 + 48.3e3 * 0.013963
+    contact = line_contact(load / 4.0 * math.sqrt(2.0) / 0.86, found.pin)  # two helices of 45 deg, by hand
+    assert (numbers.pressure.shear, numbers.pressure.depth) == pytest.approx((contact.shear, contact.depth))
+    assert (numbers.spring.least, numbers.spring.largest) == pytest.approx((50.0, load))
+    assert numbers.spring.safety == found.helical_spring.fatigue(50.0, numbers.spring.largest).safety
+    worn = wear(mechanism, found.pin, (1e-15, 1e-15))
+    assert numbers.wear.cycles == worn.life(1e-4).cycles
+    assert numbers.wear.preload_loss == worn.after(numbers.wear.cycles).preload_loss
+    assert numbers.roller is None
+
+
+def test_wear_deeper_than_the_formulas_hold_has_no_torque(design):
+    found = check_design(design(RATES + PIN + "[limits]\nwear_depth = 0.002")).numbers
+    assert found.wear.preload_loss is None
+    assert any("the cam does not work any more then" in line for line in found.lines())
+
+
+def test_check_prints_and_writes_json(tmp_path, capsys):
+    path = write_template("robot", tmp_path / "my.toml")
+    assert main(["check", str(path)]) == 0
+    said = capsys.readouterr().out
+    for words in (
+        "shear stress below the surface: at most",
+        "spring: rate 41.",
+        "Goodman safety 1.2",
+        "wear: pin is",
+    ):
+        assert words in said
+    assert main(["check", str(path), "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)["numbers"]
+    assert (
+        numbers["spring"]["safety"] > 1.2 and numbers["wear"]["part"] == "pin" and numbers["roller"] is None
+    )
+
+
+def test_report_has_the_quantities_and_their_pictures(design):
+    roller = '[roller]\nbearing_friction = 0.1\nbearing_radius = "1.5 mm"\n'
+    page = etree.HTML(
+        report_page(design('title = "Cam"\n' + RATES + STRONG + PIN + "wear = 1e-16\n" + roller))
+    )
+    assert [head.text for head in page.iter("h2")][2:7] == [
+        *("Reactions", "Contact pressure", "Roller", "Helical spring", "Wear"),
+    ]
+    words = re.sub(r"\s+", " ", " ".join(page.itertext()))
+    for piece in (
+        "largest shear stress there",
+        "Goodman safety",
+        "cycles of groove 1",
+        "Goodman line",
+        "the roller rolls",
+    ):
+        assert piece in words
+    titles = {svg.get("aria-label") for svg in page.iter("svg")}
+    assert titles >= {
+        *("Contact pressure along each groove", "Wear along each groove", "Goodman diagram of the spring"),
+    }
+    inputs = [row[0].text for row in page.iter("tr") if len(row)]
+    assert {"helical_spring.grade", "roller.bearing_radius", "pin.wear"} <= set(inputs)
+
+
+def test_report_of_a_design_that_does_not_work(design):
+    """An undercut flank and a spring that pulls: the report says so, and has no numbers of these."""
+    ellipse = 'profile = "ellipse", ellipse_a = "10 mm", ellipse_b = "10 mm"'
+    sharp = f"cam1 = {{{ellipse}, wear = 1e-15}}\nstop.upper = 0.3\n"
+    words = " ".join(etree.HTML(report_page(design(sharp + PIN.replace("3 mm", "11 mm")))).itertext())
+    assert "No wear: pin.radius = 0.011 m: a flank is undercut" in words
+    slack = "[spring]\npreload = 0\nstiffness = 0\n" + COIL + 'grade = "DH"'
+    assert "Goodman safety" in " ".join(etree.HTML(report_page(design(slack))).itertext())
+    pulls = "[spring]\npreload = -10\n" + COIL + 'grade = "DH"'
+    words = " ".join(etree.HTML(report_page(design(pulls))).itertext())
+    assert "No stresses: forces -10 and" in words
+
+
+def test_pictures_of_the_page_are_drawn(tmp_path):
+    """Those that docs/design-quantities.md shows, from the design on that page."""
+    script = ROOT / "docs" / "figures" / "design_quantities.py"
+    runpy.run_path(str(script))["draw_all"](tmp_path)
+    page = (ROOT / "docs" / "design-quantities.md").read_text(encoding="utf-8")
+    assert {path.name for path in tmp_path.iterdir()} == set(re.findall(r"\]\((design_\w+\.png)\)", page))

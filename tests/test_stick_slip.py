@@ -1,0 +1,120 @@
+"""Stick-slip behind a soft shaft (benchmarks/stick_slip): limit cycles of the FMU against the closed solution
+and the phase plane, the speed at which the cycle ends, and the stability of steady slip."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from benchmarks.stick_slip import reference, run
+from benchmarks.stick_slip.scene import INERTIA, SHAFT, STRIBECK, SUDDEN, Scene
+from dualcam import Fmu, linearize
+
+
+@pytest.fixture(scope="module")
+def fmu():
+    with Fmu("forward") as one:
+        yield one
+
+
+TUSTIN = Scene(exponent=1, stribeck_velocity=0.005)
+SPEEDS = (0.05, 0.3, 0.8, 0.999)  # of the last speed
+last_speed = cache(reference.last_speed)
+
+
+# ---- the references agree with one another and with textbooks ----
+
+
+def test_closed_solution_is_that_of_the_phase_plane():
+    for share in SPEEDS:
+        speed = share * last_speed(SUDDEN)
+        closed, plane = (f(SUDDEN, speed) for f in (reference.sudden_cycle, reference.phase_plane_cycle))
+        assert closed.amplitude == pytest.approx(plane.amplitude, rel=1e-11)
+        assert closed.period == pytest.approx(plane.period, rel=1e-11)
+    assert reference.sudden_cycle(SUDDEN, 1.0001 * speed / share) is None
+    assert reference.phase_plane_cycle(SUDDEN, 1.0001 * speed / share) is None
+
+
+def test_closed_solution_without_damping():
+    """Amplitude sqrt((dT/K)^2 + (Omega/w)^2); slip ends dT below T_k."""
+    free = Scene(drop="sudden", damping=0.0)
+    drop, w = free.static_torque - free.kinetic_torque, free.natural_frequency
+    for speed in (0.1, 1.0, 10.0):
+        found = reference.sudden_cycle(free, speed)
+        assert found.amplitude == pytest.approx(math.hypot(drop / SHAFT, speed / w), rel=1e-12)
+        slip = 2.0 * (math.pi - math.atan(drop * w / (SHAFT * speed))) / w
+        assert found.period == pytest.approx(2.0 * drop / (SHAFT * speed) + slip, rel=1e-12)
+
+
+def test_last_speed_is_the_textbooks_for_small_damping():
+    """The next term of the series is in proportion to the damping ratio."""
+    gaps = []
+    for damping in (2e-4, 1e-4):
+        scene = Scene(drop="sudden", damping=damping)
+        gaps.append(reference.last_speed(scene) / reference.textbook_last_speed(scene) - 1.0)
+    assert abs(gaps[1]) < 0.03
+    assert gaps[0] / gaps[1] == pytest.approx(2.0, rel=0.05)
+
+
+# ---- the FMU ----
+
+
+@pytest.mark.parametrize("share", SPEEDS)
+def test_cycle_of_a_static_excess(fmu, share):
+    """The error is in proportion to the Stribeck velocity within which friction falls."""
+    speed = share * last_speed(SUDDEN)
+    expected = reference.sudden_cycle(SUDDEN, speed)
+    for velocity in (1e-5, 1e-7, 1e-9):
+        found = run.cycle(fmu, SUDDEN.with_drop_within(velocity), speed)
+        allowed = 300.0 * velocity + 1e-6
+        assert found.amplitude == pytest.approx(expected.amplitude, rel=allowed)
+        assert found.period == pytest.approx(expected.period, rel=allowed)
+
+
+@pytest.mark.parametrize("scene", [STRIBECK, TUSTIN], ids=["Gauss", "Tustin"])
+@pytest.mark.parametrize("share", SPEEDS)
+def test_cycle_of_stribeck_friction(fmu, scene, share):
+    speed = share * last_speed(scene)
+    expected, found = reference.phase_plane_cycle(scene, speed), run.cycle(fmu, scene, speed)
+    assert found.amplitude == pytest.approx(expected.amplitude, rel=3e-6)
+    assert found.period == pytest.approx(expected.period, rel=1e-8)
+
+
+@pytest.mark.parametrize("scene", [SUDDEN, STRIBECK], ids=["excess", "Gauss"])
+def test_cycle_ends(fmu, scene):
+    last = last_speed(scene)
+    assert run.cycle(fmu, scene, 0.99999 * last) is not None
+    assert run.cycle(fmu, scene, 1.00001 * last) is None
+
+
+# ---- steady slip ----
+
+
+@pytest.mark.parametrize("scene", [STRIBECK, TUSTIN], ids=["Gauss", "Tustin"])
+def test_stability_of_steady_slip(fmu, scene):
+    """Oscillations grow below the speed at which b + dT/domega = 0, and die above. The rate is half of
+    -(b + dT/domega)/J."""
+    border = reference.stable_speed(scene)
+    for share in (0.95, 1.05):
+        speed = share * border
+        expected = -0.5 * (scene.damping + scene.slope(speed)) / INERTIA
+        assert math.copysign(1.0, expected) == (1.0 if share < 1.0 else -1.0)
+        found = run.growth_rate(fmu, scene, speed, share=1e-4)
+        assert found == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("scene", [STRIBECK, TUSTIN], ids=["Gauss", "Tustin"])
+def test_linear_model_predicts_that_stability(scene):
+    """The linear model of the bridge has the fall of friction in its damping."""
+    for share in (0.5, 0.95, 1.05, 3.0):
+        speed = share * reference.stable_speed(scene)
+        model = linearize(
+            "forward", 0.1, speed, parameters=scene.parameters() | {"stop.upper": 6.0, "stop.lower": -6.0}
+        )
+        expected = -(scene.damping + scene.slope(speed)) / INERTIA
+        assert model.A[1, 1] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        torque = scene.damping * speed + scene.torque(speed)
+        assert model.operating_point.tau == pytest.approx(torque, rel=1e-9)
+        closed = model.A - SHAFT * model.B[:, :1] @ np.array([[1.0, 0.0]])
+        assert (np.linalg.eigvals(closed).real.max() > 0.0) == (share < 1.0)
