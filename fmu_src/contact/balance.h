@@ -39,7 +39,7 @@ typedef struct {
     double dpsi_dtheta[2]; /* gamma', phi' */
     double length2[2];     /* m^2, r_i^2 + a_i^2 */
     double friction[2];    /* f_i = sigma e_i mu_i */
-    double axial[2];       /* 1/m, x_i per A */
+    double axial[2];       /* 1/m, dx_i/dA */
     double x[2];           /* N/m */
 } Balance;
 

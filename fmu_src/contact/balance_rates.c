@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/loaded_slip.h"
 #include "contact/residual.h"
 
 /* ---- along the motion ---- */
@@ -122,6 +123,13 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
                          out->size[i] * fabs(f->delta.slope * omega)) *
                         inverse;
     if (!slip->friction_varies) return;
+    if (slip->friction_is_loaded) {
+        const LoadStep step = {
+            .theta = omega, .omega = rates->alpha, .axial = rates->axial_rate, .moment = rates->moment_rate};
+        out->contact[i] = loaded_slip_response(slip, omega, k, &step).x[i];
+        out->rate_size[i] += fabs(out->contact[i]);
+        return;
+    }
     const double by_friction = contact_load_by_factors(k, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
     out->contact[i] += by_friction;
     out->rate_size[i] += fabs(by_friction);
@@ -129,10 +137,13 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
 
 /* rho of the net torque. Without inertia the speed that the balance has found adds friction, which acts as a damper:
  * the torque beyond the band counts against friction at rest. */
-static double holding_lever(const SlipMode *slip, const SlipCoefficients *k) {
+static double holding_lever(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance) {
     if (!slip->friction_varies || slip->regime != REGIME_VISCOUS) return k->factors.p.value / k->factors.delta.value;
     SlipCoefficients at_rest = *k;
-    slip_set_friction(slip, 0.0, &at_rest);
+    Balance rest = *balance;
+    rest.omega = rest.damper = 0.0;
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &rest, rest.z, &at_rest);
+    else slip_set_friction(slip, 0.0, &at_rest);
     return at_rest.factors.p.value / at_rest.factors.delta.value;
 }
 
@@ -140,6 +151,7 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, balance->omega, &storage, &z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, balance, z, &storage);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
     const MotionRates rates = motion_rates_of(slip, k, &in, balance);
@@ -148,7 +160,7 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     *out = (BalanceRates){
         .rhs = rates.rhs,
         .rhs_size = size.rhs,
-        .net = balance->tau - shaft_torque - holding_lever(slip, k) * balance->force,
+        .net = balance->tau - shaft_torque - holding_lever(slip, k, balance) * balance->force,
         .net_size = size.torque + p_size(slip, k) / fabs(f->delta.value) * size.force,
     };
     for (int i = 0; i < 2; i++) contact_rates(slip, k, balance, &rates, &size, i, out);

@@ -4,8 +4,10 @@
 #include <stdio.h>
 
 #include "contact/contact_factors.h"
+#include "contact/loaded_contacts.h"
 #include "geometry/transmission_build.h"
 #include "model/csv_file.h"
+#include "model/elements.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
 
@@ -67,7 +69,7 @@ bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.friction_table = \"%.*s\" without inertia and damping: friction is constant from v_m_s = %.17g "
                  "on, so nothing limits the speed; allowed is shaft.damping > 0, a damper in both directions, or %s",
-                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->end, remedy);
+                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->speed[table->count], remedy);
         return false;
     }
     return true;
@@ -84,8 +86,18 @@ static double load_margin(const Params *p, const double slope[2]) {
     return f.delta;
 }
 
+/* Where friction depends on the load: under the spring's force. */
+static bool loads_under_spring(const Params *p, const TransmissionPoint *point) {
+    const double F_s = spring_force(&p->spring, point->z);
+    Geometry g = cam_geometry(p->cam, point->slope);
+    int flank[2];
+    Transfer transfer;
+    return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer);
+}
+
 static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_at(piece, theta);
+    if (any_friction_depends_on_load(p)) return loads_under_spring(p, &point);
     return load_margin(p, point.slope) > 0.0;
 }
 
@@ -124,7 +136,8 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
 
 static void name_friction(char text[100], const CamParams *cam, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, law->table->at_rest);
+    if (law->table)
+        snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, friction_table_at_rest(law->table));
     else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %.17g", i + 1, cam->friction);
     else
         snprintf(text, 100, "cam%d.friction = %.17g times cam%d.friction_peak = %.17g at rest", i + 1, cam->friction,
@@ -135,20 +148,25 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
     const TransmissionPoint point = piece_at(piece, theta); /* of a helix only the parameter is named */
     char lead[2][80];
     for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, point.slope[i]);
-    char friction[2][100];
+    char friction[2][100], load[120] = "";
     for (int i = 0; i < 2; i++) name_friction(friction[i], &p->cam[i], i);
-    snprintf(fault->text, sizeof fault->text,
-             "the contacts jam when loading at theta = %.17g: %s and %s with %s and %s; kappa_1 + kappa_2 must be > 0 "
-             "from stop.lower to stop.upper",
-             theta, lead[0], lead[1], friction[0], friction[1]);
+    if (p->cam[0].law.load_exponent != 0.0 || p->cam[1].law.load_exponent != 0.0)
+        snprintf(load, sizeof load, ", cam1.friction_load_exponent = %.17g, cam2.friction_load_exponent = %.17g",
+                 p->cam[0].law.load_exponent, p->cam[1].law.load_exponent);
+    snprintf(
+        fault->text, sizeof fault->text,
+        "the contacts jam when loading at theta = %.17g: %s and %s with %s and %s%s; kappa_1 + kappa_2 must be > 0 "
+        "from stop.lower to stop.upper",
+        theta, lead[0], lead[1], friction[0], friction[1], load);
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
     const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
-    if (transmission->straight && loads_in_straight(p, transmission->piece)) return true;
+    const bool loaded = any_friction_depends_on_load(p);
+    if (transmission->straight && !loaded && loads_in_straight(p, transmission->piece)) return true;
     for (size_t i = 0; i < transmission->count; i++) {
         const TransmissionPiece *piece = &transmission->piece[i];
-        const double theta = transmission->straight ? piece->lower : jam_in(p, piece, samples);
+        const double theta = transmission->straight && !loaded ? piece->lower : jam_in(p, piece, samples);
         if (isnan(theta)) continue;
         describe_jam(fault, p, piece, theta);
         return false;

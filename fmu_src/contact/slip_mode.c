@@ -78,7 +78,7 @@ static TransmissionPoint straight_point(const TransmissionPiece *piece) {
 
 static Regime regime_of(const SlipMode *slip) {
     if (has_inertia(slip->params)) return REGIME_INERTIAL;
-    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || slip->friction_varies;
+    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || any_friction_varies(slip->params);
     return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
@@ -95,7 +95,8 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
         slip.flank[i] = flank[i];
         slip.signed_friction[i] = direction * flank[i] * friction_static(&p->cam[i]);
     }
-    slip.friction_varies = any_friction_varies(p);
+    slip.friction_is_loaded = any_friction_depends_on_load(p);
+    slip.friction_varies = any_friction_varies(p) || slip.friction_is_loaded;
     for (int i = 0; slip.friction_varies && i < 2; i++) slip.fall[i] = friction_fall(&p->cam[i], p->tolerance);
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;

@@ -57,54 +57,116 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i). `sum`: a_1 + a_2. */
-NOINLINE static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet *sum, const Taylor *t, int i) {
-    const CamParams *cam = &slip->params->cam[i];
-    Jet length2 = jet_multiply(&slope[i], &slope[i]), v = {.c = {{0.0, 0.0}}};
-    length2.c[0].value += cam->radius * cam->radius;
+/* The grooves along the motion. */
+typedef struct {
+    Jet slope[2], dpsi_dtheta[2]; /* a_i; gamma', phi' */
+} GroovesAlong;
+
+/* hypot(r_i, a_i) */
+static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
+    const double r = slip->params->cam[i].radius;
+    Jet length2 = jet_multiply(&g->slope[i], &g->slope[i]);
+    length2.c[0].value += r * r;
+    return jet_sqrt(&length2);
+}
+
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i), under the load x_i. */
+static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
+    const Jet length = length_along(slip, g, i);
+    Jet v = {.c = {{0.0, 0.0}}}, R = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
-        const Jet length = jet_sqrt(&length2), dpsi_dtheta = jet_divide(&slope[1 - i], sum);
-        const Jet sliding = jet_multiply(&dpsi_dtheta, &length);
+        const Jet sliding = jet_multiply(&g->dpsi_dtheta[i], &length);
         jet_add_product(&v, slip->direction, &sliding, &t->omega);
     }
-    const Jet mu = friction_along(cam, i, &v, t->known);
-    Jet f = {.c = {{0.0, 0.0}}};
+    jet_add_product(&R, (x->c[0].value < 0.0 ? -1.0 : 1.0) / slip->params->contacts, x, &length);
+    const Jet mu = friction_along(&slip->params->cam[i], i, &v, &R, t->known);
     jet_add_scaled(&f, slip->direction * slip->flank[i], &mu);
     return f;
 }
 
-static void factors_along(const SlipMode *slip, const Jet slope[2], const Jet *sum, Taylor *t) {
+static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet x[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
-        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_VISCOUS_2)) {
-            const Jet f = friction_of(slip, slope, sum, t, i);
-            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &slope[i]);
+        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2)) {
+            const Jet f = friction_of(slip, g, &x[i], t, i);
+            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &g->slope[i]);
             continue;
         }
         const Dual mu = seeded(t, cam->friction, (Known)(KNOWN_FRICTION_1 + i));
         jet_contact_factors_set(&t->factors, i, cam->radius, dual_scale(slip->direction * slip->flank[i], mu),
-                                &slope[i]);
+                                &g->slope[i]);
     }
     jet_contact_factors_multiply(&t->factors);
 }
 
-/* Kinematics and the factors; returns d gamma/dt. */
-static Jet follow_grooves(const SlipMode *slip, Taylor *t) {
+/* x_i of the balance with the present factors (contact_factors.h). */
+static void contact_loads_along(const Taylor *t, Jet x[2]) {
+    for (int i = 0; i < 2; i++) {
+        x[i] = jet_multiply(&t->factors.rn[1 - i], &t->load);
+        jet_add_product(&x[i], i == 0 ? -1.0 : 1.0, &t->factors.d[1 - i], &t->moment);
+        x[i] = jet_divide(&x[i], &t->factors.delta);
+    }
+}
+
+/* Where friction depends on the load: x_i and f_i together. The derivatives of the balance by x_i at the instant itself
+ * serve at every order, so that each pass of Newton's method makes one more coefficient exact. */
+static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+    const LoadTerms loads = {.axial = t->load.c[0].value, .moment = t->moment.c[0].value};
+    LoadedPin pin = {.params = slip->params, .direction = slip->direction, .flank = {slip->flank[0], slip->flank[1]}};
+    for (int i = 0; i < 2; i++) {
+        const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * t->omega.c[0].value;
+        pin.slope[i] = g->slope[i].c[0].value;
+        pin.speed[i] = rate * g->dpsi_dtheta[i].c[0].value * length_along(slip, g, i).c[0].value;
+    }
+    LoadedContacts now;
+    loaded_contacts_under(&pin, &loads, &now);
+    const ContactFactors *tangent = &now.tangent;
+    Jet x[2] = {{.c = {{now.x[0], 0.0}}}, {.c = {{now.x[1], 0.0}}}};
+    for (int pass = 0; pass < 2 * JET_TERMS; pass++) {
+        factors_along(slip, g, x, t);
+        Jet axial = t->load, moment = t->moment;
+        for (int i = 0; i < 2; i++) {
+            jet_add_product(&axial, -1.0, &t->factors.d[i], &x[i]);
+            jet_add_product(&moment, i == 0 ? 1.0 : -1.0, &t->factors.rn[i], &x[i]);
+        }
+        for (int i = 0; i < 2; i++) {
+            jet_add_scaled(&x[i], tangent->rn[1 - i] / tangent->delta, &axial);
+            jet_add_scaled(&x[i], (i == 0 ? -1.0 : 1.0) * tangent->d[1 - i] / tangent->delta, &moment);
+        }
+    }
+    factors_along(slip, g, x, t);
+}
+
+/* The factors at the loads that have been set. */
+static void set_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+    Jet x[2] = {{.c = {{1.0, 0.0}}}, {.c = {{1.0, 0.0}}}};
+    if (slip->friction_is_loaded) {
+        loaded_factors_along(slip, g, t);
+        return;
+    }
+    factors_along(slip, g, x, t);
+    if (t->known < KNOWN_LOAD_EXPONENT_1 || t->known > KNOWN_LOAD_2) return;
+    contact_loads_along(t, x); /* the exponent is zero, its derivative needs the loads */
+    factors_along(slip, g, x, t);
+}
+
+/* Kinematics; returns d gamma/dt. */
+static Jet follow_grooves(GroovesAlong *g, Taylor *t) {
     const Jet from_here = jet_line(constant(-t->theta.c[0].value), constant(1.0), &t->theta);
-    const Jet slope[2] = {jet_polynomial(t->slope[0], JET_TERMS - 1, &from_here),
-                          jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
-    Jet sum = slope[0];
-    jet_add_scaled(&sum, 1.0, &slope[1]);
-    const Jet dgamma_dtheta = jet_divide(&slope[1], &sum), dz_dtheta = jet_multiply(&slope[0], &dgamma_dtheta);
+    for (int i = 0; i < 2; i++) g->slope[i] = jet_polynomial(t->slope[i], JET_TERMS - 1, &from_here);
+    Jet sum = g->slope[0];
+    jet_add_scaled(&sum, 1.0, &g->slope[1]);
+    for (int i = 0; i < 2; i++) g->dpsi_dtheta[i] = jet_divide(&g->slope[1 - i], &sum);
+    const Jet dz_dtheta = jet_multiply(&g->slope[0], &g->dpsi_dtheta[0]);
     t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
     t->v = jet_multiply(&dz_dtheta, &t->omega);
-    factors_along(slip, slope, &sum, t);
-    return jet_multiply(&dgamma_dtheta, &t->omega);
+    return jet_multiply(&g->dpsi_dtheta[0], &t->omega);
 }
 
 void taylor_balance(const SlipMode *slip, Taylor *t) {
     const InertiaParams *inertia = &slip->params->inertia;
-    const Jet gamma_rate = follow_grooves(slip, t);
+    GroovesAlong grooves;
+    const Jet gamma_rate = follow_grooves(&grooves, t);
     t->load = spring_along(&slip->params->spring, t);
     jet_add_scaled(&t->load, 1.0, &t->F_ext);
     t->moment = (Jet){.c = {{0.0, 0.0}}};
@@ -120,6 +182,7 @@ void taylor_balance(const SlipMode *slip, Taylor *t) {
         jet_add_scaled(&t->load, inertia->follower_mass, &follower_acceleration);
         jet_add_scaled(&t->moment, inertia->follower, &gamma_acceleration);
     }
+    set_factors_along(slip, &grooves, t);
     t->residual = jet_multiply(&t->factors.delta, &torque);
     jet_add_product(&t->residual, -1.0, &t->factors.p, &t->load);
     jet_add_product(&t->residual, -1.0, &t->factors.q, &t->moment);

@@ -27,8 +27,9 @@ void forget_cache(Cache *cache) {
 /* Builds all that follows from params and transmission. */
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
-    m->model.closed_form =
-        USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) && !any_friction_varies(&m->params);
+    m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
+    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
+                           !any_friction_varies(&m->params) && !m->model.friction_is_loaded;
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
         m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "contact/balance.h"
+#include "contact/loaded_contacts.h"
 #include "numerics/bernstein.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
@@ -36,14 +37,17 @@ double stick_torque_size(const Mechanism *m, double factor) {
 }
 
 BandFactors stick_band(const Mechanism *m) {
+    if (m->model.friction_is_loaded)
+        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)));
     return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
 BandFactors stick_edges(const Mechanism *m, double side) {
     const BandFactors band = stick_band(m);
-    if (side >= 0.0) return (BandFactors){.release = band.release, .load = band.load};
-    return (BandFactors){.release = band.load, .load = band.release};
+    if (side >= 0.0) return band;
+    return (BandFactors){
+        .release = band.load, .load = band.release, .release_rate = band.load_rate, .load_rate = band.release_rate};
 }
 
 double stick_edge(double factor, double F_0) {

@@ -1,7 +1,9 @@
 #include "model/friction_law.h"
 
 #include <math.h>
+#include <stddef.h>
 
+#include "numerics/logarithm.h"
 #include "numerics/tolerances.h"
 
 static double excess_of(const CamParams *cam) {
@@ -31,6 +33,22 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     mu.value += share;
     mu.by_speed += share * exponent.slope * per_speed;
     return mu;
+}
+
+LoadedFriction friction_under(const CamParams *cam, double v, double R) {
+    const FrictionParams *law = &cam->law;
+    if (law->table && law->table->loads > 1) return friction_table_under(law->table, v, R);
+    const FrictionCoefficient mu = friction_at(cam, v);
+    if (!friction_depends_on_load(cam)) return (LoadedFriction){mu.value, mu.by_speed, 0.0};
+    const double ratio = R / law->load;
+    const bool grows = ratio > FRICTION_LEAST_LOAD;
+    const double power = exp(law->load_exponent * logarithm(grows ? ratio : FRICTION_LEAST_LOAD));
+    const double dry = (mu.value - law->viscous * v) * power;
+    return (LoadedFriction){
+        .value = dry + law->viscous * v,
+        .by_speed = (mu.by_speed - law->viscous) * power + law->viscous,
+        .by_load = grows ? law->load_exponent * dry / R : 0.0,
+    };
 }
 
 FrictionBase friction_base(const CamParams *cam, double v) {
@@ -79,16 +97,33 @@ static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known 
     return jet_exp(&exponent);
 }
 
-Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known) {
+/* (R/R_ref)^nu */
+static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Known known) {
+    const Dual load = seeded(law->load, known, KNOWN_LOAD_1, i), none = {0.0, 0.0};
+    const Dual exponent = seeded(law->load_exponent, known, KNOWN_LOAD_EXPONENT_1, i);
+    Jet ratio = jet_line(none, inverse_of(load), R);
+    if (!(ratio.c[0].value > FRICTION_LEAST_LOAD)) ratio = (Jet){.c = {{FRICTION_LEAST_LOAD, 0.0}}};
+    const Jet log_ratio = jet_log(&ratio), power = jet_line(none, exponent, &log_ratio);
+    return jet_exp(&power);
+}
+
+Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return friction_table_along(law->table, v);
-    const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i);
+    if (law->table) return friction_table_along(law->table, v, R);
+    const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i), none = {0.0, 0.0};
     const Dual peak = seeded(law->peak, known, KNOWN_PEAK_1, i);
     const Dual viscous = seeded(law->viscous, known, KNOWN_VISCOUS_1, i);
     const Dual excess = dual_multiply(kinetic, dual_line(-1.0, 1.0, peak));
-    Jet mu = jet_line(kinetic, viscous, v);
-    if (excess.value == 0.0 && excess.slope == 0.0) return mu;
-    const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line((Dual){0.0, 0.0}, excess, &stribeck);
-    jet_add_scaled(&mu, 1.0, &share);
+    Jet mu = {.c = {kinetic}};
+    if (excess.value != 0.0 || excess.slope != 0.0) {
+        const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line(none, excess, &stribeck);
+        jet_add_scaled(&mu, 1.0, &share);
+    }
+    if (R != NULL && (friction_depends_on_load(cam) || known == KNOWN_LOAD_EXPONENT_1 + (Known)i)) {
+        const Jet power = load_power_along(law, i, R, known);
+        mu = jet_multiply(&mu, &power);
+    }
+    const Jet lubricated = jet_line(none, viscous, v);
+    jet_add_scaled(&mu, 1.0, &lubricated);
     return mu;
 }

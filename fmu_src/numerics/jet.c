@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "numerics/logarithm.h"
 #include "platform/attributes.h"
 
 NOINLINE Jet jet_of_derivatives(const double u[JET_TERMS]) {
@@ -59,6 +60,14 @@ NOINLINE Jet jet_exp(const Jet *a) {
         for (int j = 1; j <= k; j++)
             e.c[k] = dual_add(e.c[k], dual_scale((double)j / k, dual_multiply(a->c[j], e.c[k - j])));
     return e;
+}
+
+/* l = log a: a dl/dt = da/dt, so that l_k is the coefficient of the integral of (da/dt)/a. */
+NOINLINE Jet jet_log(const Jet *a) {
+    const Jet rate = jet_rate(a), quotient = jet_divide(&rate, a);
+    Jet l = {.c = {{logarithm(a->c[0].value), a->c[0].slope / a->c[0].value}}};
+    for (int k = 1; k < JET_TERMS; k++) l.c[k] = dual_scale(1.0 / k, quotient.c[k - 1]);
+    return l;
 }
 
 /* s s = a, so that 2 s_0 s_k = a_k less the products of the coefficients between. */

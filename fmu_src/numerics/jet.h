@@ -28,6 +28,9 @@ Jet jet_divide(const Jet *a, const Jet *b);
 Jet jet_exp(const Jet *a);
 
 /* a(0) > 0 */
+Jet jet_log(const Jet *a);
+
+/* a(0) > 0 */
 Jet jet_sqrt(const Jet *a);
 
 /* da/dt; the last coefficient, which a does not determine, is left 0. */

@@ -59,8 +59,8 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 /* ---- model ---- */
 
 /* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. */
-enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 500 };
-static const double FRICTION_MAX = 10.0;
+enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
+static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
 
 /* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
  * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
@@ -135,6 +135,11 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 enum { VISCOUS_ITERATIONS = 200 };
 static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
+
+/* Friction that depends on the load: the iteration for reactions and coefficients; the load, as a share of R_ref, below
+ * which the coefficient counts as constant; the axial load, N, that stands for none. */
+enum { LOADED_ITERATIONS = 100 };
+static const double LOADED_LAST_CHANGE = 1e-9, FRICTION_LEAST_LOAD = 1e-9, LOADED_LEAST_FORCE = 1e-12;
 
 /* ---- closed_form ---- */
 
@@ -444,7 +449,6 @@ enum { MAX_JAMS_PER_STEP = 1000 };
 /* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
  * it: a speed that is zero at the end makes no reversal just before the end. */
 static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
-
 /* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles.
  * From 7e-7 on test_refuses_to_go_beyond_the_stops of test_inverse.py fails; ten times the value passes. */
 static const double IMPOSED_STOP_ROUNDING = 1e-9;
@@ -460,7 +464,6 @@ static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON;      /* a smaller differ
 /* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. A
  * larger share costs more searches for the smallest slope, and finds no fewer reversals. */
 static const double SMALL_EDGE_SLOPE = 0.1;
-
 /* Sampling with an elastic shaft. More samples find narrower places where cam 2 rests or snaps, and cost more. */
 enum {
     ELASTIC_SEARCH_INTERVALS = 64, /* of the search for a rest position, from stop to stop; at least */
@@ -485,15 +488,12 @@ static const double SENSITIVITY_DIFFERENCE = 1e-3;
 
 /* Relative tolerance of integration: where the master gives none, and the range that others are brought into. Below the
  * range rounding is larger; above the range the results mean nothing. */
-static const double TOLERANCE_DEFAULT = 1e-9;
-static const double TOLERANCE_MIN = 1e-12;
-static const double TOLERANCE_MAX = 1e-2;
+static const double TOLERANCE_DEFAULT = 1e-9, TOLERANCE_MIN = 1e-12, TOLERANCE_MAX = 1e-2;
 
 /* A master adds up its time on its own: the time of a step may differ from the FMU's by this share. */
 static const double TIME_ROUNDING = 1e-12;
 
-/* Share of the largest input value: differences of sampled inputs below this share are rounding, as those of a constant
- * or of a ramp are. */
+/* Share of the largest input value below which differences of sampled inputs are rounding, as those of a ramp are. */
 static const double SAMPLED_INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
 #endif

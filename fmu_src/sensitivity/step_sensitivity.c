@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "collocation/radau_variation.h"
+#include "contact/loaded_contacts.h"
 #include "forward/decide.h"
 #include "forward/lifecycle.h"
 #include "forward/step.h"
@@ -31,16 +32,19 @@ static bool is_viscous(const Mechanism *m) {
 
 /* ---- the edge of the stick band ---- */
 
-/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, rho F_0. */
+/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, and *rho the
+ * edge's derivative by F_0. */
 static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
-    if (!contact_edge(&m->configuration.geometry, side * direction, flank, &transfer)) return false;
+    Geometry g = m->configuration.geometry;
+    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer))
+        return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *slip = slip_mode_from_here(m, slip_index(direction, flank));
     slip->regime = REGIME_RATE_INDEPENDENT;
-    *rho = transfer.rho;
+    *rho = transfer.rho_rate;
     return true;
 }
 
