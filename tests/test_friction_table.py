@@ -1,4 +1,4 @@
-"""Friction tables (cam1.friction_table): law, motion, derivatives, states. For files: test_friction_table_files.
+"""Friction tables (cam1.friction_table): law, motion, derivatives, states.
 
 The law is checked against a curve of SciPy (reference/friction.py), slip against DOP853 restarted at every
 sample, runs with rest and reversals against the reference simulator."""
