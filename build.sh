@@ -9,6 +9,7 @@ usage: ./build.sh [command] [arguments]
   (none)   build the FMUs for FMI 2.0 and FMI 3.0, then run system_examples/robot_joint.py
   knee     build, then run system_examples/prosthetic_knee.py (seconds); arguments go to it
   door     build, then run system_examples/car_door.py (seconds); arguments go to it
+  clamp    build, then run system_examples/spring_clamp.py (seconds); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -136,6 +137,7 @@ case $command in
     example) run_program '.[build]' system_examples/robot_joint.py "$@" ;;
     knee) run_program '.[build]' system_examples/prosthetic_knee.py "$@" ;;
     door) run_program '.[build]' system_examples/car_door.py "$@" ;;
+    clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
     report)

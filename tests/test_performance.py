@@ -7,6 +7,7 @@ import platform
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
 import matplotlib.image
 import numpy as np
@@ -22,7 +23,7 @@ from benchmarks.harness.markdown import rounded
 from benchmarks.harness.repository import DOCS, RESULTS
 from benchmarks.report.page import page
 from benchmarks.step_cost.measure import prepare
-from benchmarks.step_cost.scenes import straight_scenes
+from benchmarks.step_cost.scenes import general_scenes, straight_scenes
 from benchmarks.worst_step import bound, results
 from benchmarks.worst_step.history import History
 from benchmarks.worst_step.scenes import Levels, random_inputs, scenes
@@ -105,6 +106,25 @@ def test_as_many_more_steps_take_as_many_more_instructions():
     assert np.diff(at_rest, 2) == pytest.approx(0, abs=0.001 * at_rest[0])
     assert nothing.tolist() == [n * (nothing[0] // 200) for n in lengths]
     assert 20 < nothing[0] / 200 < at_rest[0] / 200 < 1000
+
+
+LAW_AT_REST = {  # of no effect with the peak and the viscous slope of Coulomb's law
+    f"cam{i}.{name}": value
+    for i in (1, 2)
+    for name, value in (("stribeck_velocity", 0.05), ("stribeck_exponent", 1), ("friction_load", 30.0))
+}
+
+
+@counts
+@pytest.mark.parametrize("name", ["slip undamped", "stuck", "ellipses", "tables, all forces"])
+def test_coulombs_law_does_not_pay_for_the_other_laws(name):
+    """Parameters that Coulomb's law does not use change no instruction count."""
+    scene = next(s for s in (*straight_scenes(), *general_scenes()) if s.name == name)
+    loops = steps.load_loops()
+    other = replace(scene, parameters=scene.parameters | LAW_AT_REST)
+    jobs = [prepare(one, loops)[0].job() for one in (scene, other)]
+    coulomb, with_law = instructions.count(steps.library(), jobs)
+    assert with_law == coulomb
 
 
 @pytest.mark.parametrize("name", SCENES)

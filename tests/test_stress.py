@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.stress import forces, judges
-from benchmarks.stress.at_random import fuzz
 from benchmarks.stress.drive import prepare
-from benchmarks.stress.families import FAMILIES
+from benchmarks.stress.families import FAMILIES, RANDOM
 from benchmarks.stress.judges import judge
 from benchmarks.stress.mechanisms import Tables
 
@@ -36,8 +35,9 @@ def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
     assert not wrong(chosen, libraries)
 
 
-def test_some_at_random(libraries, tmp_path):
-    assert not wrong(fuzz(Tables(tmp_path), 60, seed=1), libraries)
+@pytest.mark.parametrize(("name", "seed"), [("fuzz", 1), ("fuzz_laws", 3)])
+def test_some_at_random(name, seed, libraries, tmp_path):
+    assert not wrong(RANDOM[name](Tables(tmp_path), 60, seed), libraries)
 
 
 def test_changed_data_stay_within_their_limits():

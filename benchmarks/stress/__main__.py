@@ -23,7 +23,7 @@ from benchmarks.harness.processes import Lost, in_processes
 from benchmarks.harness.repository import DOCS
 from benchmarks.harness.results import say
 from benchmarks.stress.drive import Libraries, prepare
-from benchmarks.stress.families import FAMILIES, collect
+from benchmarks.stress.families import ROWS, collect
 from benchmarks.stress.judges import judge
 from benchmarks.stress.mechanisms import Tables
 from benchmarks.stress.scene import Scene, Verdict
@@ -76,18 +76,19 @@ def judge_all(
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(stress.__doc__ or "").split("\n")[0])
-    parser.add_argument("--rows", default=",".join([*FAMILIES, "fuzz"]), help="names, with commas between")
-    parser.add_argument("--fuzz", type=int, default=3000, help="scenes at random (default 3000)")
+    parser.add_argument("--rows", default=",".join(ROWS), help="names, with commas between")
+    parser.add_argument(
+        "--fuzz", type=int, default=3000, help="scenes at random of each such row (default 3000)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the scenes at random")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--output", type=Path, default=DOCS / "stress.md")
     parser.add_argument("--details", type=Path, help="write every wrong scene, in full, to this file")
     arguments = parser.parse_args()
     names = arguments.rows.split(",")
-    known = [*FAMILIES, "fuzz"]
-    unknown = sorted(set(names) - set(known))
+    unknown = sorted(set(names) - set(ROWS))
     if unknown:
-        parser.error(f"no such rows: {', '.join(unknown)}; there are {', '.join(known)}")
+        parser.error(f"no such rows: {', '.join(unknown)}; there are {', '.join(ROWS)}")
     console, begun = Console(), time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         scenes = collect(names, arguments.fuzz, Tables(Path(folder)), arguments.seed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from benchmarks.stress import forces, grooves, motions
+from benchmarks.stress import forces, grooves, laws, motions
 from benchmarks.stress.at_random import fuzz
 from benchmarks.stress.mechanisms import Tables
 from benchmarks.stress.scene import Scene
@@ -13,6 +13,7 @@ FAMILIES: dict[str, Callable[[Tables], Iterator[Scene]]] = {
     "stiffness": forces.stiffness,
     "inertia": forces.inertia,
     "friction": forces.friction,
+    "laws": laws.friction_laws,
     "lead": grooves.lead_angles,
     "ellipse": grooves.slopes_of_ellipses,
     "steps": motions.step_sizes,
@@ -26,6 +27,14 @@ FAMILIES: dict[str, Callable[[Tables], Iterator[Scene]]] = {
 }
 
 
+RANDOM: dict[str, Callable[[Tables, int, int], Iterator[Scene]]] = {
+    "fuzz": fuzz,
+    "fuzz_laws": laws.fuzz_laws,
+}
+ROWS = (*FAMILIES, *RANDOM)
+
+
 def collect(names: Iterable[str], count: int, tables: Tables, seed: int = 0) -> list[Scene]:
-    made = [scene for name in names if name != "fuzz" for scene in FAMILIES[name](tables)]
-    return made + (list(fuzz(tables, count, seed)) if "fuzz" in names else [])
+    """The scenes of the rows named. `count`: scenes at random for each row of RANDOM."""
+    made = [scene for name in names if name in FAMILIES for scene in FAMILIES[name](tables)]
+    return made + [scene for name in names if name in RANDOM for scene in RANDOM[name](tables, count, seed)]

@@ -6,6 +6,7 @@
     helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design
     position_controller, speed_controller, impedance    controllers
     slow_motion                               the torque of slow motion from the inverse FMU
+    grease, thermal_network                   friction that follows the temperature of the grease
     axis, record                              the forward FMU in a closed loop of all of these, and its record
 
 Complete systems of these blocks, which system_examples/ run:
@@ -13,6 +14,7 @@ Complete systems of these blocks, which system_examples/ run:
     robot_arm, elbow                          a robot's elbow
     gait, swing, knee                         a prosthetic knee
     car_door                                  a car's side door
+    clamp                                     a spring clamp that warms up
 
 SI units throughout. Figures of real machines stand with their source and licence in the module that has them.
 """

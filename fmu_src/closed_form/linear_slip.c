@@ -39,7 +39,6 @@ void linear_slip_build(LinearSlipMode *linear, const Params *p, const Geometry *
         linear->acceleration[i] = t.axial[i] * follower + t.moment[i] * follower_inertia;
         linear->reaction[i] = cam_length(g, i) / p->contacts;
         linear->heat[i] = direction * flank[i] * cam_heat(g, i);
-        linear->wear[i] = direction * flank[i] * wear_per_sliding(p, i) * cam_length2(g, i) * g->dpsi_dtheta[i];
     }
     linear->regime = regime_of(p, linear->damping);
     linear->possible = is_possible(linear);
@@ -188,12 +187,20 @@ static double integral_of_square(const LinearSlipMode *linear, const SlipStart *
     return free + l->drive * (q[5] * l->drive + 2.0 * (q[2] * b + q[4] * l->alpha));
 }
 
+/* m^3, from the integrals of x_i omega. */
+static void book_wear(const LinearSlipMode *linear, const Params *p, const Geometry *g, const double moved[2],
+                      Booking *booking) {
+    for (int i = 0; i < 2; i++)
+        booking->wear[i] = linear->direction * linear->flank[i] * wear_per_sliding(p, i) * cam_length2(g, i) *
+                           g->dpsi_dtheta[i] * moved[i];
+}
+
 /* The power of the reactions follows from the axial side. So its balance with the work of the torque checks the motion
  * and is no identity:
  *     integral of x_i omega = axial integral of (F_s + F_ext) omega + speed integral of omega^2
  *                             + acceleration (omega1^2 - omega0^2)/2 */
-Booking linear_slip_booking(const LinearSlipMode *linear, const Params *p, const Geometry *g, const SlipStart *l,
-                            const LinearMotion *motion, Kernel *k) {
+void linear_slip_book(const LinearSlipMode *linear, const Params *p, const Geometry *g, const SlipStart *l,
+                      const LinearMotion *motion, Kernel *k, Booking *booking) {
     const double dtheta = motion->dtheta;
     double work_in = l->tau * dtheta, work_ext = l->F_ext * dtheta; /* work_ext: per z' until the end */
     if (l->tau_rate != 0.0 || l->F_ext_rate != 0.0) {
@@ -210,21 +217,17 @@ Booking linear_slip_booking(const LinearSlipMode *linear, const Params *p, const
     const bool damped = linear->damper != 0.0 || p->shaft.damping != 0.0;
     const double square = damped ? integral_of_square(linear, l, k) : 0.0;
     const double kinetic = motion->domega * (l->omega + 0.5 * motion->domega);
-    Booking booking = {
-        .work_in = work_in,
-        .work_ext = dz_dtheta * work_ext,
-        .heat_damper = linear->damper * dz_dtheta * dz_dtheta * square,
-        .heat_shaft = p->shaft.damping * square,
-    };
+    double moved[2]; /* the integrals of x_i omega */
     for (int i = 0; i < 2; i++) {
-        booking.heat_cam[i] = linear->heat[i] * (linear->transfer.axial[i] * work_axial + linear->speed[i] * square +
-                                                 linear->acceleration[i] * kinetic);
+        moved[i] =
+            linear->transfer.axial[i] * work_axial + linear->speed[i] * square + linear->acceleration[i] * kinetic;
+        booking->heat_cam[i] = linear->heat[i] * moved[i];
     }
-    for (int i = 0; has_wear(p) && i < 2; i++) {
-        booking.wear[i] = linear->wear[i] * (linear->transfer.axial[i] * work_axial + linear->speed[i] * square +
-                                             linear->acceleration[i] * kinetic);
-    }
-    return booking;
+    booking->work_in = work_in;
+    booking->work_ext = dz_dtheta * work_ext;
+    booking->heat_damper = linear->damper * dz_dtheta * dz_dtheta * square;
+    booking->heat_shaft = p->shaft.damping * square;
+    if (has_wear(p)) book_wear(linear, p, g, moved, booking);
 }
 
 Booking linear_slip_jump_booking(const LinearSlipMode *linear, const Params *p, const Geometry *g, const SlipStart *l,
@@ -234,9 +237,8 @@ Booking linear_slip_jump_booking(const LinearSlipMode *linear, const Params *p, 
         .work_in = linear->transfer.rho * work_axial,
         .work_ext = g->dz_dtheta * l->F_ext * dtheta,
     };
-    for (int i = 0; i < 2; i++) {
-        booking.heat_cam[i] = linear->heat[i] * linear->transfer.axial[i] * work_axial;
-        booking.wear[i] = linear->wear[i] * linear->transfer.axial[i] * work_axial;
-    }
+    const double moved[2] = {linear->transfer.axial[0] * work_axial, linear->transfer.axial[1] * work_axial};
+    for (int i = 0; i < 2; i++) booking.heat_cam[i] = linear->heat[i] * linear->transfer.axial[i] * work_axial;
+    if (has_wear(p)) book_wear(linear, p, g, moved, &booking);
     return booking;
 }

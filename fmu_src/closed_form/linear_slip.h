@@ -37,7 +37,6 @@ typedef struct {
     double speed[2], acceleration[2];
     double reaction[2]; /* N per unit of x_i: reaction at one pin end */
     double heat[2];     /* m^2: the heat flow at contact i is heat x_i omega, >= 0 */
-    double wear[2];     /* m^4/N: the wear per time at contact i is wear x_i omega, >= 0 */
     double damper;      /* N.s/m, c in this direction */
 } LinearSlipMode;
 
@@ -89,9 +88,10 @@ ContactLoad linear_slip_contact(const LinearSlipMode *linear, const Params *para
 ContactLoad linear_slip_contact_size(const LinearSlipMode *linear, const Params *params, const Geometry *g,
                                      const SlipStart *start, int i);
 
-/* Work and heat over the segment that `kernel` and `motion` describe, J. Computes kernel->square if needed. */
-Booking linear_slip_booking(const LinearSlipMode *linear, const Params *params, const Geometry *g,
-                            const SlipStart *start, const LinearMotion *motion, Kernel *kernel);
+/* Work and heat over the segment that `kernel` and `motion` describe, J, and with has_wear() the wear. Computes
+ * kernel->square if needed. */
+void linear_slip_book(const LinearSlipMode *linear, const Params *params, const Geometry *g, const SlipStart *start,
+                      const LinearMotion *motion, Kernel *kernel, Booking *booking);
 
 /* Work and heat of the rate-independent jump by dtheta, rad, along the edge of the stick band, J. The torque taken is
  * that of the edge, rho F. */

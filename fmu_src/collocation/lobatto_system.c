@@ -78,6 +78,21 @@ static inline void find_friction(const SlipMode *slip, const FrictionBase base[2
         n->friction[i] = slip->direction * slip->flank[i] * mu.value;
         n->dfriction_domega[i] = slip->flank[i] * sliding * mu.by_speed;
     }
+    n->omega = omega;
+}
+
+/* Where friction varies: the friction at the speeds of the solution, to first order. The last sweep has changed the
+ * speeds by more than the next one would; reactions and heat follow friction. */
+static void follow_speeds(LobattoSystem *s) {
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        NodePair *n = &s->pair[k];
+        for (int i = 0; i < 2; i++) {
+            n->friction[i] += n->dfriction_domega[i] * (s->speed.half[k] - n->omega);
+            const double r = s->slip->params->cam[i].radius;
+            vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+        }
+        vector_contact_factors_multiply(&n->factors);
+    }
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
@@ -174,8 +189,8 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
     return omega;
 }
 
-/* The balances at the nodes. `varies`: a constant of the compiler, so that friction that does not vary costs nothing. */
-__attribute__((always_inline)) static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
+/* The balances at the nodes. `varies` is a constant of the compiler: friction that does not vary costs nothing. */
+ALWAYS_INLINE static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
     const SlipMode *slip = s->slip;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
@@ -303,13 +318,18 @@ bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
         const LobattoValues change = sweep(s, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
         const LobattoValues next = predict_change(s, &change);
-        const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted;
+        /* Where the motion slows down, friction needs the lower speed to the same share. */
+        const double slowed = slip->friction_varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
+        const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
         for (int k = 0; k < LOBATTO_HALVES && !converged; k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
-        if (converged && at_end) return is_possible(s);
+        if (converged && at_end) {
+            if (slip->friction_varies) follow_speeds(s);
+            return is_possible(s);
+        }
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
             return at_end && size <= rounding && is_possible(s);

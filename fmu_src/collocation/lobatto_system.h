@@ -22,6 +22,7 @@ typedef struct {
     Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
     Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
     /* Only where friction varies: */
+    Vector2 omega;                            /* rad/s, at which the balance was taken last */
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
     Vector2 friction_damping;                 /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;

@@ -42,37 +42,6 @@ static inline NetTorque net_torque(const SlipMode *slip, const SlipCoefficients 
     return net;
 }
 
-static MotionTerms terms_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                            double omega, double alpha) {
-    return (MotionTerms){
-        .torque = in->tau - slip->params->shaft.damping * omega,
-        .load =
-            spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, k->dz_dtheta.value * omega),
-        .omega = omega,
-        .alpha = alpha,
-    };
-}
-
-/* By the speed, through the friction coefficients. */
-static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                              double omega, double alpha) {
-    const MotionTerms terms = terms_of(slip, k, z, in, omega, alpha);
-    return residual_change(slip, k, &k->dfactors_domega, &terms);
-}
-
-/* Where friction depends on the load, alpha and F_ext change the factors too. */
-NOINLINE static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                                   double omega, double inertia, RightHandSide *rhs) {
-    const MotionTerms terms = terms_of(slip, k, z, in, omega, rhs->value);
-    const double felt = loaded_slip_inertia(slip, k, &terms), share = inertia / felt;
-    rhs->size *= fabs(share);
-    rhs->by_theta *= share;
-    rhs->by_omega *= share;
-    rhs->by_time = (k->factors.delta.value * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) / felt;
-    rhs->resistance = fabs(felt);
-    rhs->possible = k->loaded.possible && felt * k->factors.delta.value > 0.0;
-}
-
 /* alpha = net torque/[J Delta + P m z' + Q I gamma'] */
 static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoefficients *k, double z,
                                             const InputValues *in, double omega) {
@@ -81,19 +50,16 @@ static inline RightHandSide rhs_of_inertial(const SlipMode *slip, const SlipCoef
     const Dual inertia = slip_inertia(slip, k);
     const double inverse = 1.0 / inertia.value;
     const double alpha = net.value.value * inverse;
-    const double by_friction = slip->friction_varies ? rhs_by_friction(slip, k, z, in, omega, alpha) : 0.0;
-    RightHandSide rhs = {
+    return (RightHandSide){
         .value = alpha,
         .size = net.size * fabs(inverse),
         .by_theta = (net.value.slope - alpha * inertia.slope) * inverse,
-        .by_omega = (net.by_omega + by_friction) * inverse,
+        .by_omega = net.by_omega * inverse,
         .by_time = (f->delta.value * in->tau_rate - f->p.value * in->F_ext_rate) * inverse,
         .resistance = fabs(inertia.value),
         .possible = inertia.value * f->delta.value > 0.0,
         .stable = true,
     };
-    if (slip->friction_varies && slip->friction_is_loaded) finish_loaded(slip, k, z, in, omega, inertia.value, &rhs);
-    return rhs;
 }
 
 /* The solution of B omega + C omega |omega| = N in the direction of slip. */
@@ -143,7 +109,51 @@ static inline RightHandSide rhs_of_viscous(const SlipMode *slip, const SlipCoeff
     };
 }
 
-/* Where friction varies with the speed: Delta (tau - b omega) - P (F_0 + D), with its derivatives. */
+/* On the band's edge tau = E(theta) = rho F_0, so that (tau - rho F_ext)' = dE/dtheta omega gives omega. by_theta holds
+ * dE/dtheta, N.m/rad, the derivative that an iteration along the edge needs. */
+static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                                    const InputValues *in) {
+    const Params *p = slip->params;
+    const Dual load = {spring_force(&p->spring, z) + in->F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
+    const Dual rho = dual_contact_factors_rho(&k->factors);
+    const double stiffness = rho.slope * load.value + rho.value * load.slope;
+    const bool loaded = slip->friction_is_loaded;
+    const double rho_rate = loaded ? k->loaded.tangent.p / k->loaded.tangent.delta : rho.value; /* dE/dF_0 */
+    const double rate = in->tau_rate - rho_rate * in->F_ext_rate;
+    return (RightHandSide){
+        .value = stiffness > 0.0 ? rate / stiffness : 0.0,
+        .by_theta = stiffness,
+        .net = in->tau - rho.value * load.value,
+        .resistance = stiffness,
+        .possible = k->factors.delta.value != 0.0 && !(loaded && !k->loaded.possible),
+        .stable = stiffness > 0.0,
+    };
+}
+
+/* With the coefficients k as they are. */
+NOINLINE static RightHandSide rhs_of_coefficients(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                                  const InputValues *in, double omega) {
+    switch (slip->regime) {
+        case REGIME_INERTIAL: return rhs_of_inertial(slip, k, z, in, omega);
+        case REGIME_VISCOUS: return rhs_of_viscous(slip, k, z, in);
+        default: return rhs_of_rate_independent(slip, k, z, in);
+    }
+}
+
+/* ---- where friction varies ---- */
+
+static MotionTerms terms_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                            double omega, double alpha) {
+    return (MotionTerms){
+        .torque = in->tau - slip->params->shaft.damping * omega,
+        .load =
+            spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, k->dz_dtheta.value * omega),
+        .omega = omega,
+        .alpha = alpha,
+    };
+}
+
+/* Without inertia: Delta (tau - b omega) - P (F_0 + D), with its derivatives. */
 static Dual viscous_residual(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
                              double omega, double *by_omega) {
     const Params *p = slip->params;
@@ -205,7 +215,7 @@ NOINLINE static RightHandSide finish_loaded_viscous(const SlipMode *slip, const 
                                                     double omega) {
     const MotionTerms terms = terms_of(slip, k, z, in, omega, 0.0);
     const double delta = k->factors.delta.value, inverse = by_omega != 0.0 ? 1.0 / by_omega : 0.0;
-    const RightHandSide frozen = rhs_of_viscous(slip, k, z, in);
+    const RightHandSide frozen = rhs_of_coefficients(slip, k, z, in, 0.0);
     return (RightHandSide){
         .value = omega,
         .size = frozen.possible ? frozen.size
@@ -220,14 +230,14 @@ NOINLINE static RightHandSide finish_loaded_viscous(const SlipMode *slip, const 
 static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficients *k, double z,
                                              const InputValues *in) {
     set_friction(slip, 0.0, z, in, k);
-    const double omega = speed_under_friction(slip, k, z, in, rhs_of_viscous(slip, k, z, in).value);
+    const double omega = speed_under_friction(slip, k, z, in, rhs_of_coefficients(slip, k, z, in, 0.0).value);
     if (!isfinite(omega)) return (RightHandSide){.possible = false};
     const DualContactFactors *f = &k->factors;
     double by_omega;
     const Dual residual = viscous_residual(slip, k, z, in, omega, &by_omega);
+    if (slip->friction_is_loaded) return finish_loaded_viscous(slip, k, z, in, residual.slope, by_omega, omega);
     const double size = fabs(f->delta.value * in->tau) +
                         fabs(f->p.value) * (fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext));
-    if (slip->friction_is_loaded) return finish_loaded_viscous(slip, k, z, in, residual.slope, by_omega, omega);
     return (RightHandSide){
         .value = omega,
         .size = size / fabs(by_omega),
@@ -238,42 +248,48 @@ static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficie
     };
 }
 
-/* On the band's edge tau = E(theta) = rho F_0, so that (tau - rho F_ext)' = dE/dtheta omega gives omega. by_theta holds
- * dE/dtheta, N.m/rad, the derivative that an iteration along the edge needs. */
-static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const SlipCoefficients *k, double z,
-                                                    const InputValues *in) {
-    const Params *p = slip->params;
-    const Dual load = {spring_force(&p->spring, z) + in->F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
-    const Dual rho = dual_contact_factors_rho(&k->factors);
-    const double stiffness = rho.slope * load.value + rho.value * load.slope;
-    const bool loaded = slip->friction_is_loaded;
-    const double rho_rate = loaded ? k->loaded.tangent.p / k->loaded.tangent.delta : rho.value; /* dE/dF_0 */
-    const double rate = in->tau_rate - rho_rate * in->F_ext_rate;
-    return (RightHandSide){
-        .value = stiffness > 0.0 ? rate / stiffness : 0.0,
-        .by_theta = stiffness,
-        .net = in->tau - rho.value * load.value,
-        .resistance = stiffness,
-        .possible = k->factors.delta.value != 0.0 && !(loaded && !k->loaded.possible),
-        .stable = stiffness > 0.0,
-    };
+/* N.m m^3 s/rad: the derivative of the net torque by the speed, through the friction coefficients. */
+static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                              double omega, double alpha) {
+    const MotionTerms terms = terms_of(slip, k, z, in, omega, alpha);
+    return residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
-/* `storage` holds the coefficients where friction varies; without inertia they are set to the speed found. */
-NOINLINE static RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                                     double omega, SlipCoefficients *storage) {
-    if (slip->friction_varies) {
-        if (slip->regime == REGIME_VISCOUS) return rhs_of_viscous_friction(slip, storage, z, in);
-        if (slip->friction_is_loaded) loaded_slip_set(slip, omega, z, in, storage);
-    }
-    switch (slip->regime) {
-        case REGIME_INERTIAL: return rhs_of_inertial(slip, k, z, in, omega);
-        case REGIME_VISCOUS: return rhs_of_viscous(slip, k, z, in);
-        default: return rhs_of_rate_independent(slip, k, z, in);
-    }
+/* Where friction depends on the load, alpha and F_ext change the factors too. */
+NOINLINE static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                                   double omega, double inertia, RightHandSide *rhs) {
+    const MotionTerms terms = terms_of(slip, k, z, in, omega, rhs->value);
+    const double felt = loaded_slip_inertia(slip, k, &terms), share = inertia / felt;
+    rhs->size *= fabs(share);
+    rhs->by_theta *= share;
+    rhs->by_omega *= share;
+    rhs->by_time = (k->factors.delta.value * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) / felt;
+    rhs->resistance = fabs(felt);
+    rhs->possible = k->loaded.possible && felt * k->factors.delta.value > 0.0;
 }
 
-NOINLINE RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
+/* Without inertia the coefficients are set to the speed found. */
+NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
+                                             double omega) {
+    if (slip->regime == REGIME_VISCOUS) return rhs_of_viscous_friction(slip, k, z, in);
+    if (slip->friction_is_loaded) loaded_slip_set(slip, omega, z, in, k);
+    RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);
+    if (slip->regime == REGIME_INERTIAL) {
+        const double inertia = slip_inertia(slip, k).value;
+        rhs.by_omega += rhs_by_friction(slip, k, z, in, omega, rhs.value) / inertia;
+        if (slip->friction_is_loaded) finish_loaded(slip, k, z, in, omega, inertia, &rhs);
+    }
+    return rhs;
+}
+
+/* `storage` holds the coefficients where friction varies. */
+static inline RightHandSide rhs_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                                   double omega, SlipCoefficients *storage) {
+    return slip->friction_varies ? rhs_of_varying(slip, storage, z, in, omega)
+                                 : rhs_of_coefficients(slip, k, z, in, omega);
+}
+
+RightHandSide balance_rhs(const SlipMode *slip, double theta, double omega, double t) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &z);

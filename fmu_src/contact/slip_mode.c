@@ -24,7 +24,7 @@ static inline void set_kinematics(SlipCoefficients *k, const TransmissionPoint *
                            2.0 * gg * (s->dslope_dtheta[0] * g - s->dslope_dtheta[1] * f);
 }
 
-static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, SlipCoefficients *k) {
+ALWAYS_INLINE static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, SlipCoefficients *k) {
     for (int i = 0; i < 2; i++)
         s.slope[i] = fmax(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
     set_kinematics(k, &s, slip->follower_has_inertia);
@@ -36,11 +36,16 @@ static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, S
     dual_contact_factors_multiply(&k->factors);
 }
 
+/* Apart from piece_point(): together the two need more registers than there are. */
+NOINLINE static void set_curved_coefficients(const SlipMode *slip, const TransmissionPoint *s, SlipCoefficients *k) {
+    set_coefficients(slip, *s, k);
+}
+
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out) {
     const TransmissionPoint point = slip->follower_has_inertia
                                         ? piece_point(slip->piece, theta, TRANSMISSION_SECOND_DERIVATIVES)
                                         : piece_point(slip->piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
-    set_coefficients(slip, point, out);
+    set_curved_coefficients(slip, &point, out);
     return point.z;
 }
 

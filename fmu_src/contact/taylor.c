@@ -14,7 +14,7 @@ static Dual constant(double value) {
 NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
     for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
     for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
-        for (int k = JET_TERMS - 1; k > 0; k--) out[k] = out[k - 1] * rate + out[k] * start;
+        for (int k = JET_TERMS - 1; k > 0; k--) out[k] = 0.0 + out[k - 1] * rate + out[k] * start;
         out[0] = out[0] * start + p[n];
     }
 }

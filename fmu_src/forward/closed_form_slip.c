@@ -12,7 +12,8 @@ static double band_edge(const Mechanism *m, int direction) {
     return direction > 0 ? edges.load : edges.release;
 }
 
-LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
+/* Inlined into each method: a step takes no longer than the copy of the struct. */
+static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
     const bool viscous = linear->regime == REGIME_VISCOUS;
     return (LinearSegment){
         .linear = linear,
@@ -23,6 +24,10 @@ LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode 
         .flanks = has_friction(&m->params),
         .edge = viscous ? band_edge(m, linear->direction) : linear->transfer.rho,
     };
+}
+
+LinearSegment linear_segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
+    return segment_from_here(m, linear);
 }
 
 static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *peak) {
@@ -39,7 +44,7 @@ static inline bool propose(const Mechanism *m, const LinearSegment *s, const Seg
     segment_begin(m, SEGMENT_CLOSED_FORM, segment);
     if (m->params.ledger) {
         Booking *booking = &segment->booking;
-        *booking = linear_slip_booking(s->linear, s->params, s->geometry, &s->start, motion, kernel);
+        linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, booking);
         all += booking->work_in + booking->heat_cam[0] + booking->heat_cam[1] + booking->heat_damper;
         segment->books = true;
     }
@@ -58,7 +63,7 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     if (linear->regime != REGIME_INERTIAL || !(linear->direction * m->state.omega.hi > 0.0)) return false;
-    const LinearSegment s = linear_segment_from_here(m, linear);
+    const LinearSegment s = segment_from_here(m, linear);
     Kernel *kernel = &m->cache.kernel[index];
     if (kernel->t != h) oscillator_kernel(&linear->oscillator, h, kernel);
     SegmentEnds ends;
@@ -69,7 +74,7 @@ bool closed_form_slip_quiet(Mechanism *m, double h, Segment *segment) {
 bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
-    const LinearSegment s = linear_segment_from_here(m, linear);
+    const LinearSegment s = segment_from_here(m, linear);
     const LinearEvent last = linear_event_horizon(&s, fmin(left, linear->oscillator.horizon));
     Kernel kernel = m->cache.kernel[index];
     if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);

@@ -52,17 +52,14 @@ LoadedFriction friction_under(const CamParams *cam, double v, double R) {
 }
 
 FrictionBase friction_base(const CamParams *cam, double v) {
-    const FrictionParams *law = &cam->law;
-    if (law->table) return (FrictionBase){.v = v, .value = friction_table_at(law->table, v).value, .per_speed = NAN};
-    const double excess = excess_of(cam), without = cam->friction + law->viscous * v;
-    if (excess == 0.0) return (FrictionBase){.v = v, .value = without};
-    const double per_speed = 1.0 / law->stribeck_velocity;
-    const double share = excess * exp(stribeck_exponent(law, v * per_speed).value);
-    return (FrictionBase){.v = v, .value = without + share, .share = share, .per_speed = per_speed};
+    const double excess = excess_of(cam);
+    return (FrictionBase){.value = friction_at(cam, v).value,
+                          .excess = excess,
+                          .per_speed = excess != 0.0 ? 1.0 / cam->law.stribeck_velocity : 0.0};
 }
 
-VectorFriction friction_at_both(const CamParams *cam, Vector2 v) {
-    const FrictionCoefficient a = friction_at(cam, v[0]), b = friction_at(cam, v[1]);
+VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v) {
+    const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
     return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
 }
 

@@ -21,6 +21,7 @@
 #include "model/known.h"
 #include "model/params.h"
 #include "numerics/jet.h"
+#include "numerics/tolerances.h"
 #include "numerics/vector2.h"
 
 /* Does the coefficient depend on the sliding speed? */
@@ -81,12 +82,11 @@ static inline double friction_share(const FrictionFall *fall, double v, double t
     return allowed < change ? allowed / change : 1.0;
 }
 
-/* The law at one speed, and what is needed to continue the law to speeds nearby without another exponential. */
+/* The law at one speed, and what the law at speeds nearby shares with it. */
 typedef struct {
-    double v;         /* m/s */
     double value;     /* mu(v) */
-    double share;     /* mu_k (peak - 1) exp(-(v/v_s)^delta), a part of mu */
-    double per_speed; /* s/m, 1/v_s; NAN: no speed is nearby, each is looked up in a table */
+    double excess;    /* mu_k (peak - 1) */
+    double per_speed; /* s/m, 1/v_s; 0 without an excess */
 } FrictionBase;
 
 FrictionBase friction_base(const CamParams *cam, double v);
@@ -96,25 +96,21 @@ typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-/* At any two speeds; friction_near() is faster where they are near those of the base. */
-VectorFriction friction_at_both(const CamParams *cam, Vector2 v);
+VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v);
 
-/* exp(u) for |u| <= 1/4, to some roundings: the Taylor polynomial at u/4, to the fourth power. */
-static inline Vector2 exp_of_small(Vector2 u) {
-    const Vector2 w = 0.25 * u, w2 = w * w, w4 = w2 * w2;
-    const Vector2 low = (1.0 + w) + w2 * (0.5 + w * (1.0 / 6.0));
-    const Vector2 high = (1.0 / 24.0 + w * (1.0 / 120.0)) + w2 * (1.0 / 720.0 + w * (1.0 / 5040.0));
-    const Vector2 root = low + w4 * (high + w4 * (1.0 / 40320.0)), square = root * root;
-    return square * square;
-}
-
+/* friction_at() at two speeds, to some roundings. */
 static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
-    const Vector2 none = {0.0, 0.0}, change = (v - base->v) * base->per_speed, ratio = v * base->per_speed;
+    if (cam->law.table) return friction_table_at_both(cam->law.table, v);
+    const Vector2 ratio = v * base->per_speed, none = {0.0, 0.0};
     const bool gauss = cam->law.stribeck_exponent == 2;
-    const Vector2 u = gauss ? -(change + 2.0 * base->v * base->per_speed) * change : -change;
-    const double largest = fmax(fabs(u[0]), fabs(u[1])), least = fmin(ratio[0], ratio[1]);
-    if (!(largest <= 0.25 && (gauss || least > -1.0))) return friction_at_both(cam, v);
-    const Vector2 share = base->share * exp_of_small(u), slope = gauss ? -2.0 * ratio : none - 1.0;
+    const double from = gauss ? -INFINITY : -1.0; /* see stribeck_exponent() */
+    const Vector2 inside = {ratio[0] < from ? from : ratio[0], ratio[1] < from ? from : ratio[1]};
+    const Vector2 exponent = gauss ? -ratio * ratio : -inside;
+    if (base->excess == 0.0 || fmax(exponent[0], exponent[1]) < STRIBECK_GONE)
+        return (VectorFriction){cam->friction + cam->law.viscous * v, none + cam->law.viscous};
+    const Vector2 share = base->excess * vector2_exp(exponent);
+    const Vector2 tustin = {ratio[0] > from ? -1.0 : 0.0, ratio[1] > from ? -1.0 : 0.0};
+    const Vector2 slope = gauss ? none - 2.0 * ratio : tustin;
     return (VectorFriction){cam->friction + cam->law.viscous * v + share,
                             cam->law.viscous + share * slope * base->per_speed};
 }

@@ -128,14 +128,15 @@ static inline bool has_inertia(const Params *p) {
     return p->inertia.shaft > 0.0 || p->inertia.follower_mass > 0.0 || p->inertia.follower > 0.0;
 }
 
+/* No coefficient is negative, so a sum saves a branch. */
 static inline bool has_friction(const Params *p) {
-    return p->cam[0].friction > 0.0 || p->cam[1].friction > 0.0 || p->cam[0].law.viscous > 0.0 ||
-           p->cam[1].law.viscous > 0.0 || p->cam[0].law.table || p->cam[1].law.table;
+    return p->cam[0].friction + p->cam[1].friction > 0.0 || p->cam[0].law.viscous + p->cam[1].law.viscous > 0.0 ||
+           p->cam[0].law.table || p->cam[1].law.table;
 }
 
 /* Is there a specific wear rate, so that the ledger keeps the volumes worn off? */
 static inline bool has_wear(const Params *p) {
-    return p->cam[0].wear > 0.0 || p->cam[1].wear > 0.0;
+    return p->cam[0].wear + p->cam[1].wear > 0.0;
 }
 
 /* m^3 of one contact per N.m of sliding: per total reaction and sliding distance (J. F. Archard, J. Appl. Phys. 24,

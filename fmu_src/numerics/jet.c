@@ -33,10 +33,9 @@ NOINLINE void jet_add_scaled(Jet *sum, double factor, const Jet *a) {
 }
 
 NOINLINE Jet jet_multiply(const Jet *a, const Jet *b) {
-    Jet product;
+    Jet product = {.c = {{0.0, 0.0}}}; /* a sum from 0 on is never the negative zero */
     for (int k = 0; k < JET_TERMS; k++) {
-        product.c[k] = dual_multiply(a->c[0], b->c[k]);
-        for (int j = 1; j <= k; j++) product.c[k] = dual_add(product.c[k], dual_multiply(a->c[j], b->c[k - j]));
+        for (int j = 0; j <= k; j++) product.c[k] = dual_add(product.c[k], dual_multiply(a->c[j], b->c[k - j]));
     }
     return product;
 }

@@ -130,11 +130,11 @@ static const double FLANK_CLEARANCE = 1e-9;
  * their terms; the polynomials round by some eps of the transmission's sizes, 1e-2 of 1e-13. */
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
-/* The search for a speed that friction limits. Where friction falls with the speed: the change of v/v_s in one step, for
- * longer steps pass over the fall unseen (tests/test_friction_scenes.py), and the exponent at the end of the fall. */
+/* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
+ * pass over the fall unseen; by tolerance the exponent at its end; the exponent of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
 static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0;
-static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7, STRIBECK_GONE = -45.0;
 
 /* Friction that depends on the load: the iteration for reactions and coefficients; the load, as a share of R_ref, below
  * which the coefficient counts as constant; the axial load, N, that stands for none. */
@@ -313,7 +313,7 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 /* Lobatto step */
 
 /* Share of what the tolerance allows that the next sweep may change. */
-static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_SWEEP_SHARE_VARYING = 0.02 * 0.05;
+static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_SWEEP_SHARE_VARYING = 0.01;
 
 /* Factor by which a sweep must reduce the change of the sweep before: else Newton's method is faster. */
 static const double LOBATTO_CONTRACTION = 0.1;

@@ -26,8 +26,9 @@ import players
 from install import Failed, Missing, say
 
 from dualcam.ssp import START
-from system_examples.ssp import compilation, parts
+from system_examples.ssp import clamp_runs, compilation, hosts, parts
 from system_examples.ssp.coupling import Columns, couple
+from system_examples.ssp.outcome import Outcome, largest_difference, table
 from system_examples.ssp.package import ExampleSystem
 from system_examples.ssp.systems import EXAMPLES, STEPS_PER_PERIOD, WATCHED, Example, Run
 
@@ -47,18 +48,12 @@ def arguments(system: ExampleSystem, periods: int, file: Path) -> list[str | Pat
 
 def ecos(system: ExampleSystem, periods: int, file: Path) -> Columns:
     """The run by ecos; Missing or Failed if there is none."""
-    venv = install.package("ecospy", "tbb")  # ecospy lacks the library tbb
-    words = [venv / "bin/python", players.HOSTS / "ecos_ssp.py", *arguments(system, periods, file)]
-    players.insist(words, file.parent, LD_LIBRARY_PATH=str(venv / "lib"))
-    return players.read(file)
+    return hosts.ecos(arguments(system, periods, file), file)
 
 
 def libcosim(system: ExampleSystem, periods: int, file: Path) -> Columns:
     """The run by libcosim; Missing or Failed if there is none."""
-    venv = install.package("libcosimpy")
-    words = [venv / "bin/python", players.HOSTS / "libcosim_ssp.py", *arguments(system, periods, file)]
-    players.insist(words, file.parent)
-    return players.read(file)
+    return hosts.libcosim(arguments(system, periods, file), file)
 
 
 @dataclass(frozen=True)
@@ -82,22 +77,6 @@ KINDS = {  # columns of the table
     "torque [N.m]": ("motor.tau",),
     "accounts [J]": tuple(n for n in WATCHED if n.startswith(("motor.heat", "motor.energy", "cam.energy"))),
 }
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """A row of a table of the page."""
-
-    cells: tuple[str, ...]
-    wrong: bool = False
-
-
-def largest_difference(found: Columns, expected: Columns, names: Sequence[str]) -> float:
-    """The largest difference over all control periods; infinite where a number is missing."""
-    if any(name not in found or len(found[name]) != len(expected[name]) for name in names):
-        return float("inf")
-    differences = [np.abs(found[name] - expected[name]) for name in names]
-    return float(np.max(np.where(np.isnan(differences), np.inf, differences)))
 
 
 def run_in(master: Master, system: ExampleSystem, expected: Columns) -> Outcome:
@@ -178,20 +157,17 @@ MASTER_HEAD = ("system", "master", "version", *KINDS, "allowed", "verdict")
 PYTHON_HEAD = ("system", "what", "Python", "package", "apart", "allowed", "verdict")
 
 
-def table(head: Sequence[str], outcomes: Sequence[Outcome]) -> list[str]:
-    """A table in Markdown, with columns of even width."""
-    rows = [head, *(o.cells for o in outcomes)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
-    lines = [" | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-    lines.insert(1, " | ".join("-" * width for width in widths))
-    return [f"| {line} |" for line in lines]
-
-
-def markdown(checks: Sequence[Outcome], masters: Sequence[Outcome], pythons: Sequence[Outcome]) -> str:
+def markdown(
+    checks: Sequence[Outcome],
+    masters: Sequence[Outcome],
+    pythons: Sequence[Outcome],
+    clamps: Sequence[Outcome],
+) -> str:
     """The page docs/ssp.md."""
     page = (compilation.SOURCES / "page.md").read_text()
     facts = f"versions: Python {platform.python_version()}, FMPy {version('fmpy')}"
     page = page.replace("<!-- checks -->", "\n".join(table(CHECK_HEAD, checks)))
+    page = page.replace("<!-- clamp -->", "\n".join(table(clamp_runs.HEAD, clamps)))
     page = page.replace("<!-- masters -->", "\n".join(table(MASTER_HEAD, masters)))
     return page.replace("<!-- python -->", "\n".join([*table(PYTHON_HEAD, pythons), "", facts]))
 
@@ -201,7 +177,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="ssp", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--only", help="names of masters, with commas; nothing is written then")
     only = parser.parse_args().only
-    chosen = [master for master in MASTERS if only is None or master.name in only.split(",")]
+    names = None if only is None else only.split(",")
+    chosen = [master for master in MASTERS if names is None or master.name in names]
     compilation.build()
     checks = [check(*row) for row in CHECKERS] if only is None else []
     masters: list[Outcome] = []
@@ -213,18 +190,21 @@ def main() -> int:
         columns = coupled(example)
         masters += [run_in(master, example.system, columns) for master in chosen]
         pythons += compare(example.system.name, example.package_run(columns), example.python_run())
+    clamps = clamp_runs.outcomes(names)
     print(
         *table(CHECK_HEAD, checks),
         "",
         *table(MASTER_HEAD, masters),
         "",
         *table(PYTHON_HEAD, pythons),
+        "",
+        *table(clamp_runs.HEAD, clamps),
         sep="\n",
     )
     if only is None:
-        (compilation.ROOT / "docs/ssp.md").write_text(markdown(checks, masters, pythons))
+        (compilation.ROOT / "docs/ssp.md").write_text(markdown(checks, masters, pythons, clamps))
         say("written to docs/ssp.md")
-    return int(any(o.wrong for o in (*checks, *masters, *pythons)))
+    return int(any(o.wrong for o in (*checks, *masters, *pythons, *clamps)))
 
 
 if __name__ == "__main__":

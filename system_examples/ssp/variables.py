@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 HARMONICS = 7  # as in reference.h
 
-# Exponents of the base units: kg, m, s, A, rad
+# Exponents of the base units: kg, m, s, A, K, rad
 UNITS = {
     "1": {},
     "rad": {"rad": 1},
@@ -31,6 +31,13 @@ UNITS = {
     "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
     "A": {"A": 1},
     "J": {"kg": 1, "m": 2, "s": -2},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N/m": {"kg": 1, "s": -2},
+    "m/s": {"m": 1, "s": -1},
+    "s/m": {"m": -1, "s": 1},
+    "K": {"K": 1},
+    "J/K": {"kg": 1, "m": 2, "s": -2, "K": -1},
+    "W/K": {"kg": 1, "m": 2, "s": -3, "K": -1},
 }
 
 PARAMETER, INPUT, OUTPUT, LOCAL = "parameter", "input", "output", "local"

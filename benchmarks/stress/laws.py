@@ -1,0 +1,73 @@
+"""Scenes whose friction depends on the sliding speed: Stribeck's law and a lubricated branch.
+
+Source of the law: docs/mechanism.md, section 9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from benchmarks.harness.oracles import Interval
+from benchmarks.stress.at_random import decades, draw, maybe
+from benchmarks.stress.mechanisms import Sizes, Tables, damper, ellipses, helices, spring
+from benchmarks.stress.scene import Params, Scene
+
+
+def law(peak: float, speed: float, exponent: int, viscous: float) -> Params:
+    """The same law at both cams. `speed`: Stribeck velocity [m/s]; `viscous` [s/m]."""
+    values = {
+        "friction_peak": peak,
+        "stribeck_velocity": speed,
+        "stribeck_exponent": exponent,
+        "friction_viscous": viscous,
+    }
+    return {f"cam{i}.{name}": value for i in (1, 2) for name, value in values.items()}
+
+
+def friction_laws(tables: Tables) -> Iterator[Scene]:
+    row = (
+        "Stribeck velocity 1e-6 to 10 m/s, static over kinetic friction 1 to 5, lubricated branch 0 to 1 s/m"
+    )
+    for peak, speed, exponent, viscous in product(
+        (1.0, 1.001, 1.5, 5.0), (1e-6, 1e-4, 1e-2, 1.0, 10.0), (1, 2), (0.0, 1.0)
+    ):
+        if peak == 1.0 and (viscous == 0.0 or exponent == 2 or speed != 1.0):
+            continue
+        # the reference takes minutes where friction falls at once
+        judge = "simulate" if speed >= 1e-3 or peak < 1.1 else "cuts"
+        for shape, nonlinear in ((ellipses(), True), (helices(0.8, 0.9), False)):
+            p = shape | law(peak, speed, exponent, viscous) | spring(3e4, 0.02, nonlinear=nonlinear)
+            p |= damper(20.0) | {"inertia.shaft": 0.002, "initial.theta": 0.3}
+            torque = Sizes.of(p).torque(0.7)
+            intervals = [
+                Interval(0.02, 1.6 * torque),
+                Interval(0.03, 0.0),
+                Interval(0.02, 0.0, -1.5 * torque / 0.02),
+                Interval(0.03, -0.3 * torque, 2.2 * torque / 0.03),
+            ]
+            label = f"peak {peak:g}, Stribeck velocity {speed:g}, exponent {exponent}, viscous {viscous:g}"
+            yield Scene(row, p, intervals, judge, label, steps=2)
+
+
+def with_law(rng: np.random.Generator, scene: Scene) -> Scene:
+    """The scene with a friction law at one cam or at both."""
+    drawn: Params = {}
+    for i in rng.choice([1, 2], int(rng.integers(1, 3)), replace=False).tolist():
+        drawn[f"cam{i}.friction_viscous"] = maybe(rng, 0.5, decades(rng, -4, 1))
+        if scene.params["inertia.shaft"]:
+            drawn[f"cam{i}.friction_peak"] = 1.0 + maybe(rng, 0.8, decades(rng, -4, 1))
+            drawn[f"cam{i}.stribeck_velocity"] = decades(rng, -6, 1)
+            drawn[f"cam{i}.stribeck_exponent"] = int(rng.integers(1, 3))
+    return replace(scene, params=scene.params | drawn)
+
+
+def fuzz_laws(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
+    """Everything at random, and friction laws over many decades."""
+    row = f"everything and friction laws at random ({count} scenes of 0.1 to 1 s)"
+    for number in range(count):
+        rng = np.random.default_rng([78, seed, number])
+        yield replace(with_law(rng, draw(rng, tables)), row=row, label=f"law {number}")
