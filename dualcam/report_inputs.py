@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dualcam.design_file.friction_tables import ANALYTIC_FRICTION
 from dualcam.model_description import Scalar
 from dualcam.variables import SettableVariable, all_inputs, parameters_of
 
@@ -79,8 +80,10 @@ def _parameters(design: DesignFile) -> list[Row]:
 
 
 def _is_used(design: DesignFile, name: str) -> bool:
-    """Whether the groove law of the cam uses the parameter."""
+    """Whether the groove law of the cam, or its friction law, uses the parameter."""
     group, _, key = name.partition(".")
+    if key in ANALYTIC_FRICTION and design.value(f"{group}.friction_table"):
+        return False
     return key not in PROFILE_OF or design.value(f"{group}.profile") in PROFILE_OF[key]
 
 

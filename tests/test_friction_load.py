@@ -294,7 +294,8 @@ INERTIAS = {
 @pytest.mark.parametrize("groove", GROOVES)
 @pytest.mark.parametrize("regime", INERTIAS)
 def test_ledger_closes_and_cuts_change_nothing(make_model, groove, regime):
-    """Loading, rest, releasing, stops. 200 short steps end where five long ones end."""
+    """Loading, rest, releasing, stops; the heat is the integral of the friction power. 200 short steps end
+    where five long ones end."""
     values = INERTIAS[regime] | GROOVES[groove] | WEARING
     long, short = (make_model(FORWARD).start(values) for _ in range(2))
     for tau in (6.0, 14.0, 4.0, 9.0, 0.0):

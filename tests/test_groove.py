@@ -2,7 +2,7 @@
 
 import locale
 import math
-from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t
+from ctypes import POINTER, Structure, byref, c_bool, c_char, c_char_p, c_double, c_int, c_size_t, c_void_p
 from itertools import pairwise
 
 import mpmath
@@ -24,6 +24,7 @@ class FrictionParams(Structure):
     _fields_ = [
         *((n, c_double) for n in ("peak", "stribeck_velocity", "viscous", "load_exponent", "load")),
         ("stribeck_exponent", c_int),
+        ("table", c_void_p),
     ]
 
 
@@ -57,6 +58,7 @@ class Params(Structure):
         ("contacts", c_int),
         ("ledger", c_bool),
         ("table", c_char * 1024 * 2),
+        ("friction_table", c_char * 1024 * 2),
     ]
 
 

@@ -65,6 +65,8 @@ cam1.ellipse_curvature - -1 fixed
 cam2.ellipse_curvature - -1 fixed
 cam1.table - "" fixed
 cam2.table - "" fixed
+cam1.friction_table - "" fixed
+cam2.friction_table - "" fixed
 cam1.friction 1 0.14 tunable
 cam2.friction 1 0.14 tunable
 cam1.friction_peak 1 1 tunable
@@ -463,6 +465,7 @@ SCENES = {
 OTHER = {"contacts": 1, "ledger": False}
 for _cam in ("cam1", "cam2"):
     OTHER |= {f"{_cam}.profile": 2, f"{_cam}.ellipse_curvature": 1, f"{_cam}.table": "b.csv"}
+    OTHER |= {f"{_cam}.friction_table": "law.csv"}
     OTHER |= {f"{_cam}.stribeck_exponent": 1, f"{_cam}.friction_load_exponent": 0.1}
 
 
@@ -482,6 +485,7 @@ def resources(tmp_path):
     for name, slope in (("a", 0.02), ("b", 0.021)):
         rows = [f"{k / 10},{slope * k / 10 + 1e-4 * (k / 10) ** 2}" for k in range(-20, 21)]
         (tmp_path / f"{name}.csv").write_text("\n".join(["psi_rad,z_m", *rows]))
+    (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.05,0.25\n0.5,0.3\n")
     return f"file://{tmp_path}"
 
 
@@ -491,6 +495,10 @@ def changes(fmu, name, outputs, scene):
     fmu.set(scene)
     if "profile" in name and scene.get(name) == 2:
         return set()
+    if name.endswith("friction_table") and scene.get("inertia.shaft") == 0.0:
+        return (
+            set()
+        )  # a table is constant above its last speed: without inertia only damping limits the speed
     falls = name.endswith("friction_peak") or "cam1.friction_peak" in scene
     if falls and (name in ("inertia.shaft", "shaft.stiffness") or scene.get("shaft.stiffness")):
         return set()  # friction that falls with the speed needs inertia and a rigid shaft

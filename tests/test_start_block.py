@@ -65,15 +65,16 @@ def test_the_layout_is_the_same_on_every_platform(tmp_path, target):
     at = binary.index(MARK)
     size, numbers, texts, text_size = struct.unpack_from("<4I", binary, at + 32)
     variables = FACTORY[2, "DualCamForward"].variables
-    assert (numbers, texts, text_size) == (len(variables), 2, 128)
+    assert (numbers, texts, text_size) == (len(variables), 4, 128)
     assert size == 112 + 8 * numbers + texts * text_size
     assert binary[at + 48 : at + 112] == GUID.encode().ljust(64, b"\0")
     starts = struct.unpack_from(f"<{numbers}d", binary, at + 112)
     for v in variables.values():
         if v.type in ("Real", "Integer", "Boolean") and v.start is not None:
             assert starts[v.reference] == v.start, v.name
-    assert [starts[variables[f"cam{i}.table"].reference] for i in (1, 2)] == [0, 1]
-    assert binary[at + 112 + 8 * numbers : at + size] == bytes(2 * 128)
+    names = [f"cam{i}.{kind}" for i in (1, 2) for kind in ("table", "friction_table")]
+    assert [starts[variables[name].reference] for name in names] == [0, 1, 2, 3]
+    assert binary[at + 112 + 8 * numbers : at + size] == bytes(4 * 128)
 
 
 # ---- binaries of the FMUs ----

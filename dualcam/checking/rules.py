@@ -111,9 +111,10 @@ def _shorter(failure: Failure) -> tuple[Remedy, ...]:
 
 def _jam(design: DesignFile, text: str) -> Trouble:
     steep = sorted((1, 2), key=lambda i: -design.value(f"cam{i}.friction"))
-    remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep]
+    remedies = [Remedy(f"cam{i}.friction", 0.0) for i in steep if not design.value(f"cam{i}.friction_table")]
     remedies += [Remedy(f"cam{i}.lead_angle", 0.1) for i in (1, 2) if design.value(f"cam{i}.profile") == 1]
-    return Trouble(finding_of(design, "jam", remedies[0].key, text), tuple(remedies))
+    key = remedies[0].key if remedies else f"cam{steep[0]}.friction_table"
+    return Trouble(finding_of(design, "jam", key, text), tuple(remedies))
 
 
 def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
@@ -126,7 +127,9 @@ def _of_groove(design: DesignFile, failure: Failure, i: int) -> Trouble:
         remedies = [] if is_table else [Remedy(lead, 1.2)]
         hint = "If locking is meant, write self_locking = true below [limits]"
         finding = finding_of(design, f"self-locking {i}", key, text)
-        return Trouble(finding, (*remedies, Remedy(friction, 0.0), *shorter), hint)
+        if not design.value(f"cam{i}.friction_table"):
+            remedies.append(Remedy(friction, 0.0))
+        return Trouble(finding, (*remedies, *shorter), hint)
     if what.startswith("lead angle"):
         low, high = (design.limits or Limits()).lead_angle
         remedies = [] if is_table else [Remedy(lead, 0.5 * (low + high))]

@@ -162,6 +162,12 @@ class DesignFile:
         str
             A sentence, or an empty text for Coulomb's law.
         """
+        tables = [name for name in ("cam1.friction_table", "cam2.friction_table") if self.value(name)]
+        if tables:
+            return (
+                "Friction depends on the sliding speed: the torques of slow motion take the static"
+                f" coefficients, of {' and '.join(tables)} the value at the speed 0 (and the middle load)."
+            )
         peaks = [f"cam{i}.friction_peak = {self.value(f'cam{i}.friction_peak'):g}" for i in (1, 2)]
         viscous = [self.value(f"cam{i}.friction_viscous") for i in (1, 2)]
         if all(self.value(f"cam{i}.friction_peak") == 1.0 for i in (1, 2)) and not any(viscous):
@@ -173,6 +179,10 @@ class DesignFile:
 
     def _static_friction(self, number: int) -> float:
         """mu at rest and in slow motion."""
+        from dualcam.design_file.friction_tables import static_friction
+
+        if table := self.value(f"cam{number}.friction_table"):
+            return static_friction(Path(table))
         return self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak")
 
     def _named_groove(self, number: int) -> Groove:

@@ -8,6 +8,7 @@ from typing import Any
 
 from dualcam.design_file.design import DesignFile, SpringLimits
 from dualcam.design_file.findings import ERROR, WARNING, DesignFileError, Finding
+from dualcam.design_file.friction_tables import ANALYTIC_FRICTION, read_friction_table
 from dualcam.design_file.grooves import fmu_table
 from dualcam.design_file.keys import unknown_key
 from dualcam.design_file.toml_text import line_of, lines_of_keys, parse, read_text
@@ -25,8 +26,8 @@ def read_design(path: str | Path) -> DesignFile:
     Parameters
     ----------
     path : str or Path
-        The file. Its keys are the names of the FMU's parameters. Relative paths of groove tables count from
-        the folder of the file.
+        The file. Its keys are the names of the FMU's parameters. Relative paths of tables, of grooves and
+        friction, count from the folder of the file.
 
     Returns
     -------
@@ -239,6 +240,9 @@ class _Reading:
                     text = f"{name} is not used with {cam}.profile = {profile}: give {cam}.profile = 3"
                     self.warn(name, parameters[name], text, "unused")
                 self._read_table(parameters, cam)
+        for cam in ("cam1", "cam2"):
+            if parameters.get(f"{cam}.friction_table") and not self._is_refused(f"{cam}.friction_table"):
+                self._read_friction_table(parameters, cam)
 
     def _read_table(self, parameters: dict[str, Any], cam: str) -> None:
         name = f"{cam}.table"
@@ -255,6 +259,21 @@ class _Reading:
         radius = parameters.get(f"{cam}.radius", all_parameters()[f"{cam}.radius"].start)
         for text in table_warnings(groove.psi, groove.z, radius):
             self.warn(name, written, f"{name} = {written!r}: {text}", "unit")
+
+    def _read_friction_table(self, parameters: dict[str, Any], cam: str) -> None:
+        name = f"{cam}.friction_table"
+        written = parameters[name]
+        path = (self.path.parent / written).absolute()
+        try:
+            read_friction_table(path)
+        except (DualcamError, OSError, ValueError) as error:
+            self.refuse(name, written, f"{name} = {written!r}: {error}")
+            return
+        parameters[name] = str(path)
+        for key in ANALYTIC_FRICTION:
+            if f"{cam}.{key}" in parameters:
+                text = f"{cam}.{key} is not used with {name}, which gives the friction coefficient itself"
+                self.warn(f"{cam}.{key}", parameters[f"{cam}.{key}"], text, "unused")
 
     # ---- other tables ----
 

@@ -1,7 +1,7 @@
-"""Groove tables inside a WebAssembly component (fmu_src/component/resource_files.h).
+"""Tables of grooves and friction inside a WebAssembly component (fmu_src/component/resource_files.h).
 
 The component reads no files of the host. Its compiled core has a block of bytes that begins with a mark and
-says for two files
+says for four files
 
     char name[32]; uint32 address, size;
 
@@ -16,9 +16,9 @@ from collections.abc import Iterable, Mapping
 from dualcam.errors import ExportError
 from dualcam.export.description import AGAIN
 
-MARK = b"dualcam table files, layout 1\n".ljust(32, b"\0")
+MARK = b"dualcam table files, layout 2\n".ljust(32, b"\0")
 FILE = struct.Struct("<32sII")
-FILE_COUNT = 2
+FILE_COUNT = 4
 HEAD = 8  # bytes before the first section, of a component and of a module
 PAGE = 1 << 16
 CORE_MODULE, MEMORY, DATA, DATA_COUNT = 1, 5, 11, 12  # numbers of sections
@@ -35,7 +35,7 @@ def with_files(component: bytes, files: Mapping[str, bytes]) -> bytes:
     component
         WebAssembly component of the project's FMU.
     files
-        Name -> content; up to two files.
+        Name -> content; up to four files.
 
     Returns
     -------

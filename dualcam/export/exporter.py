@@ -186,11 +186,17 @@ def _plan(design: Design, name: str, model: str, parameters: Mapping[str, Scalar
     for key, value in parameters.items():
         start[key] = typed(variables[key], value)
         if variables[key].type == "String" and value:
-            start[key] = f"{key.split('.')[0]}.csv"
+            start[key] = table_file(key)
             tables[str(start[key])] = _table(key, str(value))
     called = f'{design.name}, "{design.title}"' if design.title else design.name
     scenario = scenario_for(design.scenario, model)
     return Plan(called, name, model_identifier(name), model, start, tables, scenario)
+
+
+def table_file(name: str) -> str:
+    """The file in the FMU's resources of a table: `cam1.csv` of `cam1.table`, `cam1_friction.csv`."""
+    cam, _, kind = name.partition(".")
+    return cam + {"table": ".csv", "friction_table": "_friction.csv"}[kind]
 
 
 def _table(name: str, path: str) -> bytes:

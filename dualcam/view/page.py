@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import dualcam
 from dualcam.design_file import as_design
 from dualcam.errors import ExportError
+from dualcam.export.exporter import table_file
 from dualcam.export.scenario import scenario_for, scenario_table
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path, web_path
@@ -164,8 +165,8 @@ def _with_tables(parameters: Mapping[str, Scalar]) -> tuple[dict[str, Scalar], d
     """Start values with the tables by short names, and the texts of the tables by these names."""
     start, files = dict(parameters), {}
     for name, value in parameters.items():
-        if name.endswith(".table") and value:
-            start[name] = f"{name.partition('.')[0]}.csv"
+        if name.endswith("table") and value:
+            start[name] = table_file(name)
             try:
                 files[str(start[name])] = Path(str(value)).read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError) as error:

@@ -155,11 +155,11 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
     return true;
 }
 
-/* A step to a breakpoint says little about the length of the next step: the earlier proposal stays. */
+/* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the earlier proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
     const RadauStep *step = &location->step;
     location->next = step_control_next(step);
-    location->aimed_at_breakpoint = step->h == to_breakpoint;
+    location->aimed_at_breakpoint = step->h == to_breakpoint || step->at_sample;
     if (location->aimed_at_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
 }
 

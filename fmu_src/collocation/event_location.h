@@ -22,7 +22,7 @@ typedef struct {
     RadauStep step;
     EventKind kind;           /* what ended the segment */
     bool at_breakpoint;       /* the segment ended at a breakpoint of the transmission */
-    bool aimed_at_breakpoint; /* the length of the step was the time to the breakpoint */
+    bool aimed_at_breakpoint; /* the step was to end at the breakpoint, or at a sample of a friction table */
     StepProposal next;        /* for the next segment */
 } EventLocation;
 

@@ -38,16 +38,31 @@ static bool is_accurate(const LobattoSystem *s) {
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
 }
 
+/* m: sliding distance at contact i per angle of cam 2, at a node. */
+static double sliding_at(const LobattoSystem *s, int i, int node) {
+    const NodePair *n = &s->pair[node / 2];
+    const double r = s->slip->params->cam[i].radius, slope = n->slope[i][node % 2];
+    return n->dpsi_dtheta[i][node % 2] * sqrt(r * r + slope * slope);
+}
+
+/* Does the sliding speed of contact i pass no sample of its friction table? */
+NOINLINE static bool stays_between_samples(const LobattoSystem *s, int i) {
+    const double sigma = s->slip->direction, start = sigma * s->speed.at[0] * sliding_at(s, i, 0);
+    for (int k = 1; k < LOBATTO_NODES; k++)
+        if (friction_share(&s->slip->fall[i], start, sigma * s->speed.at[k] * sliding_at(s, i, k)) < 1.0) return false;
+    return true;
+}
+
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
     const double sigma = s->slip->direction, start = sigma * s->speed.at[0];
     const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
     for (int i = 0; i < 2; i++) {
-        const double r = s->slip->params->cam[i].radius;
-        const NodePair *n = &s->pair[0];
-        const double sliding = n->dpsi_dtheta[i][0] * sqrt(r * r + n->slope[i][0] * n->slope[i][0]); /* per angle */
         const FrictionFall *fall = &s->slip->fall[i];
+        const double sliding = sliding_at(s, i, 0);
+        if (fall->table && !stays_between_samples(s, i)) return false;
+        if (fall->table) continue;
         if (friction_share(fall, start * sliding, low * sliding) < 1.0) return false;
         if (friction_share(fall, start * sliding, high * sliding) < 1.0) return false;
     }

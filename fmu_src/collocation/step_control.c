@@ -56,7 +56,8 @@ static int first_stages(const SlipMode *slip, const Balance *start, double h, co
     return similar && stages < first->stages ? first->stages : stages;
 }
 
-/* The share of the step over which friction changes little enough to be seen by the nodes. */
+/* The share of the step over which friction changes little enough to be seen by the nodes, or after which a sliding
+ * speed reaches a sample of a table. */
 static double resolved_share(const SlipMode *slip, const RadauStep *step) {
     double share = 1.0;
     for (int j = 0; slip->friction_varies && j < step->method->stages; j++) {
@@ -71,6 +72,8 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
                         RadauStep *step) {
     double h = longest, energy_before = INFINITY;
+    const bool has_table = slip->friction_varies && (slip->fall[0].table || slip->fall[1].table);
+    bool at_sample = false;
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS; n++) {
         if (!radau_step_solve(slip, start, h, stages, step)) {
@@ -79,10 +82,12 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         }
         const double share = resolved_share(slip, step);
         if (share < 1.0) {
-            h *= fmin(fmax(STEP_SAFETY * share, STEP_MOST_SHORTENING), STEP_LEAST_SHORTENING);
+            h *= fmin(fmax(share, STEP_MOST_SHORTENING), has_table ? 1.0 : STEP_LEAST_SHORTENING);
+            at_sample = has_table;
             continue;
         }
         const bool stalled = step->energy_error > 0.5 * energy_before;
+        step->at_sample = at_sample;
         if (step->error <= 1.0 && (step->energy_error <= 1.0 || stalled)) return true;
         energy_before = step->error <= 1.0 ? step->energy_error : INFINITY;
         if (stages < RADAU_MAX) {

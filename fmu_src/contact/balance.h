@@ -47,7 +47,7 @@ typedef struct {
 /* The balance at time t after `inputs`. Without inertia `omega` is not used: the balance finds the speed. */
 void balance_at(const SlipMode *slip, double theta, double omega, double t, Balance *out);
 
-/* Where friction varies: the share, above 0 and at most 1, of the way between two balances that one step may span. */
+/* Where friction varies: the share, above 0 and at most 1, of the way between two balances at which a step is to end. */
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to);
 
 /* The right-hand side alone, as a Newton iteration needs it. */

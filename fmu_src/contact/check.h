@@ -21,8 +21,13 @@ bool check_initial(const Params *params, Fault *fault);
 bool check_falling_friction(const Params *params, const char *cause, const char *remedy, Fault *fault);
 
 /* Friction does not fall with the load. To be called without inertia: there damping can take the load off a contact
- * while cam 2 moves. Friction that grows without bound as the load vanishes then gives two reactions, or none. */
-bool check_loaded_friction(const Params *params, Fault *fault);
+ * while cam 2 moves. Friction that grows without bound as the load vanishes then gives two reactions, or none.
+ * `remedy` completes the message. */
+bool check_loaded_friction(const Params *params, const char *remedy, Fault *fault);
+
+/* Without inertia: something limits the speed, since the friction of a table is constant above its last sample. `remedy`
+ * completes the message. */
+bool check_limited_speed(const Params *params, const char *remedy, Fault *fault);
 
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1 (docs/mechanism.md,
  * section 3). */

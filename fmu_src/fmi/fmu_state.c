@@ -27,19 +27,21 @@ typedef struct {
 
 static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
 static const uint64_t SERIALIZED_MAGIC = UINT64_C(0x6d61636c6175642e);
-enum { FORMAT = 3 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
+enum { FORMAT = 4 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
 
 /* Equal states must have equal bytes, so the bytes that belong to no member are cleared. A new member does not compile
  * before its padding is dealt with, here or in model_clear_padding(). */
-enum { PARAMS_END = offsetof(Params, table) + sizeof(((Params *)NULL)->table) };
+enum { PARAMS_END = offsetof(Params, friction_table) + sizeof(((Params *)NULL)->friction_table) };
 enum { LAW_END = offsetof(FrictionParams, stribeck_exponent) + sizeof(int) };
 _Static_assert(LAW_END == 5 * sizeof(double) + sizeof(int), "padding in FrictionParams");
+_Static_assert(sizeof(FrictionParams) - LAW_END < sizeof(double) + sizeof(FrictionTable *),
+               "a member of FrictionParams besides the table, which no saved state holds");
 _Static_assert(sizeof(CamParams) == 6 * sizeof(double) + sizeof(FrictionParams) + 2 * sizeof(int),
                "padding in CamParams");
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
                                  sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool) +
-                                 2 * TABLE_PATH_SIZE,
+                                 4 * TABLE_PATH_SIZE,
                "padding in Params");
 _Static_assert(sizeof(Ledger) == 10 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
 _Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");
@@ -51,7 +53,7 @@ static void clear_padding(Snapshot *snapshot) {
     memset((char *)&snapshot->params + PARAMS_END, 0, sizeof(Params) - PARAMS_END);
     for (int i = 0; i < 2; i++) {
         FrictionParams *law = &snapshot->params.cam[i].law;
-        memset((char *)law + LAW_END, 0, sizeof *law - LAW_END);
+        memset((char *)law + LAW_END, 0, sizeof *law - LAW_END); /* the table's address too */
     }
     model_clear_padding(&snapshot->state);
 }
@@ -66,12 +68,20 @@ static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
     clear_padding(snapshot);
 }
 
-/* Copies a table's path only if one of both paths is not empty: a path is zeros from its end on. */
+/* Copies a path only if one of both paths is not empty: a path is zeros from its end on. */
+static void restore_path(const char path[TABLE_PATH_SIZE], char to[TABLE_PATH_SIZE]) {
+    if (path[0] != '\0' || to[0] != '\0') memcpy(to, path, TABLE_PATH_SIZE);
+}
+
+/* The friction tables stay those of the instance until model_rebuild() has read those of the paths. */
 static void restore_params(const Params *params, Params *to) {
+    const FrictionTable *const table[2] = {to->cam[0].law.table, to->cam[1].law.table};
     memcpy(to, params, offsetof(Params, table));
-    for (int i = 0; i < 2; i++)
-        if (params->table[i][0] != '\0' || to->table[i][0] != '\0')
-            memcpy(to->table[i], params->table[i], sizeof to->table[i]);
+    for (int i = 0; i < 2; i++) {
+        to->cam[i].law.table = table[i];
+        restore_path(params->table[i], to->table[i]);
+        restore_path(params->friction_table[i], to->friction_table[i]);
+    }
 }
 
 static void restore_members(const Snapshot *snapshot, Instance *instance) {

@@ -28,9 +28,8 @@ void forget_cache(Cache *cache) {
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
     m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
-    m->model.closed_form =
-        USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) && !any_friction_varies(&m->params) &&
-        !m->model.friction_is_loaded;
+    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
+                           !any_friction_varies(&m->params) && !m->model.friction_is_loaded;
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
         m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};
@@ -42,23 +41,26 @@ static void build_model(Mechanism *m) {
 }
 
 static bool check_mechanism(const Params *p, Fault *fault) {
+    static const char inertia[] = "inertia.shaft, inertia.follower_mass or inertia.follower > 0";
     return check_params(p, fault) &&
-           (has_inertia(p) ||
-            check_falling_friction(p, "without inertia", "inertia.shaft, inertia.follower_mass or inertia.follower > 0",
-                                   fault)) &&
-           (has_inertia(p) || check_loaded_friction(p, fault));
+           (has_inertia(p) || (check_falling_friction(p, "without inertia", inertia, fault) &&
+                               check_loaded_friction(p, inertia, fault) && check_limited_speed(p, inertia, fault)));
 }
 
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {
-    if (!check_mechanism(&m->params, fault)) return false;
-    if (!check_transmission(&m->params, m->resources, &m->model.transmission, fault)) return false;
-    build_model(m);
-    return true;
+    FrictionTables tables;
+    if (!friction_tables_load(&m->params, &m->model.friction, m->resources, &tables, fault)) return false;
+    const bool good = check_mechanism(&m->params, fault) &&
+                      check_transmission(&m->params, m->resources, &m->model.transmission, fault);
+    friction_tables_settle(&m->params, &m->model.friction, &tables, good);
+    if (good) build_model(m);
+    return good;
 }
 
 void mechanism_free(Mechanism *m) {
     transmission_free(&m->model.transmission);
     m->model.transmission = (Transmission){.count = 0};
+    friction_tables_free(&m->model.friction);
 }
 
 /* ---- start ---- */
@@ -103,6 +105,7 @@ static void restore_cam(const CamTunables *t, CamParams *cam) {
         .viscous = t->viscous,
         .load_exponent = t->load_exponent,
         .load = t->load,
+        .table = cam->law.table,
     };
     cam->wear = t->wear;
 }

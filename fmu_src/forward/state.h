@@ -36,6 +36,7 @@
 #include "contact/contact.h"
 #include "geometry/cam.h"
 #include "geometry/transmission.h"
+#include "model/friction_table_load.h"
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
@@ -105,7 +106,8 @@ typedef struct {
 
 /* What Params imply. */
 typedef struct {
-    Transmission transmission; /* geometry along theta; the only member that owns memory */
+    Transmission transmission; /* geometry along theta; owns memory, as the tables below do */
+    FrictionTables friction;   /* that params.cam[].law.table points to */
     bool friction_is_loaded;   /* a friction coefficient depends on the load */
     bool closed_form;          /* helices and linear forces: slip is known at any time (linear_slip.h) */
     LinearSlipMode linear_slip[SLIP_MODE_COUNT]; /* by slip_index(); coefficients of the closed form */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/csv_file.h"
 #include "numerics/tolerances.h"
 
 static bool build_helix(Groove *groove, const CamParams *cam) {
@@ -53,7 +54,7 @@ static bool build_table(Groove *groove, const char *path, int number, const char
         snprintf(fault->text, sizeof fault->text,
                  "%s = \"%.*s\": no curve through these points: they must not be so close that slopes "
                  "overflow, nor too many for the memory there is",
-                 variable, samples_quoted(path, QUOTED_PATH), path);
+                 variable, csv_quoted(path, QUOTED_PATH), path);
         groove_free(groove);
     }
     samples_free(&samples);

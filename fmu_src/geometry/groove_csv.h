@@ -8,8 +8,6 @@
 #include "model/fault.h"
 #include "numerics/tolerances.h"
 
-enum { QUOTED_PATH = 120 }; /* bytes of a path in a message */
-
 typedef struct {
     double psi; /* rad */
     double z;   /* m */
@@ -28,8 +26,5 @@ bool samples_read(Samples *samples, const char *path, const char *resources, con
 
 /* Safe on zeroed Samples, and twice. */
 void samples_free(Samples *samples);
-
-/* The number of bytes of a text to quote in a message: at most `limit`, without cutting a UTF-8 character. */
-int samples_quoted(const char *text, int limit);
 
 #endif

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "geometry/pin_position.h"
+#include "model/csv_file.h"
 #include "numerics/tolerances.h"
 
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
@@ -22,8 +23,8 @@ static ParameterText parameter_text(const Params *p, int i) {
             snprintf(name.text, sizeof name.text, "cam%d.ellipse_a = %.17g", i + 1, cam[i].ellipse_a);
             break;
         default:
-            snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1,
-                     samples_quoted(p->table[i], QUOTED_PATH), p->table[i]);
+            snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1, csv_quoted(p->table[i], QUOTED_PATH),
+                     p->table[i]);
     }
     return name;
 }

@@ -4,105 +4,26 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-enum { STENCIL = 5 }; /* samples in the difference formula */
-
-/* Slope d and second derivative c at a sample. */
-typedef struct {
-    double slope, dslope_dpsi;
-} Knot;
-
-static double width_at(const Samples *s, size_t j) {
-    return s->sample[j + 1].psi - s->sample[j].psi;
+static CurveSamples curve_of(const Samples *s) {
+    return (CurveSamples){&s->sample[0].psi, &s->sample[0].z, s->count, sizeof(Sample) / sizeof(double)};
 }
 
-/* Delta_j */
-static double chord(const Samples *s, size_t j) {
-    return (s->sample[j + 1].z - s->sample[j].z) / width_at(s, j);
-}
-
-/* First and second derivative, at x[0], of the polynomial through n points (4 or 5), by Newton's
- * divided differences. */
-static Knot polynomial_derivatives(int n, const double x[STENCIL], const double y[STENCIL]) {
-    double difference[STENCIL] = {0.0}; /* [k]: divided difference of the points 0..k */
-    for (int k = 0; k < n; k++) difference[k] = y[k];
-    for (int k = 1; k < n; k++)
-        for (int i = n - 1; i >= k; i--) difference[i] = (difference[i] - difference[i - 1]) / (x[i] - x[i - k]);
-    /* p'(x0) and p''(x0)/2 of the basis polynomial (x - x0)...(x - x_{k-1}) */
-    double first = 1.0, half_second = 0.0;
-    Knot knot = {difference[1], 0.0};
-    for (int k = 2; k < n; k++) {
-        half_second = half_second * (x[0] - x[k - 1]) + first;
-        first *= x[0] - x[k - 1];
-        knot.slope += difference[k] * first;
-        knot.dslope_dpsi += 2.0 * difference[k] * half_second;
-    }
-    return knot;
-}
-
-/* Sample j first, then the other ones of its stencil. */
-static Knot estimate(const Samples *s, size_t j) {
-    const size_t n = s->count < STENCIL ? s->count : STENCIL;
-    size_t begin = j < 2 ? 0 : j - 2;
-    if (begin > s->count - n) begin = s->count - n;
-    double x[STENCIL] = {s->sample[j].psi}, y[STENCIL] = {s->sample[j].z};
-    int used = 1;
-    for (size_t i = begin; i < begin + n; i++) {
-        if (i == j) continue;
-        x[used] = s->sample[i].psi;
-        y[used++] = s->sample[i].z;
-    }
-    return polynomial_derivatives((int)n, x, y);
-}
-
-/* Steps (1) and (2) of the rule in the header. */
-static Knot bounded(const Samples *s, size_t j, Knot knot) {
-    const bool left = j > 0, right = j + 1 < s->count;
-    const bool dwell = (left && chord(s, j - 1) == 0.0) || (right && chord(s, j) == 0.0);
-    if (dwell) return (Knot){0.0, 0.0};
-    knot.slope = fmax(knot.slope, 0.0);
-    if (right) knot.dslope_dpsi = fmax(knot.dslope_dpsi, -4.0 * knot.slope / width_at(s, j));
-    if (left) knot.dslope_dpsi = fmin(knot.dslope_dpsi, 4.0 * knot.slope / width_at(s, j - 1));
-    return knot;
-}
-
-/* s of step (3) */
-static double end_sum(double h, Knot a, Knot b) {
-    return 2.0 * a.slope + a.dslope_dpsi * h / 4.0 + 2.0 * b.slope - b.dslope_dpsi * h / 4.0;
-}
-
-/* f of step (3) */
-static double shrink(const Samples *s, size_t j, const Knot *knot) {
-    const double sum = end_sum(width_at(s, j), knot[j], knot[j + 1]);
-    return sum > 0.0 ? fmin(1.0, 5.0 * chord(s, j) / sum) : 1.0;
-}
-
-/* Step (4). The factors belong to the knots before step (4): the factor of the left piece is computed before its right
- * knot changes. */
-static void shrink_all(const Samples *s, Knot *knot) {
-    double left = 1.0;
-    for (size_t j = 0; j < s->count; j++) {
-        const double right = j + 1 < s->count ? shrink(s, j, knot) : 1.0;
-        const double f = fmin(left, right);
-        knot[j].slope *= f;
-        knot[j].dslope_dpsi *= f;
-        left = right;
-    }
-}
-
-static TablePiece piece_of(const Samples *s, size_t j, const Knot *knot) {
-    const double h = width_at(s, j);
-    const Knot a = knot[j], b = knot[j + 1];
+static TablePiece piece_of(const Samples *s, size_t j, const CurveKnot *knot) {
+    const CurveSamples curve = curve_of(s);
+    const double h = curve_width(&curve, j);
+    const CurveKnot a = knot[j], b = knot[j + 1];
     /* each coefficient is >= 0 by the rule; fmax removes its rounding */
     return (TablePiece){
         .psi = s->sample[j].psi,
         .width = h,
         .z = s->sample[j].z,
-        .slope = {a.slope, fmax(a.slope + a.dslope_dpsi * h / 4.0, 0.0),
-                  fmax(5.0 * chord(s, j) - end_sum(h, a, b), 0.0), fmax(b.slope - b.dslope_dpsi * h / 4.0, 0.0),
-                  b.slope},
+        .slope = {a.slope, fmax(a.slope + a.bend * h / 4.0, 0.0),
+                  fmax(5.0 * curve_chord(&curve, j) - curve_end_sum(h, a, b), 0.0),
+                  fmax(b.slope - b.bend * h / 4.0, 0.0), b.slope},
     };
 }
 
@@ -143,9 +64,9 @@ static void shift_to_origin(Table *table) {
     for (size_t j = 0; j < table->count; j++) table->piece[j].z = (table->piece[j].z - offset) - rise;
 }
 
-static bool fill(Table *table, const Samples *samples, Knot *knot) {
-    for (size_t j = 0; j < samples->count; j++) knot[j] = bounded(samples, j, estimate(samples, j));
-    shrink_all(samples, knot);
+static bool fill(Table *table, const Samples *samples, CurveKnot *knot) {
+    const CurveSamples curve = curve_of(samples);
+    curve_knots(&curve, false, knot);
     for (size_t j = 0; j < table->count; j++) {
         table->piece[j] = piece_of(samples, j, knot);
         if (!is_finite_piece(&table->piece[j])) return false;
@@ -155,7 +76,7 @@ static bool fill(Table *table, const Samples *samples, Knot *knot) {
 }
 
 COMPACT bool table_build(Table *table, const Samples *samples) {
-    Knot *knot = malloc(samples->count * sizeof *knot);
+    CurveKnot *knot = malloc(samples->count * sizeof *knot);
     *table = (Table){.piece = malloc((samples->count - 1) * sizeof(TablePiece)), .count = samples->count - 1};
     const bool good = knot && table->piece && fill(table, samples, knot);
     free(knot);

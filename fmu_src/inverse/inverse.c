@@ -19,12 +19,18 @@ static bool check_inverse(const Params *p, Fault *fault) {
 }
 
 bool inverse_rebuild(Inverse *m, Fault *fault) {
-    return check_inverse(&m->params, fault) && check_transmission(&m->params, m->resources, &m->transmission, fault);
+    FrictionTables tables;
+    if (!friction_tables_load(&m->params, &m->friction, m->resources, &tables, fault)) return false;
+    const bool good =
+        check_inverse(&m->params, fault) && check_transmission(&m->params, m->resources, &m->transmission, fault);
+    friction_tables_settle(&m->params, &m->friction, &tables, good);
+    return good;
 }
 
 void inverse_free(Inverse *m) {
     transmission_free(&m->transmission);
     m->transmission = (Transmission){.count = 0};
+    friction_tables_free(&m->friction);
 }
 
 bool inverse_start(Inverse *m, Fault *fault) {

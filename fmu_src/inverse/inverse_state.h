@@ -7,6 +7,7 @@
 
 #include "geometry/transmission.h"
 #include "inverse/imposed_motion.h"
+#include "model/friction_table_load.h"
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
@@ -26,7 +27,8 @@ typedef struct {
     Params params;
     InverseInputs inputs;
     InverseState state;
-    Transmission transmission; /* geometry along theta; the only member that owns memory */
+    Transmission transmission; /* geometry along theta; owns memory, as the tables below do */
+    FrictionTables friction;   /* that params.cam[].law.table points to */
     const char *resources;     /* directory that a table's relative path starts from, or NULL; not owned */
     bool continuous;           /* model exchange: the direction changes in inverse_settle() only */
 } Inverse;

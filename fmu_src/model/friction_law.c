@@ -22,6 +22,7 @@ static Exponent stribeck_exponent(const FrictionParams *law, double ratio) {
 
 FrictionCoefficient friction_at(const CamParams *cam, double v) {
     const FrictionParams *law = &cam->law;
+    if (law->table) return friction_table_at(law->table, v);
     const double excess = excess_of(cam);
     FrictionCoefficient mu = {cam->friction + law->viscous * v, law->viscous};
     if (excess == 0.0) return mu;
@@ -35,6 +36,7 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
 
 LoadedFriction friction_under(const CamParams *cam, double v, double R) {
     const FrictionParams *law = &cam->law;
+    if (law->table && law->table->loads > 1) return friction_table_under(law->table, v, R);
     const FrictionCoefficient mu = friction_at(cam, v);
     if (!friction_depends_on_load(cam)) return (LoadedFriction){mu.value, mu.by_speed, 0.0};
     const double ratio = R / law->load;
@@ -55,8 +57,14 @@ FrictionBase friction_base(const CamParams *cam, double v) {
                           .per_speed = excess != 0.0 ? 1.0 / cam->law.stribeck_velocity : 0.0};
 }
 
+VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v) {
+    const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
+    return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
+}
+
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
+    if (law->table) return (FrictionFall){.table = law->table, .overshoot = FRICTION_OVERSHOOT * cbrt(tolerance)};
     if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
     const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     const bool gauss = law->stribeck_exponent == 2;
@@ -97,6 +105,7 @@ static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Know
 
 Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known) {
     const FrictionParams *law = &cam->law;
+    if (law->table) return friction_table_along(law->table, v, R);
     const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i), none = {0.0, 0.0};
     const Dual peak = seeded(law->peak, known, KNOWN_PEAK_1, i);
     const Dual viscous = seeded(law->viscous, known, KNOWN_VISCOUS_1, i);

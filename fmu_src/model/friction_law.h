@@ -10,11 +10,14 @@
  * Where the law does not depend on R, the functions without R hold. Where it does, they give mu at R_ref, and
  * friction_under() and friction_along() give mu at any R; contact/loaded_contacts.h finds mu and R together.
  *
+ * A table of samples (friction_table.h) replaces this law where the user names one.
+ *
  * The law stands here once for each arithmetic, as the formulas of contact/contact_factors.h do. Another law replaces
  * the functions of this header, and nothing else. */
 #ifndef DUALCAM_FRICTION_LAW_H
 #define DUALCAM_FRICTION_LAW_H
 
+#include "model/friction_table.h"
 #include "model/known.h"
 #include "model/params.h"
 #include "numerics/jet.h"
@@ -23,17 +26,18 @@
 
 /* Does the coefficient depend on the sliding speed? */
 static inline bool friction_varies(const CamParams *cam) {
-    return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0;
+    return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0 || cam->law.table != NULL;
 }
 
 static inline bool any_friction_varies(const Params *p) {
     const FrictionParams *a = &p->cam[0].law, *b = &p->cam[1].law;
     const bool coulomb = a->peak + b->peak == 2.0 && a->viscous + b->viscous == 0.0; /* without a branch for each */
-    return !coulomb && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
+    return !(coulomb && !a->table && !b->table) && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
 }
 
 /* Does the coefficient depend on the reaction? */
 static inline bool friction_depends_on_load(const CamParams *cam) {
+    if (cam->law.table) return cam->law.table->loads > 1;
     return cam->law.load_exponent != 0.0 && cam->friction > 0.0;
 }
 
@@ -43,22 +47,11 @@ static inline bool any_friction_depends_on_load(const Params *p) {
 
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
-    return cam->friction * cam->law.peak;
+    return cam->law.table ? friction_table_at_rest(cam->law.table) : cam->friction * cam->law.peak;
 }
-
-typedef struct {
-    double value;
-    double by_speed; /* s/m, dmu/dv */
-} FrictionCoefficient;
 
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v);
-
-typedef struct {
-    double value;
-    double by_speed; /* s/m, dmu/dv */
-    double by_load;  /* 1/N, dmu/dR */
-} LoadedFriction;
 
 /* mu(v, R) and its derivatives; R >= 0 in N, of one contact. Below FRICTION_LEAST_LOAD R_ref the coefficient counts as
  * constant: with nu < 0 it would grow without bound. */
@@ -70,10 +63,12 @@ static inline double friction_at_rest(const CamParams *cam, double R) {
 }
 
 /* The range of speeds in which mu falls steeply. A collocation step that spans more than a part of the range would step
- * over the fall unseen. */
+ * over the fall unseen. A step also ends at the samples of a table. */
 typedef struct {
     double end;  /* m/s, above which the law is smooth; -infinity: everywhere */
     double span; /* m/s, the change of speed in one step below the end */
+    const FrictionTable *table;
+    double overshoot; /* share of a piece of the table */
 } FrictionFall;
 
 /* `tolerance`: relative, of the motion. */
@@ -81,6 +76,7 @@ FrictionFall friction_fall(const CamParams *cam, double tolerance);
 
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
 static inline double friction_share(const FrictionFall *fall, double v, double to) {
+    if (fall->table) return friction_table_share(fall->table, fall->overshoot, v, to);
     if ((v < to ? v : to) >= fall->end) return 1.0;
     const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span, change = v > to ? v - to : to - v;
     return allowed < change ? allowed / change : 1.0;
@@ -100,8 +96,11 @@ typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
+VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v);
+
 /* friction_at() at two speeds, to some roundings. */
 static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
+    if (cam->law.table) return friction_table_at_both(cam->law.table, v);
     const Vector2 ratio = v * base->per_speed, none = {0.0, 0.0};
     const bool gauss = cam->law.stribeck_exponent == 2;
     const double from = gauss ? -INFINITY : -1.0; /* see stribeck_exponent() */

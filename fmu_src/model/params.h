@@ -15,7 +15,9 @@
 enum { PROFILE_HELIX = 1, PROFILE_ELLIPSE = 2, PROFILE_TABLE = 3 };
 enum { TABLE_PATH_SIZE = 1024 }; /* bytes, terminating zero included */
 
-/* The friction law of a groove (contact/friction_law.h). The start values are Coulomb's law. */
+typedef struct FrictionTable FrictionTable;
+
+/* The friction law of a groove (friction_law.h). The start values are Coulomb's law. */
 typedef struct {
     double peak;              /* static over kinetic coefficient, >= 1 */
     double stribeck_velocity; /* m/s, v_s > 0 */
@@ -23,6 +25,8 @@ typedef struct {
     double load_exponent;     /* nu */
     double load;              /* N, R_ref of one contact */
     int stribeck_exponent;    /* delta: 1 or 2 */
+    /* Replaces the law above unless NULL. Not owned; not of a saved state: the path is (friction_table_load.h). */
+    const FrictionTable *table;
 } FrictionParams;
 
 typedef struct {
@@ -81,10 +85,11 @@ typedef struct {
     ShaftParams shaft;
     StopParams stop;
     InitialParams initial;
-    double tolerance;               /* relative, of collocation; no variable of the FMU */
-    int contacts;                   /* pin ends that share the load, 1 or 2 */
-    bool ledger;                    /* keep the energy accounts and the peaks */
-    char table[2][TABLE_PATH_SIZE]; /* path of the file with the sampled groove of each cam */
+    double tolerance;                        /* relative, of collocation; no variable of the FMU */
+    int contacts;                            /* pin ends that share the load, 1 or 2 */
+    bool ledger;                             /* keep the energy accounts and the peaks */
+    char table[2][TABLE_PATH_SIZE];          /* path of the file with the sampled groove of each cam */
+    char friction_table[2][TABLE_PATH_SIZE]; /* path of the file with the sampled friction law; "": none */
 } Params;
 
 /* The parameters that may change at a communication point. */
@@ -125,7 +130,8 @@ static inline bool has_inertia(const Params *p) {
 
 /* No coefficient is negative, so a sum saves a branch. */
 static inline bool has_friction(const Params *p) {
-    return p->cam[0].friction + p->cam[1].friction > 0.0 || p->cam[0].law.viscous + p->cam[1].law.viscous > 0.0;
+    return p->cam[0].friction + p->cam[1].friction > 0.0 || p->cam[0].law.viscous + p->cam[1].law.viscous > 0.0 ||
+           p->cam[0].law.table || p->cam[1].law.table;
 }
 
 /* Is there a specific wear rate, so that the ledger keeps the volumes worn off? */

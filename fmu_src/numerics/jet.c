@@ -61,7 +61,7 @@ NOINLINE Jet jet_exp(const Jet *a) {
 }
 
 /* l = log a: a dl/dt = da/dt, so that l_k is the coefficient of the integral of (da/dt)/a. */
-Jet jet_log(const Jet *a) {
+NOINLINE Jet jet_log(const Jet *a) {
     const Jet rate = jet_rate(a), quotient = jet_divide(&rate, a);
     Jet l = {.c = {{logarithm(a->c[0].value), a->c[0].slope / a->c[0].value}}};
     for (int k = 1; k < JET_TERMS; k++) l.c[k] = dual_scale(1.0 / k, quotient.c[k - 1]);

@@ -44,8 +44,7 @@ enum { QUADRATURE_MAX_DEPTH = 40, QUADRATURE_MAX_PANELS = 20000 };
 /* Golden sections in the search for a peak: 0.618^40 = 4e-9 of the interval, and the value errs by the square. */
 enum { QUADRATURE_PEAK_STEPS = 40 };
 
-/* Panels below this share of the interval are not divided where formulas change: where two formulas nearly agree,
- * rounding may change them often. */
+/* Panels below this share of the interval are not divided where formulas change: rounding may change them often. */
 static const double QUADRATURE_NARROW = 1e-6;
 
 /* A panel is integrated to the tolerance times this share of the whole sum of magnitudes at least. */
@@ -57,11 +56,20 @@ static const double QUADRATURE_ROUNDING = 16.0 * DBL_EPSILON;
 /* A sample exceeds its neighbours, and is searched for a peak, by more than this share of its value: rounding. */
 static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
+/* ---- model ---- */
+
+/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. */
+enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
+static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
+
+/* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
+ * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
+static const double FRICTION_OVERSHOOT = 0.3, FRICTION_SPAN = 0.5;
+
 /* ---- geometry ---- */
 
-/* Samples of a table, and bytes of its file. Fewer than four samples do not determine slopes and curvatures; the upper
- * limits bound memory and time. */
-enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000, SAMPLES_MAX_BYTES = 16 * 1024 * 1024 };
+/* Samples of a groove table. Four determine slopes and curvatures; the upper limit bounds memory and time. */
+enum { SAMPLES_MIN = 4, SAMPLES_MAX = 100000 };
 
 /* Newton's method for the angle of a table ends at this share of a piece's width: half a rounding of 1. Ten
  * times larger: tests/test_groove.py fails, in the test of a transmission with a dwell. */
@@ -152,8 +160,7 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
 
-/* Share of its value at the start below which a derivative at the end of a segment has died away, so that its sign is
- * rounding. */
+/* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
 static const double LINEAR_DECAYED = 1e-12;
 
 /* Share of the rate at the start of an interval below which the rate has died away, so that its sign is rounding. */
@@ -162,15 +169,13 @@ static const double LINEAR_DECAYED_RATE = 1e-13;
 /* Share of the torques whose sum is M alpha below which M alpha is rounding: 45 times the unit roundoff. */
 static const double LINEAR_TORQUE_ROUNDING = 1e-14;
 
-/* Share of the start's omega and alpha that counts in the rounding of x_i at the end. Times REACTION_ZERO_SHARE: a few
- * unit roundoffs of the start. */
+/* Share of the start's omega and alpha in the rounding of x_i at the end. Times REACTION_ZERO_SHARE: some eps. */
 static const double LINEAR_START_SHARE = 0.01;
 
 /* Newton step times the largest rate of the motion, below which the second derivative is constant over the step. */
 static const double LINEAR_NEWTON_SHORT = 0.1;
 
-/* Limit of the root finder's iterations. Every other iteration halves the bracket at least, so about 120 reach two
- * neighbouring numbers. */
+/* Iterations of the root finder. Every other one halves the bracket, so about 120 reach two neighbouring numbers. */
 enum { LINEAR_ROOT_ITERATIONS = 200 };
 
 /* ---- collocation ---- */
@@ -188,23 +193,19 @@ static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
  * the forces can be that much larger than the rounding of their sum. */
 static const double RADAU_STALLED = 100.0;
 
-/* Multiple of a small correction below which the matrix of the iteration before serves once more: what is left is a
- * correction of a correction. */
+/* Multiple of a small correction below which the matrix of the iteration before serves once more. */
 static const double RADAU_CHORD_BELOW = 1e6;
 
-/* Stiffness of a step, h |by_omega| + h^2 |by_theta|, below which three terms of a series solve the linear system, with
- * the derivatives at the start. */
+/* Stiffness of a step, h |by_omega| + h^2 |by_theta|, below which three terms of a series solve the linear system. */
 static const double RADAU_SERIES_STIFFNESS = 0.05;
 
-/* Stiffness above which the first iterate solves the equations linearised at the start: the tangent would lead far
- * off. */
+/* Stiffness above which the first iterate solves the equations linearised at the start: the tangent leads far off. */
 static const double RADAU_TANGENT_STIFFNESS = 0.3;
 
 /* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
 static const double RADAU_BEYOND_PIECE = 0.05;
 
-/* Factor on the error estimate. With it the errors of all scenes of benchmarks/integrators stay below ten times the
- * tolerance. */
+/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. */
 static const double RADAU_ERROR_SAFETY = 10.0;
 
 /* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
@@ -241,15 +242,13 @@ static const double STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
 /* Between two polynomials of one smooth groove. */
 static const double BREAKPOINT_OVERSHOOT = 0.02;
 
-/* At a table knot, times the root of the tolerance: the error that the jump of the third derivative causes grows with
- * the square of the overshoot. */
+/* At a table knot, times the root of the tolerance: the error of the jump grows with the square of the overshoot. */
 static const double BREAKPOINT_KNOT_OVERSHOOT = 0.03;
 
 /* At a table knot along the edge of the stick band, which may have its fold there. */
 static const double BREAKPOINT_EDGE_OVERSHOOT = 1e-10;
 
-/* Share of the time to a breakpoint by which its improvement may change the time: beyond, a polynomial of third degree
- * in time does not describe the motion. */
+/* Share of the time to a breakpoint by which its improvement may change it: beyond, a cubic is not the motion. */
 static const double BREAKPOINT_TIME_CHANGE = 0.1;
 
 /* Step control */

@@ -50,11 +50,11 @@ TEXTS = ["groove.csv", " ", "/a/b c.csv", "Größe %s%n", "x" * 1023]
 
 @for_each(type=["String"])
 def test_tables_are_any_text(fmu, name):
-    """A helix does not read it."""
+    """A helix does not read a groove table. A friction table is read at the start."""
     for value in (*TEXTS, ""):
         fmu.set({name: value})
         assert fmu.get(name) == value
-    fmu.set({name: TEXTS[-1]})
+    fmu.set({name: TEXTS[-1] if name.endswith(".table") else ""})
     fmu.start()
 
 

@@ -28,6 +28,22 @@ def test_co_simulation_is_bit_for_bit_that_of_fmi2(make_model, make3, scene):
     assert (modes & {LOWER_STOP, UPPER_STOP} or new.get("energy.heat_stop") > 0) and len(modes) >= 2
 
 
+def test_friction_tables_are_those_of_fmi2(make_model, make3, tmp_path):
+    (tmp_path / "law.csv").write_text("v_m_s,mu\n0,0.2\n0.01,0.15\n0.1,0.12\n")
+    table = {f"cam{i}.friction_table": str(tmp_path / "law.csv") for i in (1, 2)}
+    for of2, of3, inputs in (
+        (fmi2.FORWARD, FORWARD, {"tau": 7.0}),
+        (fmi2.models["DualCamInverse"], INVERSE, {"theta": 0.1, "omega": 3.0}),
+    ):
+        old, new = make_model(of2).start(table), make3(of3).start(table)
+        assert old.get("cam1.friction_coefficient") == 0.2
+        for _ in range(3):
+            old.step(0.01, **inputs)
+            new.step(0.01, **inputs)
+            for name in ("cam1.friction_coefficient", "z", "energy.heat_cam1", "torque_load"):
+                assert new.get(name) == old.get(name)
+
+
 @pytest.mark.parametrize("stiffness", [0.0, 20.0])
 def test_inverse_co_simulation_is_bit_for_bit_that_of_fmi2(make_model, make3, stiffness):
     scene = FORCES | {"shaft.stiffness": stiffness}

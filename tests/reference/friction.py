@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import BPoly, CubicSpline
 from scipy.optimize import brentq, fsolve
 
 from .parameters import Refused
@@ -28,7 +30,9 @@ class FrictionLaw:
     load: Any = 100.0
 
     @classmethod
-    def of_cam(cls, p: Mapping[str, Any], i: int) -> FrictionLaw:
+    def of_cam(cls, p: Mapping[str, Any], i: int) -> FrictionLaw | TableLaw:
+        if p[f"cam{i}.friction_table"]:
+            return TableLaw.read(p[f"cam{i}.friction_table"])
         names = (
             "friction",
             "friction_peak",
@@ -72,6 +76,92 @@ class FrictionLaw:
         """d(mu R)/dR"""
         lubricated = self.viscous * v
         return (1 + self.load_exponent) * (self.at(v, reaction) - lubricated) + lubricated
+
+
+class TableLaw:
+    """mu(v) through samples: ln mu is a curve of quintic pieces, twice continuously differentiable, which
+    rises or falls in each piece as the samples do; mu is constant beyond the last speed.
+
+    Slope d_j and second derivative c_j at sample j start as those of the polynomial through the five nearest
+    samples. They are then limited so that in each piece, of width h and mean slope D, the Bernstein
+    coefficients of the derivative, d_0, d_0 + c_0 h/4, 5 D - e, d_1 - c_1 h/4 and d_1, have the sign of D,
+    where e = 2 d_0 + c_0 h/4 + 2 d_1 - c_1 h/4."""
+
+    varies, is_loaded, peak, stribeck_velocity = True, False, 1.0, 1.0
+
+    @staticmethod
+    def read(path: str | Path) -> TableLaw | LoadedTableLaw:
+        rows = np.loadtxt(Path(path), delimiter=",", skiprows=1)
+        if rows.shape[1] == 2:
+            return TableLaw(*rows.T)
+        loads = np.unique(rows[:, 1])
+        by_load = [TableLaw(*rows[rows[:, 1] == load][:, [0, 2]].T) for load in loads]
+        return LoadedTableLaw(loads, by_load)
+
+    def __init__(self, v: np.ndarray, mu: np.ndarray) -> None:
+        y, n = np.log(mu), len(v)
+        h, mean = np.diff(v), np.diff(y) / np.diff(v)
+        d, c = np.zeros(n), np.zeros(n)
+        for j in range(n):
+            first = min(max(j - 2, 0), max(n - 5, 0))
+            near = slice(first, min(first + 5, n))
+            local = np.linalg.solve(np.vander(v[near] - v[j], increasing=True), y[near])
+            beside = [mean[k] for k in (j - 1, j) if 0 <= k < n - 1]
+            if any(m == 0 for m in beside):
+                continue
+            rises = np.sign(beside[-1])
+            d[j] = rises * max(rises * local[1], 0.0) if all(np.sign(m) == rises for m in beside) else 0.0
+            c[j] = 2 * local[2]
+            if j < n - 1:
+                c[j] = rises * max(rises * c[j], -4 * rises * d[j] / h[j])
+            if j > 0:
+                rose = np.sign(beside[0])
+                c[j] = rose * min(rose * c[j], 4 * rose * d[j] / h[j - 1])
+        d[-1] = c[-1] = 0.0
+        e = 2 * d[:-1] + c[:-1] * h / 4 + 2 * d[1:] - c[1:] * h / 4
+        share = np.array([min(1.0, 5 * m / x) if m * x > 0 else 1.0 for m, x in zip(mean, e, strict=True)])
+        share = np.minimum(np.append(share, 1.0), np.insert(share, 0, 1.0))
+        self.curve = BPoly.from_derivatives(v, np.column_stack([y, share * d, share * c]))
+        self.end, self.static, self.last = float(v[-1]), float(mu[0]), float(mu[-1])
+        self.kinetic = self.last
+        slopes = self.curve.derivative()(np.linspace(0, self.end, 2001))
+        self.viscous = float(np.abs(slopes).max() * mu.max())  # 1/(m/s), for an estimate of rates alone
+
+    def at(self, v: Any, reaction: Any = None) -> Any:
+        if v >= self.end:
+            return self.last
+        return float(np.exp(self.curve(max(v, 0.0))))
+
+
+class LoadedTableLaw:
+    """mu(v, R) through samples: at each load a TableLaw; over ln R the natural cubic spline of ln mu, and
+    beyond the loads a power of R."""
+
+    varies, is_loaded, peak, stribeck_velocity = True, True, 1.0, 1.0
+
+    def __init__(self, loads: np.ndarray, by_load: list[TableLaw]) -> None:
+        self.loads, self.by_load = loads, by_load
+        middle = by_load[len(loads) // 2]
+        self.static, self.kinetic, self.viscous = middle.static, middle.kinetic, middle.viscous
+
+    def _log(self, v: Any, reaction: Any) -> tuple[float, float]:
+        """ln mu and its derivative by ln R."""
+        values = np.log([law.at(v) for law in self.by_load])
+        x, place = np.log(self.loads), np.log(max(reaction, LEAST_LOAD * self.loads[0]))
+        spline = CubicSpline(x, values, bc_type="natural")
+        inside = min(max(place, x[0]), x[-1])
+        slope = float(spline(inside, 1))
+        return float(spline(inside)) + slope * (place - inside), slope
+
+    def at(self, v: Any, reaction: Any = None) -> Any:
+        if reaction is None:
+            return self.by_load[len(self.loads) // 2].at(v)
+        return math.exp(self._log(v, abs(reaction))[0])
+
+    def tangent(self, v: Any, reaction: Any) -> Any:
+        """d(mu R)/dR"""
+        log_mu, slope = self._log(v, abs(reaction))
+        return math.exp(log_mu) * (1 + slope)
 
 
 # ---- a pin under given loads, from the equations of section 9 ----

@@ -26,6 +26,7 @@ DEFAULTS: dict[str, Any] = {
             "ellipse_b": 0.05,
             "ellipse_curvature": -1,
             "table": "",
+            "friction_table": "",
             "friction": 0.14,
             "friction_peak": 1.0,
             "stribeck_velocity": 0.01,

@@ -115,6 +115,7 @@ STEEP = {"cam2.profile": 2, "cam2.ellipse_a": 0.09, "cam2.ellipse_b": 0.07, "cam
 HEAVY = {"inertia.shaft": 0.004, "inertia.follower_mass": 0.3, "shaft.damping": 0.01}
 TABLES = {"cam1.profile": 3, "cam1.table": "first.csv", "cam2.profile": 3, "cam2.table": "the second.csv"}
 TABLE_FILES = {"first.csv": table(0.018, 0.002), "the second.csv": table(0.022, -0.003)}
+FRICTION = "v_m_s,mu\n0,0.2\n0.05,0.15\n0.5,0.12\n"
 DAMPED = {"damper.c_load": 20.0, "damper.q_load": 50.0, "damper.c_release": 30.0, "spring.stiffness3": 1e6}
 
 SCENES = {
@@ -126,6 +127,11 @@ SCENES = {
     "tables": Scene({**TABLES, **HEAVY}, loading(9.0), TABLE_FILES),
     "table and helix": Scene({"cam1.profile": 3, "cam1.table": "first.csv"}, loading(9.0), TABLE_FILES),
     "without inertia": Scene({"inertia.shaft": 0.0}, loading(10.0)),
+    "friction table": Scene(
+        {"cam1.friction_table": "law.csv"},
+        loading(10.0),
+        {"law.csv": "v_m_s,mu\n0,0.2\n0.05,0.15\n0.5,0.12\n"},
+    ),
     "start in between": Scene({"initial.theta": 0.7, "initial.omega": 5.0}, loading(10.0)),
 }
 CHANGES = {
@@ -176,9 +182,7 @@ class Twin:
         for name, text in scene.files.items():
             (folder / name).write_text(text, encoding="utf-8")
         self.path = fmu_path(scene.model)
-        self.design = {
-            n: str(folder / v) if n.endswith(".table") and v else v for n, v in scene.start.items()
-        }
+        self.design = {n: str(folder / v) if n.endswith("table") and v else v for n, v in scene.start.items()}
         self.fmu, self.values = Fmu(self.path), dict(self.design)
         self.fmu.start(self.design)
 

@@ -1,0 +1,276 @@
+#include "model/friction_table_load.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/csv_file.h"
+#include "model/sampled_curve.h"
+#include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+/* One line of the file. */
+typedef struct {
+    double v, R; /* m/s, N; R = 0 where the file has no loads */
+    double mu, log_mu;
+} FrictionSample;
+
+typedef struct {
+    FrictionSample sample[FRICTION_SAMPLES_MAX]; /* all of the first load, then of the next */
+    CurveKnot knot[FRICTION_SAMPLES_MAX];
+    size_t count, speeds, loads;
+} FrictionSamples;
+
+/* ---- the file ---- */
+
+static bool check_mu(const CsvFile *csv, double mu) {
+    return (mu > 0.0 && mu <= FRICTION_MAX) ||
+           csv_refuse(csv,
+                      "line %zu: mu = %.17g must be > 0 and <= %g; without friction leave out the table and set the "
+                      "friction to 0",
+                      csv->line, mu, FRICTION_MAX);
+}
+
+/* Begins the samples of another load. */
+static bool begin_load(const CsvFile *csv, FrictionSamples *s) {
+    const FrictionSample *sample = &s->sample[s->count];
+    if (s->count == 0 && sample->v != 0.0)
+        return csv_refuse(csv,
+                          "line %zu: v_m_s = %.17g must be 0 in the first line of numbers, which holds the static "
+                          "coefficient",
+                          csv->line, sample->v);
+    const double before = s->count > 0 ? sample[-1].R : 0.0;
+    if (sample->R < before || (s->count > 0 && sample->R == before))
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be > %.17g, the load before", csv->line, sample->R, before);
+    if (s->loads == FRICTION_LOADS_MAX)
+        return csv_refuse(csv, "line %zu: too many loads, at most %d are allowed", csv->line, FRICTION_LOADS_MAX);
+    s->loads++;
+    return true;
+}
+
+/* Is the sample the next one of its load? The first load sets the speeds. */
+static bool check_speed(const CsvFile *csv, const FrictionSamples *s) {
+    const FrictionSample *sample = &s->sample[s->count];
+    if (sample->R != sample[-1].R)
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load begins with v_m_s = 0 and has all speeds",
+                          csv->line, sample->R, sample[-1].R);
+    if (!(sample->v > sample[-1].v))
+        return csv_refuse(csv, "line %zu: v_m_s = %.17g must be > %.17g, that of the line before", csv->line, sample->v,
+                          sample[-1].v);
+    const double same = s->loads > 1 ? s->sample[s->count % s->speeds].v : sample->v;
+    return sample->v == same ||
+           csv_refuse(csv, "line %zu: v_m_s = %.17g must be %.17g, the speed that the first load has there", csv->line,
+                      sample->v, same);
+}
+
+static bool add_sample(const CsvFile *csv, FrictionSamples *s) {
+    const bool begins = s->count == 0 || (s->sample[s->count].R > 0.0 && s->sample[s->count].v == 0.0);
+    if (begins && s->loads == 1 && s->count < FRICTION_SAMPLES_MIN)
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load has all its speeds, at least %d, in turn",
+                          csv->line, s->sample[s->count].R, s->sample[0].R, FRICTION_SAMPLES_MIN);
+    if (begins && s->loads == 1) s->speeds = s->count;
+    const bool whole = s->loads == 0 || s->speeds == 0 || s->count % s->speeds == 0;
+    if (s->loads > 0 && s->speeds > 0 && begins != whole)
+        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", csv->line, s->speeds);
+    if (!(begins ? begin_load(csv, s) : check_speed(csv, s)) || !check_mu(csv, s->sample[s->count].mu)) return false;
+    s->count++;
+    return true;
+}
+
+static bool check_whole(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
+    if (s->loads <= 1) s->speeds = s->count;
+    if (s->speeds < FRICTION_SAMPLES_MIN)
+        return csv_refuse(csv, "%zu points, but there must be at least %d", s->speeds, FRICTION_SAMPLES_MIN);
+    if (with_loads && s->loads < 2)
+        return csv_refuse(csv, "one load, but there must be at least 2; for one, leave out the column R_N");
+    return s->count == s->speeds * s->loads ||
+           csv_refuse(csv, "%zu points, but there must be %zu: each load must have the %zu speeds of the first load",
+                      s->count, s->speeds * s->loads, s->speeds);
+}
+
+static bool read_samples(CsvFile *csv, FrictionSamples *s) {
+    static const char *const header[] = {"v_m_s,mu", "v_m_s,R_N,mu"};
+    static const char *const form[] = {"two finite numbers \"v_m_s,mu\", like \"0.01,0.12\"",
+                                       "three finite numbers \"v_m_s,R_N,mu\", like \"0.01,100,0.12\""};
+    const int with_loads = csv_header(csv, header, 2);
+    if (with_loads < 0) return false;
+    s->count = s->speeds = s->loads = 0;
+    while (!csv_at_end(csv)) {
+        double value[3];
+        if (s->count == FRICTION_SAMPLES_MAX)
+            return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
+        if (!csv_row(csv, 2 + with_loads, form[with_loads], value)) return false;
+        const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
+        if (with_loads && !(R > 0.0)) return csv_refuse(csv, "line %zu: R_N = %.17g must be > 0", csv->line, R);
+        s->sample[s->count] = (FrictionSample){value[0], R, mu, logarithm(mu)};
+        if (!add_sample(csv, s)) return false;
+    }
+    return check_whole(csv, s, with_loads != 0);
+}
+
+/* ---- the curve over the speed ---- */
+
+/* By powers of t, from value, slope d and second derivative c at both ends. */
+static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
+    const FrictionSample *a = &s->sample[j], *b = &s->sample[j + 1];
+    const double h = b->v - a->v, rise = b->log_mu - a->log_mu;
+    const double d0 = h * s->knot[j].slope, d1 = h * s->knot[j + 1].slope;
+    const double c0 = 0.5 * h * h * s->knot[j].bend, c1 = 0.5 * h * h * s->knot[j + 1].bend;
+    const double value = rise - d0 - c0, slope = d1 - d0 - 2.0 * c0, bend = 2.0 * (c1 - c0); /* left to t^3, t^4, t^5 */
+    return (FrictionPiece){
+        .v = a->v,
+        .per_width = 1.0 / h,
+        .mu = a->mu,
+        .log_mu = a->log_mu,
+        .c = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
+              6.0 * value - 3.0 * slope + 0.5 * bend},
+    };
+}
+
+/* Of load k. False if the speeds are so close that a slope overflows. */
+static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
+    const size_t first = k * s->speeds;
+    const FrictionSample *sample = &s->sample[first];
+    const CurveSamples curve = {&sample->v, &sample->log_mu, s->speeds, sizeof *sample / sizeof(double)};
+    curve_knots(&curve, true, &s->knot[first]);
+    double sum = 0.0;
+    for (size_t j = 0; j < table->count; j++) {
+        const FrictionPiece piece = piece_of(s, first + j);
+        table->piece[k * table->count + j] = piece;
+        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
+        if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
+    }
+    table->end[k] = sample[table->count].mu;
+    return isfinite(sum);
+}
+
+/* ---- the spline over the load ---- */
+
+/* The second derivatives M of the natural cubic spline through values u at the points x are linear in u:
+ *     h_{k-1} M_{k-1} + 2 (h_{k-1} + h_k) M_k + h_k M_{k+1} = 6 ((u_{k+1} - u_k)/h_k - (u_k - u_{k-1})/h_{k-1})
+ * with M = 0 at both ends. Elimination without pivots, for the system is dominated by its diagonal. */
+static void fill_bends(FrictionTable *table) {
+    const double *x = table->log_load;
+    double diagonal[FRICTION_LOADS_MAX];
+    for (size_t k = 1; k + 1 < table->loads; k++) {
+        const double below = x[k] - x[k - 1], above = x[k + 1] - x[k];
+        double *row = table->bend[k];
+        row[k - 1] = 6.0 / below;
+        row[k] = -6.0 / below - 6.0 / above;
+        row[k + 1] = 6.0 / above;
+        diagonal[k] = 2.0 * (below + above);
+        if (k == 1) continue;
+        const double factor = below / diagonal[k - 1];
+        diagonal[k] -= factor * below;
+        for (size_t l = 0; l < table->loads; l++) row[l] -= factor * table->bend[k - 1][l];
+    }
+    for (size_t k = table->loads - 1; k-- > 1;)
+        for (size_t l = 0; l < table->loads; l++)
+            table->bend[k][l] = (table->bend[k][l] - (x[k + 1] - x[k]) * table->bend[k + 1][l]) / diagonal[k];
+}
+
+/* The load may change mu by a power between -FRICTION_LOAD_POWER and that: as the load exponent of the analytic law. */
+static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
+    for (size_t n = s->speeds; n < s->count; n++) {
+        const FrictionSample *a = &s->sample[n - s->speeds], *b = &s->sample[n];
+        const double power = (b->log_mu - a->log_mu) / logarithm(b->R / a->R);
+        if (!(fabs(power) <= FRICTION_LOAD_POWER))
+            return csv_refuse(csv,
+                              "at v_m_s = %.17g mu goes with the power %.3g of the load from R_N = %.17g to %.17g: "
+                              "allowed are powers from %g to %g",
+                              a->v, power, a->R, b->R, -FRICTION_LOAD_POWER, FRICTION_LOAD_POWER);
+    }
+    return true;
+}
+
+static bool fill(FrictionTable *table, FrictionSamples *s) {
+    for (size_t j = 0; j < s->speeds; j++) table->speed[j] = s->sample[j].v;
+    for (size_t k = 0; k < s->loads; k++) {
+        if (!fill_load(table, s, k)) return false;
+        table->load[k + 1] = s->sample[k * s->speeds].R;
+        table->log_load[k] = s->loads > 1 ? logarithm(table->load[k + 1]) : 0.0;
+    }
+    if (s->loads > 2) fill_bends(table);
+    return true;
+}
+
+static void free_table(FrictionTable *table) {
+    if (!table) return;
+    free(table->piece);
+    free(table->speed);
+    free(table);
+}
+
+/* NULL with the reason in the fault of `csv`. */
+static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
+    if (!check_powers(csv, s)) return NULL;
+    const size_t size = strlen(csv->path) + 1, count = s->speeds - 1;
+    FrictionTable *table = malloc(sizeof *table + size);
+    if (table) {
+        *table = (FrictionTable){
+            .count = count,
+            .loads = s->loads,
+            .piece = malloc(s->loads * count * sizeof(FrictionPiece)),
+            .speed = malloc(s->speeds * sizeof(double)),
+            .falls_at = NAN,
+        };
+        memcpy(table->path, csv->path, size);
+        if (table->piece && table->speed && fill(table, s)) return table;
+    }
+    free_table(table);
+    csv_refuse(csv, "no curve through these points: the speeds must not be so close that slopes overflow, nor the "
+                    "memory short");
+    return NULL;
+}
+
+COLD static FrictionTable *read_table(const char *path, const char *resources, int number, Fault *fault) {
+    char variable[24];
+    snprintf(variable, sizeof variable, "cam%d.friction_table", number);
+    CsvFile csv;
+    if (!csv_open(&csv, path, resources, variable, fault)) return NULL;
+    FrictionSamples *samples = malloc(sizeof *samples);
+    FrictionTable *table = NULL;
+    if (!samples) csv_refuse(&csv, "not enough memory to read it, %zu bytes must be available", sizeof *samples);
+    else if (read_samples(&csv, samples)) table = build(&csv, samples);
+    free(samples);
+    csv_close(&csv);
+    return table;
+}
+
+/* ---- both cams ---- */
+
+/* Frees the tables that the other ones do not hold. */
+static void free_unless_in(const FrictionTables *kept, FrictionTables *tables) {
+    for (int i = 0; i < 2; i++)
+        if (tables->table[i] != kept->table[i]) free_table(tables->table[i]);
+}
+
+COMPACT bool friction_tables_load(Params *params, const FrictionTables *now, const char *resources,
+                                  FrictionTables *made, Fault *fault) {
+    *made = (FrictionTables){.table = {NULL, NULL}};
+    for (int i = 0; i < 2; i++) {
+        const char *path = params->friction_table[i];
+        if (path[0] == '\0') continue;
+        const bool is_known = now->table[i] && strcmp(now->table[i]->path, path) == 0;
+        made->table[i] = is_known ? now->table[i] : read_table(path, resources, i + 1, fault);
+        if (made->table[i]) continue;
+        free_unless_in(now, made);
+        return false;
+    }
+    for (int i = 0; i < 2; i++) params->cam[i].law.table = made->table[i];
+    return true;
+}
+
+void friction_tables_settle(Params *params, FrictionTables *now, FrictionTables *made, bool accepted) {
+    free_unless_in(accepted ? made : now, accepted ? now : made);
+    if (accepted) *now = *made;
+    for (int i = 0; i < 2; i++) params->cam[i].law.table = now->table[i];
+}
+
+void friction_tables_free(FrictionTables *tables) {
+    for (int i = 0; i < 2; i++) {
+        free_table(tables->table[i]);
+        tables->table[i] = NULL;
+    }
+}
