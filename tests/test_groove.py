@@ -16,7 +16,9 @@ DEGREE = 12
 EPS = np.finfo(float).eps
 SHIM = """
 TransmissionPoint point(const TransmissionPiece *p, double t);
-TransmissionPoint point(const TransmissionPiece *p, double t) { return piece_at(p, t); }
+TransmissionPoint point(const TransmissionPiece *p, double t) {
+    return piece_point(p, t, TRANSMISSION_SECOND_DERIVATIVES);
+}
 """
 
 
