@@ -213,9 +213,9 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
 }
 
 /* With quadratic damping alone by_omega vanishes at rest, where the size is that of the damper's law. */
-NOINLINE static RightHandSide finish_loaded_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
-                                                    const InputValues *in, double by_theta, double by_omega,
-                                                    double omega) {
+COMPACT static RightHandSide finish_loaded_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                                   const InputValues *in, double by_theta, double by_omega,
+                                                   double omega) {
     const MotionTerms terms = terms_of(slip, k, z, in, omega, 0.0);
     const double delta = k->factors.delta.value, inverse = by_omega != 0.0 ? 1.0 / by_omega : 0.0;
     const RightHandSide frozen = rhs_of_coefficients(slip, k, z, in, 0.0);
@@ -259,8 +259,8 @@ static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, d
 }
 
 /* Where friction depends on the load, alpha and F_ext change the factors too. */
-NOINLINE static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                                   double omega, double inertia, RightHandSide *rhs) {
+COMPACT static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                                  double omega, double inertia, RightHandSide *rhs) {
     const MotionTerms terms = terms_of(slip, k, z, in, omega, rhs->value);
     const double felt = loaded_slip_inertia(slip, k, &terms), share = inertia / felt;
     rhs->size *= fabs(share);

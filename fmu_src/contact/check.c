@@ -10,6 +10,7 @@
 #include "model/elements.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
@@ -39,7 +40,7 @@ bool check_initial(const Params *p, Fault *fault) {
 
 /* ---- friction law ---- */
 
-bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
+COMPACT bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
     for (int i = 0; i < 2; i++) {
         const FrictionTable *table = p->cam[i].law.table;
         if (table && !isnan(table->falls_at)) {
@@ -69,7 +70,7 @@ static bool grows_without_load(const CamParams *cam) {
     return !table && cam->law.load_exponent < 0.0;
 }
 
-bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
+COMPACT bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
     const DamperParams *d = &p->damper;
     const bool damped = d->c_load + d->q_load + d->c_release + d->q_release + p->shaft.damping > 0.0 ||
                         p->cam[0].law.viscous > 0.0 || p->cam[1].law.viscous > 0.0;
@@ -126,7 +127,7 @@ static bool loads_under_spring(const Params *p, const TransmissionPoint *point) 
     return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer);
 }
 
-static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
+COMPACT static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_at(piece, theta);
     if (any_friction_depends_on_load(p)) return loads_under_spring(p, &point);
     return load_margin(p, point.slope) > 0.0;
@@ -191,7 +192,7 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
         theta, lead[0], lead[1], friction[0], friction[1], load);
 }
 
-bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
+COMPACT bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
     const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
     const bool loaded = any_friction_depends_on_load(p);
     if (transmission->straight && !loaded && loads_in_straight(p, transmission->piece)) return true;

@@ -6,6 +6,7 @@
 #include "contact/loaded_contacts.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
@@ -98,8 +99,8 @@ bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0,
     return true;
 }
 
-double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0,
-                                 const ContactForces *forces) {
+COMPACT double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0,
+                                         const ContactForces *forces) {
     const Geometry *g = &statics->geometry;
     double by_theta[2] = {0.0, 0.0};
     if (any_friction_depends_on_load(statics->params)) {

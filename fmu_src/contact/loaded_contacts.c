@@ -19,7 +19,7 @@ double loaded_pin_reaction(const LoadedPin *pin, int i) {
 
 /* mu_i at the present x_i, the tangent factors, and the part of the friction force that the tangent leaves at x_i = 0:
  * f_i x_i = f'_i x_i - rest_i. */
-static void linearise(const LoadedPin *pin, const double reaction[2], LoadedContacts *c, double rest[2]) {
+COMPACT static void linearise(const LoadedPin *pin, const double reaction[2], LoadedContacts *c, double rest[2]) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &pin->params->cam[i];
         const double R = fabs(c->x[i]) * reaction[i], sign = sign_on(pin, i);
@@ -40,8 +40,8 @@ static void solve_linear(const ContactFactors *f, double axial, double moment, d
 }
 
 /* One iteration; returns the change of x_i, relative to the larger x_i. */
-static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, const double rest[2],
-                      double share, LoadedContacts *c) {
+COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                              const double rest[2], double share, LoadedContacts *c) {
     const CamParams *cam = pin->params->cam;
     const ContactFactors *f = &c->tangent;
     const double torque[2] = {cam[0].radius * cam[0].radius * rest[0], cam[1].radius * cam[1].radius * rest[1]};
@@ -63,7 +63,7 @@ static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTe
 }
 
 /* Has the balance one answer? See the head of loaded_contacts.h. */
-static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
+COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
     ContactFactors f;
     bool single = true;
     for (int i = 0; i < 2; i++) {
@@ -75,7 +75,7 @@ static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
 }
 
 /* The iteration starts as if no friction acted. An iteration whose changes do not shrink is damped. */
-static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
+COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
     const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)}, none[2] = {0.0, 0.0};
     double rest[2], before = INFINITY, share = 1.0;
     c->alpha = 0.0;
@@ -112,8 +112,7 @@ NOINLINE void loaded_contacts_moving(const LoadedPin *pin, const LoadTerms *load
 /* ---- changes to first order ---- */
 
 /* At constant x_i the changes of f_i and a_i change the forces, which the changes of x_i balance. */
-NOINLINE LoadResponse loaded_contacts_response(const LoadedPin *pin, const LoadedContacts *c,
-                                               const LoadChange *change) {
+COMPACT LoadResponse loaded_contacts_response(const LoadedPin *pin, const LoadedContacts *c, const LoadChange *change) {
     double axial = change->axial, torque[2];
     LoadResponse response;
     for (int i = 0; i < 2; i++) {
@@ -153,8 +152,8 @@ static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direct
 }
 
 /* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. */
-COLD static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
-                             Transfer *transfer) {
+COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
+                                Transfer *transfer) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     const LoadTerms loads = {.axial = F_0};
     for (int k = 0; k < candidates; k++) {
@@ -177,8 +176,7 @@ bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direc
     return loaded_edge(params, g, fmax(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
 }
 
-BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0) {
-    if (!any_friction_depends_on_load(params)) return contact_band(g);
+COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0) {
     BandFactors band = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     Geometry edge = *g;
     int flank[2];
@@ -192,4 +190,8 @@ BandFactors contact_band_under(const Params *params, const Geometry *g, double F
         band.release_rate = t.rho_rate;
     }
     return band;
+}
+
+BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0) {
+    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0) : contact_band(g);
 }

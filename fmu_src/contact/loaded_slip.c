@@ -32,8 +32,8 @@ static LoadedPin pin_of(const SlipMode *slip, double omega, const SlipCoefficien
 /* ---- changes ---- */
 
 /* df_i at constant R_i, from the changes of theta and omega: through v_i and through the groove's length in R_i. */
-static void add_own_changes(const SlipMode *slip, const LoadedPin *pin, const SlipCoefficients *k, double omega,
-                            double dtheta, double domega, LoadChange *change) {
+COMPACT static void add_own_changes(const SlipMode *slip, const LoadedPin *pin, const SlipCoefficients *k, double omega,
+                                    double dtheta, double domega, LoadChange *change) {
     const bool moves = slip->regime != REGIME_RATE_INDEPENDENT;
     for (int i = 0; i < 2; i++) {
         const Dual sliding = sliding_of(slip, k, i);
@@ -45,8 +45,8 @@ static void add_own_changes(const SlipMode *slip, const LoadedPin *pin, const Sl
     }
 }
 
-NOINLINE LoadResponse loaded_slip_response(const SlipMode *slip, double omega, const SlipCoefficients *k,
-                                           const LoadStep *step) {
+COMPACT LoadResponse loaded_slip_response(const SlipMode *slip, double omega, const SlipCoefficients *k,
+                                          const LoadStep *step) {
     const LoadedPin pin = pin_of(slip, omega, k);
     LoadChange change = {.axial = step->axial, .moment = step->moment};
     add_own_changes(slip, &pin, k, omega, step->theta, step->omega, &change);
@@ -54,20 +54,21 @@ NOINLINE LoadResponse loaded_slip_response(const SlipMode *slip, double omega, c
     return loaded_contacts_response(&pin, &k->loaded, &change);
 }
 
-ContactFactors loaded_slip_change(const SlipMode *slip, double omega, const SlipCoefficients *k, const LoadStep *step) {
+COMPACT ContactFactors loaded_slip_change(const SlipMode *slip, double omega, const SlipCoefficients *k,
+                                          const LoadStep *step) {
     const CamParams *cam = slip->params->cam;
     const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
     const LoadResponse response = loaded_slip_response(slip, omega, k, step);
     return contact_factors_change(&k->factors, radius, slope, response.friction);
 }
 
-double loaded_slip_lever(const SlipMode *slip, const SlipCoefficients *k, const MotionTerms *terms) {
+COMPACT double loaded_slip_lever(const SlipMode *slip, const SlipCoefficients *k, const MotionTerms *terms) {
     const LoadStep step = {.axial = 1.0};
     const ContactFactors by = loaded_slip_change(slip, terms->omega, k, &step);
     return k->factors.p.value - residual_change(slip, k, &by, terms);
 }
 
-double loaded_slip_inertia(const SlipMode *slip, const SlipCoefficients *k, const MotionTerms *terms) {
+COMPACT double loaded_slip_inertia(const SlipMode *slip, const SlipCoefficients *k, const MotionTerms *terms) {
     const double inertia = slip_inertia(slip, k).value;
     if (!slip->follower_has_inertia) return inertia;
     const InertiaParams *in = &slip->params->inertia;
@@ -80,8 +81,8 @@ double loaded_slip_inertia(const SlipMode *slip, const SlipCoefficients *k, cons
 /* ---- the coefficients ---- */
 
 /* The changes of A and W with theta (first) and omega, at constant alpha. */
-static void load_steps(const SlipMode *slip, const SlipCoefficients *k, double z, double omega, double alpha,
-                       LoadStep step[2]) {
+COMPACT static void load_steps(const SlipMode *slip, const SlipCoefficients *k, double z, double omega, double alpha,
+                               LoadStep step[2]) {
     const InertiaParams *in = &slip->params->inertia;
     const double m = in->follower_mass, I = in->follower, omega2 = omega * omega;
     const bool moves = slip->regime != REGIME_RATE_INDEPENDENT;
@@ -99,7 +100,7 @@ static void load_steps(const SlipMode *slip, const SlipCoefficients *k, double z
 }
 
 /* The factors and their derivatives, from k->loaded. */
-static void set_factors(const SlipMode *slip, double z, double omega, double alpha, SlipCoefficients *k) {
+COMPACT static void set_factors(const SlipMode *slip, double z, double omega, double alpha, SlipCoefficients *k) {
     const CamParams *cam = slip->params->cam;
     LoadStep step[2];
     load_steps(slip, k, z, omega, alpha, step);
@@ -130,8 +131,7 @@ static void find_loads(const SlipMode *slip, const SlipCoefficients *k, double f
     by_alpha->moment = in->follower * k->dpsi_dtheta[0].value;
 }
 
-NOINLINE void loaded_slip_set(const SlipMode *slip, double omega, double z, const InputValues *in,
-                              SlipCoefficients *k) {
+COMPACT void loaded_slip_set(const SlipMode *slip, double omega, double z, const InputValues *in, SlipCoefficients *k) {
     const Params *p = slip->params;
     const bool moves = slip->regime != REGIME_RATE_INDEPENDENT;
     const double damper = moves ? slip_damper_force(slip, k->dz_dtheta.value * omega) : 0.0;
@@ -146,7 +146,7 @@ NOINLINE void loaded_slip_set(const SlipMode *slip, double omega, double z, cons
     set_factors(slip, z, omega, k->loaded.alpha, k);
 }
 
-NOINLINE void loaded_slip_set_under(const SlipMode *slip, const LoadedMotion *b, SlipCoefficients *k) {
+COMPACT void loaded_slip_set_under(const SlipMode *slip, const LoadedMotion *b, SlipCoefficients *k) {
     const LoadedPin pin = pin_of(slip, b->omega, k);
     LoadTerms loads, by_alpha;
     find_loads(slip, k, b->force + b->damper, b->omega, &loads, &by_alpha);

@@ -11,7 +11,7 @@ static Dual constant(double value) {
 /* ---- along a given motion ---- */
 
 /* The polynomial p(x) as a polynomial in t, where x = start + rate t: its first coefficients, by Horner's scheme. */
-NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
+COMPACT static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
     for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
     for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
         for (int k = JET_TERMS - 1; k > 0; k--) out[k] = 0.0 + out[k - 1] * rate + out[k] * start;
@@ -19,7 +19,7 @@ NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double star
     }
 }
 
-void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
+COMPACT void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
     const double start = (t->theta.c[0].value - piece->middle) * piece->scale;
     for (int i = 0; i < 2; i++) {
@@ -76,7 +76,7 @@ static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
 }
 
 /* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i), under the load x_i. */
-NOINLINE static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
+COMPACT static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
     const Jet length = length_along(slip, g, i);
     Jet v = {.c = {{0.0, 0.0}}}, R = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
@@ -89,7 +89,7 @@ NOINLINE static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, con
     return f;
 }
 
-static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet x[2], Taylor *t) {
+COMPACT static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet x[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
         if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2)) {
@@ -105,7 +105,7 @@ static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet
 }
 
 /* x_i of the balance with the present factors (contact_factors.h). */
-static void contact_loads_along(const Taylor *t, Jet x[2]) {
+COMPACT static void contact_loads_along(const Taylor *t, Jet x[2]) {
     for (int i = 0; i < 2; i++) {
         x[i] = jet_multiply(&t->factors.rn[1 - i], &t->load);
         jet_add_product(&x[i], i == 0 ? -1.0 : 1.0, &t->factors.d[1 - i], &t->moment);
@@ -115,7 +115,7 @@ static void contact_loads_along(const Taylor *t, Jet x[2]) {
 
 /* Where friction depends on the load: x_i and f_i together. The derivatives of the balance by x_i at the instant itself
  * serve at every order, so that each pass of Newton's method makes one more coefficient exact. */
-COLD static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+COMPACT static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
     const LoadTerms loads = {.axial = t->load.c[0].value, .moment = t->moment.c[0].value};
     LoadedPin pin = {.params = slip->params, .direction = slip->direction, .flank = {slip->flank[0], slip->flank[1]}};
     for (int i = 0; i < 2; i++) {
@@ -168,7 +168,7 @@ static Jet follow_grooves(GroovesAlong *g, Taylor *t) {
     return jet_multiply(&g->dgamma_dtheta, &t->omega);
 }
 
-void taylor_balance(const SlipMode *slip, Taylor *t) {
+COMPACT void taylor_balance(const SlipMode *slip, Taylor *t) {
     const InertiaParams *inertia = &slip->params->inertia;
     GroovesAlong grooves;
     const Jet gamma_rate = follow_grooves(&grooves, t);
@@ -216,7 +216,7 @@ static void solve(const SlipMode *slip, int k, double by, Taylor *t) {
     }
 }
 
-void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
+COMPACT void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
     const Regime regime = slip->regime;
     Partials by;
     balance_partials(slip, balance, &by);

@@ -254,7 +254,7 @@ typedef struct {
     double F_0, side, sign, ties;
 } LoadedRest;
 
-static double loaded_excess(const void *context, double t) {
+COMPACT static double loaded_excess(const void *context, double t) {
     const LoadedRest *rest = context;
     const Mechanism *m = rest->m;
     const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static double excess_of(const CamParams *cam) {
     return cam->friction * (cam->law.peak - 1.0); /* of the static coefficient */
@@ -34,7 +35,7 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     return mu;
 }
 
-LoadedFriction friction_under(const CamParams *cam, double v, double R) {
+COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) {
     const FrictionParams *law = &cam->law;
     if (law->table && law->table->loads > 1) return friction_table_under(law->table, v, R);
     const FrictionCoefficient mu = friction_at(cam, v);
@@ -85,7 +86,7 @@ static Dual inverse_of(Dual a) {
 }
 
 /* exp(-(v/v_s)^delta) */
-static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known known) {
+COMPACT static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known known) {
     const Dual v_s = seeded(law->stribeck_velocity, known, KNOWN_STRIBECK_VELOCITY_1, i), none = {0.0, 0.0};
     const Jet ratio = jet_line(none, inverse_of(v_s), v);
     const Jet power = law->stribeck_exponent == 2 ? jet_multiply(&ratio, &ratio) : ratio;
@@ -94,7 +95,7 @@ static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known 
 }
 
 /* (R/R_ref)^nu */
-static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Known known) {
+COMPACT static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Known known) {
     const Dual load = seeded(law->load, known, KNOWN_LOAD_1, i), none = {0.0, 0.0};
     const Dual exponent = seeded(law->load_exponent, known, KNOWN_LOAD_EXPONENT_1, i);
     Jet ratio = jet_line(none, inverse_of(load), R);
@@ -103,7 +104,7 @@ static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Know
     return jet_exp(&power);
 }
 
-Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known) {
+COMPACT Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known) {
     const FrictionParams *law = &cam->law;
     if (law->table) return friction_table_along(law->table, v, R);
     const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i), none = {0.0, 0.0};

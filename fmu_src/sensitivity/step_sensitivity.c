@@ -9,6 +9,7 @@
 #include "forward/step.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* Per N.m of the torque's shift. */
 typedef struct {
@@ -34,7 +35,7 @@ static bool is_viscous(const Mechanism *m) {
 
 /* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, and *rho the
  * edge's derivative by F_0. */
-static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
+COMPACT static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
@@ -250,14 +251,15 @@ static void before_decision(StepVisitor *visitor, const Mechanism *m) {
     c->direction = direction_of(m->state.mode);
 }
 
-static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
+COMPACT static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
     Carrier *c = (Carrier *)visitor;
     if (c->viscous_slip_ends) end_of_viscous_slip(m, c->omega, c->direction, &c->carried);
     end_delay(m, &c->carried);
     return left;
 }
 
-static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past) {
+COMPACT static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment,
+                                  const SegmentPast *past) {
     Carrier *c = (Carrier *)visitor;
     if (!carry(m, segment, &past->inputs, past->mode, &c->carried)) return false;
     pass_event(m, segment->end, past->omega, &c->carried);
@@ -267,7 +269,7 @@ static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segmen
     return true;
 }
 
-void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+COMPACT void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     Mechanism again = *m; /* the transmission is m's own: not to be freed */
     Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
                  .left = m->state.step.h};
