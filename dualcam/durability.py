@@ -37,6 +37,8 @@ class SpringNumbers:
         Allowed over largest uncorrected shear stress [1].
     limit : float
         Least Goodman safety that is allowed [1].
+    has_length : bool
+        Whether the design gives the free length, without which neither length nor buckling is checked.
     """
 
     least: float
@@ -47,6 +49,7 @@ class SpringNumbers:
     safety: float
     static_safety: float
     limit: float
+    has_length: bool
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,8 @@ class WearNumbers:
         Preload that the spring has then lost [N]; None if the mechanism does not work any more.
     load_loss : float or None
         Largest share of the torque to load that is then lost [1].
+    rolls : bool
+        Whether a roller rolls, so that the wear rates must be those of a rolling contact.
     """
 
     depth: float
@@ -92,6 +97,7 @@ class WearNumbers:
     cycles: float
     preload_loss: float | None
     load_loss: float | None
+    rolls: bool
 
 
 def spring_forces(mechanism: Mechanism) -> tuple[float, float]:
@@ -121,6 +127,7 @@ def spring_numbers(design: DesignFile, mechanism: Mechanism) -> SpringNumbers | 
         safety=cycle.safety,
         static_safety=spring.static_safety(largest),
         limit=(design.limits or Limits()).spring_safety,
+        has_length=design.spring_limits is not None,
     )
 
 
@@ -164,6 +171,7 @@ def wear_numbers(design: DesignFile, mechanism: Mechanism) -> WearNumbers | None
         cycles=life.cycles,
         preload_loss=worn.preload_loss if worn else None,
         load_loss=float(np.nanmax(worn.load_loss)) if worn else None,
+        rolls=found.turns,
     )
 
 
@@ -198,9 +206,10 @@ def spring_words(spring: SpringNumbers) -> str:
 def wear_words(found: WearNumbers) -> str:
     """The part that wears first, its cycles, and what is then lost."""
     first = f"{found.part} is {1e3 * found.depth:.4g} mm deep after {found.cycles:.4g} cycles"
+    rolling = "; the roller rolls: the wear rates must be those of a rolling contact" if found.rolls else ""
     if found.preload_loss is None or found.load_loss is None:
-        return f"{first}; the cam does not work any more then"
+        return f"{first}; the cam does not work any more then{rolling}"
     return (
         f"{first}; then the spring has lost {found.preload_loss:.3g} N of its preload, and the torque to load"
-        f" is up to {100.0 * found.load_loss:.3g} % less"
+        f" is up to {100.0 * found.load_loss:.3g} % less{rolling}"
     )

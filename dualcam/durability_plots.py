@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualcam.plots import ANGLE, BLUE, GREEN, GREY, LEGEND, ORANGE, RED, axis_from_zero, figure, legend_above
+from dualcam.plots import ANGLE, BLUE, GREEN, GREY, ORANGE, RED, axis_from_zero, figure, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,20 +73,21 @@ def plot_wear(wear: Wear, worn: WornMechanism | None, cycles: float) -> Figure:
 def plot_goodman(spring: HelicalSpring, cycle: Fatigue, limit: float) -> Figure:
     """The Goodman diagram: amplitude over mean stress, the line of the wire, and the point of the spring."""
     picture, (axes,) = figure(1, 3.2)
-    end, top = cycle.shear_strength / MEGA, cycle.strength / MEGA
-    axes.plot([0.0, end], [top, 0.0], color=ORANGE, label="Goodman line")
-    axes.plot([0.0, end / limit], [top / limit, 0.0], "--", color=GREY, label=f"allowed, safety {limit:g}")
+    means = np.array([0.0, cycle.knee, cycle.shear_strength]) / MEGA
+    amplitudes = np.array([cycle.strength, cycle.strength, 0.0]) / MEGA
+    axes.plot(means, amplitudes, color=ORANGE, label="Goodman line")
+    axes.plot(means / limit, amplitudes / limit, "--", color=GREY, label=f"allowed: {limit:g}")
     mean, amplitude = cycle.mean / MEGA, cycle.amplitude / MEGA
     axes.plot([0.0, mean * cycle.safety], [0.0, amplitude * cycle.safety], color=GREY, lw=0.8)
     good = cycle.safety >= limit
-    label = f"this spring: safety {cycle.safety:.3g}"
+    label = f"this spring: {cycle.safety:.3g}"
     axes.plot(mean, amplitude, "o", color=GREEN if good else RED, label=label)
     axes.set_ylabel("amplitude of the\nshear stress [MPa]")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("mean shear stress [MPa]")
     axes.grid(alpha=0.3)
-    axes.legend(loc="upper right", fontsize=LEGEND)
+    legend_above(axes)
     return picture
 
 

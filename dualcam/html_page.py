@@ -17,6 +17,7 @@ table { border-collapse: collapse; width: 100%; font-size: 0.9rem } caption { te
 th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 0;
   border-bottom: 1px solid var(--line) }
 td { overflow-wrap: anywhere; font-variant-numeric: tabular-nums } td:first-child { overflow-wrap: normal }
+.numbers td { overflow-wrap: normal; white-space: nowrap }
 h3 { margin: 1.4rem 0 0.3rem; font-size: 1rem }
 .scroll { overflow-x: auto }
 .error { color: var(--bad) } .warning { color: var(--warn) } .good { color: var(--good) }

@@ -19,7 +19,7 @@ from dualcam.limit_cycles import LimitCycles, check_in_loop, unchecked
 from dualcam.linear import OperatingPointError
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
-from dualcam.sampled_loop import SampledController
+from dualcam.sampled_loop import SampledController, check_duration
 from dualcam.swing import ImposedSwing
 
 POINTS = 201  # angles of the stick band from the FMU; cubic splines between them
@@ -44,7 +44,8 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         Bias of the torque [N.m]: the mean angle then depends on the amplitude. None: for each amplitude the
         bias that keeps the mean angle at `theta`, as integral action in the loop does.
     parameters : mapping of str to float, int, bool or str, optional
-        Start values of the FMU (spring, grooves, friction, stops, F_ext; inertia has no effect).
+        Start values of the FMU (spring, grooves, friction, stops, F_ext). Inertia and `shaft.damping` have an
+        effect on `swing_torque` and `limit_cycles` only: the play operator is that of slow motion.
 
     Raises
     ------
@@ -89,6 +90,9 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         parameters: Mapping[str, Scalar] | None = None,
     ) -> None:
         super().__init__()
+        _check_number("theta", theta, "rad, between the stops")
+        if tau is not None:
+            _check_number("tau", tau, "N.m, or None")
         fmu, values = open_forward(Fmu, source, parameters)
         try:
             runs = RepeatedStart(fmu, values, ["initial.theta"])
@@ -336,7 +340,7 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
             Whether the loop is run with the FMU: from each prediction, and from four offsets. Seconds;
             without the check about one second.
         duration : float
-            Longest time [s] of each run of the check.
+            Longest time [s] of each run of the check; at most 4e6 periods of the controller.
 
         Returns
         -------
@@ -352,7 +356,8 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
         Raises
         ------
         FmuError
-            A continuous controller, or one with several inputs or outputs.
+            No controller, a continuous one, one with several inputs or outputs, or with coefficients that are
+            not finite; a duration that is no time, or above 4e6 periods.
         OperatingPointError
             The hysteresis has a bias `tau`: the controller makes the bias.
 
@@ -387,10 +392,17 @@ class CamHysteresis(control.DescribingFunctionNonlinearity):
                 " because the controller makes the bias"
             )
         law = SampledController(controller)
-        if not 0.0 < duration < math.inf:
-            raise OperatingPointError(f"duration = {duration} s: allowed is a finite number > 0")
+        if check:
+            check_duration(duration, law.period)
         found = candidates(self, law)
         result = check_in_loop(self, law, found, duration) if check else unchecked(found)
         for finding in result.findings:
             warnings.warn(finding, LimitCycleWarning, stacklevel=2)
         return result
+
+
+def _check_number(name: str, value: object, allowed: str) -> None:
+    """OperatingPointError if a value is no finite number."""
+    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if not number or not math.isfinite(value):  # type: ignore[arg-type]
+        raise OperatingPointError(f"{name} = {value!r}: allowed is a finite number [{allowed}]")

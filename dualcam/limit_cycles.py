@@ -111,13 +111,16 @@ class _Checks:
         """Texts where the loop, left at an offset, settles in what is not predicted."""
         middle = float(np.mean(self.hysteresis.band(self.hysteresis.theta)))
         theta, states = self.hysteresis.theta, np.zeros(self.loop.controller.states)
-        undecided = []
+        undecided: list[str] = []
+        held: dict[str, list[str]] = {}  # offsets by the stop
         for share in STARTS:
             stop = self.hysteresis.upper if share > 0.0 else self.hysteresis.lower
             begin = theta + abs(share) * (stop - theta)
             settled = self._settle(Start(begin, 0.0, states, middle))
-            if settled.kind == "undecided":
-                undecided.append(f"{begin:.4g} rad ({settled.lowest:.4g} to {settled.highest:.4g} rad)")
+            if settled.kind == "undecided" and (end := self._held_at(settled)):
+                held.setdefault(end, []).append(f"{begin:.4g}")
+            elif settled.kind == "undecided":
+                undecided.append(f"{begin:.4g} rad ({_ends(settled)})")
             elif settled.kind != "rest" and not any(_alike(settled, other) for other in self.motions):
                 self.motions.append(settled)
                 if not any(one.cycle.stable and _agrees(one.cycle, settled) for one in self.found):
@@ -126,11 +129,26 @@ class _Checks:
                         " No limit cycle like this one is predicted: the describing function does not hold"
                         " there"
                     )
+        for end, offsets in held.items():
+            yield (
+                f"left at {' or '.join(offsets)} rad, the FMU in the loop is held at {end} after"
+                f" {self.duration:g} s: the torque does not bring the cam back. Look at the sign of the"
+                " controller (from the error, theta less the angle, to the torque) and at its gains"
+            )
         if undecided:
             yield (
                 f"after {self.duration:g} s the FMU in the loop is neither at rest nor in cycles, if left at"
                 f" (with the range at the end): {', '.join(undecided)}. A longer duration decides"
             )
+
+    def _held_at(self, settled: LoopMotion) -> str:
+        """The stop at which the cam rests, in words; empty if there is none."""
+        near = ON_STOP * (self.hysteresis.upper - self.hysteresis.lower)
+        if settled.highest < self.hysteresis.lower + near:
+            return f"the lower stop, {self.hysteresis.lower:g} rad,"
+        if settled.lowest > self.hysteresis.upper - near:
+            return f"the upper stop, {self.hysteresis.upper:g} rad,"
+        return ""
 
     def _why(self, settled: LoopMotion) -> str:
         """What the harmonic balance does not know of this motion."""
@@ -159,10 +177,17 @@ def _words(cycle: LimitCycle) -> str:
 
 def _said(settled: LoopMotion) -> str:
     swing = f"an amplitude of {settled.amplitude:.4g} rad"
-    ends = f"{settled.lowest:.4g} to {settled.highest:.4g} rad"
+    ends = _ends(settled)
     return {
         "rest": "comes to rest",
         "cycle": f"swings with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "irregular": f"hunts in unequal cycles, with {swing} at {settled.frequency:.4g} rad/s, from {ends}",
         "undecided": f"is neither at rest nor in cycles at the end of the duration, from {ends}",
     }[settled.kind]
+
+
+def _ends(settled: LoopMotion) -> str:
+    """Both ends of the range, with so many digits that they differ."""
+    low, high = settled.lowest, settled.highest
+    digits = next((n for n in range(4, 17) if f"{low:.{n}g}" != f"{high:.{n}g}"), 4)
+    return f"{low:.{digits}g} to {high:.{digits}g} rad" if low != high else f"at {low:.4g} rad"

@@ -24,7 +24,7 @@ from dualcam.summary import largest_loads, material_words, pressure_words
 from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
-    from dualcam.design import Mechanism, Pin
+    from dualcam.design import Mechanism, Pin, WearLife
     from dualcam.design_file import DesignFile
 
 
@@ -94,6 +94,9 @@ def _spring(design: DesignFile, mechanism: Mechanism) -> str:
         ("least length in motion", f"{1e3 * spring.least_length:.4g} mm"),
         ("mass", f"{1e3 * spring.mass:.3g} g"),
     ]
+    if not numbers.has_length:
+        lacks = "not checked, the file gives no spring.free_length and spring.solid_length"
+        rows.append(("length and buckling", lacks))
     text = "Stress by EN 13906-1. The Goodman line is that of the wire, for any number of cycles."
     cycle = spring_fatigue(spring, mechanism)
     picture = figure_element(plot_goodman(spring, cycle, numbers.limit), "Goodman diagram of the spring")
@@ -114,7 +117,7 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
         worn = None
     rows = [
         ("allowed depth of wear", f"{1e3 * numbers.depth:.4g} mm"),
-        *((name, f"{cycles:.4g}") for name, cycles in _lives(life.groove1, life.groove2, life.pin)),
+        *_lives(life, numbers.depth),
         ("sliding distance of a cycle", " and ".join(f"{1e3 * way:.4g} mm" for way in found.path)),
     ]
     if worn is not None:
@@ -131,6 +134,6 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> str:
     return f"<h2>Wear</h2>\n<p>{text}</p>\n" + table(("what", "value"), rows) + picture
 
 
-def _lives(*cycles: float) -> list[tuple[str, float]]:
-    names = ("groove 1", "groove 2", "pin")
-    return [(f"cycles of {name}", count) for name, count in zip(names, cycles, strict=True)]
+def _lives(life: WearLife, depth: float) -> list[Row]:
+    counts = {"groove 1": life.groove1, "groove 2": life.groove2, "pin": life.pin}
+    return [(f"{name}: cycles until {1e3 * depth:.4g} mm", f"{count:.4g}") for name, count in counts.items()]

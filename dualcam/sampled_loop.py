@@ -24,6 +24,7 @@ FEW, MANY = 2, 40  # unequal cycles in the latest part of the record: enough at 
 PERSISTENT = 1.3  # most range of the last two parts over that of the last one, of unequal cycles that stay
 LATE = 0.4  # of the record, its end: the part that says where the loop settles
 BLOCK = 4096  # samples of the controller at rest, computed at once
+MOST_SAMPLES = 4e6  # of one run: a minute, and 600 MB of record
 
 
 class SampledController:
@@ -37,10 +38,16 @@ class SampledController:
     Raises
     ------
     FmuError
-        A continuous controller, or one with several signals.
+        No controller, a continuous one, one with several signals, or one with coefficients that are not
+        finite.
     """
 
     def __init__(self, law: control.lti.LTI) -> None:
+        if not isinstance(law, control.StateSpace | control.TransferFunction):
+            raise FmuError(
+                f"controller = {law!r}: allowed is a control.StateSpace or control.TransferFunction with a"
+                " sampling time, such as control.ss([], [], [], 50.0, 1e-3) for the gain 50 N.m/rad each 1 ms"
+            )
         period = getattr(law, "dt", None)
         if isinstance(period, bool) or not isinstance(period, (int, float)) or not period > 0.0:
             raise FmuError(
@@ -52,7 +59,7 @@ class SampledController:
                 f"controller with {law.ninputs} inputs and {law.noutputs} outputs: allowed is one input, the"
                 " error of the angle [rad], and one output, the torque [N.m]"
             )
-        system = control.ss(law)
+        system = _state_space(law)
         self.period = float(period)
         self.A, self.B, self.C, self.D = system.A, system.B[:, 0], system.C[0], float(system.D[0, 0])
         self._of_state, self._of_error = self._constant_error()
@@ -89,6 +96,43 @@ class SampledController:
         """First harmonic of the held torque over the error [N.m/rad]."""
         held = 1j * frequency * self.period
         return complex((self.C @ self.state_phasor(frequency) + self.D) * -np.expm1(-held) / held)
+
+
+def _state_space(law: control.lti.LTI) -> control.StateSpace:
+    """The controller with states. FmuError if there is none, or none with finite coefficients."""
+    if isinstance(law, control.TransferFunction):
+        numbers = [law.num[0][0], law.den[0][0]]
+    else:
+        numbers = [law.A, law.B, law.C, law.D]
+    if not all(np.isfinite(part).all() for part in numbers):
+        listed = ", ".join(str(np.asarray(part).tolist()) for part in numbers)
+        raise FmuError(f"controller with the coefficients {listed}: allowed are finite numbers")
+    try:
+        return control.ss(law)
+    except ValueError as error:
+        raise FmuError(
+            f"controller that python-control cannot write with states: {error}; allowed is a numerator whose"
+            " degree is not above that of the denominator"
+        ) from error
+
+
+def check_duration(duration: float, period: float) -> None:
+    """Refuse a duration [s] of the loop's runs that is no time, or too many samples of the period [s].
+
+    Raises
+    ------
+    FmuError
+        With the numbers, and what works.
+    """
+    if isinstance(duration, bool) or not isinstance(duration, (int, float)) or not 0.0 < duration < math.inf:
+        raise FmuError(f"duration = {duration!r} s: allowed is a finite number > 0")
+    if duration > MOST_SAMPLES * period:
+        raise FmuError(
+            f"duration = {duration:g} s with the controller's period of {period:g} s is"
+            f" {duration / period:.3g} samples per run: allowed are {MOST_SAMPLES:g}. A duration up to"
+            f" {MOST_SAMPLES * period:.3g} s works, or a period from {duration / MOST_SAMPLES:.3g} s on, or"
+            " check=False"
+        )
 
 
 @dataclass(frozen=True)

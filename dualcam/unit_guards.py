@@ -21,6 +21,9 @@ from dualcam.errors import UnitWarning
 
 FULL_TURN = 2.0 * math.pi
 STEEPEST = math.radians(85.0)  # lead angle of a table; steeper grooves can hardly be made
+TORQUE_UNITS = {"N.m": 1.0, "N.mm": 1e-3, "N.cm": 1e-2, "mN.m": 1e-3, "kN.m": 1e3}  # in N.m
+FOREIGN = 20.0  # measured over expected torque, from which the unit is doubtful
+ALIKE = 2.5  # a factor up to which two torques are the same but for their unit
 LONGEST = 1.0  # m: radius of a cam, height of a groove
 
 
@@ -108,7 +111,8 @@ RULES: dict[str, Rule] = {
     "cam.ellipse_b": Rule("m", _above(5.0), _millimetres),
     "cam.lead_angle": Rule("rad", _above(0.5 * math.pi), _degrees),
     "cam.friction": Rule("", _above(1.0), _friction),
-    "cam.stribeck_velocity": Rule("m/s", _above(5.0), _millimetres_per_second),
+    # 1 mm/s to 0.2 m/s in measurements
+    "cam.stribeck_velocity": Rule("m/s", _above(0.9), _millimetres_per_second),
     "cam.wear": Rule("m3/(N.m)", _above(1e-9), _cubic_millimetres),
     # 0 is meant: a spring of preload alone, or of stiffness2 and stiffness3
     "spring.stiffness": Rule("N/m", _between_zero_and(100.0), _newtons_per_millimetre),
@@ -226,6 +230,37 @@ def table_warnings(psi: ArrayLike, z: ArrayLike, radius: float | None = None) ->
             f" millimetres; {highest:.6g} mm is {highest / 1e3:.6g} m"
         )
     return [text for text in found if text]
+
+
+def torque_factor_warnings(factor: float, unit: str = "N.m") -> list[str]:
+    """A warning where measured torques are so far from expected ones that another unit is likely.
+
+    Parameters
+    ----------
+    factor : float
+        Measured over expected torque.
+    unit : str
+        Unit from which the measured torques were read.
+
+    Returns
+    -------
+    list of str
+        Nothing, or one sentence with the likely unit.
+
+    Examples
+    --------
+    >>> torque_factor_warnings(0.0112, "N.cm")
+    ['The torque is 0.0112 times that of the start values: the column of the torque looks like N.m, not N.cm']
+    """
+    if not factor > 0.0 or 1.0 / FOREIGN < factor < FOREIGN:
+        return []
+    # A torque that is read too large by this factor has a smaller unit.
+    true = TORQUE_UNITS[unit] / factor if unit in TORQUE_UNITS else math.nan
+    near = [name for name, size in TORQUE_UNITS.items() if 1.0 / ALIKE < true / size < ALIKE and name != unit]
+    likely = (
+        f"the column of the torque looks like {near[0]}, not {unit}" if near else f"is the torque in {unit}?"
+    )
+    return [f"The torque is {factor:.3g} times that of the start values: {likely}"]
 
 
 @contextmanager

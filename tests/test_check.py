@@ -126,7 +126,9 @@ def test_the_proposed_value_works_and_is_the_nearest(design, name):
     verdict = check_design(wrong)
     first = verdict.errors[0]
     assert not verdict.good and words in first.text and first.change == key, verdict.findings
-    assert f"{key} = {first.nearest:.10g}" in first.text and first.text.count(" works") == 1
+    is_length = key in ("pin.radius", "pin.width")  # with its unit, as a design file has it
+    shown = f'"{1e3 * first.nearest:.10g} mm"' if is_length else f"{first.nearest:.10g}"
+    assert f"{key} = {shown}" in first.text and first.text.count(" works") == 1
     assert first.nearest == pytest.approx(edge, rel=2e-3, abs=0.02)
     put_in = wrong
     for finding in verdict.errors:
@@ -458,3 +460,16 @@ def test_scenarios_that_do_nothing_get_a_warning(tmp_path, scenario, words):
     assert verdict.good
     texts = [finding.text for finding in verdict.findings]
     assert any(words in text for text in texts) if words else texts == []
+
+
+@pytest.mark.parametrize("motion", ["tau = 3.0", "theta = 0.5"])
+def test_stick_slip_behind_a_soft_shaft_is_told_where_to_go(design, motion):
+    """The inverse FMU refuses, the forward FMU has no such shaft: both texts name the page."""
+    law = "cam1.friction_peak = 1.5\nshaft.stiffness = 5.0\n"
+    scenario = f"[scenario]\nstop = 1.0\n[scenario.inputs]\n{motion}\n"
+    verdict = check_design(design(law + scenario))
+    (finding,) = (one for one in verdict.findings if "shaft.stiffness" in one.text)
+    assert "outside a forward FMU: docs/stick-slip.md" in finding.text
+    assert verdict.starts == motion.startswith("tau")
+    calm = check_design(design("shaft.stiffness = 5.0\n" + scenario))
+    assert not any("stick-slip" in one.text for one in calm.findings)

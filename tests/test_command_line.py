@@ -558,7 +558,7 @@ def test_check_gives_the_key_numbers_of_a_good_design(design, capsys):
 
 
 def test_the_verdict_names_values_that_look_like_other_units(design, capsys):
-    design.write_text(design.read_text().replace('radius = "3 mm"', "radius = 3"))
+    design.write_text(design.read_text().replace('width = "8 mm"', "width = 8"))
     said = spoken(capsys, "check", "my.toml").out.splitlines()
     assert said[-1] == "my.toml: the FMU starts, but 1 value looks like another unit: see the warnings."
     design.write_text("cam1.radius = 18\ncam2.radius = 22\nspring.preload = -1")

@@ -205,6 +205,13 @@ def test_mistake_millimetres(read):
         ("lead_angle = 0.7", "lead_angle is no key: did you mean cam1.lead_angle or cam2.lead_angle?"),
         ("cam1.preload = 50", "cam1.preload is no key: did you mean spring.preload?"),
         ("spring.k = 50e3", "spring.k is no key: did you mean spring.stiffness?"),
+        ("cam1.static_friction = 0.2", "cam1.static_friction is no key: did you mean cam1.friction_peak?"),
+        ("cam1.stribeck_speed = 0.01", "cam1.stribeck_speed is no key: did you mean cam1.stribeck_velocity?"),
+        ("cam2.v_stribeck = 0.01", "cam2.v_stribeck is no key: did you mean cam2.stribeck_velocity?"),
+        (
+            "cam1.friction_peak = 0.21",
+            "cam1.friction_peak = 0.21: allowed is a number from 1 to 100; the value is the ratio of the",
+        ),
         ("cam3.radius = 0.02", "cam3 is no key: did you mean cam"),
         ("scenario.duration = 2.0", "scenario.duration is no key: did you mean scenario.stop?"),
         ("Contacts = 2", "Contacts is no key: did you mean contacts?"),

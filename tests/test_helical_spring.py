@@ -90,10 +90,12 @@ def test_lengths_and_mass_by_hand():
 
 
 def test_strength_of_the_textbook():
-    """Shigley, problem 10-24, Goodman with Zimmerli's data: S_ut = 244.363 kpsi gives S_se = 52.706 kpsi."""
+    """Shigley, problem 10-24, Goodman with Zimmerli's data: S_ut = 244.363 kpsi gives S_se = 52.706 kpsi, the
+    amplitude of the line through the point, extended to mean stress 0."""
     wire = spring(grade=None, tensile_strength=244.363 * KPSI)
     cycle = wire.fatigue(10.0, 100.0)
-    assert cycle.strength == pytest.approx(52.706 * KPSI, rel=2e-3)  # 35 and 55 kpsi are 241 and 379 MPa
+    at_zero = cycle.strength / (1.0 - cycle.knee / cycle.shear_strength)
+    assert at_zero == pytest.approx(52.706 * KPSI, rel=2e-3)  # 35 and 55 kpsi are 241 and 379 MPa
     assert cycle.shear_strength == pytest.approx(163.723 * KPSI, rel=1e-4)
 
 
@@ -106,12 +108,41 @@ def test_the_line_passes_through_the_measurements_of_zimmerli():
         assert cycle.safety == pytest.approx(1.0, rel=1e-12)
 
 
-def test_safety_is_the_factor_up_to_the_line():
-    """Amplitude and mean stress times the safety lie on the line from strength to shear strength."""
-    cycle = spring().fatigue(120.0, 480.0)
-    share = cycle.safety * cycle.mean / cycle.shear_strength
-    assert cycle.safety * cycle.amplitude == pytest.approx(cycle.strength * (1.0 - share), rel=1e-12)
-    assert cycle.upper / cycle.lower == pytest.approx(4.0)
+@pytest.mark.parametrize("least", [0.0, 60.0, 120.0, 300.0, 450.0])
+@pytest.mark.parametrize("peened", [False, True])
+def test_safety_is_the_factor_up_to_the_line(least, peened):
+    """Amplitude and mean stress times the safety lie on the line of three points: (0, amplitude), Zimmerli's
+    point, (shear strength, 0)."""
+    one = spring(shot_peened=peened)
+    cycle, (amplitude, mean) = (
+        one.fatigue(least, 480.0),
+        {False: (241e6, 379e6), True: (398e6, 534e6)}[peened],
+    )
+    allowed = np.interp(
+        cycle.safety * cycle.mean, [0.0, mean, 0.67 * one.strength], [amplitude, amplitude, 0.0]
+    )
+    assert cycle.safety * cycle.amplitude == pytest.approx(allowed, rel=1e-12)
+    assert (cycle.upper - cycle.lower) * 480.0 == pytest.approx(cycle.upper * (480.0 - least))
+
+
+def test_safety_where_the_mean_stress_has_no_effect():
+    """Shigley's Mechanical Engineering Design (8th edition), example 10-4(b), Zimmerli's data with Sines: the
+    mean stress is below Zimmerli's, n_f = 35/29.7 = 1.18."""
+    wire = HelicalSpring(0.092 * INCH, 0.4705 * INCH, 21.0, tensile_strength=284.1 * KPSI)
+    assert wire.fatigue(5.0 * POUND, 35.0 * POUND).safety == pytest.approx(1.18, abs=0.005)
+
+
+@pytest.mark.parametrize("peened", [False, True])
+@pytest.mark.parametrize("least", [0.0, 100.0, 200.0, 350.0])
+def test_a_weaker_wire_is_never_safer(peened, least):
+    """Down to just above the weakest wire that Zimmerli's strength allows."""
+    weakest = {False: 379e6, True: 534e6}[peened] / 0.67
+    wires = [
+        spring(grade=None, tensile_strength=strength, shot_peened=peened)
+        for strength in np.geomspace(1.0001 * weakest, 3e9, 60)
+    ]
+    safeties = [one.fatigue(least, 400.0).safety for one in wires]
+    assert (np.diff(safeties) >= -1e-12).all() and safeties[0] < safeties[-1] * (1.0 + 1e-9)
 
 
 def test_special_cycles():

@@ -176,3 +176,18 @@ def test_wear_rate_of_the_pin():
         Pin(radius=0.003, width=0.008, wear=-1.0)
     with pytest.warns(UnitWarning, match=r"wear = 1e-07 m3/\(N.m\): this looks like mm3/\(N.m\)"):
         Pin(radius=0.003, width=0.008, wear=1e-7)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: Pin(radius="3 mm", width=0.008), "radius = '3 mm': allowed is a number in the SI unit"),
+        (lambda: Roller(0.005, 0.1, "2 mm"), "bearing_radius = '2 mm': allowed is a number in the SI unit"),
+        (lambda: line_contact("400 N", Pin(0.003, 0.008)), "load = '400 N': allowed are finite forces >= 0"),
+        (lambda: line_contact(None, Pin(0.003, 0.008)), "load = None: allowed are finite forces >= 0 in N"),
+    ],
+)
+def test_text_is_refused_by_name(call, words):
+    with pytest.raises(DesignError) as error:
+        call()
+    assert words in str(error.value)

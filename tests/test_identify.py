@@ -123,11 +123,13 @@ def test_known_values_are_found(design, scene):
 def test_intervals_hold_the_true_values_as_often_as_they_say(design):
     """95 % of 100 recordings; fewer than 89 would happen once in 250 times."""
     assert binom.cdf(88, 100, 0.95) < 0.005
-    held = np.zeros(3)
+    held, alarms = np.zeros(3), 0
     for seed in range(100):
         found = identify(slow_recording(seed, 201), design, SPRING)
+        alarms += bool(found.missing)
         held += [found[name].low <= TRUE[name](SLOW) <= found[name].high for name in SPRING]
     assert (held >= 89).all(), held
+    assert alarms <= 2, alarms  # the residuals ask for nothing: nothing is missing
 
 
 def test_intervals_of_losses_hold_the_true_values(design):
@@ -135,10 +137,10 @@ def test_intervals_of_losses_hold_the_true_values(design):
     names = ["friction", "inertia.shaft", "shaft.damping"]
     known = replace(LOSSES, preload=50.0, stiffness=50e3)
     held = np.zeros(3)
-    for seed in range(30):
+    for seed in range(20):
         found = identify(recording(known, time, motion, seed), design, names)
         held += [found[name].low <= TRUE[name](known) <= found[name].high for name in names]
-    assert binom.cdf(24, 30, 0.95) < 0.02 and (held >= 25).all(), held
+    assert binom.cdf(16, 20, 0.95) < 0.02 and (held >= 17).all(), held
 
 
 def test_without_noise_the_values_are_exact(design):
@@ -187,6 +189,9 @@ def test_long_recordings_are_thinned(design, monkeypatch):
     monkeypatch.setattr("dualcam.identification.fit.MOST_SAMPLES", 300)
     found = identify(slow_recording(count=1001), design, SPRING)
     assert len(found.time) == 251
+    counts = [found.motion.count(direction) for direction in (1, -1, 0)]
+    assert sum(counts) == 251
+    assert "of which every 4th counts, 251 samples: " in found.summary()[0]
     assert found["friction"].value == pytest.approx(0.17, abs=0.002)
 
 
@@ -310,7 +315,11 @@ def test_a_wrong_model_is_reported(design):
 def test_the_opposite_sign_is_reported(design):
     time, theta, tau = record(SLOW, np.linspace(0, 10, 401), sines(np.linspace(0, 10, 401)), 0.05, 1e-3, 1)
     found = identify(Recording.from_arrays(time, theta, -tau), design, ["friction"])
-    assert any("opposite sign" in text for text in found.warnings())
+    (warning,) = found.warnings()
+    assert "opposite sign" in warning
+    with pytest.raises(IdentificationError, match=r"is not written.*opposite sign"):
+        found.write_design(design.path.with_name("fitted.toml"))
+    assert not design.path.with_name("fitted.toml").exists()
 
 
 # ---- parts ----
@@ -468,7 +477,11 @@ def test_arrays_that_are_wrong_are_refused():
 REQUESTS = {
     "unknown": (["frictoin"], {}, "'frictoin' cannot be fitted: did you mean friction"),
     "none": ([], {}, "no parameter to fit"),
-    "twice": (["friction", "cam1.friction"], {}, "friction and cam1.friction name cam1.friction"),
+    "twice": (["friction", "cam1.friction"], {}, "friction and cam1.friction both set cam1.friction"),
+    "same": (["friction", "friction"], {}, "friction is given twice: give friction once"),
+    "spaces": (["friction spring.preload"], {}, "separate the names by commas, friction,spring.preload"),
+    "ellipse": (["cam1.ellipse_a"], {}, 'acts for cam1.profile = "ellipse" only'),
+    "load": (["friction_load"], {}, "does not act with cam1.friction_load_exponent = 0"),
     "integer": (["cam1.stribeck_exponent"], {}, "cannot be fitted"),
     "motion": (SPRING, {"motion": "fast"}, "allowed are auto, quasi-static, dynamic"),
     "window": (SPRING, {"window": -1.0}, "window = -1.0 s: allowed is a time > 0"),
@@ -539,7 +552,7 @@ def test_the_command_prints_json(bench_folder, capsys):
 @pytest.mark.parametrize(
     "words, code, message",
     [
-        (["bench.csv", "my.toml", "--fit", "mu"], 1, "'mu' cannot be fitted"),
+        (["bench.csv", "my.toml", "--fit", "mu"], 2, "'mu' cannot be fitted"),
         (["lost.csv", "my.toml"], 1, "there is no recording lost.csv"),
         (["bench.csv", "lost.toml"], 1, "there is no such file"),
         (["bench.csv", "my.toml", "-o", "my.toml"], 1, "design of the start values"),

@@ -56,6 +56,16 @@ def test_speed_of_studies_is_the_measured_one():
         )
 
 
+def test_a_python_block_shows_its_output_to_the_end():
+    """A page that shows one line of three is refused; three points stand for what is left out."""
+    printed = "1.0\none spring\nanother spring\n"
+    run_page.compare_output("one spring\nanother\nspring\n", printed, to_end=True)
+    run_page.compare_output("one spring\n...\n", printed, to_end=True)
+    run_page.compare_output("one spring\n", printed)
+    with pytest.raises(run_page.PageError, match="more is printed"):
+        run_page.compare_output("one spring\n", printed, to_end=True)
+
+
 def commands():
     return [
         (name, block, command)

@@ -89,6 +89,32 @@ def test_friction_is_that_of_the_fmu():
                 assert fmu.real("cam2.friction_coefficient") == pytest.approx(expected, rel=1e-12)
 
 
+def test_a_thicker_oil_is_the_same_contact_at_a_higher_speed():
+    """The rule of docs/use-temperature.md for another oil: one Stribeck curve over viscosity times speed."""
+    old, new = BaseOil(110.0, 11.0, 900.0), BaseOil(220.0, 19.0, 880.0)
+    ratio = new.viscosity(CELSIUS + 40.0) / old.viscosity(CELSIUS + 40.0)
+    first = GreasedContact(old, 0.08, 1.5, 0.02, 0.25)
+    second = GreasedContact(new, 0.08, 1.5, 0.02 / ratio, 0.25 * ratio)
+    for temperature in (CELSIUS + 5.0, CELSIUS + 40.0, CELSIUS + 90.0):
+        speed_ratio = new.viscosity(temperature) / old.viscosity(temperature)
+        for speed in (1e-3, 0.02, 0.06):
+            expected = first.coefficient(speed_ratio * speed, temperature)
+            assert second.coefficient(speed, temperature) == pytest.approx(expected, rel=1e-12)
+
+
+def test_torque_over_temperature_of_the_page():
+    """docs/use-temperature.md: by hand, two helices of 45 deg with z = 0.01 m/rad theta, 50 N + 50 kN/m z."""
+    page = (ROOT / "docs" / "use-temperature.md").read_text(encoding="utf-8")
+    contact = GreasedContact(BaseOil(110.0, 11.0), 0.08, 1.5, 0.02, 0.25)
+    shown = re.findall(r"^(\d+) degC: mu = ([\d.]+), ([\d.]+) N\.m$", page, re.MULTILINE)
+    assert len(shown) == 5
+    for celsius, coefficient, torque in shown:
+        mu = contact.coefficient(0.01 * math.sqrt(2.0) * 2.0, CELSIUS + float(celsius))
+        assert mu == pytest.approx(float(coefficient), abs=5.1e-4)
+        expected = 0.01 * (1.0 + mu) / (1.0 - mu) * (50.0 + 50e3 * 0.01 * 0.7)
+        assert expected == pytest.approx(float(torque), abs=5.1e-3)
+
+
 # ---- the thermal network ----
 
 
@@ -259,11 +285,17 @@ def test_fmi_3_gives_the_same_run():
         (lambda: GREASE.oil.viscosity(CELSIUS - 30.0), "temperature"),
         (lambda: GREASE.law(CELSIUS + 130.0), "0 to 120 degC"),
         (lambda: GREASE.coefficient(0.0, math.nan), "temperature"),
+        (lambda: GREASE.oil.viscosity(40.0), r"temperature = 40 K: is this degC\? Add 273.15"),
+        (lambda: BaseOil("110", 11.0), "viscosity_40 = '110'.*without quotes"),
+        (lambda: BaseOil(110.0, None), "viscosity_100 = None"),
         (lambda: GreasedContact(GREASE.oil, 0.1, 0.9, 0.02, 0.0), "peak"),
         (lambda: GreasedContact(GREASE.oil, 0.1, 1.5, 0.0, 0.0), "stribeck_velocity"),
         (lambda: GreasedContact(GREASE.oil, 0.1, 1.5, 0.02, -1.0), "viscous"),
         (lambda: TwoMassNetwork(0.0, 1.0, 1.0, 1.0, 300.0), "contact_capacity"),
         (lambda: TwoMassNetwork(1.0, 1.0, 1.0, math.inf, 300.0), "air_conductance"),
+        (lambda: TwoMassNetwork(1.0, 1.0, 1.0, 1.0, 5.0), r"air = 5 K: is this degC\? .* air = 278.15"),
+        (lambda: TwoMassNetwork(1.0, 1.0, 1.0, 1.0, -20.0), r"is this degC\? .* air = 253.15"),
+        (lambda: TwoMassNetwork(1.0, 1.0, 1.0, 1.0, "5 degC"), "air = '5 degC'"),
         (lambda: NETWORK.advance(NETWORK.start(), 1.0, -1.0), "duration"),
         (lambda: NETWORK.advance(NETWORK.start(), math.nan, 1.0), "power"),
     ],

@@ -3,13 +3,16 @@ and the phase plane, the speed at which the cycle ends, and the stability of ste
 
 import math
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from mechanisms import LIFT, MU, PRELOAD, STIFFNESS
 
 from benchmarks.stick_slip import reference, run
 from benchmarks.stick_slip.scene import INERTIA, SHAFT, STRIBECK, SUDDEN, Scene
 from dualcam import Fmu, linearize
+from dualcam.forward import STICK
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +89,45 @@ def test_cycle_ends(fmu, scene):
     last = last_speed(scene)
     assert run.cycle(fmu, scene, 0.99999 * last) is not None
     assert run.cycle(fmu, scene, 1.00001 * last) is None
+
+
+def jumps(fmu, speed, velocity, step=1e-3):
+    """Angle and height of each jump of the default mechanism, with the loop of docs/stick-slip.md."""
+    law = {
+        f"cam{i}.{n}": v for i in (1, 2) for n, v in (("friction_peak", 1.5), ("stribeck_velocity", velocity))
+    }
+    fmu.start(law)
+    tau, motion = fmu.reals("tau"), fmu.reals("theta", "omega")
+    angles, rested = [], False
+    while speed * fmu.time < 2.0:
+        theta, omega = motion.read()
+        rests = fmu.get("mode") == STICK
+        if rests and not rested:
+            angles.append(theta)
+        rested = rests
+        tau.values[0] = SHAFT * (speed * fmu.time - theta)
+        tau.write()
+        tau.write_derivatives(1, [SHAFT * (speed - omega)])
+        fmu.step(step)
+    return list(pairwise(angles))
+
+
+@pytest.mark.parametrize("speed", [0.2, 1.0])
+def test_jumps_with_a_spring(fmu, speed):
+    """With T_k = c_k F and T_s = c_s F at the static coefficient, F = 50 N + 500 N/rad theta: from rest,
+
+        x = dT/k (1 - cos wt) + V (t - sin(wt)/w),    k = K + dT_k/dtheta,    w2 = k/J,    V = K Omega/k,
+
+    until x' = 0, where x = 2 dT/k + V t. The FMU's friction falls within 1e-6 m/s."""
+    static, kinetic = (LIFT * (1.0 + mu) / (1.0 - mu) for mu in (1.5 * MU, MU))
+    k = SHAFT + kinetic * STIFFNESS * LIFT
+    w, advance = math.sqrt(k / INERTIA), SHAFT * speed / k
+    found = jumps(fmu, speed, 1e-6)
+    assert len(found) >= 8
+    for begin, end in found:
+        drop = (static - kinetic) * (PRELOAD + STIFFNESS * LIFT * begin)
+        slip = 2.0 * (math.pi - math.atan(drop * w / (SHAFT * speed))) / w
+        assert end - begin == pytest.approx(2.0 * drop / k + advance * slip, rel=1.5e-3)
 
 
 # ---- steady slip ----

@@ -451,6 +451,17 @@ SHORT = Mechanism((Ellipse(0.02, 0.6, 0.05, 0.05),) * 2, (0.1, 0.1), Spring(50.0
         (lambda: Tolerance.named("x", "norm", mean=1.0), "loc, scale"),
         (lambda: Tolerance.named("x", "norm", scale=-1.0), "no such distribution"),
         (lambda: Tolerance.within("x", 2.0, 1.0), "that grow"),
+        (lambda: Tolerance.within("cam1.radius", "19.98 mm", 0.02), "cam1.radius: limit '19.98 mm': allowed"),
+        (
+            lambda: analyse(PLAIN, [Tolerance.within("cam1.radius", -0.02e-3, 0.02e-3)]),
+            "limits are values of the parameter, not deviations from the nominal value",
+        ),
+        (
+            lambda: analyse(PLAIN, [Tolerance.within("cam1.lead_angle", 44.5, 45.5)]),
+            "the mean, 45: this looks like degrees; 45 deg is 0.785398 rad",
+        ),
+        (lambda: Limit("load", least=9, most=2), "least = 9 and most = 2: allowed is least <= most"),
+        (lambda: analyse(PLAIN, [GREASE], percentiles=(0.05, 0.5, 0.95)), "in percent, such as (5, 50, 95)"),
         (lambda: Tolerance.within("x", 1.0, 2.0, "gauss"), "normal, uniform, triangular"),
         (lambda: propagate(lambda x: x["y"], [Tolerance("x", norm())]), "KeyError"),
         (lambda: propagate(lambda x: np.abs(x["x"]), [Tolerance("x", norm())]), "complex numbers"),

@@ -110,6 +110,20 @@ def test_the_flat_has_the_worn_volume():
         assert segment * PIN.width == pytest.approx(volume, rel=0.2 * depth / PIN.radius)
 
 
+def test_each_flat_is_on_its_own_groove():
+    """Groove 1 bulges, groove 2 is straight, where the relative radius is that of the pin. The formula of
+    docs/design-quantities.md by hand; the flat of one groove knows nothing of the other groove."""
+    straight = Helix(0.022, math.pi / 4)
+    bent = Ellipse(0.022, math.pi / 4, 0.04, 0.04, -1)  # a circle: its curvature is -1/0.04 everywhere
+    found = wear(Mechanism((bent, straight), (0.12, 0.12), SPRING, 1.0), PIN, RATES)
+    radius = [0.003 * (1.0 - 0.003 / 0.04), 0.003]
+    for depth, volume, rho in zip(found.pin_depth(1e6), 1e6 * found.pin_volume, radius, strict=True):
+        by_hand = (3.0 * volume / (4.0 * 0.008 * math.sqrt(2.0 * rho))) ** (2.0 / 3.0)
+        assert depth == pytest.approx(by_hand, rel=1e-9)
+    life = found.life(0.05e-3).pin
+    assert found.pin_depth(life).max() == pytest.approx(0.05e-3)
+
+
 def test_a_pin_that_turns_wears_all_around():
     found = wear(MECHANISMS["helices"], PIN, RATES, turns=True)
     depth = found.pin_depth(1e6)

@@ -92,12 +92,12 @@ def spring_figure(design: DesignFile) -> Figure:
     least, largest = spring_forces(mechanism)
     better = found_spring(design).fatigue(least, largest)
     axes.plot(better.mean / 1e6, better.amplitude / 1e6, "s", color=GREEN, label=label_of(better))
-    axes.legend(loc="upper right", fontsize=9)
+    legend_above(axes)
     return picture
 
 
 def label_of(cycle: Fatigue) -> str:
-    return f"spring of the search: {cycle.safety:.3g}"
+    return f"found spring: {cycle.safety:.3g}"
 
 
 def found_spring(design: DesignFile) -> HelicalSpring:
@@ -107,7 +107,7 @@ def found_spring(design: DesignFile) -> HelicalSpring:
     least, largest = spring_forces(mechanism)
     stiffness = mechanism.spring.stiffness
     return find_springs(
-        least, stiffness, (largest - least) / stiffness, grade="SM", outer_diameter=0.032, guided=True
+        least, stiffness, (largest - least) / stiffness, grade="DM", outer_diameter=0.032, guided=True
     )[0]
 
 

@@ -121,13 +121,16 @@ def compare_numbers(code: str, printed: str, where: str = "") -> None:
                 raise PageError(f"{where}{said} is not printed; printed: {printed}")
 
 
-def compare_output(shown: str, printed: str) -> None:
-    """PageError if lines of the page are not in the output. Spaces and line breaks do not count."""
+def compare_output(shown: str, printed: str, to_end: bool = False) -> None:
+    """PageError if lines of the page are not in the output, or, with `to_end`, if the output goes on. Spaces
+    and line breaks do not count. A line of three points stands for lines that are left out."""
     plain = " ".join(printed.split())
     for part in LEFT_OUT.split(shown):
         wanted = " ".join(part.split())
         if wanted not in plain:
             raise PageError(f"the page shows\n{part}\nand this is printed:\n{printed}")
+    if to_end and not plain.endswith(" ".join(LEFT_OUT.split(shown)[-1].split())):
+        raise PageError(f"the page shows\n{shown}\nand more is printed:\n{printed}")
 
 
 def run_dualcam(words: list[str], expected: int = 0) -> str:
@@ -179,7 +182,7 @@ def run_code(code: str, names: dict[str, Any] | None = None) -> str:
 
 def run_blocks(blocks: list[Block], names: dict[str, Any] | None) -> Iterator[Block]:
     """Runs the blocks in the present folder; gives each one before. Blocks in Python share `names`."""
-    printed = ""
+    printed, is_code = "", False
     for block in blocks:
         yield block
         if block.is_marked:
@@ -187,10 +190,12 @@ def run_blocks(blocks: list[Block], names: dict[str, Any] | None) -> Iterator[Bl
         if block.file:
             Path(block.file).write_text(block.code, encoding="utf-8")
         elif block.is_output:
-            compare_output(block.code, printed)
+            compare_output(block.code, printed, to_end=is_code)
         elif block.language == "sh":
+            is_code = False
             printed = "".join(run_command(command) for command in block.commands if is_run(command))
         elif block.language == "python":
+            is_code = True
             printed = run_code(block.code, names)
 
 

@@ -6,13 +6,16 @@ import math
 from dataclasses import replace
 
 from dualcam.checking.trouble import ERROR, WARNING, Remedy, Trouble, finding_of
+from dualcam.checking.values import shown_beside
 from dualcam.design import HelicalSpring, Limits, Mechanism, find_springs
 from dualcam.design.helical_spring import INDEX
+from dualcam.design.spring_steel import DYNAMIC_GRADES
 from dualcam.design_file import DesignFile
 from dualcam.durability import spring_fatigue, spring_forces, wear_life, wear_of
 from dualcam.errors import DesignError
 
 SAME_RATE = 0.03  # relative difference of rates below which both count as equal
+OTHER_SPRING = 0.10  # likewise above which the stress is that of a spring that cannot be
 SAME_LENGTH = 0.03  # likewise of solid lengths
 ROUNDING = 1.002  # a proposed spring has as much more safety, so that its rounded diameter lasts, too
 SAME_FRICTION = 0.02  # likewise of coefficients of friction
@@ -32,7 +35,8 @@ def _spring(design: DesignFile, mechanism: Mechanism, propose: bool) -> list[Tro
     least, largest = spring_forces(mechanism)
     if spring is None or not 0.0 <= least <= largest:  # a spring that pulls has a finding of its own
         return []
-    found = [_rate(design, spring), _index(design, spring), *_lengths(design, mechanism, spring)]
+    found = [_rate(design, spring), _grade(design, spring), _index(design, spring)]
+    found += _lengths(design, mechanism, spring)
     found += [_static(design, spring, largest), _fatigue(design, mechanism, spring)]
     troubles = [trouble for trouble in found if trouble]
     if propose and (found[-1] or found[-2]):
@@ -52,7 +56,22 @@ def _rate(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
         f" {stiffness / 1e3:.4g} N/mm: both must be one rate. spring.stiffness = {spring.rate:.6g} N/m fits"
     )
     text += f", or helical_spring.active_coils = {coils:.4g}" if coils >= 2.0 else ""
-    return Trouble(finding_of(design, "spring rate", "helical_spring.active_coils", text, WARNING))
+    is_other = abs(spring.rate - stiffness) > OTHER_SPRING * stiffness
+    severity = ERROR if is_other else WARNING
+    return Trouble(finding_of(design, "spring rate", "helical_spring.active_coils", text, severity))
+
+
+def _grade(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
+    """A wire for static duty where the design asks for many cycles."""
+    limits = design.limits or Limits()
+    is_asked = limits.cycles > 0.0 or ("limits", "spring_safety") in design.lines
+    if spring.grade is None or spring.grade not in DYNAMIC_GRADES or not is_asked:
+        return None
+    text = (
+        f"helical_spring.grade = {spring.grade}: EN 10270-1 has this wire for static duty; write"
+        f' grade = "{DYNAMIC_GRADES[spring.grade]}", a wire for dynamic duty'
+    )
+    return Trouble(finding_of(design, "spring grade", "helical_spring.grade", text, WARNING))
 
 
 def _index(design: DesignFile, spring: HelicalSpring) -> Trouble | None:
@@ -102,12 +121,13 @@ def _lengths(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
 
 
 def _static(design: DesignFile, spring: HelicalSpring, largest: float) -> Trouble | None:
-    stress = spring.stress(largest)
+    stress, allowed = spring.stress(largest), spring.allowed_stress / 1e6
     if stress <= spring.allowed_stress:
         return None
     text = (
-        f"spring stress: at full stroke, {largest:.4g} N, the shear stress is {stress / 1e6:.4g} MPa: allowed"
-        f" is 0.56 of the tensile strength, {spring.allowed_stress / 1e6:.4g} MPa (EN 13906-1); with more"
+        f"spring stress: at full stroke, {largest:.4g} N, the shear stress is"
+        f" {shown_beside(stress / 1e6, allowed, 4)} MPa: allowed is 0.56 of the tensile strength,"
+        f" {allowed:.4g} MPa (EN 13906-1); with more"
         " stress the spring sets"
     )
     return Trouble(finding_of(design, "spring stress", WIRE, text))
@@ -120,13 +140,13 @@ def _fatigue(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) ->
     default = "" if ("limits", "spring_safety") in design.lines else ", the default of limits.spring_safety"
     text = (
         f"spring fatigue: between {cycle.lower / 1e6:.4g} and {cycle.upper / 1e6:.4g} MPa the Goodman safety"
-        f" is {cycle.safety:.3g}: allowed is {limit:g} or more{default}"
+        f" is {shown_beside(cycle.safety, limit)}: allowed is {limit:g} or more{default}"
     )
     return Trouble(finding_of(design, "spring fatigue", WIRE, text))
 
 
 def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -> str:
-    """The lightest spring in a standard wire that lasts, of the same grade or of DH."""
+    """The lightest spring in a standard wire that lasts, of the same strength or of DH, for dynamic duty."""
     least, largest = spring_forces(mechanism)
     stiffness = mechanism.spring.stiffness
     if stiffness <= 0.0 or largest <= least:
@@ -139,7 +159,7 @@ def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -
                 least,
                 stiffness,
                 (largest - least) / stiffness,
-                grade=spring.grade or "DH",
+                grade=DYNAMIC_GRADES.get(spring.grade or "DH", spring.grade or "DH"),
                 shot_peened=spring.shot_peened,
                 safety=ROUNDING * safety,
                 outer_diameter=outer,
@@ -148,15 +168,29 @@ def _proposal(design: DesignFile, mechanism: Mechanism, spring: HelicalSpring) -
             )[0]
         except DesignError:
             continue
-        length = best.least_length + largest / stiffness
-        return (
-            f"A spring of {best.grade} wire with wire_diameter = {1e3 * best.wire_diameter:g} mm,"
-            f" coil_diameter = {1e3 * best.coil_diameter:.4g} mm, active_coils = {best.active_coils:g} has"
-            f" the safety {best.fatigue(least, largest).safety:.3g}, with a free length of"
-            f" {1e3 * length:.4g} mm or more"
-        )
+        rounded = replace(best, coil_diameter=float(f"{best.coil_diameter:.4g}"))
+        return _followable(rounded, mechanism, least, largest)
     peened = "" if spring.shot_peened else "; shot_peened = true makes a wire endure more"
     return f"No spring in a standard wire lasts{peened}"
+
+
+def _followable(spring: HelicalSpring, mechanism: Mechanism, least: float, largest: float) -> str:
+    """All keys of a spring, as a design file has them. Lengths are rounded up."""
+    free = spring.least_length + largest / mechanism.spring.stiffness
+    return (
+        f'A spring that lasts: helical_spring.grade = "{spring.grade}",'
+        f' wire_diameter = "{1e3 * spring.wire_diameter:g} mm",'
+        f' coil_diameter = "{1e3 * spring.coil_diameter:.4g} mm", active_coils = {spring.active_coils:g};'
+        f' spring.free_length = "{_rounded_up(1e3 * free):g} mm",'
+        f' solid_length = "{_rounded_up(1e3 * spring.solid_length):g} mm". This spring has the safety'
+        f" {spring.fatigue(least, largest).safety:.3g}"
+    )
+
+
+def _rounded_up(length: float) -> float:
+    """A length of four digits or less that is not shorter."""
+    scale = 10.0 ** (math.floor(math.log10(length)) - 3)
+    return float(f"{math.ceil(length / scale - 1e-9) * scale:.4g}")
 
 
 # ---- roller ----
@@ -209,7 +243,8 @@ def _wear(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
         return []
     text = (
         f"wear: {life.part} is {1e3 * limits.wear_depth:.4g} mm deep (limits.wear_depth) after"
-        f" {life.cycles:.4g} cycles: allowed is limits.cycles = {limits.cycles:.4g} cycles or more"
+        f" {shown_beside(life.cycles, limits.cycles, 4)} cycles: allowed is limits.cycles ="
+        f" {limits.cycles:.4g} cycles or more"
     )
     finding = finding_of(design, "wear", "pin.width", text)
     return [Trouble(finding, (Remedy("pin.width", 0.2),))]

@@ -120,6 +120,11 @@ class KeyNumbers:
             found.append(f"roller: {roller_words(self.roller)}")
         if self.spring is not None:
             found.append(f"spring: {spring_words(self.spring)}")
+            if not self.spring.has_length:
+                found.append(
+                    "spring length and buckling: not checked, the file gives no spring.free_length and"
+                    " spring.solid_length"
+                )
         if self.wear is not None:
             found.append(f"wear: {wear_words(self.wear)}")
         return found

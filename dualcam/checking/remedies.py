@@ -50,7 +50,7 @@ class Search:
             for remedy in trouble.remedies:
                 value = self._value(trouble.finding, remedy, whole)
                 if value is not None:
-                    shown = f"{remedy.key} = {value:.10g}{_unit(remedy.key, value)} {words}"
+                    shown = f"{remedy.key} = {_shown(remedy.key, value)} {words}"
                     text = ". ".join(filter(None, [trouble.finding.text, shown, trouble.hint]))
                     return replace(trouble.finding, text=text, nearest=value, change=remedy.key)
         text = ". ".join(filter(None, [trouble.finding.text, trouble.hint]))
@@ -105,8 +105,11 @@ def is_sensible(design: DesignFile, key: str, value: float) -> bool:
     return bool(given / factor <= value <= given * factor)
 
 
-def _unit(key: str, value: float) -> str:
+def _shown(key: str, value: float) -> str:
+    """The value with its unit; a length as a design file has it, in mm."""
     known = all_parameters()
     unit = known[key].unit if key in known else PIN_UNITS.get(key, "1")
+    if unit == "m":
+        return f'"{1e3 * value:.10g} mm"'
     degrees = f" ({math.degrees(value):.4g} deg)" if unit == "rad" else ""
-    return "" if unit == "1" else f" {unit}{degrees}"
+    return f"{value:.10g}" if unit == "1" else f"{value:.10g} {unit}{degrees}"

@@ -47,7 +47,12 @@ def troubles(design: DesignFile, locate: bool = True) -> list[Trouble]:
     limits = design.limits or Limits()
     _, failures = examine(mechanism, design.pin, limits, locate=locate)
     found = [_trouble(design, mechanism, failure) for failure in failures]
-    more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (_solid_length, _start, _imposed)
+    more: tuple[Callable[[DesignFile, Mechanism], list[Trouble]], ...] = (
+        _solid_length,
+        _start,
+        _imposed,
+        _pin_in_cam,
+    )
     found += [trouble for rule in more for trouble in rule(design, mechanism)]
     return [*found, *durability(design, mechanism, propose=locate)]
 
@@ -167,6 +172,19 @@ def _solid_length(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
     )
     remedies = (Remedy("stop.upper", max(mechanism.lower, 0.0) + 0.01), Remedy("spring.preload", 0.0))
     return [Trouble(finding_of(design, "solid length", "stop.upper", text), remedies)]
+
+
+def _pin_in_cam(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:
+    """A pin thicker than the cam in whose groove it runs."""
+    pin, radius = design.pin, min(mechanism.radius)
+    if pin is None or pin.radius < radius:
+        return []
+    cam = 1 + mechanism.radius.index(radius)
+    text = (
+        f"pin.radius = {1e3 * pin.radius:.6g} mm: allowed is less than cam{cam}.radius ="
+        f" {1e3 * radius:.6g} mm; is the unit of one of both wrong?"
+    )
+    return [Trouble(finding_of(design, "pin in cam", "pin.radius", text), (Remedy("pin.radius", 1e-6),))]
 
 
 def _start(design: DesignFile, mechanism: Mechanism) -> list[Trouble]:

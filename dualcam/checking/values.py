@@ -27,3 +27,10 @@ def with_value(design: DesignFile, key: str, value: float) -> DesignFile:
         roller = replace(design.roller, radius=pin.radius) if design.roller else None
         return replace(design, pin=pin, roller=roller)
     return replace(design, parameters=design.parameters | {key: value})
+
+
+def shown_beside(value: float, limit: float, digits: int = 3) -> str:
+    """A value with so many digits that it does not look like the limit that it misses."""
+    while digits < 17 and float(f"{value:.{digits}g}") == float(f"{limit:.{digits}g}") and value != limit:
+        digits += 1
+    return f"{value:.{digits}g}"

@@ -133,7 +133,8 @@ def check_design(design: DesignSource) -> Verdict:
     if has_errors and not causes and (swapped := swap_warning(design)):
         findings.append(swapped)
     if refusal and not has_errors:
-        findings.append(Finding(ERROR, "", None, f"the FMU does not start: {refusal}", kind="fmu"))
+        text = f"the FMU does not start: {refusal}{_soft_shaft(design)}"
+        findings.append(Finding(ERROR, "", None, text, kind="fmu"))
     findings += _unused(design)
     if not (refusal or has_errors):
         findings += implausible(design)
@@ -179,12 +180,24 @@ def _unused(design: DesignFile) -> list[Finding]:
             WARNING,
             name,
             value,
-            f"{name} = {value} is not used: the {design.model} model has no such parameter",
+            f"{name} = {value} is not used: the {design.model} model has no such parameter"
+            f"{_soft_shaft(design) if name == 'shaft.stiffness' else ''}",
             kind="unused",
         )
         for name, value in design.parameters.items()
         if name not in known and not name.startswith("initial.")
     ]
+
+
+def _soft_shaft(design: DesignFile) -> str:
+    """What to do about an elastic shaft with friction that falls with the speed; empty without both."""
+    peaks = any(design.value(f"cam{i}.friction_peak") > 1.0 for i in (1, 2))
+    if not peaks or design.value("shaft.stiffness") == 0.0:
+        return ""
+    return (
+        f". For stick-slip put the soft shaft (shaft.stiffness = {design.value('shaft.stiffness'):g} N.m/rad)"
+        " outside a forward FMU: docs/stick-slip.md"
+    )
 
 
 def _line(design: DesignFile, key: str) -> int | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +15,7 @@ from dualcam.cli.output import print_json, print_table, require_folder_of, say
 if TYPE_CHECKING:
     from dualcam.identification import Identification
 
+SILENT = 5.0  # s without a line of progress
 DEFAULT = "friction,spring.preload,spring.stiffness"
 
 
@@ -66,7 +69,9 @@ def command(
     direction. Columns of the angular velocity (omega_rad/s) and of the axial force (F_ext_N) are optional.
     The table shows the fitted values with 95 % intervals. Warnings say what the data cannot tell apart.
     """
+    from dualcam.errors import IdentificationError
     from dualcam.identification import identify
+    from dualcam.identification.unknowns import unknowns_of
     from dualcam.paths import page_path_of
     from dualcam.plots import check_picture, save
 
@@ -78,7 +83,12 @@ def command(
     if plot is not None:
         check_picture(plot)
     names = [name.strip() for name in fit.split(",") if name.strip()]
-    found = identify(data, open_design(design_file), names, motion=motion, window=window)
+    design = open_design(design_file)
+    try:
+        unknowns_of(design, names)
+    except IdentificationError as error:
+        raise click.BadParameter(str(error), param_hint="--fit") from None
+    found = identify(data, design, names, motion=motion, window=window, progress=_progress(as_json))
     if output is not None:
         found.write_design(output)
     if report is not None:
@@ -93,6 +103,20 @@ def command(
     for path in (output, report, plot):
         if path is not None:
             say(f"{path} written")
+
+
+def _progress(quiet: bool) -> Callable[[str], None]:
+    """Tells the stage on the error output, once the work has lasted for some seconds."""
+    begin = last = time.monotonic()
+
+    def told(stage: str) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not quiet and now - begin > SILENT and now - last > SILENT:
+            last = now
+            click.echo(f"dualcam: {stage}, {now - begin:.0f} s", err=True)
+
+    return told
 
 
 def _tell(found: Identification) -> None:

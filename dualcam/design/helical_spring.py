@@ -4,11 +4,14 @@ With wire diameter d, mean coil diameter D, n active coils, w = D/d and the shea
 
     R = G d^4/(8 D^3 n)     tau = 8 D F/(pi d^3)     tau_k = k tau,  k = (w + 0.5)/(w - 0.75)
 
-The factor k is for the curvature of the wire. Static stress is compared without k, fatigue with k. The
-Goodman line joins the amplitude tau_W at mean stress 0 with the shear strength 0.67 R_m at amplitude 0. With
-amplitude and mean stress between preload and full stroke the safety S is
+The factor k is for the curvature of the wire. Static stress is compared without k, fatigue with k. The wire
+endures the amplitude tau_Z up to the mean stress tau_mZ, for any tensile strength. From there the Goodman
+line falls to amplitude 0 at the shear strength 0.67 R_m; tau_W is its extension to mean stress 0. With
+amplitude and mean stress between preload and full stroke the safety S is the lesser one of
 
-    tau_a/tau_W + tau_m/(0.67 R_m) = 1/S
+    tau_Z/tau_a     1/(tau_a/tau_W + tau_m/(0.67 R_m)),  tau_W = tau_Z/(1 - tau_mZ/(0.67 R_m))
+
+Without the first one a weaker wire would have more safety: tau_W grows as R_m falls.
 
 Source: EN 13906-1:2013 (rate, stress, k, gaps between the coils, buckling, allowed static stress); the
 strength against fatigue is that of spring_steel.py.
@@ -28,7 +31,7 @@ from dualcam.design.spring_steel import (
     ZIMMERLI,
     tensile_strength,
 )
-from dualcam.design.statics import DesignError
+from dualcam.design.statics import DesignError, check_numbers
 from dualcam.unit_guards import unit_warning, warn_units
 
 END_COILS = 2.0  # closed and ground ends
@@ -57,12 +60,14 @@ class Fatigue:
     amplitude, mean : float
         Half the difference and the mean of both [Pa].
     strength : float
-        Amplitude that the wire endures at mean stress 0: one end of the Goodman line [Pa].
+        Largest amplitude that the wire endures, at a mean stress up to `knee` [Pa].
+    knee : float
+        Mean stress from which the Goodman line falls [Pa]: Zimmerli's point, or 0 with a given strength.
     shear_strength : float
-        Shear strength of the wire: the other end [Pa].
+        Shear strength of the wire: the end of the Goodman line [Pa].
     safety : float
-        Factor by which amplitude and mean stress may grow together up to the Goodman line [1]; infinite
-        without force.
+        Factor by which amplitude and mean stress may grow together up to that line [1]; infinite without
+        force.
     """
 
     lower: float
@@ -70,6 +75,7 @@ class Fatigue:
     amplitude: float
     mean: float
     strength: float
+    knee: float
     shear_strength: float
     safety: float
 
@@ -132,6 +138,7 @@ class HelicalSpring:
     guided: bool = False
 
     def __post_init__(self) -> None:
+        check_numbers({name: getattr(self, name) for name in RANGES if getattr(self, name) is not None})
         for name, (low, high, unit) in RANGES.items():
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
@@ -294,7 +301,7 @@ class HelicalSpring:
         --------
         Example 10-4 of Shigley's Mechanical Engineering Design (8th edition): music wire of 0.092 in, outer
         diameter 9/16 in, between 5 and 35 lbf. By hand: C = 5.11, k = 1.287, tau_a = 29.7 kpsi,
-        tau_m = 39.6 kpsi, tau_W = 35/(1 - 55/190.3) = 49.2 kpsi, 1/S = 29.7/49.2 + 39.6/190.3, S = 1.23.
+        tau_m = 39.6 kpsi, below Zimmerli's 55 kpsi. So S = 35/29.7 = 1.18.
 
         >>> from dualcam.design import HelicalSpring
         >>> inch, pound = 0.0254, 4.44822
@@ -302,7 +309,7 @@ class HelicalSpring:
         >>> wire = HelicalSpring(0.092 * inch, 0.4705 * inch, 21.0, tensile_strength=284.1 * kpsi)
         >>> cycle = wire.fatigue(5.0 * pound, 35.0 * pound)
         >>> round(cycle.amplitude / kpsi, 1), round(cycle.mean / kpsi, 1), round(cycle.safety, 2)
-        (29.7, 39.6, 1.23)
+        (29.7, 39.6, 1.18)
         """
         if not 0.0 <= least <= largest < math.inf:
             raise DesignError(
@@ -310,17 +317,19 @@ class HelicalSpring:
             )
         lower, upper = self.corrected_stress(least), self.corrected_stress(largest)
         amplitude, mean = 0.5 * (upper - lower), 0.5 * (upper + lower)
-        strength, shear_strength = self._amplitude_at_zero_mean(), self.shear_strength
-        used = amplitude / strength + mean / shear_strength
+        strength, knee = self._endured()
+        end = self.shear_strength
+        at_zero = strength / (1.0 - knee / end)  # of the Goodman line, extended to mean stress 0
+        used = max(amplitude / strength, amplitude / at_zero + mean / end)
         safety = 1.0 / used if used > 0.0 else math.inf
-        return Fatigue(lower, upper, amplitude, mean, strength, shear_strength, safety)
+        return Fatigue(lower, upper, amplitude, mean, strength, knee, end, safety)
 
-    def _amplitude_at_zero_mean(self) -> float:
-        """The given strength; else the end of the Goodman line through Zimmerli's point."""
+    def _endured(self) -> tuple[float, float]:
+        """Largest amplitude, and mean stress up to which the wire endures this amplitude: the given strength
+        at mean stress 0, else Zimmerli's point."""
         if self.fatigue_strength is not None:
-            return self.fatigue_strength
-        amplitude, mean = ZIMMERLI[self.shot_peened]
-        return amplitude / (1.0 - mean / self.shear_strength)
+            return self.fatigue_strength, 0.0
+        return ZIMMERLI[self.shot_peened]
 
     def buckling_deflection(self, free_length: float) -> float:
         """Deflection at which the spring buckles between two parallel plates.

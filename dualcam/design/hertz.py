@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.design.statics import Array, DesignError
+from dualcam.design.statics import Array, DesignError, check_numbers
 from dualcam.unit_guards import warn_units
 
 DEPTH_SHARE = math.sqrt(0.5 * (math.sqrt(5.0) - 1.0))  # depth of the largest shear stress over half width
@@ -68,6 +68,7 @@ class Pin:
     wear: float = 0.0
 
     def __post_init__(self) -> None:
+        check_numbers(vars(self))
         for name in ("radius", "width", "modulus", "cam_modulus"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise DesignError(f"{name} = {getattr(self, name)}: allowed is a finite number > 0")
@@ -207,7 +208,12 @@ def line_contact(load: ArrayLike, pin: Pin, curvature: ArrayLike = 0.0) -> LineC
     >>> round(float(contact.shear) / 1e6), round(1e6 * float(contact.depth), 1)  # MPa, um
     (235, 32.0)
     """
-    force = np.asarray(load, dtype=float)
+    try:
+        force = np.asarray(load).astype(float, casting="safe")
+    except (TypeError, ValueError):  # text, too
+        raise DesignError(
+            f"load = {load!r:.60}: allowed are finite forces >= 0 in N, such as 400.0"
+        ) from None
     if not (np.isfinite(force) & (force >= 0.0)).all():
         raise DesignError(f"load = {force}: allowed are finite forces >= 0 in N")
     radius = np.maximum(relative_radius(pin, curvature), 0.0)

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from dualcam.design.statics import DesignError
+from dualcam.design.statics import DesignError, check_numbers
 from dualcam.unit_guards import warn_units
 
 
@@ -61,6 +61,7 @@ class Roller:
     sliding_friction: float = 0.14
 
     def __post_init__(self) -> None:
+        check_numbers(vars(self))
         if not 0.0 < self.radius < math.inf:
             raise DesignError(f"radius = {self.radius}: allowed is a finite number > 0 in m")
         for name in ("bearing_friction", "sliding_friction"):

@@ -1,6 +1,7 @@
 """Spring steel wire: grades, tensile strength, standard diameters, and strength against fatigue.
 
-Patented cold-drawn wire of EN 10270-1. The least tensile strength falls with the diameter d in mm:
+Patented cold-drawn wire of EN 10270-1. SL, SM and SH are for static duty, DM and DH for dynamic duty, with
+tighter limits on flaws of the surface. The least tensile strength falls with the diameter d in mm:
 
     R_m = a - b lg(d) MPa     SL: 1720, 660     SM, DM: 1980, 740     SH, DH: 2220, 820
 
@@ -8,7 +9,8 @@ These are the formulas of the classes A, B, C and D of DIN 17223-1:1984, which E
 the table of EN 10270-1 within 1 %.
 
 Fatigue: patented and other steel wire up to 10 mm, coiled cold, endures the amplitude 241 MPa at the mean
-stress 379 MPa; shot-peened wire 398 MPa at 534 MPa (shear stress, corrected for the curvature). Source:
+stress 379 MPa; shot-peened wire 398 MPa at 534 MPa (shear stress, corrected for the curvature). The amplitude
+depends neither on diameter and tensile strength nor, below that, on the mean stress. Source:
 F. P. Zimmerli, Human failings in spring design, The Mainspring (1957); R. G. Budynas, J. K. Nisbett,
 Shigley's Mechanical Engineering Design, chapter 10, also for the shear strength 0.67 R_m.
 """
@@ -26,6 +28,11 @@ STRENGTHS: Mapping[str, tuple[float, float]] = {  # grade -> a, b [MPa] of R_m =
     "DM": (1980.0, 740.0),
     "SH": (2220.0, 820.0),
     "DH": (2220.0, 820.0),
+}
+DYNAMIC_GRADES: Mapping[str, str] = {  # grade for static duty -> that for dynamic duty, as strong or stronger
+    "SL": "DM",
+    "SM": "DM",
+    "SH": "DH",
 }
 RANGES: Mapping[str, tuple[float, float]] = {  # m, diameters of the formulas
     grade: (1e-3, 10e-3) if grade == "SL" else (0.3e-3, 20e-3) for grade in STRENGTHS

@@ -11,7 +11,7 @@ Pairs (slopes, frictions, radii, lead angles) are sequences of two numbers or ar
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,42 @@ Array = NDArray[np.float64]
 Pair = Sequence[ArrayLike] | Array
 
 DIRECTIONS = {"loading": 1, "releasing": -1, "frictionless": 0}
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is a real number.
+
+    Parameters
+    ----------
+    value : object
+        Anything.
+
+    Returns
+    -------
+    bool
+        False for text, None and a truth value, too.
+    """
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def check_numbers(values: Mapping[str, object]) -> None:
+    """Refuse values that are no numbers, such as text with a unit.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        Values by their names in the message.
+
+    Raises
+    ------
+    DesignError
+        With the first such value.
+    """
+    for name, value in values.items():
+        if not is_number(value):
+            raise DesignError(
+                f"{name} = {value!r:.60}: allowed is a number in the SI unit, such as 0.003 for 3 mm"
+            )
 
 
 def sign_of(direction: str) -> int:

@@ -9,8 +9,9 @@ the contact is. Each end of the follower has its own groove, so each place has t
 
 Pin. The pin loses the volume V = K_pin (integral of N ds) in each cycle. A pin that does not turn touches
 the flank along one line. There a flat grows. The flat of depth h on the relative radius R has the volume
-L (4/3) h sqrt(2 R h), so h = (3 V/(4 L sqrt(2 R)))^(2/3). This is the largest depth: on a curved groove the
-line wanders, and the wear spreads. A pin or roller that turns wears all around: h = V/(2 pi r L).
+L (4/3) h sqrt(2 R h), so h = (3 V/(4 L sqrt(2 R)))^(2/3). Each end of the pin has its own
+flat: R is the least one of its own groove. This is the largest depth: on a curved groove the line wanders,
+and the wear spreads. A pin or roller that turns wears all around: h = V/(2 pi r L).
 
 Preload and torque. A depth h normal to a flank of lead angle lambda lowers the groove by
 delta = h/cos(lambda) along the axis. The worn grooves are z = g_i(psi) - delta_i(psi), and the pin is where
@@ -240,10 +241,10 @@ class Wear:
         return _worn(self, float(cycles))
 
     @cached_property
-    def _flat_radius(self) -> float:
-        """Least relative radius of pin and supporting flank, over both grooves [m]."""
+    def _flat_radius(self) -> Array:
+        """Least relative radius of pin and supporting flank in each groove [m], shape (2,)."""
         radius = relative_radius(self.pin, self.mechanism.curvature(self.theta))
-        return float(radius.min())
+        return np.asarray(radius.min(axis=1))
 
 
 def wear(

@@ -13,6 +13,13 @@ DIAMETERS = ("diameter", "d", "dia")
 OTHER_WORDS = {
     "r": "radius",
     "mu": "friction",
+    "mu_k": "friction",
+    "mu_s": "friction_peak",
+    "static_friction": "friction_peak",
+    "friction_static": "friction_peak",
+    "stribeck_speed": "stribeck_velocity",
+    "v_stribeck": "stribeck_velocity",
+    "v_s": "stribeck_velocity",
     "angle": "lead_angle",
     "helix_angle": "lead_angle",
     "pitch": "lead_angle",
@@ -76,14 +83,14 @@ def nearest_keys(key: str, known: Iterable[str]) -> list[str]:
     table, _, last = key.rpartition(".")
     last = last.lower()
     own = {name.rpartition(".")[2]: name for name in known if name.rpartition(".")[0] == table}
+    meant = OTHER_WORDS.get(last)
+    if meant in own:
+        return [own[meant]]
     if close := get_close_matches(last, own, n=1, cutoff=0.7):
         return [own[close[0]]]
     same = [name for name in known if name.rpartition(".")[2] == last]
     if same:
         return _first(same)
-    meant = OTHER_WORDS.get(last)
-    if meant in own:
-        return [own[meant]]
     if meant and not table:
         return _first([name for name in known if name.rpartition(".")[2] == meant])
     if close := get_close_matches(key.lower(), known, n=2, cutoff=0.8):

@@ -169,6 +169,9 @@ class _Reading:
             with_unit = kind != "range" or isinstance(value, str)
             if not with_unit and (hint := unit_warning(key, problem["ctx"]["number"])):
                 text += f"; {hint.partition(': ')[2]}"
+            if key.endswith(".friction_peak") and kind == "range":
+                friction = key.replace("friction_peak", "friction")
+                text += f"; the value is the ratio of the static to the kinetic coefficient {friction}"
         elif kind == "bool_type":
             text = f"{key} = {shown}: allowed is true or false, without quotes"
         elif kind == "string_type":

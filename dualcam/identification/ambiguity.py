@@ -9,8 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from dualcam.errors import FmuError
 from dualcam.identification.least_squares import Solution
 from dualcam.identification.motion import DYNAMIC, Motion
+from dualcam.identification.torque_model import TorqueModel
 from dualcam.identification.unknowns import CAMS, Unknown
 
 Array = NDArray[np.float64]
@@ -19,6 +21,7 @@ OPEN = 1.0  # half of the 95 % interval along a direction, in sizes, from which 
 TAKES_PART = 0.1  # of the largest component of a direction
 INVISIBLE = 1e-3  # of the standard deviation of a residual
 CHANGE = 0.1  # of a size, for the sentence
+SAME = 1e-9  # of the largest torque: a difference that is rounding
 NARROW = 0.3  # of the range of theta between the stops
 SPEED_TERMS = ("friction_peak", "stribeck_velocity", "friction_viscous")
 LOSSES = ("friction", *SPEED_TERMS)
@@ -84,6 +87,53 @@ def ambiguities_of(
         text = _sentence(solution, unknowns, direction, part)
         found.append(Ambiguity(members, text, _advice(members, motion, span, speeds)))
     return found
+
+
+def exchangeable_cams(model: TorqueModel, solution: Solution, unknowns: Sequence[Unknown]) -> list[Ambiguity]:
+    """Pairs of values, one of each cam, that can be swapped without a change of the torque.
+
+    Derivatives do not show such a pair: the error has two equal minima, and each is narrow.
+
+    Parameters
+    ----------
+    model : TorqueModel
+        Torque as a function of the unknowns.
+    solution : Solution
+        Result of the fit.
+    unknowns : sequence of Unknown
+        The unknowns.
+
+    Returns
+    -------
+    list of Ambiguity
+    """
+    names = [unknown.name for unknown in unknowns]
+    pairs = [name.partition(".")[2] for name in names if name.startswith(f"{CAMS[0]}.")]
+    pairs = [last for last in pairs if f"{CAMS[1]}.{last}" in names]
+    places = [[names.index(f"{cam}.{last}") for cam in CAMS] for last in pairs]
+    if not places:
+        return []
+    moved, swapped = solution.values.copy(), solution.values.copy()
+    for first, second in places:
+        value = 0.5 * (solution.values[first] + solution.values[second])
+        moved[[first, second]] = value * (1.0 - CHANGE), value
+        swapped[[first, second]] = value, value * (1.0 - CHANGE)
+    try:
+        before, after = (model.limits(values)[0] for values in (moved, swapped))
+    except FmuError:
+        return []
+    slips = model.motion.direction != 0
+    if np.abs(after - before)[slips].max() > SAME * np.abs(before)[slips].max():
+        return []
+    return [
+        Ambiguity(
+            tuple(f"{cam}.{last}" for cam in CAMS),
+            f"{CAMS[0]}.{last} and {CAMS[1]}.{last} are exchangeable: the grooves of both cams are alike, so"
+            " the torque is the same with the values swapped.",
+            f"Fit {last}, one value for both cams.",
+        )
+        for last in pairs
+    ]
 
 
 def _in_present_sizes(solution: Solution) -> Solution:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.design_file import DesignSource, as_design
-from dualcam.errors import IdentificationError
-from dualcam.identification.ambiguity import Ambiguity, ambiguities_of
+from dualcam.errors import FmuError, IdentificationError
+from dualcam.identification.ambiguity import Ambiguity, ambiguities_of, exchangeable_cams
+from dualcam.identification.lack_of_fit import lack_of_fit
 from dualcam.identification.least_squares import Problem, Solution
 from dualcam.identification.motion import AUTO, Motion, motion_of
 from dualcam.identification.recording import Recording, read_recording
@@ -36,6 +38,7 @@ def identify(
     *,
     motion: str = AUTO,
     window: float | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> Identification:
     """Fit friction, spring and losses of a design to a recording of time, angle and torque.
 
@@ -58,6 +61,8 @@ def identify(
     window : float, optional
         Length of the window in which the angle is smoothed [s]. Default: that of the least error of
         prediction.
+    progress : function, optional
+        Called with the stage of the work, often.
 
     Returns
     -------
@@ -95,21 +100,27 @@ def identify(
         recording = read_recording(recording)
     design = as_design(design)
     unknowns = unknowns_of(design, fit)
+    tell = progress or _silent
+    tell(f"{len(recording)} samples read, angle being smoothed")
     full = motion_of(recording, motion, window)
     _require_motion(full, len(unknowns))
     moved = _thinned(full)
     rows = slice(None, None, max(1, -(-len(recording) // MOST_SAMPLES)))
     force = np.zeros(len(recording)) if recording.F_ext is None else recording.F_ext
     noise = _torque_noise(recording, full)
-    with TorqueModel(design, moved, force[rows], unknowns) as model:
-        problem = Problem(model, recording.tau[rows], noise, unknowns)
+    with _explained(recording, moved), TorqueModel(design, moved, force[rows], unknowns) as model:
+        problem = Problem(model, recording.tau[rows], noise, unknowns, tell)
         solution = problem.solve(_guesses(problem, model))
         low, high = model.limits(solution.values)
         before = np.clip(recording.tau[rows], *model.limits(problem.start))
         speeds = model.sliding_speeds(solution.values)
         span = model.upper - model.lower
+        swapped = exchangeable_cams(model, solution, unknowns)
     slips = moved.direction != 0
     ambiguities = ambiguities_of(solution, unknowns, moved, span, speeds[slips].ravel())
+    ambiguities += [one for one in swapped if not any(set(one.names) <= set(a.names) for a in ambiguities)]
+    tell("search for values that are missing in the fit")
+    missing, levers = lack_of_fit(design, moved, force[rows], unknowns, solution)
     return Identification(
         design=design,
         recording=recording,
@@ -122,10 +133,27 @@ def identify(
         residual=solution.residual,
         sliding_speed=speeds.max(axis=1),
         noise=noise,
-        parameters=tuple(_fitted(unknowns, solution, ambiguities)),
+        parameters=tuple(_fitted(unknowns, solution, ambiguities, slips)),
         correlation=solution.correlation,
         ambiguities=tuple(ambiguities),
+        missing=tuple(missing),
+        levers=tuple(levers),
     )
+
+
+def _silent(stage: str) -> None:
+    """No report of the progress."""
+
+
+@contextmanager
+def _explained(recording: Recording, motion: Motion) -> Iterator[None]:
+    """A question after the unit of time in errors of the FMU, where the recorded speeds are strange."""
+    try:
+        yield
+    except FmuError as error:
+        if question := motion.time_question(float(np.ptp(recording.time))):
+            raise IdentificationError(f"{recording.source}: {question}. The FMU says: {error}") from error
+        raise
 
 
 def _require_motion(motion: Motion, count: int) -> None:
@@ -173,16 +201,21 @@ def _guesses(problem: Problem, model: TorqueModel) -> list[Array]:
 
 
 def _fitted(
-    unknowns: Sequence[Unknown], solution: Solution, ambiguities: Sequence[Ambiguity]
+    unknowns: Sequence[Unknown],
+    solution: Solution,
+    ambiguities: Sequence[Ambiguity],
+    slips: NDArray[np.bool_],
 ) -> list[FittedParameter]:
     open_names = {name for ambiguity in ambiguities for name in ambiguity.names}
     found = []
     for k, unknown in enumerate(unknowns):
         value, size = float(solution.values[k]), float(solution.sizes[k])
         half = solution.half_width(np.eye(len(unknowns))[k])
-        status = KNOWN
+        status, limit = KNOWN, None
         if min(value - unknown.least, unknown.greatest - value) < NEAR * size:
-            status = AT_LIMIT
+            limit = min((unknown.least, unknown.greatest), key=lambda end: abs(value - end))
+            if abs(solution.pull(k)) > half:
+                status = AT_LIMIT
         if unknown.name in open_names:
             status = OPEN
         found.append(
@@ -195,6 +228,8 @@ def _fitted(
                 max(value - half * size, unknown.least),
                 min(value + half * size, unknown.greatest),
                 status,
+                limit,
+                abs(value / size) * math.sqrt(float(np.mean(solution.jacobian[slips, k] ** 2))),
             )
         )
     return found

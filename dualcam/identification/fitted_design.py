@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from dualcam.checking import check_design
 from dualcam.design_file import read_design
 from dualcam.design_file.toml_text import ENTRY, HEADER, line_of, lines_of_keys, read_text
 from dualcam.errors import DualcamError, IdentificationError
 from dualcam.identification.unknowns import GROUPS
+from dualcam.identification.words import OPEN
 from dualcam.paths import path_of
 
 if TYPE_CHECKING:
@@ -33,7 +35,9 @@ def write_fitted(found: Identification, path: str | Path) -> Path:
     Raises
     ------
     IdentificationError
-        The path is that of the design itself, or the lines of the design file cannot be changed one by one.
+        The path is that of the design itself, the recording has another unit of time or the opposite sign of
+        the torque, `dualcam check` would refuse the fitted values, or the lines of the design file cannot be
+        changed one by one.
     DesignFileError
         The new file would be refused, for example because a groove table is not in its folder.
     """
@@ -41,6 +45,8 @@ def write_fitted(found: Identification, path: str | Path) -> Path:
     source = found.design.path
     if path.resolve() == source.resolve():
         raise IdentificationError(f"{path} is the design of the start values: give another name")
+    if faults := found.recording_faults():
+        raise IdentificationError(f"{path} is not written. {faults[0]}")
     existing = path.read_bytes() if path.exists() else None
     path.write_text(_text(found, read_text(source)), encoding="utf-8")
     try:
@@ -66,6 +72,10 @@ def _line(key: str, parameter: FittedParameter, found: Identification) -> str:
     """A line of the file. The number is the shortest that reads as the fitted value again."""
     name = key.rpartition(".")[2]
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    if parameter.status == OPEN:
+        value = found.design.value(key)
+        source = found.recording.source
+        return f"{name} = {value!r}  # start value: not determined by the recording {source}"
     doubt = f"{parameter.interval}{unit}"
     return f"{name} = {parameter.value!r}  # identified from {found.recording.source}, 95 %: {doubt}"
 
@@ -93,8 +103,13 @@ def _with_value(text: str, key: str, line: str) -> str:
 
 def _check(found: Identification, path: Path) -> None:
     """An error unless the written file has the fitted values, and the others of the design."""
-    read = read_design(path).parameters
-    fitted = {key: one.value for one in found.parameters for key in one.keys}
+    design = read_design(path)
+    read = design.parameters
+    fitted = {
+        key: found.design.value(key) if one.status == OPEN else one.value
+        for one in found.parameters
+        for key in one.keys
+    }
     wanted = found.design.parameters | fitted
     different = [key for key in wanted if read.get(key) != wanted[key]]
     if different:
@@ -102,4 +117,8 @@ def _check(found: Identification, path: Path) -> None:
             f"{path}: {', '.join(different)} would not be read as fitted: write each of the tables"
             f" {', '.join(GROUPS)} with one key per line, and the new file into the folder of"
             f" {found.design.path}"
+        )
+    if check_design(found.design).good and not (verdict := check_design(design)).good:
+        raise IdentificationError(
+            f"{path} is not written: `dualcam check` would refuse the fitted values: {verdict.errors[0]}"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +63,13 @@ class Solution:
         """Half of the 95 % interval of the values' component along a direction, in units of `sizes`."""
         return float(np.linalg.norm(direction @ self.widths, axis=1).max())
 
+    def pull(self, k: int) -> float:
+        """How far the residuals pull value k from where the value is, in units of `sizes`.
+
+        0 but for a value at a limit."""
+        step, *_ = np.linalg.lstsq(self.jacobian, -self.residual, rcond=None)
+        return float(step[k])
+
     @property
     def correlation(self) -> Array:
         """Correlation of the values, shape (p, p)."""
@@ -73,7 +80,15 @@ class Solution:
 class Problem:
     """The residuals of samples `rows` as a function of unknowns in units of their sizes."""
 
-    def __init__(self, model: TorqueModel, torque: Array, noise: float, unknowns: Sequence[Unknown]) -> None:
+    def __init__(
+        self,
+        model: TorqueModel,
+        torque: Array,
+        noise: float,
+        unknowns: Sequence[Unknown],
+        progress: Callable[[str], None] | None = None,
+    ) -> None:
+        self.progress, self.runs = progress, 0
         self.model, self.torque, self.noise, self.unknowns = model, torque, noise, unknowns
         self.start = np.array([unknown.start for unknown in unknowns])
         self.model.limits(self.start)  # the FMU's own message where the FMU refuses the design
@@ -115,6 +130,9 @@ class Problem:
 
     def residual(self, x: Array) -> Array:
         """Model minus measurement [N.m]. At rest: the distance from the band beyond the margin of noise."""
+        self.runs += 1
+        if self.progress is not None:
+            self.progress(f"fit: run {self.runs} through {len(self.torque)} samples")
         low, high = self.model.limits(x * self.sizes)
         low, high = low - self.slack, high + self.slack
         return np.maximum(low - self.torque, 0.0) + np.minimum(high - self.torque, 0.0)

@@ -19,6 +19,7 @@ KINDS = (AUTO, QUASI_STATIC, DYNAMIC)
 SURE = 4.0  # standard deviations of its noise from which a speed has a known sign
 SLOWEST = 1e-3  # of the usual speed; slower samples count as at rest
 SEEN = 3.0  # the acceleration is in the recording where its RMS is this many times its noise
+STRANGE = 100.0  # rad/s: a speed that asks for the unit of time
 USUAL = 0.95  # quantile of speeds
 
 
@@ -57,6 +58,16 @@ class Motion:
     def count(self, direction: int) -> int:
         """Number of samples with that direction."""
         return int(np.count_nonzero(self.direction == direction))
+
+    def time_question(self, duration: float) -> str:
+        """A question after the unit of time, where the speeds are strange, else nothing."""
+        fastest = float(np.abs(self.omega).max())
+        if fastest < STRANGE:
+            return ""
+        return (
+            f"The recording has a duration of {duration:.4g} s and speeds up to {fastest:.4g} rad/s: is the"
+            " time in s? Then name the column time_s"
+        )
 
 
 def motion_of(recording: Recording, kind: str = AUTO, window: float | None = None) -> Motion:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import dualcam
 from dualcam.html_page import page, table
 from dualcam.identification.picture import plot_identification
-from dualcam.identification.words import HEADS, rows_of
+from dualcam.identification.words import HEADS, OPEN, rows_of
 from dualcam.paths import page_path_of
 from dualcam.svg import figure_element
 
@@ -39,7 +39,7 @@ def _page(found: Identification) -> str:
     doubts = "".join(f'<li class="warning">{escape(text)}</li>\n' for text in found.warnings())
     content = [
         "<h2>Fitted values</h2>\n",
-        table(HEADS, rows_of(found)),
+        _numbers(table(HEADS, rows_of(found))),
         "".join(f"<p>{escape(line)}.</p>\n" for line in found.summary()),
         f"<h2>Doubts</h2>\n<ul>\n{doubts}</ul>\n" if doubts else "",
         "<h2>Torque and residuals</h2>\n",
@@ -58,4 +58,16 @@ def _correlation(found: Identification) -> str:
         [name, *(f"{value:+.3f}" for value in row)]
         for name, row in zip(names, found.correlation.tolist(), strict=True)
     ]
-    return table(["", *names], rows)
+    open_names = [one.name for one in found.parameters if one.status == OPEN]
+    remark = (
+        f"<p>{escape(' and '.join(open_names))}: not determined. Their correlations say along which direction"
+        " the recording leaves them open, not how well they are known.</p>\n"
+        if open_names
+        else ""
+    )
+    return _numbers(table(["", *names], rows)) + remark
+
+
+def _numbers(content: str) -> str:
+    """A table whose numbers stay in one line."""
+    return f'<div class="numbers">{content}</div>'

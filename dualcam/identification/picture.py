@@ -17,11 +17,14 @@ if TYPE_CHECKING:
     from dualcam.identification.result import Identification
 
 DIRECTIONS = ((1, "loading", ORANGE), (-1, "releasing", BLUE), (0, "at rest or reversing", GREY))
+MARK = 8.0  # points: a mark of the legend
 MOST_DOTS = 4000  # more make an SVG slow
 
 
 def plot_identification(found: Identification) -> Figure:
     """Four plots, one below the other, of the samples by direction."""
+    from matplotlib.lines import Line2D
+
     picture, (torque, angle, speed, time) = figure(4, 2.6)
     shown = np.zeros(len(found.time), dtype=bool)
     shown[:: max(1, -(-len(found.time) // MOST_DOTS))] = True
@@ -37,6 +40,11 @@ def plot_identification(found: Identification) -> Figure:
     torque.set_ylabel("torque [N.m]")
     torque.set_xlabel(ANGLE)
     legend_above(torque)
+    if legend := torque.get_legend():
+        for mark in legend.legend_handles:
+            if isinstance(mark, Line2D):
+                mark.set_markersize(MARK)
+                mark.set_alpha(1.0)
     _draw(angle, found, theta, found.residual, shown)
     angle.set_xlabel(ANGLE)
     _draw(speed, found, 1e3 * found.sliding_speed, found.residual, shown & found.slips)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from dualcam.design.groove_files import decoded_text
 from dualcam.errors import IdentificationError
 from dualcam.paths import path_of
+from dualcam.unit_guards import TORQUE_UNITS
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,7 @@ NAMES = {
 UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "theta": {"rad": 1.0, "deg": DEGREE, "mrad": 1e-3, "turn": 2.0 * math.pi},
-    "tau": {"N.m": 1.0, "N.mm": 1e-3, "N.cm": 1e-2, "mN.m": 1e-3, "kN.m": 1e3},
+    "tau": TORQUE_UNITS,
     "omega": {"rad/s": 1.0, "deg/s": DEGREE, "rpm": 2.0 * math.pi / 60.0},
     "F_ext": {"N": 1.0, "kN": 1e3},
 }
@@ -62,6 +63,8 @@ class Recording:
         Where the samples come from, for reports.
     notes : tuple of str
         How a file was understood.
+    torque_unit : str
+        Unit of the torque in the file.
     """
 
     time: Array
@@ -71,6 +74,7 @@ class Recording:
     F_ext: Array | None = None
     source: str = "arrays"
     notes: tuple[str, ...] = ()
+    torque_unit: str = "N.m"
 
     def __len__(self) -> int:
         return len(self.time)
@@ -182,7 +186,13 @@ def _parsed(text: str, source: str) -> Recording:
     read = ", ".join(f"{name} from {heads[place]!r}" for name, (place, _) in places.items())
     optional = columns.get("omega"), columns.get("F_ext")
     return Recording(
-        columns["time"], columns["theta"], columns["tau"], *optional, source=source, notes=(f"read {read}",)
+        columns["time"],
+        columns["theta"],
+        columns["tau"],
+        *optional,
+        source=source,
+        notes=(f"read {read}",),
+        torque_unit=_quantity(heads[places["tau"][0]])[1] or "N.m",
     )
 
 

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from dualcam.design_file import DesignFile
 from dualcam.errors import IdentificationError
 from dualcam.identification.ambiguity import Ambiguity
+from dualcam.identification.lack_of_fit import Lever, Missing
 from dualcam.identification.motion import Motion
 from dualcam.identification.recording import Recording
 from dualcam.identification.smoothing import NORMAL
+from dualcam.unit_guards import torque_factor_warnings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,8 +50,12 @@ class FittedParameter:
     low, high : float
         Ends of the 95 % interval.
     status : {"known", "at its limit", "not determined"}
-        "at its limit": the best value is the least or greatest allowed one. "not determined": see the
-        ambiguities.
+        "at its limit": the recording asks for a value beyond the least or greatest allowed one. "not
+        determined": see the ambiguities.
+    limit : float or None
+        The limit at which the best value is.
+    part : float
+        RMS of the value's part of the torque where the cam slips [N.m], by the derivative at the best value.
     """
 
     name: str
@@ -60,6 +66,20 @@ class FittedParameter:
     low: float
     high: float
     status: str
+    limit: float | None = None
+    part: float = math.inf
+
+    @property
+    def limit_text(self) -> str:
+        """A sentence where the best value is at a limit, else nothing."""
+        if self.limit is None or self.status == OPEN:
+            return ""
+        if self.status == AT_LIMIT:
+            return f"{self.name} = {self.value:.4g} is at its limit: the data ask for a value beyond"
+        return (
+            f"{self.name}: the limit {self.limit:.4g} is inside the 95 % interval. The recording does not"
+            f" show that {self.name} differs from {self.limit:.4g}"
+        )
 
     @property
     def interval(self) -> str:
@@ -107,6 +127,10 @@ class Identification:
         Correlation of the fitted values.
     ambiguities : tuple of Ambiguity
         What the data cannot tell apart.
+    missing : tuple of Missing
+        Values outside of the fit that the residuals ask for, the best one first; see `lack_of_fit`.
+    levers : tuple of Lever
+        Fitted values that a small error of a held value would change strongly.
     """
 
     design: DesignFile
@@ -123,6 +147,8 @@ class Identification:
     parameters: tuple[FittedParameter, ...]
     correlation: Array
     ambiguities: tuple[Ambiguity, ...]
+    missing: tuple[Missing, ...] = ()
+    levers: tuple[Lever, ...] = ()
 
     def __getitem__(self, name: str) -> FittedParameter:
         for parameter in self.parameters:
@@ -153,8 +179,12 @@ class Identification:
             f"{motion.count(1)} loading, {motion.count(-1)} releasing, {motion.count(0)} at rest or reversing"
         )
         smoothed = "" if motion.window is None else f", angle smoothed over {motion.window:.3g} s"
+        whole = f"{len(self.recording)} samples over {np.ptp(self.recording.time):.4g} s"
+        every = -(-len(self.recording) // len(self.time))
+        if every > 1:
+            whole += f", of which every {_ordinal(every)} counts, {len(self.time)} samples"
         return [
-            f"{len(self.recording)} samples over {np.ptp(self.recording.time):.4g} s: {counts}",
+            f"{whole}: {counts}",
             f"{motion.kind} motion{smoothed}",
             f"residual RMS {self.rms:.3g} N.m, before the fit {self.rms_before:.3g} N.m",
             f"noise of the torque {self.noise:.3g} N.m, of the angle {motion.theta_noise:.2g} rad",
@@ -162,12 +192,17 @@ class Identification:
 
     def warnings(self) -> list[str]:
         """What the data cannot tell apart, and other doubts."""
-        found = [str(ambiguity) for ambiguity in self.ambiguities]
-        found += [
-            f"{one.name} = {one.value:.4g} is at its limit: the data ask for a value beyond"
-            for one in self.parameters
-            if one.status == AT_LIMIT
-        ]
+        from dualcam.identification.words import asked_for, levers_of, weak_parts
+
+        if gross := self.recording_faults():
+            return gross  # all else follows from the fault
+        found = torque_factor_warnings(self._factor(), self.recording.torque_unit)
+        if not found:  # after another unit the shape of the residuals says little
+            found += asked_for(self)
+        found += [str(ambiguity) for ambiguity in self.ambiguities]
+        found += [text for one in self.parameters if (text := one.limit_text)]
+        found += levers_of(self)
+        found += weak_parts(self)
         found += self._close_pairs()
         found += self._outliers()
         if self.rms > max(WELL * self.noise, EXACT * _rms(self.measured)):
@@ -183,13 +218,24 @@ class Identification:
                 f" {motion.alpha_rms:.2g} rad/s2: {' and '.join(inertias)} may come out too small. Give a"
                 " longer window, or measure the speed"
             )
-        slips = self.slips
-        if np.mean(self.measured[slips]) * np.mean(self.before[slips]) < 0.0:
-            found.append(
-                "The measured torque has the opposite sign of the design's: is the torque positive in the"
-                " loading direction?"
-            )
         return found
+
+    def recording_faults(self) -> list[str]:
+        """What makes the recording useless as read: another unit of time, or a torque of opposite sign."""
+        if question := self.motion.time_question(float(np.ptp(self.recording.time))):
+            return [question]
+        slips = self.slips
+        if np.mean(self.measured[slips]) * np.mean(self.before[slips]) >= 0.0:
+            return []
+        return [
+            "The measured torque has the opposite sign of the design's: is the torque positive in the"
+            " loading direction? Change the sign of the torque in the recording"
+        ]
+
+    def _factor(self) -> float:
+        """RMS of the measured torque over that of the start values, where the cam slips."""
+        before = _rms(self.before[self.slips])
+        return _rms(self.measured[self.slips]) / before if before else math.nan
 
     def _close_pairs(self) -> list[str]:
         known = [k for k, one in enumerate(self.parameters) if one.status != OPEN]
@@ -236,6 +282,8 @@ class Identification:
             },
             "correlation": self.correlation,
             "not_told_apart": [list(one.names) for one in self.ambiguities],
+            "residuals_ask_for": [one.name for one in self.missing],
+            "samples_that_count": len(self.time),
             "warnings": self.warnings(),
         }
 
@@ -283,6 +331,11 @@ class Identification:
         from dualcam.identification.fitted_design import write_fitted
 
         return write_fitted(self, path)
+
+
+def _ordinal(number: int) -> str:
+    ending = "th" if number % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(number % 10, "th")
+    return f"{number}{ending}"
 
 
 def _rms(values: Array) -> float:

@@ -17,6 +17,8 @@ SENSORS = {TORQUE_OFFSET: "N.m", ANGLE_OFFSET: "rad"}
 CAMS = ("cam1", "cam2")
 WITHOUT_EFFECT = ("wear", "table")  # of a cam; the torque does not depend on these
 GROUPS = (*CAMS, "spring", "damper", "inertia", "shaft")
+PROFILES = {1: '"helix"', 2: '"ellipse"', 3: '"table"'}
+MENTIONED = (*DEFAULT, "friction_peak", "friction_viscous", "inertia.shaft", TORQUE_OFFSET, ANGLE_OFFSET)
 ELASTIC = "shaft.stiffness"  # the torque then depends on the past
 
 
@@ -55,6 +57,45 @@ def fitted_names() -> dict[str, tuple[str, ...]]:
     return names | {name: () for name in SENSORS}
 
 
+def names_without_effect(design: DesignFile) -> dict[str, str]:
+    """Names that cannot act on the torque of this design, each with the reason.
+
+    Parameters
+    ----------
+    design : DesignFile
+        Groove laws and friction law.
+
+    Returns
+    -------
+    dict of str to str
+        Name -> the end of a sentence that begins with the name.
+    """
+    reasons = {key: reason for key in fitted_names() if (reason := _reason(design, key))}
+    for name, keys in fitted_names().items():
+        if len(keys) > 1 and all(key in reasons for key in keys):
+            reasons[name] = reasons[keys[0]]
+    return reasons
+
+
+def _reason(design: DesignFile, key: str) -> str:
+    """Why a parameter of a cam cannot act, or nothing."""
+    cam, _, last = key.partition(".")
+    if cam not in CAMS:
+        return ""
+    profile = int(design.value(f"{cam}.profile"))
+    wanted = {"ellipse_a": (2,), "ellipse_b": (2,), "lead_angle": (1, 2)}.get(last, (profile,))
+    if profile not in wanted:
+        laws = " or ".join(PROFILES[number] for number in wanted)
+        return (
+            f"acts for {cam}.profile = {laws} only, and {design.path.name} has {cam}.profile ="
+            f" {PROFILES[profile]}"
+        )
+    exponent = f"{cam}.friction_load_exponent"
+    if last == "friction_load" and not design.value(exponent):
+        return f"does not act with {exponent} = 0"
+    return ""
+
+
 def _can_be_fitted(variable: SettableVariable) -> bool:
     group, _, last = variable.name.partition(".")
     real = variable.kind is float and last not in WITHOUT_EFFECT
@@ -80,22 +121,28 @@ def unknowns_of(design: DesignFile, names: Sequence[str] = DEFAULT) -> list[Unkn
     Raises
     ------
     IdentificationError
-        For no name, an unknown one, or a parameter that is named twice.
+        For no name, an unknown one, one that cannot act for this design, or a parameter that is named twice.
     """
     if isinstance(names, str):
         names = [names]
     if not names:
         raise IdentificationError("no parameter to fit: name one or more, such as friction, spring.preload")
     known = fitted_names()
+    refused = names_without_effect(design)
     owner: dict[str, str] = {}
     found = []
     for name in names:
         if name not in known:
-            raise IdentificationError(_unknown(name, known))
+            raise IdentificationError(_unknown(name, [one for one in known if one not in refused]))
+        if name in refused:
+            raise IdentificationError(f"{name} cannot be fitted: {name} {refused[name]}")
         for key in known[name] or (name,):
             if key in owner:
-                both = f"{owner[key]} and {name}" if owner[key] != name else f"{name} twice"
-                raise IdentificationError(f"{both} name {key}: allowed is to name a parameter once")
+                if owner[key] == name:
+                    raise IdentificationError(f"{name} is given twice: give {name} once")
+                raise IdentificationError(
+                    f"{owner[key]} and {name} both set {key}: allowed is one of the two names"
+                )
             owner[key] = name
         found.append(_unknown_of(design, name, known[name]))
     return found
@@ -110,7 +157,14 @@ def _unknown_of(design: DesignFile, name: str, keys: tuple[str, ...]) -> Unknown
     return Unknown(name, keys, first.unit, start, first.least, first.greatest)
 
 
-def _unknown(name: str, known: Mapping[str, object]) -> str:
+def _unknown(name: str, known: Sequence[str]) -> str:
+    parts = name.split()
+    if len(parts) > 1:
+        return f"{name!r} cannot be fitted: separate the names by commas, {','.join(parts)}"
     near = get_close_matches(name, known, n=3, cutoff=0.5)
-    guess = f"did you mean {' or '.join(near)}? Allowed" if near else "allowed"
-    return f"{name!r} cannot be fitted: {guess} are {', '.join(known)}"
+    if near:
+        return f"{name!r} cannot be fitted: did you mean {' or '.join(near)}?"
+    return (
+        f"{name!r} cannot be fitted: allowed are {', '.join(MENTIONED)}, and other real parameters of"
+        f" {', '.join(GROUPS)} (page Variables of the documentation)"
+    )

@@ -32,11 +32,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from dualcam.errors import DesignError
 
 CELSIUS = 273.15  # K, 0 degC
 REFERENCE = CELSIUS + 40.0  # K, the temperature of viscosity grades (ISO 3448)
 BOILING = CELSIUS + 100.0  # K, the other temperature of data sheets
+LOWEST_AIR = 150.0  # K: air on earth is warmer, so a lower number is in degC
 COLDEST, HOTTEST = CELSIUS, CELSIUS + 120.0  # K, where the law is used
 
 
@@ -66,9 +69,44 @@ def check_number(name: str, value: float, least: float, unit: str, *, above: boo
     >>> from dualcam.systems.grease import check_number
     >>> check_number("density", 880.0, 0.0, "kg/m3", above=True)
     """
-    if not math.isfinite(value) or value < least or (above and value == least):
+    if not _is_finite(value) or value < least or (above and value == least):
         sign = ">" if above else ">="
-        raise DesignError(f"{name} = {value!r}: allowed is a finite number {sign} {least:g} {unit}")
+        allowed = f"{name} = {value!r}: allowed is a finite number {sign} {least:g} {unit}".rstrip()
+        raise DesignError(f"{allowed}, without quotes" if isinstance(value, str) else allowed)
+
+
+def _is_finite(value: object) -> bool:
+    """Whether a value is a finite number, and no text or truth value."""
+    number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    return number and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def check_temperature(name: str, value: float) -> None:
+    """Refuse a temperature that is no number, or so low that degrees Celsius are meant.
+
+    Parameters
+    ----------
+    name : str
+        What the value is, for the message.
+    value : float
+        The temperature [K].
+
+    Raises
+    ------
+    DesignError
+        The value is refused.
+
+    Examples
+    --------
+    >>> from dualcam.systems.grease import check_temperature
+    >>> check_temperature("air", 278.15)
+    """
+    if _is_finite(value) and value < LOWEST_AIR:
+        raise DesignError(
+            f"{name} = {value:g} K: is this degC? Add {CELSIUS}: {name} = {value + CELSIUS:g}; allowed are"
+            " temperatures in K"
+        )
+    check_number(name, value, LOWEST_AIR, "K")
 
 
 @dataclass(frozen=True)
@@ -142,6 +180,7 @@ class BaseOil:
         DesignError
             The temperature is outside that range.
         """
+        check_temperature("temperature", temperature)
         if not COLDEST <= temperature <= HOTTEST:
             raise DesignError(
                 f"temperature = {temperature!r} K: allowed is {COLDEST:g} to {HOTTEST:g} K (0 to 120 degC),"

@@ -20,7 +20,7 @@ from scipy.linalg import expm
 
 from dualcam.design.statics import Array
 from dualcam.errors import DesignError
-from dualcam.systems.grease import check_number
+from dualcam.systems.grease import check_number, check_temperature
 
 
 class ThermalState(NamedTuple):
@@ -64,7 +64,7 @@ class TwoMassNetwork:
     Raises
     ------
     DesignError
-        A value is not finite or not > 0.
+        A value is not finite or not > 0, or `air` looks like degrees Celsius (below 150 K).
 
     Examples
     --------
@@ -88,7 +88,7 @@ class TwoMassNetwork:
             check_number(name, getattr(self, name), 0.0, "J/K", above=True)
         for name in ("contact_conductance", "air_conductance"):
             check_number(name, getattr(self, name), 0.0, "W/K", above=True)
-        check_number("air", self.air, 0.0, "K", above=True)
+        check_temperature("air", self.air)
 
     def start(self) -> ThermalState:
         """Both masses as warm as the air.

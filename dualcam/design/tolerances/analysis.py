@@ -29,6 +29,7 @@ from dualcam.design.tolerances.sampled_mechanism import (
     SampledBand,
     allowed,
     names_of,
+    own_value,
     sampled_band,
 )
 from dualcam.design.tolerances.tolerance import Tolerance, check_names, complex_steps, draw, is_whole, means
@@ -310,6 +311,8 @@ def _check_tolerances(mechanism: Mechanism, tolerances: Sequence[Tolerance]) -> 
                 )
             least, greatest, words = allowed(name)
             tolerance.require_inside(least, greatest, words)
+            if (value := own_value(mechanism, name)) is not None:
+                tolerance.warn_without(name, value)
 
 
 def _require_allowed(parameters: dict[str, Array]) -> None:

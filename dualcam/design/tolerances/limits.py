@@ -30,7 +30,7 @@ class Limit:
     Raises
     ------
     DesignError
-        Another quantity, or no bound.
+        Another quantity, no bound, or a least value above the most.
 
     Examples
     --------
@@ -47,6 +47,12 @@ class Limit:
         check_quantity(self.quantity)
         if self.least is None and self.most is None:
             raise DesignError(f"limit of {self.quantity}: allowed is a bound: least, most, or both")
+        numbers = [bound for bound in (self.least, self.most) if isinstance(bound, float | int | np.number)]
+        if len(numbers) == 2 and not numbers[0] <= numbers[1]:
+            raise DesignError(
+                f"limit of {self.quantity}: least = {numbers[0]:.6g} and most = {numbers[1]:.6g}: allowed is"
+                " least <= most"
+            )
 
     @property
     def label(self) -> str:

@@ -287,6 +287,9 @@ def check_levels(percentiles: Sequence[float]) -> tuple[float, ...]:
         levels = ()
     if not levels or not all(0.0 <= level <= 100.0 for level in levels):
         raise DesignError(f"percentiles = {percentiles!r}: allowed are numbers from 0 to 100, at least one")
+    if 0.0 < max(levels) <= 1.0:
+        wanted = ", ".join(f"{100.0 * level:g}" for level in levels)
+        raise DesignError(f"percentiles = {percentiles!r}: percentiles are in percent, such as ({wanted})")
     return levels
 
 

@@ -73,6 +73,11 @@ def nominal(mechanism: Mechanism, name: str) -> float:
     )
 
 
+def own_value(mechanism: Mechanism, name: str) -> float | None:
+    """The value that a mechanism gives to a parameter; None for clearance and scale, which it lacks."""
+    return None if name.partition(".")[2] in OWN else nominal(mechanism, name)
+
+
 def allowed(name: str) -> tuple[float, float, str]:
     """Least and greatest value of a parameter, and both in words."""
     word = name.partition(".")[2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,12 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from dualcam.design.statics import Array
-from dualcam.errors import DesignError
+from dualcam.design.statics import Array, is_number
+from dualcam.errors import DesignError, UnitWarning
+from dualcam.unit_guards import unit_warning
 
 SHARE_OUTSIDE = 1e-9  # of a distribution that may lie outside the allowed values: no sample falls there
 LEAST_SHARE = 2.0**-54  # of a distribution below a sample: a normal one has no value at 0
 MOST_SAMPLES = 10_000_000  # 80 MB of memory for each tolerance
+RARE = 1e-6  # share of a distribution without an end that counts as beyond its values
+ROUND_OFF = 1e-12  # relative: limits that are worked out may miss the nominal value by so much
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
 SHAPES = ("normal", "uniform", "triangular")
 
@@ -130,7 +134,8 @@ class Tolerance:
         name : str or sequence of str
             Parameter, or parameters that share each value.
         low, high : float
-            Limits, in the unit of the parameter.
+            Least and greatest value of the parameter, in its unit. Not deviations: 20 mm +- 0.02 mm has the
+            limits 0.01998 and 0.02002.
         shape : {"normal", "uniform", "triangular"}
             "normal": a normal distribution whose limits are three standard deviations from the middle; parts
             beyond the limits are sorted out. "uniform": nothing but the limits is known. "triangular": the
@@ -143,7 +148,7 @@ class Tolerance:
         Raises
         ------
         DesignError
-            Limits that do not grow, or another shape.
+            Limits that are no numbers or do not grow, or another shape.
 
         Notes
         -----
@@ -157,8 +162,17 @@ class Tolerance:
         >>> f"{radius.standard_uncertainty:.3e}"  # m
         '2.887e-05'
         """
+        for limit in (low, high):
+            if not is_number(limit):
+                raise DesignError(
+                    f"{name}: limit {limit!r}: allowed is a number in the unit of the parameter, such as"
+                    " 0.01998 for 19.98 mm"
+                )
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise DesignError(f"{name}: limits {low} and {high}: allowed are two finite numbers that grow")
+            raise DesignError(
+                f"{name}: limits {low} and {high}: allowed are two finite numbers that grow; limits are"
+                " values, not deviations from the nominal value"
+            )
         middle, width = 0.5 * (low + high), high - low
         if shape == "normal":
             return cls(name, stats.truncnorm(-SIGMAS, SIGMAS, middle, 0.5 * width / SIGMAS))
@@ -207,11 +221,45 @@ class Tolerance:
         above = float(self.distribution.sf(greatest)) if math.isfinite(greatest) else 0.0
         if below + above > SHARE_OUTSIDE:
             low, high = (float(self.distribution.ppf(share)) for share in (0.001, 0.999))
+            looks = (unit_warning(self.names[0], self.mean) or "").partition(": ")[2]
+            if looks:
+                hint = f"the mean, {self.mean:.6g}: {looks}"
+            elif all(map(math.isfinite, self.distribution.support())):
+                hint = "limits are values of the parameter, not deviations from the nominal value"
+            else:
+                hint = "Tolerance.within(name, low, high) has no values outside its limits"
             raise DesignError(
                 f"{self.label}: {100.0 * (below + above):.3g} % of the distribution is outside the allowed"
-                f" values: allowed is {allowed}. 99.8 % of it are from {low:.6g} to {high:.6g};"
-                " Tolerance.within(name, low, high) has no values outside its limits"
+                f" values: allowed is {allowed}. 99.8 % of it are from {low:.6g} to {high:.6g}; {hint}"
             )
+
+    def warn_without(self, name: str, nominal: float) -> None:
+        """Warn if the nominal value of a parameter is no value of the distribution.
+
+        Parameters
+        ----------
+        name : str
+            One of the parameters.
+        nominal : float
+            Value of the design.
+
+        Warns
+        -----
+        UnitWarning
+            With both, and the likely unit.
+        """
+        low, high = map(float, self.distribution.support())
+        low = low if math.isfinite(low) else float(self.distribution.ppf(RARE))
+        high = high if math.isfinite(high) else float(self.distribution.isf(RARE))
+        slack = ROUND_OFF * max(abs(low), abs(high))
+        if low - slack <= nominal <= high + slack:
+            return
+        looks = (unit_warning(name, self.mean) or "").partition(": ")[2]
+        text = (
+            f"{name}: the tolerance has values from {low:.6g} to {high:.6g}, the design has {nominal:.6g}:"
+            f" {looks or 'limits are values of the parameter in its SI unit, not deviations'}"
+        )
+        warnings.warn(UnitWarning(text), stacklevel=4)
 
 
 def draw(tolerances: Sequence[Tolerance], samples: int, seed: int) -> dict[str, Array]:
