@@ -67,11 +67,13 @@ COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
     ContactFactors f;
     bool single = true;
     for (int i = 0; i < 2; i++) {
-        contact_factors_set(&f, i, pin->params->cam[i].radius, c->friction[i], pin->slope[i]);
-        single &= !(c->tangent.rn[i] <= 0.0 && f.rn[i] > 0.0);
+        const double r = pin->params->cam[i].radius;
+        contact_factors_set(&f, i, r, c->friction[i], pin->slope[i]);
+        single &= !(c->tangent.rn[i] <= 0.0 && f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i]);
     }
     contact_factors_multiply(&f);
-    return single && f.delta * c->tangent.delta > 0.0;
+    const bool grows = c->tangent.rn[0] > 0.0 && c->tangent.rn[1] > 0.0 && c->tangent.delta > 0.0;
+    return single && (grows || f.delta * c->tangent.delta > 0.0);
 }
 
 /* The iteration starts as if no friction acted. An iteration whose changes do not shrink is damped. */

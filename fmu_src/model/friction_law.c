@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "numerics/level_log.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -40,14 +41,13 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     if (law->table && law->table->loads > 1) return friction_table_under(law->table, v, R);
     const FrictionCoefficient mu = friction_at(cam, v);
     if (!friction_depends_on_load(cam)) return (LoadedFriction){mu.value, mu.by_speed, 0.0};
-    const double ratio = R / law->load;
-    const bool grows = ratio > FRICTION_LEAST_LOAD;
-    const double power = exp(law->load_exponent * logarithm(grows ? ratio : FRICTION_LEAST_LOAD));
+    const Dual log_ratio = level_log(R / law->load);
+    const double power = exp(law->load_exponent * log_ratio.value);
     const double dry = (mu.value - law->viscous * v) * power;
     return (LoadedFriction){
         .value = dry + law->viscous * v,
         .by_speed = (mu.by_speed - law->viscous) * power + law->viscous,
-        .by_load = grows ? law->load_exponent * dry / R : 0.0,
+        .by_load = law->load_exponent * dry * log_ratio.slope / law->load,
     };
 }
 
@@ -98,9 +98,8 @@ COMPACT static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v
 COMPACT static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Known known) {
     const Dual load = seeded(law->load, known, KNOWN_LOAD_1, i), none = {0.0, 0.0};
     const Dual exponent = seeded(law->load_exponent, known, KNOWN_LOAD_EXPONENT_1, i);
-    Jet ratio = jet_line(none, inverse_of(load), R);
-    if (!(ratio.c[0].value > FRICTION_LEAST_LOAD)) ratio = (Jet){.c = {{FRICTION_LEAST_LOAD, 0.0}}};
-    const Jet log_ratio = jet_log(&ratio), power = jet_line(none, exponent, &log_ratio);
+    const Jet ratio = jet_line(none, inverse_of(load), R);
+    const Jet log_ratio = level_log_along(&ratio), power = jet_line(none, exponent, &log_ratio);
     return jet_exp(&power);
 }
 

@@ -53,8 +53,8 @@ static inline double friction_static(const CamParams *cam) {
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v);
 
-/* mu(v, R) and its derivatives; R >= 0 in N, of one contact. Below FRICTION_LEAST_LOAD R_ref the coefficient counts as
- * constant: with nu < 0 it would grow without bound. */
+/* mu(v, R) and its derivatives; R >= 0 in N, of one contact. Below LEVEL_LOG_FROM R_ref the coefficient levels off:
+ * with nu < 0 it would grow without bound. */
 LoadedFriction friction_under(const CamParams *cam, double v, double R);
 
 /* mu(0+, |R|) */

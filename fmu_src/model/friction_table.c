@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "numerics/level_log.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -73,9 +74,8 @@ static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePla
 }
 
 LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
-    const double least = FRICTION_LEAST_LOAD * table->load[1];
-    const bool depends = R > least;
-    const SplinePlace at = place_of(table, logarithm(depends ? R : least));
+    const Dual log_ratio = level_log(R / table->load[1]);
+    const SplinePlace at = place_of(table, table->log_load[0] + log_ratio.value);
     const size_t j = find(table->speed, table->count, v);
     double u[FRICTION_LOADS_MAX], slope[FRICTION_LOADS_MAX];
     for (size_t k = 0; k < table->loads; k++) {
@@ -86,7 +86,8 @@ LoadedFriction friction_table_under(const FrictionTable *table, double v, double
     }
     const FrictionCoefficient spline = spline_at(table, &at, u);
     const double mu = exp(spline.value);
-    return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value, depends ? mu * spline.by_speed / R : 0.0};
+    return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value, 
+                            mu * spline.by_speed * log_ratio.slope / table->load[1]};
 }
 
 /* The same as spline_at(), of jets. `x`: ln R. */
@@ -118,8 +119,10 @@ COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v, const
     Jet u[FRICTION_LOADS_MAX];
     for (size_t k = 0; k < table->loads; k++) u[k] = curve_along(table, k, v);
     if (table->loads == 1) return jet_exp(&u[0]);
-    const double least = FRICTION_LEAST_LOAD * table->load[1];
-    const Jet constant = {.c = {{least, 0.0}}}, x = jet_log(R->c[0].value > least ? R : &constant);
+    const Dual none = {0.0, 0.0};
+    const Jet ratio = jet_line(none, (Dual){1.0 / table->load[1], 0.0}, R);
+    Jet x = level_log_along(&ratio);
+    x.c[0].value += table->log_load[0];
     const Jet log_mu = spline_along(table, u, &x);
     return jet_exp(&log_mu);
 }

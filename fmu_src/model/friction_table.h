@@ -60,7 +60,7 @@ static inline double friction_table_at_rest(const FrictionTable *table) {
  * of its width. */
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v);
 
-/* R >= 0, N, of one contact; there is more than one load. Below FRICTION_LEAST_LOAD of the first load mu is constant. */
+/* R >= 0, N, of one contact; there is more than one load. Below LEVEL_LOG_FROM of the first load mu levels off. */
 LoadedFriction friction_table_under(const FrictionTable *table, double v, double R);
 
 /* mu along a motion with the sliding speed v and the reaction R; with one load R is not used. */

@@ -137,10 +137,12 @@ static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6
 static const double STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE = -45.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
 
-/* Friction that depends on the load. FRICTION_LEAST_LOAD: share of R_ref; LOADED_LEAST_FORCE: N, stands for no load. */
+/* Friction that depends on the load. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
+ * change its flank; LOADED_LEAST_FORCE: N, stands for no load; LOADED_NO_TORQUE: share of a_i in
+ * n_i that counts as zero, where a contact passes on no torque. */
 enum { LOADED_ITERATIONS = 40, LOADED_REST_SAMPLES = 32 /* of the band's edge while F_ext varies */ };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
-                    FRICTION_LEAST_LOAD = 1e-9, RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
+                    LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6, RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
 
 /* ---- closed_form ---- */
 

@@ -14,7 +14,20 @@ from scipy.optimize import brentq, fsolve
 
 from .parameters import Refused
 
-LEAST_LOAD = 1e-9  # of R_ref: below this reaction the coefficient is constant
+LEVEL = 0.01  # of R_ref: below this reaction the coefficient levels off
+
+
+def log_load(share: float) -> float:
+    """ln(R/R_ref), levelled off below LEVEL: Hermite data of ln share at LEVEL, as a parabola of share^2."""
+    if share >= LEVEL:
+        return math.log(share)
+    rise = ((share / LEVEL) ** 2 - 1) / 2
+    return math.log(LEVEL) + rise - rise**2
+
+
+def log_load_power(share: float) -> float:
+    """d log_load/d ln share: the part of nu that acts."""
+    return 1.0 if share >= LEVEL else 1 - (1 - (share / LEVEL) ** 2) ** 2
 
 
 @dataclass(frozen=True)
@@ -69,13 +82,14 @@ class FrictionLaw:
         fall = math.exp(-(ratio**self.stribeck_exponent))
         dry = self.kinetic * (1 + (self.peak - 1) * fall)
         if self.is_loaded and reaction is not None:
-            dry *= max(abs(reaction) / self.load, LEAST_LOAD) ** self.load_exponent
+            dry *= math.exp(self.load_exponent * log_load(float(abs(reaction) / self.load)))
         return dry + self.viscous * v
 
     def tangent(self, v: Any, reaction: Any) -> Any:
         """d(mu R)/dR"""
         lubricated = self.viscous * v
-        return (1 + self.load_exponent) * (self.at(v, reaction) - lubricated) + lubricated
+        power = self.load_exponent * log_load_power(abs(reaction) / self.load)
+        return (1 + power) * (self.at(v, reaction) - lubricated) + lubricated
 
 
 class TableLaw:
@@ -147,11 +161,12 @@ class LoadedTableLaw:
     def _log(self, v: Any, reaction: Any) -> tuple[float, float]:
         """ln mu and its derivative by ln R."""
         values = np.log([law.at(v) for law in self.by_load])
-        x, place = np.log(self.loads), np.log(max(reaction, LEAST_LOAD * self.loads[0]))
+        x, share = np.log(self.loads), reaction / self.loads[0]
+        place = x[0] + log_load(share)
         spline = CubicSpline(x, values, bc_type="natural")
         inside = min(max(place, x[0]), x[-1])
         slope = float(spline(inside, 1))
-        return float(spline(inside)) + slope * (place - inside), slope
+        return float(spline(inside)) + slope * (place - inside), slope * log_load_power(share)
 
     def at(self, v: Any, reaction: Any = None) -> Any:
         if reaction is None:

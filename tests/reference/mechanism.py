@@ -424,7 +424,8 @@ class Mechanism:
             self._balance(kin, slip, (float(steep[0]), float(steep[1]))),
         )
         pairs = ((tangent.n1, now.n1), (tangent.n2, now.n2))
-        return now.delta * tangent.delta > 0 and not any(t <= 0 < n for t, n in pairs)
+        grows = tangent.delta > 0 and all(t > 0 for t, _ in pairs)
+        return (grows or now.delta * tangent.delta > 0) and not any(t <= 0 and n > -1e-6 * abs(t - n) for t, n in pairs)
 
     def _loaded_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
         """The balance at rest on the edge under F_0 = f0 > 0."""
