@@ -93,6 +93,11 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
         moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
     }
+    if (slip->friction_varies && slip->friction_is_loaded) {
+        const LoadShift shift = lobatto_load_shift(slip, n);
+        axial += shift.axial;
+        moment += shift.moment;
+    }
     Booking *b = &out->booking;
     b->work_in += lobatto_sum(s->tau.half[k] * dtheta);
     b->work_ext += lobatto_sum(s->F_ext.half[k] * dz);
@@ -108,6 +113,8 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
+        if (slip->friction_varies && slip->friction_is_loaded)
+            b->heat_cam[i] -= lobatto_sum(n->rest[i] * length2 * n->dpsi_dtheta[i] * dtheta);
     }
 }
 
@@ -228,6 +235,22 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, c
     return (net - damping * from->omega) / mass;
 }
 
+/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
+COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, double alpha) {
+    const SlipMode *slip = s->slip;
+    const Params *p = slip->params;
+    const Geometry *g = from->geometry;
+    const double v = g->dz_dtheta * from->omega;
+    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
+                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+    ContactFactors f;
+    for (int i = 0; i < 2; i++)
+        contact_factors_set(&f, i, g->radius[i], slip->direction * slip->flank[i] * s->base[i].value, g->slope[i]);
+    contact_factors_multiply(&f);
+    for (int k = 0; k < LOBATTO_NODES; k++)
+        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
+}
+
 /* Solves a step of s->h seconds. If such a step ends beyond the limit of the breakpoint, solves the step to the
  * breakpoint instead. */
 static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
@@ -258,6 +281,7 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     s.h = left;
+    if (slip->friction_varies && slip->friction_is_loaded) guess_loads(&s, from, rhs);
     if (!solve_to_breakpoint(&s, rhs)) return false;
     if (!(s.h > 0.0 && s.h <= left) || !is_accepted(&s, from, out)) return false;
     const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];

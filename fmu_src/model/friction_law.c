@@ -51,6 +51,22 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     };
 }
 
+NOINLINE VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
+    const FrictionParams *law = &cam->law;
+    const Vector2 none = {0.0, 0.0}, q = R * (1.0 / law->load);
+    if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) {
+        const Vector2 power = vector2_exp(law->load_exponent * vector2_log(q));
+        return (VectorLoadPower){power, law->load_exponent * power};
+    }
+    VectorLoadPower out = {none, none};
+    for (int j = 0; j < 2; j++) {
+        const Dual l = level_log(q[j]);
+        out.value[j] = exp(law->load_exponent * l.value);
+        out.by_log_load[j] = law->load_exponent * l.slope * q[j] * out.value[j];
+    }
+    return out;
+}
+
 FrictionBase friction_base(const CamParams *cam, double v) {
     const double excess = excess_of(cam);
     return (FrictionBase){.value = friction_at(cam, v).value,

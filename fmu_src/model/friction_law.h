@@ -45,6 +45,12 @@ static inline bool any_friction_depends_on_load(const Params *p) {
     return friction_depends_on_load(&p->cam[0]) || friction_depends_on_load(&p->cam[1]);
 }
 
+/* The samples over the load end steps, as those over the speed do. */
+static inline bool any_friction_table_has_loads(const Params *p) {
+    const FrictionTable *a = p->cam[0].law.table, *b = p->cam[1].law.table;
+    return (a && a->loads > 1) || (b && b->loads > 1);
+}
+
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
     return cam->law.table ? friction_table_at_rest(cam->law.table) : cam->friction * cam->law.peak;
@@ -114,6 +120,13 @@ static inline VectorFriction friction_near(const CamParams *cam, const FrictionB
     return (VectorFriction){cam->friction + cam->law.viscous * v + share,
                             cam->law.viscous + share * slope * base->per_speed};
 }
+
+/* (R/R_ref)^nu at two reactions R >= 0 of one contact, as level_log.h has the logarithm, and R times its derivative. */
+typedef struct {
+    Vector2 value, by_log_load;
+} VectorLoadPower;
+
+VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R);
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is
  * not used where the law does not depend on the load. */

@@ -323,6 +323,9 @@ static const double LOBATTO_CONTRACTION = 0.1;
 
 enum { LOBATTO_SWEEPS = 8 }; /* of one step */
 
+/* The error of a force by the last change of a load, relative, per square of the change. */
+static const double LOBATTO_LOAD_SHARE = 0.1;
+
 /* Share of the largest alpha (without inertia omega) below which a change is rounding. */
 static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
 

@@ -18,16 +18,16 @@ LEVEL = 0.01  # of R_ref: below this reaction the coefficient levels off
 
 
 def log_load(share: float) -> float:
-    """ln(R/R_ref), levelled off below LEVEL: Hermite data of ln share at LEVEL, as a parabola of share^2."""
+    """ln(R/R_ref), levelled off below LEVEL: four terms of the series of ln(share^2)/2 about LEVEL^2."""
     if share >= LEVEL:
         return math.log(share)
-    rise = ((share / LEVEL) ** 2 - 1) / 2
-    return math.log(LEVEL) + rise - rise**2
+    below = 1 - (share / LEVEL) ** 2
+    return math.log(LEVEL) - sum(below**k / k for k in range(1, 5)) / 2
 
 
 def log_load_power(share: float) -> float:
     """d log_load/d ln share: the part of nu that acts."""
-    return 1.0 if share >= LEVEL else 1 - (1 - (share / LEVEL) ** 2) ** 2
+    return 1.0 if share >= LEVEL else 1 - (1 - (share / LEVEL) ** 2) ** 4
 
 
 @dataclass(frozen=True)
