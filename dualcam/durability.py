@@ -117,7 +117,7 @@ def spring_numbers(design: DesignFile, mechanism: Mechanism) -> SpringNumbers | 
     if spring is None:
         return None
     least, largest = spring_forces(mechanism)
-    cycle = spring_fatigue(spring, mechanism)
+    cycle = spring.fatigue(least, largest)
     return SpringNumbers(
         least=least,
         largest=largest,

@@ -32,10 +32,12 @@ NAMES = {
     for kind, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
 }
 NAMES["osp"] = "http://opensimulationplatform.com/SSP/OSPAnnotations"
+NAMES["oms"] = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
 for prefix, address in NAMES.items():
     ET.register_namespace(prefix, address)
 
 Value = float | int
+TOLERANCE = 1e-9  # the FMUs' default
 
 
 def tag(name: str) -> str:
@@ -194,12 +196,21 @@ def structure(system: System) -> ET.Element:
         add(bindings, "ssd:ParameterBinding", source=f"resources/{component.name}.ssv")
     if system.connections or system.ports:  # the schema allows no empty element
         add_connections(content, system)
+    add_master_of_openmodelica(content, system.step)
     add_units(root, "ssd", units)
     experiment = add(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(system.duration))
     annotations = add(experiment, "ssd:Annotations")
     annotation = add(annotations, "ssc:Annotation", type="com.opensimulationplatform")  # libcosim's
     add(add(annotation, "osp:Algorithm"), "osp:FixedStepAlgorithm", baseStepSize=repr(system.step))
     return root
+
+
+def add_master_of_openmodelica(content: ET.Element, step: float) -> None:
+    """OMSimulator's fixed-step master, step in s. Its Lua interface refuses a system without this entry."""
+    annotation = add(add(content, "ssd:Annotations"), "ssc:Annotation", type="org.openmodelica")
+    information = add(add(annotation, "oms:Annotations"), "oms:SimulationInformation")
+    tolerances = {"absoluteTolerance": repr(TOLERANCE), "relativeTolerance": repr(TOLERANCE)}
+    add(information, "oms:FixedStepMaster", description="oms-ma", stepSize=repr(step), **tolerances)
 
 
 def add_connections(content: ET.Element, system: System) -> None:

@@ -86,7 +86,9 @@ def compiled(model, unzipped, tmp_path_factory):
     directory = tmp_path_factory.mktemp(f"compiled-{model}")
     library = directory / f"{model}.so"
     sources = c_files(unzipped / "sources")
-    options = ["-std=c17", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror"]
+    options = ["-std=c17", "-O2", "-ffp-contract=off", "-fPIC", "-shared"]
+    options += ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    options += ["-DCO_SIMULATION", "-DMODEL_EXCHANGE"]  # as FMPy's create_cmake_project has it
     headers = fmi_headers(directory / "headers")
     command = [*build_fmu.ZIG, *options, "-isystem", headers, *sources, "-lm", "-o", library]
     subprocess.run(command, cwd=unzipped / "sources", check=True, capture_output=True, text=True)

@@ -285,6 +285,38 @@ def test_the_mode_is_frozen_between_events(make_model):
     assert min(fmu.vector("fmi2GetEventIndicators", 7)) > 0.0
 
 
+# ---- states by value reference: FMI 2.0.1, section 3.2.3, rule 5 ----
+
+
+def test_states_by_value_reference_are_the_continuous_states(make_model):
+    fmu, other = slipping(make_model), slipping(make_model)
+    for theta, omega, tau in ((0.7, 3.0, 20.0), (0.2, -1.0, 5.0), (1.2, 0.0, -3.0), (50.0, 1e3, 0.0)):
+        assert fmu.try_set({"theta": theta, "tau": tau, "omega": omega}) == OK
+        other.set_vector("fmi2SetContinuousStates", [theta, omega])
+        other.set({"tau": tau})
+        assert fmu.everything() == other.everything()
+    for name, value in (("theta", 0.4), ("omega", 2.0)):  # one alone leaves the other
+        before = dict(zip(("theta", "omega"), fmu.vector("fmi2GetContinuousStates", 2), strict=True))
+        fmu.set({name: value})
+        assert fmu.vector("fmi2GetContinuousStates", 2) == list((before | {name: value}).values())
+
+
+def test_states_by_value_reference_are_refused_elsewhere(make_model):
+    """The whole call is refused, its input too; a state must be finite, and other outputs stay calculated."""
+    stepping = make_model(FORWARD)
+    calculated = ("theta", "calculated")
+    stepping.refused_set({"theta": 0.5}, mentions=calculated)
+    stepping.start()
+    stepping.refused_set({"theta": 0.5}, mentions=calculated)
+    fmu = slipping(make_model)
+    fmu.refused_set({"tau": 3.0, "z": 0.01}, mentions=("z", "calculated"))
+    for value in (math.nan, math.inf, -math.inf):
+        fmu.refused_set({"tau": 3.0, "theta": value}, mentions=("theta",))
+    fmu.refused_set({"omega": 1.0, "spring.stiffness": 1e4}, mentions=("spring.stiffness", "event mode"))
+    fmu.ok("fmi2EnterEventMode")
+    fmu.refused_set({"omega": 0.5}, mentions=("omega", "calculated"))
+
+
 def test_a_solver_that_looks_far_beyond_a_stop_finds_finite_rates(make_model):
     for values in ({}, ELLIPSES | {"initial.theta": 0.6}):
         fmu = slipping(make_model, values)

@@ -19,6 +19,7 @@ from driver import ROOT
 from fmpy.validation import validate_fmu
 from install import Failed, Missing
 from lxml import etree
+from ssp_structures import connections_of, connectors_of
 
 from dualcam import Fmu, FmuError
 from dualcam import ssp as ssp_package
@@ -84,7 +85,6 @@ def variables_of(archive, source):
 
 
 def test_connectors_are_variables_and_connections_join_equal_units(example, structure):
-    connectors = {}
     declared = {unit.attrib["name"] for unit in structure.iter(tag("ssc:Unit"))}
     with zipfile.ZipFile(example.system.path) as archive:
         for component in structure.iter(tag("ssd:Component")):
@@ -95,18 +95,21 @@ def test_connectors_are_variables_and_connections_join_equal_units(example, stru
                 assert connector[0].tag == tag(f"ssc:{variable[0].tag}")
                 assert connector[0].attrib.get("unit") == variable[0].attrib.get("unit")
                 assert connector[0].attrib.get("unit") in declared | {None}
-                connectors[component.attrib["name"], connector.attrib["name"]] = connector
     read = []
-    for connection in structure.iter(tag("ssd:Connection")):
-        start, end = (
-            connectors[connection.attrib[f"{side}Element"], connection.attrib[f"{side}Connector"]]
-            for side in ("start", "end")
-        )
+    for start, end in connections_of(structure):
         assert (start.attrib["kind"], end.attrib["kind"]) == ("output", "input")
-        assert start[0].attrib["unit"] == end[0].attrib["unit"]
         read.append(end)
-    inputs = [connector for connector in connectors.values() if connector.attrib["kind"] == "input"]
+    inputs = [end for end in connectors_of(structure).values() if end.attrib["kind"] == "input"]
     assert len(read) == len(inputs) == len({id(end) for end in read})  # each is connected, once
+
+
+def test_masters_find_the_step_of_the_package(example, structure):
+    """libcosim's annotation stands in the experiment, OMSimulator's in the system."""
+    (cosim,) = structure.iter(tag("osp:FixedStepAlgorithm"))
+    (openmodelica,) = structure.find(tag("ssd:System")).iter(tag("oms:FixedStepMaster"))
+    steps = cosim.attrib["baseStepSize"], openmodelica.attrib["stepSize"]
+    assert [float(step) for step in steps] == [example.system.step] * 2
+    assert openmodelica.attrib["description"] == "oms-ma"
 
 
 def test_parameter_sets_have_one_name_and_set_parameters_in_their_units(example, structure):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dualcam.design import Limits, Pin, torque_band
-from dualcam.design.mechanism import POINTS
+from dualcam.design.mechanism import POINTS, Mechanism
 from dualcam.design.strength import strength
 from dualcam.design.torque_band import span
 from dualcam.design_file import DesignFile
@@ -163,7 +163,7 @@ def key_numbers(design: DesignFile) -> KeyNumbers:
         efficiency=_ends(band.efficiency),
         self_locking=band.self_locking,
         stroke=float(band.z[-1] - band.z[0]),
-        pressure=None if design.pin is None else _largest_pressure(design, design.pin),
+        pressure=None if design.pin is None else _largest_pressure(design, mechanism, design.pin),
         roller=roller_numbers(design),
         spring=spring_numbers(design, mechanism),
         wear=wear_numbers(design, mechanism),
@@ -174,8 +174,7 @@ def _ends(values: np.ndarray) -> tuple[float, float]:
     return float(np.nanmin(values)), float(np.nanmax(values))
 
 
-def _largest_pressure(design: DesignFile, pin: Pin) -> LargestPressure:
-    mechanism = design.mechanism()
+def _largest_pressure(design: DesignFile, mechanism: Mechanism, pin: Pin) -> LargestPressure:
     found = strength(mechanism, pin, np.linspace(*mechanism.reach(), POINTS))
     cam, place = np.unravel_index(int(np.argmax(found.pressure)), found.pressure.shape)
     contact = largest_contact(mechanism, pin, int(cam) + 1, float(found.theta[place]))

@@ -5,6 +5,7 @@
     motions                                   reference motions: pick and place, Fourier series
     helical_cam, elliptical_cam               the cam as designers and controllers use it, by dualcam.design
     position_controller, speed_controller, impedance    controllers
+    radau_grid                                the grid of a plan by direct collocation
     slow_motion                               the torque of slow motion from the inverse FMU
     grease, thermal_network                   friction that follows the temperature of the grease
     axis, record                              the forward FMU in a closed loop of all of these, and its record

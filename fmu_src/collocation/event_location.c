@@ -64,7 +64,7 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
 static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator indicator, double x, RadauStep *step) {
     const RadauStep whole = *step;
     SlipMode slip = *limits->slip;
-    slip.to_rounding = indicator != STEP_BREAKPOINT;
+    slip.to_rounding = indicator != STEP_BREAKPOINT && indicator != STEP_JAM;
     const int stages = whole.method->stages;
     Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) < 0.0};
     bool blocked = false;
@@ -79,9 +79,11 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
         const double f = step_indicator_at_end(limits, indicator, step);
         if (is_reached(limits, indicator, f)) return CROSSING_REACHED;
         narrow(&bracket, t, f);
-        const IndicatorRate slope = step_indicator_rate(limits, indicator, radau_step_end(step), t);
+        const bool bisects = indicator == STEP_BAND_EDGE || indicator == STEP_JAM;
+        const IndicatorRate slope =
+            bisects ? (IndicatorRate){-1.0, 0.0} : step_indicator_rate(limits, indicator, radau_step_end(step), t);
         if (fabs(f) <= slope.rounding) return CROSSING_REACHED;
-        double next = indicator == STEP_BAND_EDGE ? 0.5 * (bracket.left + bracket.right) : t - f / slope.rate;
+        double next = bisects ? 0.5 * (bracket.left + bracket.right) : t - f / slope.rate;
         if (is_found(&bracket, t, next)) return CROSSING_REACHED;
         if (!keep_in_bracket(&bracket, whole.h, t, &next)) break;
         t = next;
@@ -155,7 +157,8 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
     return true;
 }
 
-/* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the earlier proposal stays. */
+/* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the earlier
+ * proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
     const RadauStep *step = &location->step;
     location->next = step_control_next(step);

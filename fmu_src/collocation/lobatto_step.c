@@ -63,8 +63,7 @@ static bool resolves_friction(const LobattoSystem *s) {
         const double sliding = sliding_at(s, i, 0);
         if (fall->table && !stays_between_samples(s, i)) return false;
         if (fall->table) continue;
-        if (friction_share(fall, start * sliding, low * sliding) < 1.0) return false;
-        if (friction_share(fall, start * sliding, high * sliding) < 1.0) return false;
+        if (!friction_is_resolved(fall, start * sliding, low * sliding, high * sliding)) return false;
     }
     return true;
 }
@@ -200,8 +199,8 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     const SlipMode *slip = s->slip;
     const bool moves =
         lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
-    out->accurate = is_accurate(s);
-    if (!moves || !out->accurate || (slip->friction_varies && !resolves_friction(s))) return false;
+    out->accurate = is_accurate(s) && (!slip->friction_varies || resolves_friction(s));
+    if (!moves || !out->accurate) return false;
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
@@ -215,14 +214,12 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
 
 /* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
  * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const FrictionBase base[2]) {
+static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2]) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
     for (int i = 0; i < 2; i++) {
-        const double sign = slip->direction * slip->flank[i];
-        const double friction = slip->friction_varies ? sign * base[i].value : slip->signed_friction[i];
-        contact_factors_set(&f, i, g->radius[i], friction, g->slope[i]);
+        contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
     }
     contact_factors_multiply(&f);
     double damping = f.delta * p->shaft.damping;
@@ -233,22 +230,6 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, c
     double mass = f.delta * p->inertia.shaft;
     if (slip->follower_has_inertia) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
     return (net - damping * from->omega) / mass;
-}
-
-/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
-COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, double alpha) {
-    const SlipMode *slip = s->slip;
-    const Params *p = slip->params;
-    const Geometry *g = from->geometry;
-    const double v = g->dz_dtheta * from->omega;
-    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
-                         p->inertia.follower_mass * g->dz_dtheta * alpha;
-    ContactFactors f;
-    for (int i = 0; i < 2; i++)
-        contact_factors_set(&f, i, g->radius[i], slip->direction * slip->flank[i] * s->base[i].value, g->slope[i]);
-    contact_factors_multiply(&f);
-    for (int k = 0; k < LOBATTO_NODES; k++)
-        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
 }
 
 /* Solves a step of s->h seconds. If such a step ends beyond the limit of the breakpoint, solves the step to the
@@ -271,19 +252,95 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
     return true;
 }
 
+/* Friction at the start, where it varies. */
+typedef struct {
+    double value[2], kinetic[2]; /* f_i, f_i without an excess that falls */
+    bool falls;                  /* at a contact */
+} StartFriction;
+
+static StartFriction start_friction(const LobattoSystem *s, const LobattoStart *from) {
+    const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
+    StartFriction out = {.falls = false};
+    for (int i = 0; i < 2; i++) {
+        const FrictionNearby *law = &s->law[i];
+        const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
+        const double kinetic = law->kinetic[0] + law->viscous[0] * v;
+        out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
+        const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
+        const bool falls = shows && v < s->slip->fall[i].end;
+        out.kinetic[i] = falls ? kinetic : out.value[i];
+        out.falls = out.falls || falls;
+    }
+    return out;
+}
+
+/* Where mu falls: the share of the step that four nodes resolve; 0: a share too small for such steps. With u = v/v_s and
+ * x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u| times
+ * as large. The error grows with the fourth power of the share, see is_accurate(). */
+static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
+                            double rhs) {
+    const SlipMode *slip = s->slip;
+    const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic));
+    const double root = sqrt(slip->params->tolerance), allowed = root * sqrt(root);
+    double most = 0.0;
+    for (int i = 0; i < 2; i++) {
+        if (friction->value[i] == friction->kinetic[i]) continue;
+        const double per_angle = cam_sliding(from->geometry, i) * fabs(s->law[i].minus_by_v[0]);
+        const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
+        const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
+        most = fmax(most, steepness * x * x * x / 6.0);
+    }
+    const double error = s->h * LOBATTO.missed * LOBATTO.missed_once * excess * most / fabs(from->omega);
+    const double parts = ceil(sqrt(sqrt(error / allowed)));
+    return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
+}
+
+/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
+COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2],
+                                double alpha) {
+    const SlipMode *slip = s->slip;
+    const Params *p = slip->params;
+    const Geometry *g = from->geometry;
+    const double v = g->dz_dtheta * from->omega;
+    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
+                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+    ContactFactors f;
+    for (int i = 0; i < 2; i++)
+        contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
+    contact_factors_multiply(&f);
+    for (int k = 0; k < LOBATTO_NODES; k++)
+        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
+}
+
+/* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
+NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
+    const StartFriction friction = start_friction(s, from);
+    const double rhs = guess_rhs(s->slip, from, friction.value);
+    if (s->slip->friction_is_loaded) guess_loads(s, from, friction.value, rhs);
+    if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    return rhs;
+}
+
+/* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
+ * where the whole is not. */
+static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, LobattoStep *out) {
+    double longest = s->h;
+    for (int n = 0;; n++) {
+        out->accurate = false;
+        if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
+        if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
+        s->h = longest *= 0.5;
+    }
+}
+
 bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double left, LobattoStep *out) {
     LobattoSystem s;
-    s.slip = slip;
-    for (int i = 0; slip->friction_varies && i < 2; i++)
-        s.base[i] =
-            friction_base(&slip->params->cam[i], slip->direction * from->omega * cam_sliding(from->geometry, i));
-    const double rhs = guess_rhs(slip, from, s.base);
+    lobatto_system_begin(&s, slip);
+    s.h = left;
+    const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
-    s.h = left;
-    if (slip->friction_varies && slip->friction_is_loaded) guess_loads(&s, from, rhs);
-    if (!solve_to_breakpoint(&s, rhs)) return false;
-    if (!(s.h > 0.0 && s.h <= left) || !is_accepted(&s, from, out)) return false;
+    if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, out)) return false;
     const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
     out->h = s.h;
     out->dtheta = s.dtheta.at[LOBATTO_END];

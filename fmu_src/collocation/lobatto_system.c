@@ -69,31 +69,49 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 /* ---- the balance at two nodes, see balance.h ---- */
 
 /* Turns f_i at R_ref into the tangent coefficient under the load x_i of the sweep before. */
-NOINLINE static void put_under_load(const SlipMode *slip, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
+NOINLINE static void put_under_load(const LobattoSystem *s, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const CamParams *cam = &slip->params->cam[i];
     n->rest[i] = (Vector2){0.0, 0.0};
     if (!friction_depends_on_load(cam)) return;
     const Vector2 square = n->x[i] * n->x[i] * length2;
     const Vector2 R = (Vector2){sqrt(square[0]), sqrt(square[1])} * (1.0 / slip->params->contacts);
     const VectorLoadPower power = friction_load_power(cam, R);
-    const Vector2 viscous = slip->flank[i] * cam->law.viscous * sliding; /* the part of df_i/domega that has no R */
+    const Vector2 viscous = s->law[i].viscous * sliding; /* the part of df_i/domega that has no R */
     const Vector2 dry = n->friction[i] - viscous * n->omega, more = dry * power.by_log_load;
     n->friction[i] = dry * power.value + viscous * n->omega + more;
     n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
     n->rest[i] = more * n->x[i];
 }
 
-/* Where friction varies: f_i at the speeds of two nodes. */
-static inline void find_friction(const SlipMode *slip, const FrictionBase base[2], Vector2 omega, NodePair *n) {
-    n->omega = omega;
+static void set_law(LobattoSystem *s) {
+    const SlipMode *slip = s->slip;
+    const Vector2 none = {0.0, 0.0};
+    s->sigma = none + slip->direction;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 sliding = n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction mu = friction_near(&slip->params->cam[i], &base[i], slip->direction * omega * sliding);
-        n->friction[i] = slip->direction * slip->flank[i] * mu.value;
-        n->dfriction_domega[i] = slip->flank[i] * sliding * mu.by_speed;
-        if (slip->friction_is_loaded) put_under_load(slip, i, sliding, length2, n);
+        s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+        s->radius2[i] = none + r * r;
+    }
+}
+
+void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
+    s->slip = slip;
+    s->has_damper = slip->c + slip->q > 0.0;
+    s->is_resisted = slip->follower_has_inertia || s->has_damper || slip->params->shaft.damping > 0.0;
+    if (slip->friction_varies) set_law(s);
+}
+
+/* Where friction varies: f_i at the speeds of two nodes. */
+ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    n->omega = omega;
+    for (int i = 0; i < 2; i++) {
+        const Vector2 length2 = s->radius2[i] + n->slope[i] * n->slope[i];
+        const Vector2 sliding = s->sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
+        n->friction[i] = f.value;
+        n->dfriction_domega[i] = f.by_speed * sliding;
+        if (s->slip->friction_is_loaded) put_under_load(s, i, sliding, length2, n);
     }
 }
 
@@ -112,11 +130,12 @@ static void follow_speeds(LobattoSystem *s) {
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-static inline void find_factors(const SlipMode *slip, const FrictionBase base[2], Vector2 theta, Vector2 F_ext,
-                                Vector2 omega, bool varies, NodePair *n) {
+ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+                                              bool varies, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
-    if (varies) find_friction(slip, base, omega, n);
+    if (varies) find_friction(s, omega, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
@@ -127,20 +146,12 @@ static inline void find_factors(const SlipMode *slip, const FrictionBase base[2]
     n->force = spring->preload + n->z * rate + F_ext;
 }
 
-static inline bool has_damper(const SlipMode *slip) {
-    return slip->c + slip->q > 0.0;
-}
-
-/* True if alpha depends on the speed. */
-static inline bool is_resisted(const SlipMode *slip, bool varies) {
-    return slip->follower_has_inertia || has_damper(slip) || slip->params->shaft.damping > 0.0 || varies;
-}
-
 /* D. Without a damper the branch saves the wait for z' and a product with zero, which would cost as much as the other
  * forces of a sweep. */
-static inline Vector2 damper_at(const SlipMode *slip, Vector2 dz_dtheta, Vector2 omega) {
+static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vector2 omega) {
+    const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
-    return has_damper(slip) ? v * (slip->c + slip->q * slip->direction * v) : none;
+    return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
 }
 
 /* Where friction depends on the load: x_i under the forces, and 1/s, minus the derivative of alpha by the speed through
@@ -197,7 +208,7 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
     const double b = slip->params->shaft.damping;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     Vector2 net = f->delta * (tau - b * omega) - f->p * (n->force + n->damper), swirl = {0.0, 0.0};
     n->mass = in->shaft * f->delta;
     if (slip->follower_has_inertia) {
@@ -206,7 +217,8 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
-    if (is_resisted(slip, varies)) {
+    if (varies) n->damping_rate = (Vector2){0.0, 0.0};
+    if (s->is_resisted) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
@@ -225,7 +237,8 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
 }
 
 /* omega from B omega + C omega |omega| = N, see balance.c. */
-static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n) {
+static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair *n) {
+    const SlipMode *slip = s->slip;
     const VectorContactFactors *f = &n->factors;
     const Vector2 lever = f->p * n->dz_dtheta, net = f->delta * tau - f->p * n->force;
     n->mass = slip->params->shaft.damping * f->delta + slip->c * lever;
@@ -235,42 +248,31 @@ static inline Vector2 viscous_rhs(const SlipMode *slip, Vector2 tau, NodePair *n
         sum = n->mass + (Vector2){sqrt(square[0]), sqrt(square[1])};
     }
     const Vector2 omega = 2.0 * net / sum;
-    n->damper = damper_at(slip, n->dz_dtheta, omega);
+    n->damper = damper_at(s, n->dz_dtheta, omega);
     return omega;
 }
 
-/* The balances at the nodes. `varies` is a constant of the compiler: friction that does not vary costs nothing. */
-ALWAYS_INLINE static inline void evaluate_with(LobattoSystem *s, bool varies, bool first) {
-    const SlipMode *slip = s->slip;
-    s->load_change = 0.0;
+/* The balances at the nodes. */
+ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
+    if (varies) s->load_change = 0.0;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(slip, s->base, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+        find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
         if (lobatto_system_is_inertial(s))
             s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
-        else s->y.half[k] = s->speed.half[k] = viscous_rhs(slip, s->tau.half[k], n);
+        else s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
     }
-}
-
-NOINLINE static void evaluate_varying(LobattoSystem *s, bool first) {
-    evaluate_with(s, true, first);
-}
-
-static inline void evaluate(LobattoSystem *s, bool first) {
-    if (s->slip->friction_varies) evaluate_varying(s, first);
-    else evaluate_with(s, false, first);
 }
 
 double lobatto_system_speed_at_end(const LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
-    find_factors(s->slip, s->base, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false,
-                 &pair);
-    return viscous_rhs(s->slip, s->tau.half[last], &pair)[1];
+    find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
+    return viscous_rhs(s, s->tau.half[last], &pair)[1];
 }
 
-/* True if at every node the slip mode is possible, and if without inertia the motion is stable and the flanks
- * support it. */
+/* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
+ * and if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
 static inline bool is_possible(const LobattoSystem *s) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
@@ -278,6 +280,7 @@ static inline bool is_possible(const LobattoSystem *s) {
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
         if (s->slip->friction_varies && s->slip->friction_is_loaded) /* then each contact has one answer */
             possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
+        possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
@@ -312,7 +315,7 @@ static inline void place_nodes(LobattoSystem *s) {
 
 /* Estimate of the change of y by the next sweep. `change` is the change by the latest sweep. y is taken to grow with
  * theta at its mean rate over the step; the known dependence on the speed is taken off. */
-static inline LobattoValues predict_change(const LobattoSystem *s, const LobattoValues *change) {
+static inline LobattoValues predict_change(const LobattoSystem *s, const LobattoValues *change, bool varies) {
     const double h = s->h, per_angle = 1.0 / s->dtheta.at[LOBATTO_END];
     double growth = (s->y.at[LOBATTO_END] - s->y.at[0]) * per_angle;
     LobattoValues next = lobatto_combine(LOBATTO.once, change);
@@ -320,7 +323,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
-    const bool resisted = is_resisted(s->slip, s->slip->friction_varies);
+    const bool resisted = s->is_resisted || varies;
     if (resisted)
         growth += s->pair[LOBATTO_HALVES - 1].damping_rate[1] * (s->speed.at[LOBATTO_END] - s->omega) * per_angle;
     const LobattoValues twice = lobatto_combine(LOBATTO.twice, change);
@@ -352,36 +355,44 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
 }
 
 /* One evaluation at the nodes; returns the change of y. */
-static inline LobattoValues sweep(LobattoSystem *s, bool first) {
+ALWAYS_INLINE static inline LobattoValues sweep(LobattoSystem *s, bool varies, bool first) {
     LobattoValues change = s->y;
-    evaluate(s, first);
+    evaluate(s, varies, first);
     for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->y.half[k] - change.half[k];
     return change;
 }
 
-bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
+/* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
+ * depend on the speed more than all else does. Then the change by the sweep after the next is predicted as well, and the
+ * prediction by the last sweep, which is far more accurate than the share of the tolerance, is part of the solution. */
+ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double share = slip->friction_varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
+    const double share = varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
     const double wanted = share * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
         if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
-        const LobattoValues change = sweep(s, n == 0);
+        const LobattoValues change = sweep(s, varies, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
-        const LobattoValues next = predict_change(s, &change);
+        LobattoValues next = predict_change(s, &change, varies);
+        if (varies && n == 0) {
+            const LobattoValues after = predict_change(s, &next, varies);
+            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] += after.half[k];
+        }
         /* Where the motion slows down, friction needs the lower speed to the same share. */
-        const double slowed = slip->friction_varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
-        const bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed &&
-                               LOBATTO_LOAD_SHARE * s->load_change <= share * slip->params->tolerance;
-        for (int k = 0; k < LOBATTO_HALVES && !converged; k++) s->y.half[k] += next.half[k];
+        const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
+        bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
+        if (varies && slip->friction_is_loaded)
+            converged &= LOBATTO_LOAD_SHARE * s->load_change <= share * slip->params->tolerance;
+        for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
         if (converged && at_end) {
-            if (slip->friction_varies) follow_speeds(s);
+            if (varies) follow_speeds(s);
             return is_possible(s);
         }
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
@@ -391,4 +402,12 @@ bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
         before = size;
     }
     return false;
+}
+
+NOINLINE static bool solve_varying(LobattoSystem *s, const EndAngle *end) {
+    return solve_with(s, end, true);
+}
+
+bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
+    return s->slip->friction_varies ? solve_varying(s, end) : solve_with(s, end, false);
 }

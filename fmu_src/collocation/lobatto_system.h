@@ -31,8 +31,10 @@ typedef struct {
 
 typedef struct {
     const SlipMode *slip;
-    double theta, omega, h; /* rad, rad/s at the start; s */
-    FrictionBase base[2];   /* at the start, only where friction varies */
+    bool has_damper, is_resisted; /* is_resisted: alpha depends on the speed */
+    double theta, omega, h;       /* rad, rad/s at the start; s */
+    FrictionNearby law[2];        /* only where friction varies, times sigma e_i */
+    Vector2 sigma, radius2[2];
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
@@ -50,6 +52,9 @@ typedef struct {
 static inline bool lobatto_system_is_inertial(const LobattoSystem *system) {
     return system->slip->regime == REGIME_INERTIAL;
 }
+
+/* Sets what all sweeps have in common: slip mode, forces that are there, friction law. */
+void lobatto_system_begin(LobattoSystem *system, const SlipMode *slip);
 
 /* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
 typedef struct {

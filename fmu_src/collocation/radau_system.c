@@ -192,35 +192,50 @@ typedef struct {
 
 static SmallCorrection small_correction(const RadauSystem *s) {
     const int n = s->method->stages;
-    double speed = fabs(s->start->omega), y = fabs(s->start->rhs.value);
+    double speed = fabs(s->start->omega), slowest = INFINITY, y = fabs(s->start->rhs.value);
     for (int i = 0; i < n; i++) {
         speed = fmax(speed, fabs(s->omega[i]));
+        slowest = fmin(slowest, fabs(s->omega[i]));
         y = fmax(y, fabs(s->y[i]));
     }
+    if (s->slip->friction_varies) speed = slowest; /* friction at a node needs the node's speed to the same share */
     const double per_y = is_inertial(s) ? speed / s->h : speed;
-    const double share = s->slip->friction_varies ? RADAU_NEWTON_SHARE_VARYING : RADAU_NEWTON_SHARE;
     return (SmallCorrection){
         .rounding = RADAU_ROUNDING * fmax(y, s->start->rhs.size),
-        .wanted = share * s->slip->params->tolerance * per_y,
+        .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
     };
+}
+
+/* Where friction varies, in a stiff step: the balances at the nodes of the last iterate. */
+static void settle_nodes(RadauSystem *s, Balance node[RADAU_MAX]) {
+    radau_system_place_nodes(s);
+    for (int i = 0; i < s->method->stages; i++)
+        balance_set_motion(s->slip, s->start->theta + s->dtheta[i], s->omega[i], is_inertial(s) ? s->y[i] : 0.0,
+                           &node[i]);
 }
 
 /* Newton's method with new derivatives until only a correction of a correction is left. An iteration whose corrections
  * no longer shrink has reached the rounding of the forces. */
-bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
-    NewtonMatrix newton;
+static bool solve_for_nodes(RadauSystem *s, NewtonMatrix *newton, Balance node[RADAU_MAX]) {
     RightHandSide rhs[RADAU_MAX];
-    if (!guess(s, &newton)) return false;
+    if (!guess(s, newton)) return false;
     double last = INFINITY, size;
     for (int n = 0; n < RADAU_NEWTON_ITERATIONS; n++) {
         if (!evaluate(s, rhs, n > 0 ? node : NULL)) return false;
         const SmallCorrection allowed = small_correction(s);
         const double small = allowed.rounding + (s->slip->to_rounding ? 0.0 : allowed.wanted);
-        const bool fresh = !newton.by_series && !(last <= RADAU_CHORD_BELOW * small);
-        if (!correct(s, rhs, &newton, fresh, &size)) return false;
+        const bool fresh = !newton->by_series && !(last <= RADAU_CHORD_BELOW * small);
+        if (!correct(s, rhs, newton, fresh, &size)) return false;
         if (size <= small && n > 0) return true;
         if (n > 3 && size > 0.5 * last) return size <= RADAU_STALLED * allowed.rounding + allowed.wanted;
         last = size;
     }
     return false;
+}
+
+bool radau_system_solve(RadauSystem *s, Balance node[RADAU_MAX]) {
+    NewtonMatrix newton;
+    if (!solve_for_nodes(s, &newton, node)) return false;
+    if (s->slip->friction_varies && !(is_inertial(s) && newton.by_series)) settle_nodes(s, node);
+    return true;
 }

@@ -33,13 +33,37 @@ static bool differs_from_edge(const SlipMode *slip, const Balance *start) {
     return !(fabs(difference) <= BAND_EDGE_SAME * rates.net_size);
 }
 
+static ContactFactors factors_of(const SlipMode *slip, const Balance *b) {
+    ContactFactors f;
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius;
+        contact_factors_set(&f, i, r, b->friction[i], sqrt(fmax(b->length2[i] - r * r, 0.0)));
+    }
+    contact_factors_multiply(&f);
+    return f;
+}
+
+/* Delta, m^3 */
+static double jam_determinant(const SlipMode *slip, const Balance *b) {
+    return factors_of(slip, b).delta;
+}
+
+/* A, N: with a mass from the reactions that balance A. */
+static double axial_load(const SlipMode *slip, const Balance *b) {
+    if (slip->params->inertia.follower_mass == 0.0) return b->force + b->damper;
+    const ContactFactors f = factors_of(slip, b);
+    return f.d[0] * b->x[0] + f.d[1] * b->x[1];
+}
+
 SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop) {
     SegmentLimits limits = {
         .slip = slip,
         .to_stop = to_stop,
         .breakpoint = breakpoint_ahead(slip, start->theta),
         .has_friction = has_friction(slip->params),
+        .has_jam = slip->friction_varies && slip->regime == REGIME_INERTIAL,
     };
+    if (limits.has_jam) limits.jam_sign = jam_determinant(slip, start) < 0.0 ? -1.0 : 1.0;
     if (slip->regime == REGIME_VISCOUS && limits.has_friction && !is_on_spring_flanks(slip, start))
         limits.has_band_edge = differs_from_edge(slip, start);
     return limits;
@@ -57,6 +81,7 @@ static inline double value_at(const SegmentLimits *limits, StepIndicator indicat
         case STEP_TO_STOP: return limits->to_stop - advance;
         case STEP_BREAKPOINT: return breakpoint_limit(&limits->breakpoint) - advance;
         case STEP_BAND_EDGE: return torque_beyond_edge(slip, b);
+        case STEP_JAM: return limits->jam_sign * jam_determinant(slip, b);
         case STEP_FLANK_1: return slip->flank[0] * b->x[0];
         default: return slip->flank[1] * b->x[1];
     }
@@ -134,6 +159,15 @@ static inline double crossing_of(const SegmentLimits *limits, StepIndicator indi
     return polynomial_crossing(limits, indicator, step, v);
 }
 
+/* Delta passes zero where the axial load does, with finite reactions; or the step has stepped over the infinite
+ * reactions of a jam, which stop the motion. */
+static double jam_crossing(const SegmentLimits *limits, const RadauStep *step) {
+    const double x = crossing_of(limits, STEP_JAM, step);
+    if (!(x < INFINITY)) return x;
+    const double before = axial_load(limits->slip, &step->start);
+    return before * axial_load(limits->slip, radau_step_end(step)) < 0.0 ? x : CROSSING_UNRESOLVED;
+}
+
 typedef struct {
     double x;
     StepIndicator indicator;
@@ -159,6 +193,7 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
     }
     if (limits->has_band_edge && counts(STEP_BAND_EDGE, ignored))
         keep_earlier(crossing_of(limits, STEP_BAND_EDGE, step), STEP_BAND_EDGE, &first);
+    if (limits->has_jam && counts(STEP_JAM, ignored)) keep_earlier(jam_crossing(limits, step), STEP_JAM, &first);
     for (StepIndicator k = STEP_FLANK_1; limits->has_friction && k <= STEP_FLANK_2; k++)
         if (counts(k, ignored)) keep_earlier(crossing_of(limits, k, step), k, &first);
     *which = first.indicator;

@@ -1,7 +1,7 @@
-/* The tables of grooves and friction that the component holds. The draft does not say how a host shows the FMU's resources to a
- * component, and a component without files runs in every host. So export_fmu() writes the tables of a design into the
- * component, and the component answers the system calls of its C library itself. The project's own component holds no
- * table. */
+/* The tables of grooves and friction that the component holds. The draft does not say how a host shows the FMU's
+ * resources to a component, and a component without files runs in every host. So export_fmu() writes the tables of a
+ * design into the component, and the component answers the system calls of its C library itself. The project's own
+ * component holds no table. */
 #ifndef DUALCAM_RESOURCE_FILES_H
 #define DUALCAM_RESOURCE_FILES_H
 

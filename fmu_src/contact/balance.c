@@ -188,25 +188,27 @@ static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, con
 
 /* The speed at which no torque is left, by Newton's method inside a bracket: from rest on, where the torque left has
  * the sign of the motion, up to a speed at which it has the other sign or friction jams. `frozen`: the speed with
- * friction at rest, a first guess. Leaves *k at the speed found. */
+ * friction at rest, a first guess. *k is at rest, and is left at the speed found. */
 static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
                                    double frozen) {
-    set_friction(slip, 0.0, z, in, k);
     const double delta = k->factors.delta.value;
     const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
     const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
     bool blocked = false;
     double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
+    bool enclosed = false; /* the torque left is known to change its sign, not only to end at a jam */
     if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
         const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
         blocked = isnan(left.value) || (blocked && sign * left.value > 0.0);
+        enclosed |= sign * left.value <= 0.0;
         if (sign * left.value > 0.0) low = omega;
         else high = omega;
         if (blocked && high - low <= VISCOUS_BLOCKED * high) return NAN; /* the contacts lock before a root */
         double next = omega - sign * left.value / left.slope;
         if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
-        if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value)) return sign * omega;
+        if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value))
+            return enclosed || left.slope < 0.0 ? sign * omega : NAN;
         omega = next;
     }
     return NAN;

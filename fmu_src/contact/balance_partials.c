@@ -99,6 +99,49 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
+/* ---- loads of a known motion ---- */
+
+/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta, the
+ * determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments is
+ * small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
+static void solve_loads(const DualContactFactors *f, double axial, double torque, double moment, double x[2]) {
+    const double rn[2] = {f->rn[0].value, f->rn[1].value}, d[2] = {f->d[0].value, f->d[1].value};
+    const double delta_terms = fabs(d[0] * rn[1]) + fabs(rn[0] * d[1]);
+    const double p_terms = (fabs(rn[0]) + fabs(d[0])) * (fabs(rn[1]) + fabs(d[1]));
+    if (fabs(f->delta.value) * p_terms >= fabs(f->p.value) * delta_terms) {
+        x[0] = (rn[1] * axial - d[1] * moment) / f->delta.value;
+        x[1] = (rn[0] * axial + d[0] * moment) / f->delta.value;
+    } else {
+        x[0] = (torque - moment) / rn[0];
+        x[1] = torque / rn[1];
+    }
+}
+
+void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *b) {
+    const Params *p = slip->params;
+    const InertiaParams *in = &p->inertia;
+    SlipCoefficients storage;
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, omega, &storage, &b->z);
+    const DualContactFactors *f = &k->factors;
+    b->theta = theta;
+    b->omega = omega;
+    b->alpha = alpha;
+    b->dz_dtheta = k->dz_dtheta.value;
+    b->force = spring_force(&p->spring, b->z) + b->F_ext;
+    b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
+    const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
+    const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
+    const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
+    const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
+    solve_loads(f, axial, torque, moment, b->x);
+    for (int i = 0; i < 2; i++) {
+        b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
+        b->friction[i] = slip_friction(slip, k, i);
+        b->axial[i] = f->rn[1 - i].value / f->delta.value;
+        b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
+    }
+}
+
 double balance_mobility(const SlipMode *slip, const Balance *balance) {
     Partials p;
     balance_partials(slip, balance, &p);

@@ -96,12 +96,13 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
     slip.piece = transmission_piece(transmission, theta, direction);
     slip.inputs = inputs;
     slip.direction = direction;
+    slip.friction_is_loaded = any_friction_depends_on_load(p);
+    slip.friction_varies = slip.friction_is_loaded || any_friction_varies(p);
     for (int i = 0; i < 2; i++) {
         slip.flank[i] = flank[i];
-        slip.signed_friction[i] = direction * flank[i] * friction_static(&p->cam[i]);
+        slip.signed_friction[i] =
+            direction * flank[i] * (slip.friction_varies ? friction_static(&p->cam[i]) : p->cam[i].friction);
     }
-    slip.friction_is_loaded = any_friction_depends_on_load(p);
-    slip.friction_varies = any_friction_varies(p) || slip.friction_is_loaded;
     for (int i = 0; slip.friction_varies && i < 2; i++) slip.fall[i] = friction_fall(&p->cam[i], p->tolerance);
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;

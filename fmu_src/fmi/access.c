@@ -119,6 +119,15 @@ static bool is_sampled(const Instance *instance, ValueReference reference) {
            (reference < 16 && instance->intermediate.sampled_inputs >> reference & 1u);
 }
 
+/* The number of a continuous state of model exchange that a master may set now by its value reference; -1: no such. FMI
+ * 2.0.1 (section 3.2.3, rule 5) and FMI 3.0.2 (section 3.2) allow these in continuous-time mode. */
+static int settable_state(const Instance *instance, ValueReference reference) {
+    if (instance->run.phase != PHASE_CONTINUOUS) return -1;
+    int state = CONTINUOUS_STATES - 1;
+    while (state >= 0 && model_state_reference(state) != reference) state--;
+    return state;
+}
+
 static const Variable *find_settable(const Instance *instance, const char *function, ValueReference reference,
                                      Type type) {
     const Variable *variable = access_find(instance, function, reference, type);
@@ -126,7 +135,7 @@ static const Variable *find_settable(const Instance *instance, const char *funct
     const char *allowed = NULL;
     if (!is_sampled(instance, reference))
         allowed = "not asked for: allowed inside a step are the inputs among requiredIntermediateVariables";
-    else if (variable->causality == CAUSALITY_INPUT) return variable;
+    else if (variable->causality == CAUSALITY_INPUT || settable_state(instance, reference) >= 0) return variable;
     else if (variable->causality != CAUSALITY_PARAMETER) allowed = "calculated: allowed are parameters and inputs";
     else if (variable->variability == VARIABILITY_FIXED && instance_has_begun(instance))
         allowed = "fixed: allowed is to set it before the end of initialization mode";
@@ -196,11 +205,26 @@ static bool retune(Instance *instance, const char *function, const Draft *draft)
     return true;
 }
 
+/* In continuous-time mode find_settable() lets pass only inputs and continuous states. */
+static void write_inputs_and_states(Instance *instance, const ValueReference vr[], size_t n, const double value[]) {
+    FmuModel *model = &instance->values.model;
+    double x[CONTINUOUS_STATES + 1]; /* no array of length 0 in C */
+    model_get_states(model, x);
+    for (size_t i = 0; i < n; i++) {
+        const int state = settable_state(instance, vr[i]);
+        if (state >= 0) x[state] = value[i];
+        else write_reals(&instance->values, vr + i, 1, value + i);
+    }
+    model_set_states(model, x);
+}
+
 /* Of a call that does not set inputs alone, or that is refused. */
 static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                           const double value[]) {
     if (!are_good_reals(instance, function, vr, n, value)) return false;
-    if (instance_has_begun(instance)) {
+    if (instance->run.phase == PHASE_CONTINUOUS) {
+        write_inputs_and_states(instance, vr, n, value);
+    } else if (instance_has_begun(instance)) {
         Draft draft = draft_of(&instance->values.model);
         write_reals(&draft, vr, n, value);
         if (!retune(instance, function, &draft)) return false;

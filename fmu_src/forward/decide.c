@@ -138,6 +138,16 @@ int slip_mode_of_moving(Mechanism *m, int direction) {
     return index;
 }
 
+void let_go(Mechanism *m, int direction) {
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        const int flank[2] = {sign, sign}, index = slip_index(direction, flank);
+        const Candidate candidate = candidate_of(m, index);
+        if (!agrees(m, index, &candidate, false)) continue;
+        slip_flanks(index, m->state.flank);
+        return;
+    }
+}
+
 static void enter(Mechanism *m, Decision decision) {
     State *state = &m->state;
     if (state->mode != decision.mode) {
@@ -146,6 +156,7 @@ static void enter(Mechanism *m, Decision decision) {
         m->cache.rest.valid = false;
     }
     if (is_slip(decision.mode)) slip_flanks(decision.slip_index, state->flank);
+    else if (!has_inertia(&m->params)) state->omega = sum_of(0.0); /* with inertia a jam takes the speed */
 }
 
 void enter_decided_mode(Mechanism *m) {

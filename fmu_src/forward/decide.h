@@ -24,6 +24,10 @@ void enter_decided_mode(Mechanism *m);
  * (docs/mechanism.md, section 3). The mechanism moves in that direction, or is about to. */
 int slip_mode_of_moving(Mechanism *m, int direction);
 
+/* Contacts that held the speed at the limit of a jam let go (collocation/step_indicator.h): they take the flanks that
+ * support the coming axial load, if these agree with their reactions. */
+void let_go(Mechanism *m, int direction);
+
 /* Does rate-independent slip begin with a jump? True unless the torque is on the edge of the stick band already. */
 bool begins_with_jump(const Candidate *candidate, int direction);
 

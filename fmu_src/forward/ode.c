@@ -7,6 +7,7 @@
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
+#include "forward/wedge.h"
 #include "numerics/tolerances.h"
 
 bool ode_is_possible(const Mechanism *m, Fault *fault) {
@@ -61,6 +62,7 @@ static void indicate_rest(const Mechanism *m, double indicator[ODE_INDICATORS]) 
     const BandFactors f = stick_edges(m, stick_axial_load(m));
     indicator[INDICATOR_LOAD] = way_to_edge(m, f.load, 1.0, m->state.mode == MODE_UPPER_STOP);
     indicator[INDICATOR_RELEASE] = way_to_edge(m, f.release, -1.0, m->state.mode == MODE_LOWER_STOP);
+    if (wedge_holds(m)) indicator[INDICATOR_FLANK_1] = -wedge_agreement(m);
 }
 
 static void indicate_slip(const Mechanism *m, int index, double indicator[ODE_INDICATORS]) {

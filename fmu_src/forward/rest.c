@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "forward/stick.h"
+#include "forward/wedge.h"
 
 bool rest_goes_on(Mechanism *m) {
     const RestInterval *rest = &m->cache.rest;
@@ -38,5 +39,6 @@ void rest_propose(Mechanism *m, double left, Segment *segment) {
         rest_propose_for(m, left, segment);
         return;
     }
-    rest_propose_for(m, stick_rest_time(m, left), segment);
+    const double time = stick_rest_time(m, left);
+    rest_propose_for(m, wedge_holds(m) ? wedge_time(m, time) : time, segment);
 }

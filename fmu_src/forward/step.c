@@ -66,6 +66,13 @@ static bool nothing_resists(const Mechanism *m) {
     return follower_only && m->configuration.geometry.dz_dtheta <= NEAR_DWELL * m->model.transmission.slope_size;
 }
 
+/* Without inertia: does the torque exceed what friction can resist at any speed? Friction that grows with the speed
+ * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. */
+static bool no_speed_balances(const Mechanism *m) {
+    return !has_inertia(&m->params) && any_friction_varies(&m->params) && m->state.mode == MODE_WEDGED &&
+           stick_direction_beyond_band(m) != 0;
+}
+
 /* ---- one segment ---- */
 
 static void decide_mode(Mechanism *m, StepRun *run) {
@@ -85,6 +92,7 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
     /* The torque is beyond a finite edge, and no slip mode agrees with its forces: the motion would be infinitely
      * fast. */
     if (m->state.mode == MODE_WEDGED && nothing_resists(m) && stick_direction_beyond_band(m) != 0) return false;
+    if (no_speed_balances(m)) return false;
     if (!is_slip(m->state.mode)) {
         rest_propose(m, left, segment);
         return true;
@@ -161,6 +169,9 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
     if (nothing_resists(m))
         return "nothing resists the motion on a dwell, where inertia.shaft, or without any inertia shaft.damping, must "
                "be > 0";
+    if (outcome == OUTCOME_NOT_FINITE && no_speed_balances(m))
+        return "without inertia no speed balances the torque: friction that grows with the speed resists less, so "
+               "inertia.shaft must be > 0";
     switch (outcome) {
         case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
         case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";

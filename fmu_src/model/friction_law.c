@@ -11,6 +11,12 @@ static double excess_of(const CamParams *cam) {
     return cam->friction * (cam->law.peak - 1.0); /* of the static coefficient */
 }
 
+/* m/s, above which the excess is below all rounding; -infinity without an excess. */
+static double speed_without_excess(const CamParams *cam) {
+    if (excess_of(cam) == 0.0) return -INFINITY;
+    return cam->law.stribeck_velocity * (cam->law.stribeck_exponent == 2 ? STRIBECK_GONE_GAUSS : STRIBECK_GONE_TUSTIN);
+}
+
 /* The exponent -(v/v_s)^delta and its derivative by v/v_s. Tustin's law grows without bound for v < 0; the continuation
  * ends at v = -v_s. */
 typedef struct {
@@ -25,12 +31,11 @@ static Exponent stribeck_exponent(const FrictionParams *law, double ratio) {
 FrictionCoefficient friction_at(const CamParams *cam, double v) {
     const FrictionParams *law = &cam->law;
     if (law->table) return friction_table_at(law->table, v);
-    const double excess = excess_of(cam);
     FrictionCoefficient mu = {cam->friction + law->viscous * v, law->viscous};
-    if (excess == 0.0) return mu;
+    if (v > speed_without_excess(cam)) return mu;
     const double per_speed = 1.0 / law->stribeck_velocity;
     const Exponent exponent = stribeck_exponent(law, v * per_speed);
-    const double share = excess * exp(exponent.value);
+    const double share = excess_of(cam) * exp(exponent.value);
     mu.value += share;
     mu.by_speed += share * exponent.slope * per_speed;
     return mu;
@@ -67,16 +72,23 @@ NOINLINE VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
     return out;
 }
 
-FrictionBase friction_base(const CamParams *cam, double v) {
-    const double excess = excess_of(cam);
-    return (FrictionBase){.value = friction_at(cam, v).value,
-                          .excess = excess,
-                          .per_speed = excess != 0.0 ? 1.0 / cam->law.stribeck_velocity : 0.0};
+FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
+    const Vector2 none = {0.0, 0.0};
+    return (FrictionNearby){
+        .kinetic = none + sign * cam->friction,
+        .viscous = none + sign * cam->law.viscous,
+        .excess = none + sign * excess_of(cam),
+        .minus_by_v = none - 1.0 / cam->law.stribeck_velocity,
+        .gone = cam->law.table ? INFINITY : speed_without_excess(cam),
+        .is_gauss = cam->law.stribeck_exponent == 2,
+        .sign = sign,
+        .table = cam->law.table,
+    };
 }
 
-VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v) {
+NOINLINE VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
     const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
-    return (VectorFriction){{a.value, b.value}, {a.by_speed, b.by_speed}};
+    return (VectorFriction){sign * (Vector2){a.value, b.value}, sign * (Vector2){a.by_speed, b.by_speed}};
 }
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {

@@ -88,37 +88,50 @@ static inline double friction_share(const FrictionFall *fall, double v, double t
     return allowed < change ? allowed / change : 1.0;
 }
 
-/* The law at one speed, and what the law at speeds nearby shares with it. */
-typedef struct {
-    double value;     /* mu(v) */
-    double excess;    /* mu_k (peak - 1) */
-    double per_speed; /* s/m, 1/v_s; 0 without an excess */
-} FrictionBase;
+/* May one step span the speeds from `low` to `high`? The step starts at v. Not for tables. */
+static inline bool friction_is_resolved(const FrictionFall *fall, double v, double low, double high) {
+    if (low >= fall->end) return true;
+    const double allowed = (v > fall->end ? v - fall->end : 0.0) + fall->span;
+    return v - low <= allowed && (v >= fall->end || high - v <= allowed);
+}
 
-FrictionBase friction_base(const CamParams *cam, double v);
+/* The law as a step evaluates it again and again: its constants, in both halves of a vector. */
+typedef struct {
+    Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
+    Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
+    double gone;                /* m/s, above which the excess is below all rounding; infinity for a table */
+    double sign;                /* of all values */
+    bool is_gauss;              /* the Stribeck exponent is 2 */
+    const FrictionTable *table;
+} FrictionNearby;
+
+/* `sign`: +1 or -1, on all values of friction_nearby_at(). */
+FrictionNearby friction_nearby_of(const CamParams *cam, double sign);
 
 /* mu and dmu/dv at two speeds v. */
 typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-VectorFriction friction_table_at_both(const FrictionTable *table, Vector2 v);
+VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v);
 
-/* friction_at() at two speeds, to some roundings. */
-static inline VectorFriction friction_near(const CamParams *cam, const FrictionBase *base, Vector2 v) {
-    if (cam->law.table) return friction_table_at_both(cam->law.table, v);
-    const Vector2 ratio = v * base->per_speed, none = {0.0, 0.0};
-    const bool gauss = cam->law.stribeck_exponent == 2;
-    const double from = gauss ? -INFINITY : -1.0; /* see stribeck_exponent() */
-    const Vector2 inside = {ratio[0] < from ? from : ratio[0], ratio[1] < from ? from : ratio[1]};
-    const Vector2 exponent = gauss ? -ratio * ratio : -inside;
-    if (base->excess == 0.0 || fmax(exponent[0], exponent[1]) < STRIBECK_GONE)
-        return (VectorFriction){cam->friction + cam->law.viscous * v, none + cam->law.viscous};
-    const Vector2 share = base->excess * vector2_exp(exponent);
-    const Vector2 tustin = {ratio[0] > from ? -1.0 : 0.0, ratio[1] > from ? -1.0 : 0.0};
-    const Vector2 slope = gauss ? none - 2.0 * ratio : tustin;
-    return (VectorFriction){cam->friction + cam->law.viscous * v + share,
-                            cam->law.viscous + share * slope * base->per_speed};
+/* friction_at() at two speeds, times the sign, to some roundings. */
+static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
+    VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
+    if (v[0] > near->gone && v[1] > near->gone) return mu;
+    if (near->table) return friction_table_at_both(near->table, near->sign, v);
+    const Vector2 ratio = v * near->minus_by_v;
+    if (near->is_gauss) {
+        const Vector2 share = near->excess * vector2_exp(-ratio * ratio), slope = near->minus_by_v * ratio;
+        mu.value += share;
+        mu.by_speed -= share * (slope + slope);
+    } else {
+        const Vector2 inside = {ratio[0] > 1.0 ? 1.0 : ratio[0], ratio[1] > 1.0 ? 1.0 : ratio[1]}; /* see Exponent */
+        const Vector2 share = near->excess * vector2_exp(inside), slope = near->minus_by_v * share;
+        mu.value += share;
+        mu.by_speed += (Vector2){ratio[0] < 1.0 ? slope[0] : 0.0, ratio[1] < 1.0 ? slope[1] : 0.0};
+    }
+    return mu;
 }
 
 /* (R/R_ref)^nu at two reactions R >= 0 of one contact, as level_log.h has the logarithm, and R times its derivative. */

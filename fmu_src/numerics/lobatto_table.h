@@ -1,4 +1,5 @@
 /* Written by make_collocation.py, which says what these numbers are. */
+/* clang-format off */
 
 static const Lobatto LOBATTO = {
     .node = {{0.0, 0.27639320225002103036, 0.72360679774997896964, 1.0}},

@@ -1,4 +1,5 @@
 /* Written by make_collocation.py, which says what these numbers are. */
+/* clang-format off */
 
 static const Radau RADAU_3 = {
     .stages = 3,

@@ -131,11 +131,12 @@ static const double FLANK_CLEARANCE = 1e-9;
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
 /* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
- * pass over the fall unseen; by tolerance the exponent at its end; the exponent of an excess below all rounding. */
+ * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */;
-static const double STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE = -45.0;
-static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7; /* by tolerance */
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+                    STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
+                    STRIBECK_GONE_TUSTIN = 37.0;
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
 
 /* Friction that depends on the load. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
  * change its flank; LOADED_LEAST_FORCE: N, stands for no load; LOADED_NO_TORQUE: share of a_i in
@@ -184,9 +185,8 @@ enum { LINEAR_ROOT_ITERATIONS = 200 };
 
 /* Radau step */
 
-/* Newton's method ends when a correction is this share of what the tolerance allows; the second one where reactions
- * follow friction that varies with the speed. */
-static const double RADAU_NEWTON_SHARE = 0.05, RADAU_NEWTON_SHARE_VARYING = 0.001;
+/* Newton's method ends when a correction is this share of what the tolerance allows. */
+static const double RADAU_NEWTON_SHARE = 0.05;
 
 /* Share of alpha (without inertia omega), or of the terms that add up to it, below which a correction is rounding. */
 static const double RADAU_ROUNDING = 8.0 * DBL_EPSILON;
@@ -325,6 +325,10 @@ enum { LOBATTO_SWEEPS = 8 }; /* of one step */
 
 /* The error of a force by the last change of a load, relative, per square of the change. */
 static const double LOBATTO_LOAD_SHARE = 0.1;
+/* Where friction falls: the most parts of a step and the halvings of a part; the least steepness of Gauss's law; in
+ * roots of the tolerance the share of friction that an excess must have to need parts. */
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 1 };
+static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding. */
 static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;

@@ -177,6 +177,8 @@ static void pass_inertial(const Mechanism *m, EventKind event, double omega, Car
         v->x.omega += before.alpha * v->delay;
         return;
     }
+    v->delay = 0.0;
+    if (event == EVENT_LET_GO) return; /* the motion is not unique there: no derivative of the instant exists */
     if (event == EVENT_REST) {
         v->delay = finite_or_zero(-v->x.omega / before.alpha);
         v->x.omega = 0.0;

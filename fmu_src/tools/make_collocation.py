@@ -160,7 +160,8 @@ def lobatto() -> str:
 
 
 def texts() -> dict[Path, str]:
-    head = f"/* Written by {Path(__file__).name}, which says what these numbers are. */\n\n"
+    said = f"/* Written by {Path(__file__).name}, which says what these numbers are. */"
+    head = f"{said}\n/* clang-format off */\n\n"
     return {RADAU: head + "\n".join(radau(s) for s in STAGES), LOBATTO: head + lobatto()}
 
 

@@ -1,5 +1,6 @@
 """FMI 3.0: states, derivatives and event indicators of model exchange."""
 
+import math
 from ctypes import byref, c_bool, c_double, c_size_t
 
 import driver3
@@ -82,3 +83,19 @@ def test_indicators_depend_on_what_the_structure_says(make3, model):
                 if sign:
                     note(state)
     assert seen == known
+
+
+def test_states_by_value_reference_are_the_continuous_states(make3):
+    """FMI 3.0.2, section 3.2: in continuous-time mode alone."""
+    fmu, other = (make3(exchange=True).initialize({"initial.omega": 1.0, "tau": 20.0}) for _ in range(2))
+    fmu.refused_set({"theta": 0.5}, mentions=("theta", "calculated"))
+    for each in (fmu, other):
+        each.settle()
+        each.ok("EnterContinuousTimeMode")
+    for theta, omega, tau in ((0.7, 3.0, 20.0), (0.2, -1.0, 5.0), (50.0, 1e3, 0.0)):
+        assert fmu.try_set({"theta": theta, "tau": tau, "omega": omega}) == 0
+        other.ok("SetContinuousStates", driver3.reals([theta, omega]), 2)
+        other.set({"tau": tau})
+        assert fmu.everything() == other.everything()
+    fmu.refused_set({"tau": 1.0, "omega": math.nan}, mentions=("omega",))
+    fmu.refused_set({"theta": 1.0, "v": 1.0}, mentions=("v", "calculated"))
