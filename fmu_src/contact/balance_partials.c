@@ -129,15 +129,20 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     b->dz_dtheta = k->dz_dtheta.value;
     b->force = spring_force(&p->spring, b->z) + b->F_ext;
     b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
+    const bool loaded = slip->friction_is_loaded;
+    const LoadedMotion motion = balance_loaded_motion(b, b->z);
+    if (loaded) loaded_slip_set_under(slip, &motion, &storage);
     const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
     const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
     const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
     const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     solve_loads(f, axial, torque, moment, b->x);
+    const ContactFactors *tangent = &k->loaded.tangent;
     for (int i = 0; i < 2; i++) {
         b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
         b->friction[i] = slip_friction(slip, k, i);
-        b->axial[i] = f->rn[1 - i].value / f->delta.value;
+        b->axial[i] = loaded ? tangent->rn[1 - i] / tangent->delta : f->rn[1 - i].value / f->delta.value;
+        if (loaded) b->x[i] = k->loaded.x[i];
         b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
     }
 }
