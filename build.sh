@@ -31,6 +31,8 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks.work_precision (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
+  friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
+           needs valgrind
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
@@ -164,6 +166,7 @@ case $command in
     fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
+    friction) run_program '.[build]' -m benchmarks.friction_cost "$@" ;;
     worst) run_program '.[build]' -m benchmarks.worst_step "$@" ;;
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;

@@ -1,8 +1,8 @@
-"""The forces of both FMUs satisfy the law of friction: the residual of the inclusion of docs/mechanism.md, section 9.
+"""The forces of both FMUs satisfy the law of friction (docs/mechanism.md, section 9): the residual.
 
-Friction coefficients come from the law in Python (reference/friction.py), kinematics from SciPy (pin_equations.py),
-forces from the FMU. Random mechanisms run with laws of Stribeck, lubricated branches and friction tables. The residual
-is read at every communication point and just after every event inside a step.
+Friction coefficients come from the law in Python (reference/friction.py), kinematics from SciPy
+(pin_equations.py), forces from the FMU. Random mechanisms run with laws of Stribeck, lubricated branches and
+friction tables. The residual is read at every communication point and just after every event in a step.
 """
 
 import math
@@ -24,7 +24,7 @@ LAW = {"friction_peak": 1.0, "stribeck_velocity": 0.01, "stribeck_exponent": 2, 
 
 
 def random_law(rng, folder, inertial):
-    """A law for each cam: Stribeck's, a lubricated branch, or a table. Without inertia friction must not fall."""
+    """A law for each cam: Stribeck's, a lubricated branch, or a table. Without inertia friction grows."""
     drawn_laws = {}
     for i in (1, 2):
         kind = rng.choice(["stribeck", "branch", "table", "coulomb"], p=[0.4, 0.25, 0.25, 0.1])
@@ -75,8 +75,8 @@ def laws_of(values):
 def slip_residual(forces, values, direction):
     """How far the forces miss the law, relative to the size of the terms.
 
-    Contact i presses the pin with the normal force R_i and rubs it with mu_i(|v_i|) |R_i| against the sliding. These
-    forces must balance the torque of cam 2, the moment and the axial load of the follower."""
+    Contact i presses the pin with the normal force R_i and rubs it with mu_i(|v_i|) |R_i| against the
+    sliding. These forces must balance the torque of cam 2, the moment and the axial load of the follower."""
     place = forces.place
     mu = [law.at(abs(forces.sliding(i))) for i, law in enumerate(laws_of(values))]
     torques, axials = [], []
@@ -112,8 +112,8 @@ def slip_residual(forces, values, direction):
 def holding_loads(place, i, mu, torque):
     """The axial forces, as intervals, with which contact i can hold `torque` inside its cone of friction:
     |F_t| <= mu_s |N| with N the normal force, of either sign, and F_t the force along the groove."""
-    r, a, length = place.r[i], place.a[i], place.length(i)
-    # T/r = (N a + F r)/length, A = (N r - F a)/length; F = f N with |f| <= mu
+    r, a = place.r[i], place.a[i]
+    # with length = hypot(r, a): T/r = (N a + F r)/length, A = (N r - F a)/length; F = f N with |f| <= mu
     edges = []
     for f in (-mu, mu):
         if a + f * r == 0.0:
@@ -134,8 +134,8 @@ def can_hold(place, mu, torque, load, slack):
 
 
 def rest_is_held(forces, values, mode):
-    """At rest both contacts stay inside their cones, with the static coefficients. An end stop takes the torque that
-    presses into the stop."""
+    """At rest both contacts stay inside their cones, with the static coefficients. A stop takes the torque
+    that presses into the stop."""
     place, mu = forces.place, [law.static for law in laws_of(values)]
     if forces.omega != 0.0:
         return False
@@ -189,8 +189,8 @@ class Watch:
         return True
 
     def first_event(self, inputs, start, end):
-        """Ends a step just after its first event; the time of the event, or `end` if there is none; None if the step is
-        refused."""
+        """Ends a step just after its first event; the time of the event, or `end` if there is none; None if
+        the step is refused."""
         fmu = self.fmu
         state, time, count = fmu.take(), fmu.time, fmu.get("events")
         if not self.advance(inputs, start, end):
@@ -252,9 +252,9 @@ def test_forward_forces_obey_the_law(make_model, tmp_path, regime):
 
 
 def test_inverse_forces_obey_the_law(make_model, tmp_path):
-    """With a rigid shaft: imposed motion of either direction, and rest, which keeps the direction of the last motion."""
+    """With a rigid shaft: imposed motion of either direction."""
     rng = np.random.default_rng([18, 18])
-    varied = 0
+    varied = judged = 0
     for _ in range(40):
         pin, values = random_mechanism(rng, tmp_path)
         values = {"inertia.follower_mass": 0.0, "inertia.follower": 0.0, **values}
@@ -263,22 +263,20 @@ def test_inverse_forces_obey_the_law(make_model, tmp_path):
             n: v for n, v in values.items() if n not in ("initial.theta", "initial.omega", "stop.restitution")
         }
         fmu = make_model(INVERSE).start({n: v for n, v in given.items() if n in INVERSE.variables})
-        direction = 1
         for _ in range(20):
             theta = rng.uniform(values["stop.lower"], values["stop.upper"])
-            omega = float(rng.choice([0.0, *rng.normal(0.0, 5.0, 3)], p=[0.1, 0.3, 0.3, 0.3]))
+            omega = float(rng.normal(0.0, 5.0))
             motion = {"theta": theta, "omega": omega, "alpha": rng.normal(0.0, 300.0)}
             fmu.set(motion | {"F_ext": rng.uniform(0.0, 0.3) * spring_force(values, pin.at(theta).z)})
-            direction = int(np.sign(omega)) or direction
             forces = Forces.of(fmu, pin)
-            if fmu.get("mode") not in (LOADING, RELEASING) and omega != 0.0:
+            if fmu.get("mode") not in (LOADING, RELEASING):
                 continue  # no pair of flanks agrees with the imposed motion
-            if omega == 0.0:
-                continue
             laws = laws_of(values)
             varied += any(
                 abs(law.at(abs(forces.sliding(i))) - law.static) > 1e-3 * law.static
                 for i, law in enumerate(laws)
             )
-            assert slip_residual(forces, values, direction) <= ROUNDING, (values, forces)
+            judged += 1
+            assert slip_residual(forces, values, int(np.sign(omega))) <= ROUNDING, (values, forces)
+    assert judged >= 700, judged
     assert varied >= 300, varied

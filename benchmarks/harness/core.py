@@ -88,8 +88,18 @@ def load_loops(source: str, *timed: str, flags: tuple[str, ...] = OPTIMISED) -> 
 
 def library_without_closed_forms(product: Path) -> Path:
     """The forward FMU's library in which every motion is integrated. Compiled if a source has changed."""
+    return variant(product, [*build_fmu.SHARED, NO_CLOSED_FORM])
+
+
+def library_with_symbols(product: Path) -> Path:
+    """The forward FMU's library with the names of its functions. Compiled if a source has changed."""
+    return variant(product, [flag for flag in build_fmu.SHARED if flag != "-s"])
+
+
+def variant(product: Path, options: Sequence[str]) -> Path:
+    """The forward FMU's library, compiled with these options."""
     fmu = build_fmu.dual_cam(FORWARD, check=True)
-    flags = [*build_fmu.SHARED, *fmu.defines, *build_fmu.identity(fmu), NO_CLOSED_FORM]
+    flags = [*options, *fmu.defines, *build_fmu.identity(fmu)]
     stamp = build_fmu.fingerprint([*fmu.sources, *build_fmu.headers()], *build_fmu.TARGET, *flags)
     if not build_fmu.is_fresh(product, stamp):
         compile_c(flags, fmu.sources, product)

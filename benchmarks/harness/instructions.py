@@ -16,7 +16,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,7 @@ Job = dict[str, Any]
 
 STEP_FUNCTIONS = ("fmi2SetReal", "fmi2SetRealInputDerivatives", "fmi2DoStep", "fmi2GetReal")
 BEGIN, END = "getpgrp", "getppid"  # of the C library; replay.py calls them before and after the counted loop
+FUNCTION = re.compile(r"c?fn=\((?P<id>\d+)\)(?: (?P<name>.*))?")
 WITHOUT = "valgrind is not installed: no instructions are counted"
 
 
@@ -50,8 +53,21 @@ def serialized(fmu: Any, state: object) -> bytes:  # noqa: ANN401
     return bytes(fmu.serializeFMUState(state))
 
 
+@dataclass(frozen=True)
+class Counted:
+    """Instructions of a job's loop, and the calls of functions by name, as far as the library has symbols."""
+
+    instructions: int
+    calls: dict[str, int]
+
+
 def count(loops: Path, jobs: Sequence[Job]) -> list[int]:
     """Instructions of each job's loop. `loops`: the library of the loops. SystemExit if callgrind fails."""
+    return [counted.instructions for counted in count_calls(loops, jobs)]
+
+
+def count_calls(loops: Path, jobs: Sequence[Job]) -> list[Counted]:
+    """The same, with the calls."""
     with tempfile.TemporaryDirectory() as folder:
         plan, out = Path(folder, "plan"), Path(folder, "out")
         plan.write_bytes(pickle.dumps({"loops": str(loops), "jobs": list(jobs)}))
@@ -63,12 +79,24 @@ def count(loops: Path, jobs: Sequence[Job]) -> list[int]:
         done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, env=environment)
         if done.returncode != 0:
             raise SystemExit(f"callgrind failed\n{done.stdout}{done.stderr[-3000:]}")
-        found = [total_of(Path(f"{out}.{n + 1}")) for n in range(len(jobs))]
+        found = [read_counts(Path(f"{out}.{n + 1}")) for n in range(len(jobs))]
     return found
 
 
-def total_of(file: Path) -> int:
-    found = re.search(r"^(?:summary|totals): (\d+)", file.read_text(), re.MULTILINE)
-    if found is None:
+def read_counts(file: Path) -> Counted:
+    """A file of callgrind. "cfn=(id) name", later only "cfn=(id)", names the function of the next "calls"."""
+    text = file.read_text()
+    total = re.search(r"^(?:summary|totals): (\d+)", text, re.MULTILINE)
+    if total is None:
         raise SystemExit(f"callgrind: no total in {file.name}")
-    return int(found.group(1))
+    names: dict[str, str] = {}
+    calls: Counter[str] = Counter()
+    called = ""
+    for line in text.splitlines():
+        if function := FUNCTION.match(line):
+            called = function["id"]
+            if function["name"]:
+                names[called] = function["name"]
+        elif line.startswith("calls="):
+            calls[called] += int(line.removeprefix("calls=").split()[0])
+    return Counted(int(total.group(1)), {names[key]: n for key, n in calls.items()})

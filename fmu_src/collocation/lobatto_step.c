@@ -265,10 +265,12 @@ static StartFriction start_friction(const LobattoSystem *s, const LobattoStart *
         const FrictionNearby *law = &s->law[i];
         const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
+        out.value[i] = out.kinetic[i] = kinetic;
+        if (!law->table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
         out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
         const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
         const bool falls = shows && v < s->slip->fall[i].end;
-        out.kinetic[i] = falls ? kinetic : out.value[i];
+        if (!falls) out.kinetic[i] = out.value[i];
         out.falls = out.falls || falls;
     }
     return out;

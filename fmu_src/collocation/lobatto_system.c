@@ -217,7 +217,6 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         swirl = (m * n->d2z_dtheta2 + I * n->d2gamma_dtheta2) * omega;
         net -= swirl * omega;
     }
-    if (varies) n->damping_rate = (Vector2){0.0, 0.0};
     if (s->is_resisted) {
         const Vector2 resistance = slip->c + 2.0 * slip->q * slip->direction * (n->dz_dtheta * omega); /* dD/dv */
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
@@ -231,7 +230,7 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
     if (loaded) find_loads(s, omega, alpha, n);
     if (varies) {
         if (first && !loaded) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
-        n->damping_rate += n->friction_damping;
+        n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
     }
     return alpha;
 }
@@ -272,15 +271,15 @@ double lobatto_system_speed_at_end(const LobattoSystem *s) {
 }
 
 /* True if at every node the slip mode is possible, if without inertia the motion is stable and the flanks support it,
- * and if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
-static inline bool is_possible(const LobattoSystem *s) {
+ * and where friction varies if Delta keeps its sign (see STEP_JAM in step_indicator.h). */
+static inline bool is_possible(const LobattoSystem *s, bool varies) {
     bool possible = true;
     for (int k = 0; k < LOBATTO_NODES; k++) {
         const NodePair *n = &s->pair[k / 2];
         const double mass = n->mass[k % 2], delta = n->factors.delta[k % 2];
-        if (s->slip->friction_varies && s->slip->friction_is_loaded) /* then each contact has one answer */
+        if (varies && s->slip->friction_is_loaded) /* then each contact has one answer */
             possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
-        possible &= delta * s->pair[0].factors.delta[0] > 0.0;
+        if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
@@ -362,14 +361,20 @@ ALWAYS_INLINE static inline LobattoValues sweep(LobattoSystem *s, bool varies, b
     return change;
 }
 
+/* Were the forces found near enough to the angle at which the step ends? Where alpha hardly depends on the speed, the
+ * last prediction is small long before. */
+static inline bool is_placed(const LobattoSystem *s) {
+    const double theta = s->theta + s->dtheta.at[LOBATTO_END];
+    return fabs(s->end_shift) <= LOBATTO_SHIFT_SHARE * s->slip->params->tolerance * fabs(theta);
+}
+
 /* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
- * depend on the speed more than all else does. Then the change by the sweep after the next is predicted as well, and the
- * prediction by the last sweep, which is far more accurate than the share of the tolerance, is part of the solution. */
+ * depend on the speed more than all else does. Then the first prediction includes the change of the speed by the sweep
+ * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double share = varies ? LOBATTO_SWEEP_SHARE_VARYING : LOBATTO_SWEEP_SHARE;
-    const double wanted = share * slip->params->tolerance * fabs(s->omega) / per_y;
+    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
@@ -378,26 +383,27 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double size = lobatto_largest(lobatto_range(&change));
         LobattoValues next = predict_change(s, &change, varies);
         if (varies && n == 0) {
-            const LobattoValues after = predict_change(s, &next, varies);
-            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] += after.half[k];
+            const LobattoValues speed = lobatto_combine(LOBATTO.once, &next);
+            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * speed.half[k]);
         }
         /* Where the motion slows down, friction needs the lower speed to the same share. */
         const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
         bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
         if (varies && slip->friction_is_loaded)
-            converged &= LOBATTO_LOAD_SHARE * s->load_change <= share * slip->params->tolerance;
+            converged &= LOBATTO_LOAD_SHARE * s->load_change <=
+                         LOBATTO_SWEEP_SHARE * slip->params->tolerance;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
-        if (converged && at_end) {
+        if (converged && at_end && (!varies || is_placed(s))) {
             if (varies) follow_speeds(s);
-            return is_possible(s);
+            return is_possible(s, varies);
         }
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
-            return at_end && size <= rounding && is_possible(s);
+            return at_end && size <= rounding && is_possible(s, varies);
         }
         before = size;
     }

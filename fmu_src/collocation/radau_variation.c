@@ -7,6 +7,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 /* The collocation equations, differentiated: with y_j the change of alpha (or omega) at node j,
  *     y_i = by_theta_i dtheta_i + by_omega_i domega_i + mobility_i torque
  * where dtheta_i and domega_i follow from y as theta_i and omega_i do. A pole at the end is left out. Such a pole
@@ -104,3 +106,5 @@ COLD static bool vary_in_parts(const SlipMode *slip, const RadauStep *step, doub
 COLD bool radau_step_vary(const SlipMode *slip, const RadauStep *step, double torque, Variation *v) {
     return slip->regime == REGIME_INERTIAL ? vary(slip, step, torque, v) : vary_in_parts(slip, step, torque, v);
 }
+
+COMPACT_END

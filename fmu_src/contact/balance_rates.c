@@ -131,8 +131,11 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
         return;
     }
     const double by_friction = contact_load_by_factors(k, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
+    const ContactFactors *by = &k->dfactors_domega;
     out->contact[i] += by_friction;
-    out->rate_size[i] += fabs(by_friction);
+    out->rate_size[i] +=
+        (fabs(by->rn[other]) * size->axial + fabs(by->d[other]) * size->moment + out->size[i] * fabs(by->delta)) *
+        inverse * fabs(rates->alpha);
 }
 
 /* rho of the net torque. Without inertia the speed that the balance has found adds friction, which acts as a damper:

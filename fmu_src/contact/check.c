@@ -12,6 +12,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 static bool is_level_helix(const CamParams *cam) {
     return cam->profile == PROFILE_HELIX && cam->lead_angle == 0.0;
 }
@@ -40,7 +42,7 @@ bool check_initial(const Params *p, Fault *fault) {
 
 /* ---- friction law ---- */
 
-COMPACT bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
+bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
     for (int i = 0; i < 2; i++) {
         const FrictionTable *table = p->cam[i].law.table;
         if (table && !isnan(table->falls_at)) {
@@ -70,7 +72,7 @@ static bool grows_without_load(const CamParams *cam) {
     return !table && cam->law.load_exponent < 0.0;
 }
 
-COMPACT bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
+bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
     const DamperParams *d = &p->damper;
     const bool damped = d->c_load + d->q_load + d->c_release + d->q_release + p->shaft.damping > 0.0 ||
                         p->cam[0].law.viscous > 0.0 || p->cam[1].law.viscous > 0.0;
@@ -106,6 +108,8 @@ bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
     }
     return true;
 }
+
+COMPACT_END
 
 /* ---- jam ---- */
 
@@ -160,6 +164,8 @@ static double jam_in(const Params *p, const TransmissionPiece *piece, int sample
     return NAN;
 }
 
+COMPACT_BEGIN
+
 /* Of a helix the parameter, as `cam1.lead_angle = 1.5`; of other grooves the lead angle at this slope. */
 static void name_lead(char text[80], const Params *p, int i, double slope) {
     if (p->cam[i].profile == PROFILE_HELIX) snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
@@ -192,7 +198,7 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
         theta, lead[0], lead[1], friction[0], friction[1], load);
 }
 
-COMPACT bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
+bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
     const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
     const bool loaded = any_friction_depends_on_load(p);
     if (transmission->straight && !loaded && loads_in_straight(p, transmission->piece)) return true;
@@ -215,3 +221,5 @@ bool check_transmission(const Params *p, const char *resources, Transmission *tr
     if (good) *transmission = made;
     return good;
 }
+
+COMPACT_END

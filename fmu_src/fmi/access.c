@@ -219,8 +219,8 @@ static void write_inputs_and_states(Instance *instance, const ValueReference vr[
 }
 
 /* Of a call that does not set inputs alone, or that is refused. */
-static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                          const double value[]) {
+NOINLINE static bool set_any_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                                   const double value[]) {
     if (!are_good_reals(instance, function, vr, n, value)) return false;
     if (instance->run.phase == PHASE_CONTINUOUS) {
         write_inputs_and_states(instance, vr, n, value);
@@ -245,6 +245,8 @@ bool access_set_reals(Instance *instance, const char *function, const ValueRefer
     instance_invalidate(instance);
     return true;
 }
+
+COMPACT_BEGIN
 
 /* Only Reals and Integers are tunable. So Booleans and Strings are set before the run begins, without a draft. */
 
@@ -289,3 +291,5 @@ bool access_set_texts(Instance *instance, const char *function, const ValueRefer
     instance_invalidate(instance);
     return true;
 }
+
+COMPACT_END

@@ -8,6 +8,7 @@
 #include "fmi/fmi.h"
 #include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
+#include "platform/attributes.h"
 
 const char *fmi2GetTypesPlatform(void) {
     return fmi2TypesPlatform;
@@ -21,7 +22,7 @@ const char *fmi2GetVersion(void) {
 
 /* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and #
  * doubled the text is right where it is expanded, and readable where it is not. */
-static void log_error(const Log *log, const char *name, const char *text) {
+COLD static void log_error(const Log *log, const char *name, const char *text) {
     const fmi2CallbackLogger logger = (fmi2CallbackLogger)log->logger;
     if (logger == NULL) return;
     char message[2048];

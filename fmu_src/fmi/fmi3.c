@@ -9,6 +9,7 @@
 #include "fmi/fmi.h"
 #include "fmi/fmu_state.h"
 #include "fmi/simulation.h"
+#include "platform/attributes.h"
 
 const char *fmi3GetVersion(void) {
     return fmi3Version;
@@ -17,7 +18,7 @@ const char *fmi3GetVersion(void) {
 /* ---- life ---- */
 
 /* In a message of FMI, #...# stands for a variable, and ## for #. */
-static void log_error(const Log *log, const char *name, const char *text) {
+COLD static void log_error(const Log *log, const char *name, const char *text) {
     (void)name; /* the environment tells instances apart */
     const fmi3LogMessageCallback logger = (fmi3LogMessageCallback)log->logger;
     if (logger == NULL) return;

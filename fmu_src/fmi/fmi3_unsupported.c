@@ -2,6 +2,10 @@
  * variables, and clocks. */
 #include "fmi/fmi.h"
 
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
+
 /* ---- scheduled execution and configuration ---- */
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -229,3 +233,5 @@ fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference 
     (void)clockReference, (void)activationTime;
     return refuse_type(instance, __func__, 1);
 }
+
+COMPACT_END

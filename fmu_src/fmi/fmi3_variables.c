@@ -3,6 +3,9 @@
 #include "fmi/dependencies.h"
 #include "fmi/derivatives.h"
 #include "fmi/fmi.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* There is one value for each reference, since no variable is an array. */
 static bool is_count(const Instance *instance, const char *function, const char *name, size_t n, size_t expected) {
@@ -153,3 +156,5 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueRefere
     return status_of(is_count(instance, __func__, "nValues", nValues, nValueReferences) &&
                      derivatives_get_of_outputs(instance, __func__, valueReferences, nValueReferences, orders, values));
 }
+
+COMPACT_END

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/attributes.h"
+
 /* Everything that a restored FMU state needs. */
 typedef struct {
     uint64_t magic; /* distinguishes a snapshot from other memory */
@@ -58,7 +60,7 @@ static void clear_padding(Snapshot *snapshot) {
     model_clear_padding(&snapshot->state);
 }
 
-static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
+NOINLINE static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
     const FmuModel *model = &instance->values.model;
     snapshot->magic = SNAPSHOT_MAGIC;
     snapshot->params = model->params;
@@ -69,7 +71,7 @@ static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
 }
 
 /* Copies a path only if one of both paths is not empty: a path is zeros from its end on. */
-static void restore_path(const char path[TABLE_PATH_SIZE], char to[TABLE_PATH_SIZE]) {
+COMPACT static void restore_path(const char path[TABLE_PATH_SIZE], char to[TABLE_PATH_SIZE]) {
     if (path[0] != '\0' || to[0] != '\0') memcpy(to, path, TABLE_PATH_SIZE);
 }
 
@@ -84,7 +86,7 @@ static void restore_params(const Params *params, Params *to) {
     }
 }
 
-static void restore_members(const Snapshot *snapshot, Instance *instance) {
+NOINLINE static void restore_members(const Snapshot *snapshot, Instance *instance) {
     FmuModel *model = &instance->values.model;
     restore_params(&snapshot->params, &model->params);
     model->inputs = snapshot->inputs;

@@ -8,6 +8,7 @@
 
 #include "fmi/resources.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 enum { MESSAGE_SIZE = 1024 };
 
@@ -79,8 +80,8 @@ static bool is_log_category(const char *name) {
     return false;
 }
 
-bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
-                          const char *const categories[]) {
+COLD bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
+                               const char *const categories[]) {
     if (instance == NULL || !instance_has_array(instance, function, count, categories, "categories")) return false;
     bool errors = count == 0;
     for (size_t i = 0; i < count; i++) {
@@ -214,7 +215,7 @@ static const char *phase_name(Phase phase) {
     }
 }
 
-bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
+COLD bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[192] = "";
     size_t length = 0;
     for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_INTERMEDIATE_OUTPUTS; phase <<= 1) {

@@ -4,6 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
+
 /* Locale-free, unlike <ctype.h>. */
 static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
@@ -81,3 +85,5 @@ bool resources_from_path(const char *path, char **directory) {
     drop_last_slashes(*directory);
     return true;
 }
+
+COMPACT_END

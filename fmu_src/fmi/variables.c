@@ -119,6 +119,7 @@ __attribute__((used)) static const volatile StartBlock START_BLOCK = {
         {
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
     IN_##model(START_TEXT_##kind(id, start))
+#include "platform/attributes.h"
 #include "variables.def"
         },
 };
@@ -175,7 +176,7 @@ bool variable_allows(const Variable *variable, double value) {
     return isfinite(value) && value >= variable->min && value <= variable->max;
 }
 
-ShortestDecimal shortest_decimal(double value) {
+COLD ShortestDecimal shortest_decimal(double value) {
     ShortestDecimal shortest;
     if (fabs(value) < 1e15 && value == floor(value)) { /* "50000" rather than "5e+04" */
         snprintf(shortest.text, sizeof shortest.text, "%.0f", value);
@@ -188,7 +189,7 @@ ShortestDecimal shortest_decimal(double value) {
     return shortest;
 }
 
-RangeText variable_range(const Variable *variable) {
+COLD RangeText variable_range(const Variable *variable) {
     RangeText range;
     const ShortestDecimal min = shortest_decimal(variable->min), max = shortest_decimal(variable->max);
     if (variable->kind == KIND_TEXT)

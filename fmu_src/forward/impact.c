@@ -4,6 +4,7 @@
 
 #include "forward/decide.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static void stand_still(Mechanism *m) {
     m->state.omega = sum_of(0.0);
@@ -44,7 +45,7 @@ bool is_jammed(const Mechanism *m) {
     return has_inertia(&m->params) && m->state.omega.hi != 0.0 && !is_slip(m->state.mode);
 }
 
-void jam_propose(const Mechanism *m, Segment *segment) {
+COMPACT void jam_propose(const Mechanism *m, Segment *segment) {
     const Geometry *g = &m->configuration.geometry;
     const double energy = kinetic_energy(m);
     double share[2];

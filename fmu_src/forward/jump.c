@@ -8,6 +8,9 @@
 #include "forward/rest.h"
 #include "forward/stick.h"
 #include "numerics/bernstein.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* ---- two helices ---- */
 
@@ -128,3 +131,5 @@ void jump_find_speed(Mechanism *m) {
     }
     if (m->params.ledger) peak_raise(&m->state.ledger.peak.omega, m->state.omega.hi);
 }
+
+COMPACT_END

@@ -6,8 +6,8 @@
 
 #include "forward/configuration.h"
 #include "forward/decide.h"
+#include "forward/rest.h"
 #include "forward/stick.h"
-#include "forward/wedge.h"
 #include "numerics/tolerances.h"
 
 bool ode_is_possible(const Mechanism *m, Fault *fault) {

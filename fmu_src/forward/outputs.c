@@ -7,6 +7,7 @@
 #include "forward/stick.h"
 #include "model/friction_law.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* ---- motion and loads ---- */
 
@@ -106,7 +107,7 @@ static void seed(Jet *jet, bool is_known) {
     jet->c[0].slope = is_known ? 1.0 : 0.0;
 }
 
-void taylor_of_motion(const Mechanism *m, const SlipMode *slip, Known known, int last, Taylor *out) {
+NOINLINE void taylor_of_motion(const Mechanism *m, const SlipMode *slip, Known known, int last, Taylor *out) {
     const Balance now = balance_from_here(m, slip);
     *out = (Taylor){
         .tau = jet_of_derivatives(m->inputs.tau), .F_ext = jet_of_derivatives(m->inputs.F_ext), .known = known};

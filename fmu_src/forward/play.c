@@ -96,6 +96,8 @@ NOINLINE static Booking sum_over(const EdgePath *path, double from, double to) {
     return sum;
 }
 
+COMPACT_BEGIN
+
 static void add(Booking *sum, const Booking *part) {
     sum->work_in += part->work_in;
     sum->work_ext += part->work_ext;
@@ -244,3 +246,5 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     }
     jump->stopped = true;
 }
+
+COMPACT_END

@@ -2,8 +2,116 @@
 
 #include <math.h>
 
+#include "forward/candidate.h"
 #include "forward/stick.h"
-#include "forward/wedge.h"
+#include "numerics/bernstein.h"
+#include "numerics/tolerances.h"
+
+/* ---- wedged beyond a finite edge of the stick band ---- */
+
+/* What must be positive: the acceleration in the direction of the torque, and the reactions on their flanks. */
+enum { CONDITIONS = 3, TIMES_MAX = CONDITIONS * INPUT_ORDER };
+
+/* Each condition is by_tau tau + by_load F_0. The factors are scaled so that the terms of both add up to 1 at present.
+ */
+typedef struct {
+    double by_tau[CONDITIONS], by_load[CONDITIONS];
+} Conditions;
+
+bool wedge_holds(const Mechanism *m) {
+    return m->state.mode == MODE_WEDGED && has_inertia(&m->params) && stick_direction_beyond_band(m) != 0;
+}
+
+/* The conditions of one slip mode at rest. False if friction jams this mode. */
+static bool conditions_of(const Mechanism *m, int index, Conditions *c) {
+    const SlipMode slip = slip_mode_from_here(m, index);
+    const InertiaParams *in = &m->params.inertia;
+    SlipCoefficients storage;
+    double z;
+    const SlipCoefficients *k = slip_coefficients_at(&slip, m->state.theta.hi, 0.0, &storage, &z);
+    const DualContactFactors *f = &k->factors;
+    const double inertia = slip_inertia(&slip, k).value, delta = f->delta.value;
+    if (!(inertia * delta > 0.0)) return false;
+    const double mz = in->follower_mass * k->dz_dtheta.value, I = in->follower * k->dpsi_dtheta[0].value;
+    const double alpha[2] = {delta / inertia, -f->p.value / inertia}; /* per torque and per load */
+    c->by_tau[0] = slip.direction * alpha[0];
+    c->by_load[0] = slip.direction * alpha[1];
+    for (int i = 0; i < 2; i++) {
+        const double rn = f->rn[1 - i].value, d = i == 0 ? -f->d[1].value : f->d[0].value;
+        const double sign = slip.flank[i] / delta, by_alpha = rn * mz + d * I;
+        c->by_tau[1 + i] = sign * by_alpha * alpha[0];
+        c->by_load[1 + i] = sign * (rn + by_alpha * alpha[1]);
+    }
+    const double tau = fabs(m->inputs.tau[0]), load = stick_axial_size(m);
+    for (int i = 0; i < CONDITIONS; i++) {
+        const double size = fabs(c->by_tau[i]) * tau + fabs(c->by_load[i]) * load;
+        c->by_tau[i] /= size;
+        c->by_load[i] /= size;
+    }
+    return true;
+}
+
+/* Condition i as a polynomial of the time: its derivatives, less what counts as rounding. */
+static void condition_along(const Mechanism *m, const Conditions *c, int i, double u[INPUT_ORDER + 1]) {
+    u[0] = c->by_tau[i] * m->inputs.tau[0] + c->by_load[i] * stick_axial_load(m) - LATE_LOADS;
+    for (int k = 1; k <= INPUT_ORDER; k++) u[k] = c->by_tau[i] * m->inputs.tau[k] + c->by_load[i] * m->inputs.F_ext[k];
+}
+
+static double least_at(double u[CONDITIONS][INPUT_ORDER + 1], double t) {
+    return fmin(input_value(u[0], t), fmin(input_value(u[1], t), input_value(u[2], t)));
+}
+
+/* The first time in (0, left] after which all conditions are met; infinity if there is none. Where the axial load passes
+ * zero, both reactions change their sign at once, to rounding. */
+static double time_of(double u[CONDITIONS][INPUT_ORDER + 1], double left) {
+    double first = INFINITY;
+    for (int i = 0; i < CONDITIONS; i++) {
+        const Bernstein p = bernstein_of_taylor(u[i], left);
+        double x[BERNSTEIN_MAX];
+        const int count = bernstein_crossings(&p, x);
+        for (int k = 0; k < count; k++) {
+            const double t = x[k] * left, rate = input_rate(u[i], t);
+            double others = INFINITY;
+            for (int j = 0; j < CONDITIONS; j++)
+                if (j != i) others = fmin(others, input_value(u[j], t));
+            if (rate > 0.0 && others >= -0.5 * LATE_LOADS) first = fmin(first, t);
+        }
+    }
+    return first;
+}
+
+/* The time, s, at most `left`, until a pair of flanks agrees. */
+static double wedge_time(const Mechanism *m, double left) {
+    const int direction = stick_direction_beyond_band(m);
+    double first = left;
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int flank[2];
+        flank_pair(k, 1, flank);
+        Conditions c;
+        if (!conditions_of(m, slip_index(direction, flank), &c)) continue;
+        double u[CONDITIONS][INPUT_ORDER + 1];
+        for (int i = 0; i < CONDITIONS; i++) condition_along(m, &c, i, u[i]);
+        first = fmin(first, time_of(u, left));
+    }
+    return first;
+}
+
+double wedge_agreement(const Mechanism *m) {
+    const int direction = stick_direction_beyond_band(m);
+    double largest = -1.0;
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int flank[2];
+        flank_pair(k, 1, flank);
+        Conditions c;
+        if (!conditions_of(m, slip_index(direction, flank), &c)) continue;
+        double u[CONDITIONS][INPUT_ORDER + 1];
+        for (int i = 0; i < CONDITIONS; i++) condition_along(m, &c, i, u[i]);
+        largest = fmax(largest, least_at(u, 0.0));
+    }
+    return largest;
+}
+
+/* ---- segments ---- */
 
 bool rest_goes_on(Mechanism *m) {
     const RestInterval *rest = &m->cache.rest;

@@ -5,6 +5,8 @@
 #include "model/csv_file.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 static const char *const HEADER = "psi_rad,z_m";
 
 static bool is_in_order(const CsvFile *csv, Sample before, Sample sample) {
@@ -64,3 +66,5 @@ void samples_free(Samples *samples) {
     free(samples->sample);
     *samples = (Samples){.sample = NULL};
 }
+
+COMPACT_END

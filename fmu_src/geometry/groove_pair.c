@@ -8,6 +8,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 /* The parameter that decides the shape of a groove, as "cam1.ellipse_a = 0.05". */
 typedef struct {
     char text[QUOTED_PATH + 32];
@@ -91,3 +93,5 @@ bool groove_pair_refuse_level(const Params *p, double theta, double z, Fault *fa
              first.text, second.text, theta, z);
     return false;
 }
+
+COMPACT_END

@@ -7,6 +7,9 @@
 #include "geometry/cam.h"
 #include "geometry/groove_pair.h"
 #include "geometry/transmission_fit.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* Two helices: gamma, phi and z are linear in theta. */
 static bool build_straight(Transmission *transmission, const Params *p, Fault *fault) {
@@ -68,3 +71,5 @@ bool transmission_build(Transmission *transmission, const Params *p, const char 
     else transmission_free(transmission);
     return good;
 }
+
+COMPACT_END

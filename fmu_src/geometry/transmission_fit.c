@@ -29,7 +29,7 @@ typedef struct {
     double latest_theta;
 } Fit;
 
-static PinPosition position_at(Fit *fit, double theta) {
+NOINLINE static PinPosition position_at(Fit *fit, double theta) {
     const double sum = fit->latest.slope[0] + fit->latest.slope[1];
     const double dgamma_dtheta = sum > 0.0 ? fit->latest.slope[1] / sum : 0.5;
     const double guess = fit->latest.gamma + dgamma_dtheta * (theta - fit->latest_theta);
@@ -193,6 +193,8 @@ COMPACT static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
     return good ? PIECE_ACCURATE : PIECE_TOO_WIDE;
 }
 
+COMPACT_BEGIN
+
 static TransmissionPiece piece_between(Breakpoint lower, Breakpoint upper) {
     return (TransmissionPiece){
         .lower = lower.theta,
@@ -240,3 +242,5 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     free(breakpoint);
     return good;
 }
+
+COMPACT_END

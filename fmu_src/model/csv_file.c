@@ -9,6 +9,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 enum { QUOTED_LINE = 40, NUMBER_SIZE = 64 };
 
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
@@ -18,7 +20,7 @@ typedef struct {
     const char *begin, *end;
 } Span;
 
-int csv_quoted(const char *text, int limit) {
+COLD int csv_quoted(const char *text, int limit) {
     const size_t length = strlen(text);
     if (length <= (size_t)limit) return (int)length;
     while (limit > 0 && ((unsigned char)text[limit] & 0xC0) == 0x80)
@@ -235,3 +237,5 @@ COMPACT bool csv_row(CsvFile *csv, int columns, const char *form, double value[]
     char text[QUOTED_LINE + 1];
     return good || csv_refuse(csv, "line %zu, \"%s\", must be %s", csv->line, quoted_line(line, text), form);
 }
+
+COMPACT_END

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "numerics/level_log.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 

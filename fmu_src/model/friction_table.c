@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "numerics/level_log.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 

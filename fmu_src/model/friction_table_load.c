@@ -10,6 +10,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 /* One line of the file. */
 typedef struct {
     double v, R; /* m/s, N; R = 0 where the file has no loads */
@@ -274,3 +276,5 @@ void friction_tables_free(FrictionTables *tables) {
         tables->table[i] = NULL;
     }
 }
+
+COMPACT_END

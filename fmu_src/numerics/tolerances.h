@@ -233,11 +233,9 @@ enum { EDGE_ITERATIONS = 100 };
 
 /* Energy balance of a step */
 
-/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth. */
-static const double STEP_ENERGY_SHARE = 0.1;
-
-/* Share of all energies in the balance that is their rounding. */
-static const double STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
+/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth.
+ * Share of all energies in the balance that is their rounding. */
+static const double STEP_ENERGY_SHARE = 0.1, STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
 
 /* Breakpoints: overshoot as a share of the narrower piece's width */
 
@@ -255,11 +253,9 @@ static const double BREAKPOINT_TIME_CHANGE = 0.1;
 
 /* Step control */
 
-/* h over the time scale of the motion below which three, or five, stages suffice. */
-static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5;
-
-/* Tolerance above which a step never starts with seven stages. */
-static const double STEP_7_STAGES_TOLERANCE = 1e-6;
+/* h over the time scale of the motion below which three, or five, stages suffice; and the tolerance above which a step
+ * never starts with seven stages. */
+static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5, STEP_7_STAGES_TOLERANCE = 1e-6;
 
 /* First step of a vibration of angular frequency w: STEP_FIRST_LENGTH tolerance^(1/STEP_FIRST_ORDER)/w, which is 1/w at
  * the tolerance 1e-9. Measured: about the length that a step of seven stages turns out to have. */
@@ -315,32 +311,28 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 
 /* Lobatto step */
 
-/* Share of what the tolerance allows that the next sweep may change. */
-static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_SWEEP_SHARE_VARYING = 0.01;
-
-/* Factor by which a sweep must reduce the change of the sweep before: else Newton's method is faster. */
-static const double LOBATTO_CONTRACTION = 0.1;
-
-enum { LOBATTO_SWEEPS = 8 }; /* of one step */
+/* Share of what the tolerance allows that the next sweep may change. Factor by which a sweep must reduce the change of
+ * the sweep before: else Newton's method is faster. Sweeps of one step. */
+static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
+enum { LOBATTO_SWEEPS = 8 };
 
 /* The error of a force by the last change of a load, relative, per square of the change. */
 static const double LOBATTO_LOAD_SHARE = 0.1;
-/* Where friction falls: the most parts of a step and the halvings of a part; the least steepness of Gauss's law; in
- * roots of the tolerance the share of friction that an excess must have to need parts. */
+
+/* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
+ * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
+ * the excess out. */
 enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 1 };
-static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0;
+static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
-/* Share of the largest alpha (without inertia omega) below which a change is rounding. */
-static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON;
+/* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
+ * tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies. */
+static const double LOBATTO_ROUNDING = 8.0 * DBL_EPSILON, LOBATTO_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
+static const double LOBATTO_SHIFT_SHARE = 0.3;
 
-/* Share of the distance to a breakpoint by which a step that aims at it may miss it. */
-static const double LOBATTO_AIM_SHARE = 1e-8;
-
-/* Ratio of the cubic term to the square term, and of that to the linear one, in a motion that four nodes resolve. */
-static const double LOBATTO_DECAY = 0.3;
-
-/* Share of theta below which an error of the angle is rounding. */
-static const double LOBATTO_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
+/* Share of the distance to a breakpoint by which a step that aims at it may miss it. Ratio of the cubic term to the
+ * square term, and of that to the linear one, in a motion that four nodes resolve. */
+static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
 
 /* Variation of a step */
 

@@ -6,6 +6,9 @@
 #include "inverse/elastic_shaft.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* ---- the imposed motion at the present instant ---- */
 
@@ -137,3 +140,5 @@ void inverse_derivatives(const Inverse *m, InverseDerivatives *out) {
     };
     if (!has_elastic_shaft(m)) out->z[0] = required.statics.geometry.dz_dtheta * m->inputs.omega[0];
 }
+
+COMPACT_END

@@ -7,6 +7,9 @@
 #include "inverse/inverse_outputs.h"
 #include "inverse/rigid_shaft.h"
 #include "model/elements.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* The torque makes the equation of motion hold, residual(tau, k) = 0, so
  * d tau/dk = -(d residual/dk)/(d residual/d tau). */
@@ -118,3 +121,5 @@ bool inverse_axial_partials(const Inverse *m, int order, Partials *out, Fault *f
     rigid_axial_partials(m, order, out);
     return true;
 }
+
+COMPACT_END

@@ -5,9 +5,12 @@
 #include "contact/contact_statics.h"
 #include "forward/decide.h"
 #include "forward/outputs.h"
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
 
 /* z(theta) and v = z' omega. */
-void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
+NOINLINE void mechanism_axial_partials(const Mechanism *m, int order, Partials *out) {
     const double dz_dtheta = m->configuration.geometry.dz_dtheta;
     *out = (Partials){.by = {0.0}};
     if (order == 0) {
@@ -53,3 +56,5 @@ bool mechanism_alpha_partials(const Mechanism *m, Partials *out, Fault *fault) {
         if (k != KNOWN_ALPHA) out->by[k] = -residual.by[k] / residual.by[KNOWN_ALPHA];
     return true;
 }
+
+COMPACT_END

@@ -11,6 +11,8 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 /* Per N.m of the torque's shift. */
 typedef struct {
     Variation x;
@@ -286,3 +288,5 @@ COMPACT void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     else if (slip.regime == REGIME_RATE_INDEPENDENT) x->omega = speed_on_edge(&slip, again.state.theta.hi) * x->theta;
     *out = (StepSensitivity){finite_or_zero(x->theta), finite_or_zero(x->omega)};
 }
+
+COMPACT_END

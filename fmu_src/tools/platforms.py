@@ -27,7 +27,11 @@ WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werr
 # -fno-math-errno lets sqrt become one instruction; no code reads errno after a mathematical function.
 # All other rules of IEEE 754 hold: -ffast-math would break compensated sums and the tests for NaN.
 ARITHMETIC = ("-std=c17", "-ffp-contract=off", "-fno-math-errno")
-LIBRARY = ("-fPIC", "-fvisibility=hidden")
+# The compiler in zig keeps a frame pointer in each function, unless told otherwise. Without frame pointers a
+# step takes 1 to 8 % fewer instructions. Debuggers and profilers unwind by tables: .eh_frame on Linux and
+# macOS, .pdata on 64-bit Windows.
+FRAMES = "-fomit-frame-pointer"
+LIBRARY = ("-fPIC", "-fvisibility=hidden", FRAMES)
 OPTIMISATION = "-O3"
 # Link-time optimisation inlines across files and drops functions that nobody calls. The linker for macOS has
 # none. On Windows a binary would grow from 252,000 to 284,000 bytes, of the 300,000 bytes that it may have.

@@ -1,0 +1,161 @@
+"""The cost of a step where friction depends on the sliding speed, beside the same step with Coulomb's law.
+
+    ./build.sh friction
+
+Instructions of general steps of 1 ms are counted by callgrind (harness/instructions.py), so that a busy
+machine does not matter. The mechanisms are those of benchmarks/step_cost: 30 steps of a half swing under 1.30
+times the torque that the stick band needs. Each runs with Coulomb's law, then with a static excess, a
+Stribeck curve of exponent 2 or 1 and a lubricated branch, and with a table of the same law, at both cams and
+at cam 1 alone.
+
+Two ratios to Coulomb's law are reported. "Per communication step" holds all that the law costs. A Stribeck
+curve bends the motion, and a bent motion needs more collocation steps: that is physics. "Per collocation
+step" divides by the number of collocation steps. Callgrind counts them as the calls of segment_apply(), in
+the FMU's library compiled with the names of its functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from benchmarks.harness import core, instructions, results, steps
+from benchmarks.harness.circumstances import circumstances
+from benchmarks.harness.steps import StepBlock
+from benchmarks.mechanisms import Parameters
+from benchmarks.step_cost.measure import prepare
+from benchmarks.step_cost.scenes import Scene, general_scenes
+
+MECHANISMS = ("cubic spring", "ellipses", "tables", "all forces")
+TARGET = 1.3  # of the instructions of a collocation step
+SEGMENT = "segment_apply"  # is called once for each collocation step
+KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
+SAMPLES = np.array([0.0, *np.geomspace(2e-3, 0.5, 24)])  # m/s, of the table
+
+Row = dict[str, str]
+
+
+def write_table(path: Path) -> Path:
+    """Samples of the law of exponent 2."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    mu = KINETIC * (1.0 + (PEAK - 1.0) * np.exp(-((SAMPLES / STRIBECK) ** 2))) + VISCOUS * SAMPLES
+    rows = [f"{v!r},{m!r}" for v, m in zip(SAMPLES.tolist(), mu.tolist(), strict=True)]
+    text = "\n".join(["v_m_s,mu", *rows]) + "\n"
+    if not path.exists() or path.read_text() != text:  # another process may be reading the file
+        path.write_text(text)
+    return path
+
+
+@dataclass(frozen=True)
+class Law:
+    name: str
+    cams: str
+    parameters: Parameters
+
+
+def stribeck(exponent: int, cams: Sequence[int]) -> Parameters:
+    values = {"friction_peak": PEAK, "stribeck_velocity": STRIBECK, "friction_viscous": VISCOUS}
+    return {
+        f"cam{i}.{name}": x for i in cams for name, x in [*values.items(), ("stribeck_exponent", exponent)]
+    }
+
+
+def laws() -> Iterator[Law]:
+    """Coulomb's law first."""
+    yield Law("Coulomb", "both", {})
+    table = str(write_table(core.BUILD / "tables" / "friction.csv"))
+    for cams, label in (((1, 2), "both"), ((1,), "cam 1")):
+        yield Law("Stribeck, exponent 2", label, stribeck(2, cams))
+        yield Law("Stribeck, exponent 1", label, stribeck(1, cams))
+        yield Law("friction table", label, {f"cam{i}.friction_table": table for i in cams})
+
+
+def job(scene: Scene, library: Path) -> instructions.Job:
+    """One block of the scene in `library`."""
+    block, _ = prepare(scene, steps.load_loops())
+    if not isinstance(block, StepBlock):
+        raise TypeError(f"{scene.name}: the steps are not consecutive")
+    made = block.job()
+    _, guid, resources = made["fmu"]
+    return {**made, "fmu": (str(library), guid, resources)}
+
+
+def row_of(scene: Scene, law: Law, counted: instructions.Counted, coulomb: instructions.Counted) -> Row:
+    count, segments, before = len(scene.steps), counted.calls[SEGMENT], coulomb.calls[SEGMENT]
+    step, step_before = counted.instructions / count, coulomb.instructions / count
+    ratio = step / step_before
+    each = (counted.instructions / segments) / (coulomb.instructions / before)
+    return {
+        "mechanism": scene.name,
+        "law": law.name,
+        "cams": law.cams,
+        "instructions_per_communication_step": f"{step:.1f}",
+        "collocation_steps_per_communication_step": f"{segments / count:.4f}",
+        "instructions_per_collocation_step": f"{counted.instructions / segments:.1f}",
+        "ratio_per_communication_step": f"{ratio:.4f}",
+        "ratio_per_collocation_step": f"{each:.4f}",
+        "target": "" if law.name == "Coulomb" else f"{TARGET:g}",
+    }
+
+
+def measure(mechanisms: int, console: Console) -> list[Row]:
+    if not instructions.available():
+        raise SystemExit(instructions.WITHOUT)
+    library = core.library_with_symbols(core.BUILD / "loops" / "DualCamForward-symbols.so")
+    cast = [scene for scene in general_scenes() if scene.name in MECHANISMS[:mechanisms]]
+    pairs = [(scene, law) for scene in cast for law in laws()]
+    console.print(f"{len(pairs)} runs under callgrind")
+    jobs = [
+        job(replace(scene, parameters=scene.parameters | law.parameters), library) for scene, law in pairs
+    ]
+    counts = instructions.count_calls(steps.library(), jobs)
+    if not all(counted.calls.get(SEGMENT, 0) for counted in counts):
+        raise SystemExit(
+            f"callgrind saw no call of {SEGMENT}(): the compiler has copied the function into another"
+        )
+    coulomb = {scene.name: n for (scene, law), n in zip(pairs, counts, strict=True) if law.name == "Coulomb"}
+    return [row_of(s, law, n, coulomb[s.name]) for (s, law), n in zip(pairs, counts, strict=True)]
+
+
+def report(rows: Sequence[Row], console: Console) -> None:
+    shown = results.table(
+        "Instructions where friction depends on the speed; ratio to Coulomb's law",
+        *(
+            "mechanism",
+            "law",
+            "cams",
+            "per comm. step",
+            "coll. steps",
+            "ratio/comm.",
+            "ratio/coll.",
+            "target",
+        ),
+    )
+    for row in rows:
+        each = float(row["ratio_per_collocation_step"])
+        shown.add_row(
+            *(row["mechanism"], row["law"], row["cams"], row["instructions_per_communication_step"]),
+            f"{float(row['collocation_steps_per_communication_step']):.2f}",
+            f"{float(row['ratio_per_communication_step']):.2f}",
+            f"{each:.2f}",
+            results.verdict(each, float(row["target"]) if row["target"] else None),
+        )
+    console.print(shown)
+
+
+def main() -> None:
+    parser = results.options(__doc__, "friction_cost")
+    parser.add_argument("--mechanisms", type=int, default=len(MECHANISMS), help="the first of them (all)")
+    arguments = parser.parse_args()
+    console = results.new_console()
+    rows = measure(arguments.mechanisms, console)
+    report(rows, console)
+    results.publish(rows, circumstances("friction"), arguments.output, console)
+
+
+if __name__ == "__main__":
+    main()
