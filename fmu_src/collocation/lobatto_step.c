@@ -298,8 +298,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
 }
 
 /* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
-COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2],
-                                double alpha) {
+COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2], double alpha) {
     const SlipMode *slip = s->slip;
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
@@ -307,8 +306,7 @@ COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, cons
     const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
                          p->inertia.follower_mass * g->dz_dtheta * alpha;
     ContactFactors f;
-    for (int i = 0; i < 2; i++)
-        contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
     contact_factors_multiply(&f);
     for (int k = 0; k < LOBATTO_NODES; k++)
         for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;

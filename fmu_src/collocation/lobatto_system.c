@@ -69,7 +69,7 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 /* ---- the balance at two nodes, see balance.h ---- */
 
 /* Turns f_i at R_ref into the tangent coefficient under the load x_i of the sweep before. */
-NOINLINE static void put_under_load(const LobattoSystem *s, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
+COMPACT static void put_under_load(const LobattoSystem *s, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
     const SlipMode *slip = s->slip;
     const CamParams *cam = &slip->params->cam[i];
     n->rest[i] = (Vector2){0.0, 0.0};
@@ -156,7 +156,7 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
 
 /* Where friction depends on the load: x_i under the forces, and 1/s, minus the derivative of alpha by the speed through
  * the friction coefficients: a change df_i at constant x_i adds to the balance as minus a rest does. */
-NOINLINE static void find_loads(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
+COMPACT static void find_loads(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const CamParams *cam = slip->params->cam;
@@ -202,8 +202,7 @@ static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vec
 }
 
 /* alpha */
-static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first,
-                                   NodePair *n) {
+static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega, bool varies, bool first, NodePair *n) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
@@ -390,8 +389,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
         bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
         if (varies && slip->friction_is_loaded)
-            converged &= LOBATTO_LOAD_SHARE * s->load_change <=
-                         LOBATTO_SWEEP_SHARE * slip->params->tolerance;
+            converged &= LOBATTO_LOAD_SHARE * s->load_change <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);

@@ -25,8 +25,8 @@ typedef struct {
     Vector2 omega;                            /* rad/s, at which the balance was taken last */
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
     /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
-    Vector2 x[2], rest[2]; /* N/m, x_i and f'_i x_i - f_i x_i */
-    Vector2 friction_damping;                 /* 1/s, its part of the damping rate, as the first sweep found it */
+    Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
+    Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
 typedef struct {
@@ -38,8 +38,8 @@ typedef struct {
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    double load_change;          /* only where friction depends on the load: the largest change of x_i by a sweep, squared */
-    double end_shift;            /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    double load_change; /* only where friction depends on the load: the largest change of x_i by a sweep, squared */
+    double end_shift;   /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 

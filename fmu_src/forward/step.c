@@ -70,8 +70,8 @@ static bool nothing_resists(const Mechanism *m) {
  * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. Where
  * friction depends on the load, a contact locks instead (loaded_contacts.h). */
 static bool no_speed_balances(const Mechanism *m) {
-    return !has_inertia(&m->params) && !m->model.friction_is_loaded && any_friction_varies(&m->params) && m->state.mode == MODE_WEDGED &&
-           stick_direction_beyond_band(m) != 0;
+    return !has_inertia(&m->params) && !m->model.friction_is_loaded && any_friction_varies(&m->params) &&
+           m->state.mode == MODE_WEDGED && stick_direction_beyond_band(m) != 0;
 }
 
 /* ---- one segment ---- */

@@ -55,7 +55,7 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     };
 }
 
-NOINLINE VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
+COMPACT VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
     const FrictionParams *law = &cam->law;
     const Vector2 none = {0.0, 0.0}, q = R * (1.0 / law->load);
     if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) {

@@ -61,7 +61,7 @@ static SplinePlace place_of(const FrictionTable *table, double x) {
 }
 
 /* Value and slope over ln R of the spline through u[k]. Beyond the loads a straight line continues the spline. */
-static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePlace *at, const double u[]) {
+COMPACT static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePlace *at, const double u[]) {
     const double h = at->h, a = fmin(fmax(at->a, 0.0), 1.0), b = 1.0 - a;
     double bend[2] = {0.0, 0.0};
     for (size_t l = 0; l < table->loads; l++)
@@ -72,7 +72,7 @@ static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePla
     return (FrictionCoefficient){value + slope * h * (a - at->a), slope};
 }
 
-LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
+COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
     const Dual log_ratio = level_log(R / table->load[1]);
     const SplinePlace at = place_of(table, table->log_load[0] + log_ratio.value);
     const size_t j = find(table->speed, table->count, v);
@@ -85,12 +85,12 @@ LoadedFriction friction_table_under(const FrictionTable *table, double v, double
     }
     const FrictionCoefficient spline = spline_at(table, &at, u);
     const double mu = exp(spline.value);
-    return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value, 
+    return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value,
                             mu * spline.by_speed * log_ratio.slope / table->load[1]};
 }
 
 /* The same as spline_at(), of jets. `x`: ln R. */
-static Jet spline_along(const FrictionTable *table, const Jet u[], const Jet *x) {
+COMPACT static Jet spline_along(const FrictionTable *table, const Jet u[], const Jet *x) {
     const SplinePlace at = place_of(table, x->c[0].value);
     const double inner = fmin(fmax(at.a, 0.0), 1.0), h = at.h;
     Jet bend[2] = {{.c = {{0.0, 0.0}}}, {.c = {{0.0, 0.0}}}};

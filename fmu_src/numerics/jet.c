@@ -112,7 +112,8 @@ COMPACT Dual level_log(double q) {
 COMPACT Jet level_log_along(const Jet *q) {
     if (q->c[0].value >= LEVEL_LOG_FROM) return jet_log(q);
     const Dual none = {0.0, 0.0};
-    const Jet square = jet_multiply(q, q), u = jet_line(none, (Dual){1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), 0.0}, &square);
+    const Jet square = jet_multiply(q, q),
+              u = jet_line(none, (Dual){1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), 0.0}, &square);
     Jet sum = jet_polynomial(POLYNOMIAL, DEGREE, &u);
     sum.c[0].value += logarithm(LEVEL_LOG_FROM);
     return sum;

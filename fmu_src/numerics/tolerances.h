@@ -25,8 +25,9 @@ static const double BERNSTEIN_PEAK_WIDTH = 1e-10;
 enum { BERNSTEIN_MAX_ITERATIONS = 100 };
 
 /* A polynomial through its values at the start and at the nodes of a collocation method exceeds the range of these
- * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. */
-static const double BEYOND_NODES = 0.6;
+ * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. PEAK_SPREAD: of a step,
+ * around a peak. */
+static const double BEYOND_NODES = 0.6, PEAK_SPREAD = 0.02;
 
 /* root */
 
@@ -139,11 +140,11 @@ static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
 
 /* Friction that depends on the load. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
- * change its flank; LOADED_LEAST_FORCE: N, stands for no load; LOADED_NO_TORQUE: share of a_i in
- * n_i that counts as zero, where a contact passes on no torque. */
+ * change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE: share of a_i in n_i that passes on no torque. */
 enum { LOADED_ITERATIONS = 40, LOADED_REST_SAMPLES = 32 /* of the band's edge while F_ext varies */ };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
-                    LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6, RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
+                    LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6,
+                    RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
 
 /* ---- closed_form ---- */
 
@@ -316,9 +317,8 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
-/* The error of a force by the last change of a load, relative, per square of the change. */
+/* Relative error of a force per square of the last change of a load. */
 static const double LOBATTO_LOAD_SHARE = 0.1;
-
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */

@@ -425,7 +425,9 @@ class Mechanism:
         )
         pairs = ((tangent.n1, now.n1), (tangent.n2, now.n2))
         grows = tangent.delta > 0 and all(t > 0 for t, _ in pairs)
-        return (grows or now.delta * tangent.delta > 0) and not any(t <= 0 and n > -1e-6 * abs(t - n) for t, n in pairs)
+        return (grows or now.delta * tangent.delta > 0) and not any(
+            t <= 0 and n > -1e-6 * abs(t - n) for t, n in pairs
+        )
 
     def _loaded_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
         """The balance at rest on the edge under F_0 = f0 > 0."""
