@@ -36,7 +36,7 @@ FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
 }
 
 /* u_k(v) along a motion. */
-static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
+COMPACT static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
     const Dual none = {0.0, 0.0};
     const size_t j = find(table->speed, table->count, v->c[0].value);
     if (j == table->count) return jet_line((Dual){logarithm(table->end[k]), 0.0}, none, v);
@@ -54,7 +54,7 @@ typedef struct {
     double a, h; /* (x_{k+1} - x)/h, h = x_{k+1} - x_k */
 } SplinePlace;
 
-static SplinePlace place_of(const FrictionTable *table, double x) {
+COMPACT static SplinePlace place_of(const FrictionTable *table, double x) {
     const size_t k = find(table->log_load, table->loads - 2, x);
     const double h = table->log_load[k + 1] - table->log_load[k];
     return (SplinePlace){k, (table->log_load[k + 1] - x) / h, h};
