@@ -26,6 +26,7 @@ usage: ./build.sh [command] [arguments]
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
   fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
+  gym      build, then run benchmarks.gym_rate (a minute): steps per second of the environments of dualcam.gym
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -38,9 +39,9 @@ usage: ./build.sh [command] [arguments]
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
-           docs/variables.md and the keys of docs/design-file.md (seconds); docs/figures/mechanism.py,
-           docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
-           docs/tools/design_file_page.py; arguments go to all
+           docs/variables.md and the keys of docs/design-file.md and docs/study-plan.md (seconds);
+           docs/figures/mechanism.py, docs/figures/architecture.py, docs/figures/design_quantities.py, docs/tools/variables_page.py,
+           docs/tools/design_file_page.py, docs/tools/study_plan_page.py; arguments go to all
   coupling build, then run benchmarks.coupling (seconds), which draws docs/coupling.png; arguments go to it
   firstuse build, then run benchmarks.first_use (two minutes): a new environment with the wheel of `wheel`, times, sizes
   ownplant build, then run benchmarks.own_plant (seconds): a motor in Python on the FMU, which coupling is stable;
@@ -52,6 +53,7 @@ usage: ./build.sh [command] [arguments]
   study    build, then run the parameter studies system_examples/study/*.toml into build/study (half a minute), which
            draws docs/study.png; arguments go to `dualcam study`
   rate     build, then run benchmarks.study_rate (a minute); arguments go to it
+  studygrowth  build, then run benchmarks.study_growth (some minutes): a study over its workers; arguments go to it
   view     build, then run benchmarks.view_page (a minute): how fast the page of `dualcam view` opens and draws; needs
            Chromium
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
@@ -172,6 +174,7 @@ case $command in
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
     fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
+    gym) run_program '.[build,gym]' -m benchmarks.gym_rate "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;
@@ -181,7 +184,8 @@ case $command in
     hunting) run_program '.[build]' -m benchmarks.hunting "$@" ;;
     view) run_program '.[test]' -m benchmarks.view_page "$@" ;;
     web) run_program '.[build]' -m benchmarks.web_step "$@" ;;
-    rate) run_program '.[build]' -m benchmarks.study_rate "$@" ;;
+    rate) run_program '.[build,study]' -m benchmarks.study_rate "$@" ;;
+    studygrowth) run_program '.[build,study]' -m benchmarks.study_growth "$@" ;;
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
         run_program '.[build,study]' -m dualcam study "$@"
@@ -195,6 +199,7 @@ case $command in
         .venv/bin/python docs/figures/design_quantities.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
         .venv/bin/python docs/tools/design_file_page.py "$@"
+        .venv/bin/python docs/tools/study_plan_page.py "$@"
         ;;
     cad)
         install_dependencies '.[test,cad]'

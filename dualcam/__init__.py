@@ -15,6 +15,7 @@
     dualcam.design              best lead angles, and grooves that give a wanted torque
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
     dualcam.study               parameter studies
+    dualcam.gym                 elbow, knee and car door as environments of gymnasium
 
 All errors are DualcamErrors, which are ValueErrors. Every name is loaded at its first use: `import dualcam`
 alone loads no other package.
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
         FmuError,
         IdentificationError,
         LimitCycleWarning,
+        TaskError,
         UnitWarning,
         UnknownVariableError,
         UnstableCouplingWarning,
@@ -109,6 +111,7 @@ __all__ = [
     "Reals",
     "RepeatedStart",
     "StudyError",
+    "TaskError",
     "Trajectory",
     "UnitWarning",
     "UnknownVariableError",
@@ -172,6 +175,7 @@ _MODULE_OF = {
     "Reals": "reals",
     "RepeatedStart": "fmu",
     "StudyError": "study.problem",
+    "TaskError": "errors",
     "Trajectory": "simulation",
     "UnitWarning": "errors",
     "UnknownVariableError": "errors",

@@ -54,6 +54,10 @@ class CouplingError(DualcamError):
     """An own plant cannot be coupled with the FMU as asked."""
 
 
+class TaskError(DualcamError):
+    """A task of `dualcam.gym` cannot be made or stepped as asked. The message says what is allowed."""
+
+
 class IdentificationError(DualcamError):
     """A recording, or the wish what to fit to the recording, is refused. The message says what is allowed."""
 

@@ -10,6 +10,7 @@ import pytest
 
 import dualcam
 import dualcam.design.tolerances
+import dualcam.gym
 import dualcam.study
 import dualcam.systems
 
@@ -25,6 +26,7 @@ WHOLE = (
     *("dualcam.design.hertz", "dualcam.design.roller", "dualcam.design.helical_spring"),
     *("dualcam.design.spring_steel", "dualcam.design.spring_search", "dualcam.design.wear"),
     *SYSTEMS,
+    *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
 )
 # Results of functions: users make none.
 RETURNED = (

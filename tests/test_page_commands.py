@@ -38,6 +38,10 @@ def test_studies_of_the_page(tmp_path):
     assert table["efficiency"].max() == pytest.approx((0.92 / 1.08) ** 2, rel=1e-12)
     assert len((tmp_path / "angles.csv").read_text().splitlines()) == 1 + 63
     assert len(read_results(tmp_path / "study_results" / "my_study")["run"]) == 200
+    made, gains = (read_results(tmp_path / "study_results" / name) for name in ("made", "gains"))
+    assert len(made["run"]) == 512 and len(gains["run"]) == 16
+    assert made["spring.stiffness"] == pytest.approx(79e9 * made["wire"] ** 4 / (32 * made["coil"] ** 3))
+    assert set(made["message"]) == set(gains["message"]) == {""}
     for name in ("angles", "my_study"):
         assert set(read_results(tmp_path / "study_results" / name)["message"]) == {""}
         assert (tmp_path / "study_results" / name / f"{name}.png").is_file()
@@ -207,3 +211,30 @@ def test_pictures_of_the_tutorials_are_those_of_their_commands():
         assert pictures
         assert [name for name in pictures if name not in code] == []
         assert all(Path(DOCS / name).is_file() for name in pictures)
+
+
+def test_growth_of_studies_is_the_measured_one():
+    """The tables of the page are those of `./build.sh studygrowth`."""
+    with (DOCS.parent / "benchmarks/results/study_growth.csv").open(newline="", encoding="utf-8") as file:
+        rows = {(row["part"], row["what"]): row for row in csv.DictReader(file)}
+    page = TEXTS["docs/use-study-clusters.md"]
+    costs = [
+        float(row["value"]) for (part, what), row in rows.items() if part == "cost of a file" and "ms" in what
+    ]
+    shown = re.findall(r"^\| .* \| ([\d.e-]+) ms \|$", page, re.MULTILINE)
+    assert [float(text) for text in shown] == pytest.approx(costs, rel=6e-3)
+    for count in (1, 2):
+        rates = [
+            float(rows["throughput", f"{kind}, workers {count}, runs/s"]["value"])
+            for kind in ("processes", "Dask")
+        ]
+        line = re.search(rf"^\| {count} \| ([\d,]+) \| ([\d,]+) \|$", page, re.MULTILINE)
+        assert [float(text.replace(",", "")) for text in line.groups()] == pytest.approx(rates, rel=1e-3)
+    for kind in ("processes", "Dask"):
+        assert rows["throughput", f"{kind}, two over one"]["note"] in page
+    paper = {what: row for (part, what), row in rows.items() if part == "on paper"}
+    for what, row in paper.items():
+        if "groups of" in what:
+            workers = re.search(r"workers (\d+)", what)[1]
+            line = re.search(rf"^\| {workers} \| .*million.*$", page, re.MULTILINE)[0]
+            assert f"{float(row['value']) / 1e6:.2g} million" in line

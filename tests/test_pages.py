@@ -17,13 +17,11 @@ from svg_files import assert_same_picture
 
 from dualcam.__main__ import main
 from dualcam.design_file.schema import known_keys
-from dualcam.study import description, plots
 
 CORE = ROOT / "fmu_src"
 README = TEXTS["README.md"]
 BLOCK = re.compile(r"(<!-- not run: [^\n]+ -->\n)?```python\n(.*?)```", re.DOTALL)
 BLOCKS = [(name, code) for name, text in TEXTS.items() for mark, code in BLOCK.findall(text) if not mark]
-STUDIES = "docs/use-studies.md"
 run_page = load(DOCS / "tools" / "run_page.py")
 # Readers copy one block, so it must run alone. Where blocks belong together: tests/test_page_commands.py.
 ALONE = [(name, code) for name, code in BLOCKS if not run_page.is_one_piece(TEXTS[name])]
@@ -61,24 +59,6 @@ def test_block_runs_and_prints_what_it_says(tmp_path, monkeypatch, page, code):
 def test_blocks_need_no_files_of_a_clone(page, code):
     """Who installs the package has no folder build."""
     assert not re.findall(r"[\"'](?:build|docs|tests|system_examples|fmu_src)\b[^\"']*[\"']", code)
-
-
-def test_keys_of_studies_are_all_on_the_page():
-    """Those that the reader of plans knows, and no others."""
-    tables = {
-        "": description.FILE,
-        "plan.": description.PLAN,
-        "plan.vary.NAME.": description.VARY | description.SAME_AS,
-        "scenario.": description.SCENARIO,
-        "scenario.inputs.NAME.": description.HISTORY,
-        "scenario.controller.": description.CONTROLLER,
-        "plots.": {"kind", "title"}.union(*plots.KINDS.values()),
-    }
-    known = {prefix + name for prefix, names in tables.items() for name in names}
-    all_keys = TEXTS[STUDIES].partition("## All keys")[2].partition("| kind of plan |")[0]
-    rows = re.findall(r"^\| `([\w.]+)` \|", all_keys, re.MULTILINE)
-    assert len(rows) == len(set(rows))
-    assert set(rows) == known
 
 
 def test_findings_on_the_page_are_those_of_check(tmp_path, monkeypatch, capsys):

@@ -471,9 +471,9 @@ def check_that_it_repeats(fmu: Driver, go_on, first, second) -> None:
 
 
 @GENERAL_FIXTURE
-@given(GENERAL, CURVES, CURVES)
-def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first, second):
-    fmu = started(make, general(scene, scratch))
+@given(GENERAL, CURVES, CURVES, st.data())
+def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first, second, data):
+    fmu = started(make, general_with_laws(data, scene, scratch))
     torque_unit = unit_of_torque(fmu, LEAST)
     check_that_it_repeats(fmu, lambda one: curve(fmu, torque_unit, *one), first, second)
 

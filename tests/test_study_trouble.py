@@ -22,7 +22,7 @@ from study_cases import DESIGN, FORWARD, PLAN, closed, every_run_once, refused, 
 
 from dualcam.__main__ import main
 from dualcam.fmu import FmuError
-from dualcam.study import Controller, Plan, Scenario, Study, Vary, execution, read_results, read_study
+from dualcam.study import Controller, Plan, Scenario, Study, Vary, processes, read_results, read_study
 from dualcam.study.execution import DIED
 from dualcam.study.store import RECORD
 
@@ -265,7 +265,7 @@ def test_damaged_results_are_told_and_made_again(tmp_path, form):
     pytest.importorskip("pyarrow") if form == "parquet" else None
     one = study()
     one.run(tmp_path, workers=0, file_format=form, runs_per_file=16)
-    paths = sorted(tmp_path.glob("runs-*"))
+    paths = sorted(tmp_path.glob("runs/*"))
     good = [path.read_bytes() for path in paths]
     flipped = bytearray(good[2])
     flipped[len(flipped) // 3] ^= 1
@@ -315,7 +315,7 @@ def test_a_grid_of_given_values_goes_on(tmp_path):
     """A range that is not given is NaN, which equals nothing."""
     one = study(Plan("grid", {"contacts": Vary(values=(1, 2)), "cam1.friction": Vary(0.1, 0.2, count=4)}))
     one.run_to_files(tmp_path, workers=0, runs_per_file=3)
-    next(tmp_path.glob("runs-000000003-*")).unlink()
+    next(tmp_path.glob("runs/runs-000000003.*")).unlink()
     one.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, one)
 
@@ -342,7 +342,7 @@ def test_two_studies_at_once_in_one_folder(tmp_path):
         stderr=subprocess.DEVNULL,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
     ) as first:
-        while not list(out.glob("small/runs-*")):
+        while not list(out.glob("small/runs/*")):
             assert first.poll() is None
             time.sleep(0.005)
         one = read_study(plan)
@@ -372,7 +372,7 @@ def test_a_script_without_a_main_guard_is_told_what_to_do(tmp_path):
     )
     assert done.returncode == 1
     assert "__name__" in done.stderr.splitlines()[-1]
-    assert not list(out.glob("runs-*"))
+    assert not list(out.glob("runs/*"))
 
 
 def test_a_controller_that_cannot_travel_is_told(tmp_path):
@@ -431,12 +431,12 @@ def test_an_interruption_anywhere_ends_a_study_of_processes(tmp_path, monkeypatc
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
     Path(tempfile.tempdir).mkdir()
     one = study(Plan("latin", DESIGN, runs=16))
-    with Interruption(execution.__file__) as quiet:
+    with Interruption(processes.__file__) as quiet:
         one.run_to_files(tmp_path / "whole", workers=2, runs_per_file=2)
     assert quiet.lines > 500
     for number, place in enumerate(np.random.default_rng(7).integers(1, quiet.lines, 10)):
         before, out = set(multiprocessing.active_children()), tmp_path / f"out{number}"
-        with suppress(KeyboardInterrupt), Interruption(execution.__file__, place):
+        with suppress(KeyboardInterrupt), Interruption(processes.__file__, place):
             one.run_to_files(out, workers=2, runs_per_file=2)
         assert ended(set(multiprocessing.active_children()) - before)
         one.run_to_files(out, workers=0)
@@ -464,14 +464,14 @@ def cluster(**more):
 
 
 def test_a_cluster_without_workers_is_told(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.execution.NO_WORKERS_FOR", 1)
+    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 1)
     with cluster(n_workers=0) as empty, refused("has no workers", "same command"):
         study().run_to_files(tmp_path, scheduler=empty.scheduler_address)
-    assert not list(tmp_path.glob("runs-*"))
+    assert not list(tmp_path.glob("runs/*"))
 
 
 def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcam.study.execution.NO_WORKERS_FOR", 2)
+    monkeypatch.setattr("dualcam.study.cluster.NO_WORKERS_FOR", 2)
     one = study(Plan("latin", DESIGN, runs=60), closed(slow, 0.1, 0.02), ["theta"])
     chunks = []
 
@@ -484,7 +484,7 @@ def test_a_cluster_that_loses_its_workers_is_told_and_nothing_is_lost(tmp_path, 
         one.run_to_files(
             tmp_path, scheduler=dying.scheduler_address, runs_per_file=3, on_file_written=dismiss
         )
-    assert 2 <= len(list(tmp_path.glob("runs-*"))) < 20
+    assert 2 <= len(list(tmp_path.glob("runs/*"))) < 20
     one.run_to_files(tmp_path, workers=0)
     every_run_once(tmp_path, one)
 

@@ -74,7 +74,7 @@ def main() -> int:
         console,
         say_shares(times),
         f"A run of the cam, us: {calls}",
-        f"{arguments.runs:,} runs with results on disk as CSV: {rate:,.0f} a second in one process; "
+        f"{arguments.runs:,} runs with results on disk as Parquet: {rate:,.0f} a second in one process; "
         f"at most {early:.1f} MiB in the second tenth of them, {late:.1f} in the last",
         *(f"{goal}: {'met' if share >= 1.0 else 'MISSED'} ({share:.0%})" for goal, share in goals.items()),
     )

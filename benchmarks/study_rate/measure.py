@@ -77,7 +77,7 @@ def memory(runs: int) -> tuple[float, float, float]:
         whole.run_to_files(
             folder,
             workers=0,
-            file_format="csv",
+            file_format="parquet",
             runs_per_file=max(runs // 100, 1),
             on_file_written=lambda: seen.append(resident_bytes() / 2**20),
         )

@@ -33,10 +33,9 @@ PLAN = """fmu = "forward"
 @click.argument("plans", nargs=-1, required=True, type=FILE, metavar="PLAN.toml...")
 @click.option(
     "--out",
-    type=FILE,
-    default=Path("study_results"),
+    default="study_results",
     show_default=True,
-    help="Folder of folders, one per plan.",
+    help="Folder of folders, one per plan; or URL of a store, such as s3://bucket/folder.",
 )
 @click.option(
     "--workers",
@@ -51,7 +50,7 @@ PLAN = """fmu = "forward"
 @click.option("--runs-per-file", type=click.IntRange(1), help="Runs in a file of results.")
 def command(
     plans: tuple[Path, ...],
-    out: Path,
+    out: str,
     workers: int | None,
     scheduler: str | None,
     file_format: str | None,

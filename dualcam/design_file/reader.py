@@ -111,8 +111,10 @@ class _Reading:
             self._helical_spring(values["helical_spring"]) if "helical_spring" in values else None
         )
         limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
-        if "study" in values:
-            self.attempt("study", lambda: _check_study(values["study"], self.path.parent))
+        if "study" in values and "optimise" not in values["study"]:  # which is checked as it is read
+            from dualcam.study.description import check_section
+
+            self.attempt("study", lambda: check_section(values["study"], self.path.parent, scenario))
         return DesignFile(
             path=self.path,
             parameters=parameters,
@@ -359,16 +361,6 @@ def _limits(table: Mapping[str, Any]) -> Any:  # noqa: ANN401
     from dualcam.design import Limits
 
     return Limits(**table)
-
-
-def _check_study(table: Mapping[str, Any], folder: Path) -> None:
-    """StudyError if the table is no study."""
-    from dualcam.study.description import FILE, read_plan
-    from dualcam.study.entries import entries
-
-    kinds = {name: FILE[name] for name in ("plan", "results", "plots")}
-    checked = entries(table, "the table", kinds, ("plan", "results"))
-    read_plan(checked["plan"], folder)
 
 
 # ---- values ----

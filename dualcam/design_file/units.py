@@ -100,6 +100,22 @@ def _converted(number: Decimal, written: str, unit: str, example: str) -> float:
     return converted
 
 
+def si_number(text: str) -> float:
+    """The number that a quantity such as "79 GPa" is in the base unit of the SI: m, kg, s and rad.
+
+    DesignError for a text that is no number with a unit."""
+    match = QUANTITY.fullmatch(text) if len(text) <= LONGEST else None
+    if match is None or not match[2]:
+        raise DesignError('allowed is a number with a unit, such as "79 GPa"')
+    try:
+        base = _registry().Quantity(Decimal(match[1]), _parsed(match[2])).to_base_units()
+        return float(base.magnitude)
+    except Exception:  # pint has many
+        raise DesignError(
+            f"unit {match[2]!r} is not known: allowed are units such as mm, N/mm, deg"
+        ) from None
+
+
 def unit_words(unit: str) -> str:
     """What may stand as the unit of a value."""
     return "a plain number without a unit" if unit in ("1", "") else f"{unit} or a multiple of {unit}"

@@ -19,20 +19,33 @@ plan.toml` is the same on the command line.
 
 from dualcam.module_calls import explain_call_of
 from dualcam.study.description import read_study
-from dualcam.study.plan import Plan, Vary
+from dualcam.study.evaluator import Evaluator
+from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
+from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.results import Results, read_results
+from dualcam.study.sampling.correlation import Correlation
+from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Controller, History, Scenario
-from dualcam.study.store import read_results
 from dualcam.study.study import Study
 
 __all__ = [
     "Controller",
+    "Correlation",
+    "Deviation",
+    "Evaluator",
+    "FmuRuns",
     "History",
+    "Optimisation",
+    "Optimum",
     "Plan",
+    "Results",
     "Scenario",
     "Study",
     "StudyError",
     "Vary",
+    "optimise",
+    "read_optimisation",
     "read_results",
     "read_study",
 ]

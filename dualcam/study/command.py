@@ -12,7 +12,8 @@ from rich.console import Console
 
 from dualcam.study.description import read_study
 from dualcam.study.problem import StudyError
-from dualcam.study.store import read_results
+from dualcam.study.results import read_results
+from dualcam.study.storage import is_url
 from dualcam.study.study import Study, say
 
 
@@ -23,9 +24,9 @@ class Settings:
     Attributes
     ----------
     folder
-        The folder that gets one folder for each plan.
+        The folder, or URL of a store, that gets one folder for each plan.
     workers
-        Processes of this machine; 0: in this one; None: one per core.
+        Processes of this machine; 0: in this one; None: one per core, of an optimisation this one.
     scheduler
         Address of a Dask scheduler to be used instead.
     file_format
@@ -36,7 +37,7 @@ class Settings:
         Runs in a file of results.
     """
 
-    folder: Path
+    folder: str | Path
     workers: int | None = None
     scheduler: str | None = None
     file_format: str | None = None
@@ -53,16 +54,21 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         What is wrong. All files that are written are complete: the same command goes on from there.
     """
     from dualcam.study import plots
+    from dualcam.study.optimisation import command as optimisation
+    from dualcam.study.optimisation.reading import asks_for_optimum
 
-    studies = [(read_study(plan), settings.folder / plan.stem) for plan in plans]
-    if len({folder for _, folder in studies}) < len(studies):
+    if len({plan.stem for plan in plans}) < len(plans):
         raise StudyError("two plans of the same name would share a folder: rename one")
+    searches = [plan for plan in plans if asks_for_optimum(plan)]
+    plans = [plan for plan in plans if plan not in searches]
+    studies = [(read_study(plan), _below(settings.folder, plan.stem)) for plan in plans]
     for study, _ in studies:
         plots.check(study)
-    if settings.figure:
+    if settings.figure and studies:
         plots.check_file([study for study, _ in studies], settings.figure)
-    for study, folder in studies:
-        say(console, f"{folder.name}: {study.plan.count:,} runs, {study.plan.kind}")
+    for plan, (study, folder) in zip(plans, studies, strict=True):
+        say(console, f"{plan.stem}: {study.plan.count:,} runs, {study.plan.kind}")
+        _tell_violations(study, console)
         begun = time.perf_counter()
         study.run_to_files(
             folder,
@@ -73,22 +79,53 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
             console=console,
         )
         _tell(study, folder, time.perf_counter() - begun, console)
-    if settings.figure:
+    if settings.figure and studies:
         _draw(studies, settings.figure, console)
-        return
-    for study, folder in studies:
+    else:
+        _draw_each(plans, studies, console)
+    if searches:
+        folder, workers = _local(settings.folder), settings.workers or 0
+        optimisation.run(searches, folder, workers, settings.scheduler, console)
+
+
+def _draw_each(plans: Sequence[Path], studies: Sequence[tuple[Study, str | Path]], console: Console) -> None:
+    """One picture for each study, beside its results."""
+    for plan, (study, folder) in zip(plans, studies, strict=True):
         if study.plots:
-            _draw([(study, folder)], folder / f"{folder.name}.png", console)
+            beside = Path() if is_url(folder) else Path(folder)
+            _draw([(study, folder)], beside / f"{plan.stem}.png", console)
 
 
-def _draw(studies: list[tuple[Study, Path]], path: Path, console: Console) -> None:
+def _tell_violations(study: Study, console: Console) -> None:
+    """How many runs the constraints concern."""
+    if not study.plan.constraints:
+        return
+    bad, looked = study.plan.violating()
+    runs = f"{looked:,}" if looked == study.plan.count else f"the first {looked:,}"
+    then = "drawn again" if study.plan.redraws else "not made"
+    if bad:
+        say(console, f"{bad:,} of {runs} runs violate a constraint: {then}")
+
+
+def _below(folder: str | Path, name: str) -> str | Path:
+    return f"{str(folder).rstrip('/')}/{name}" if is_url(folder) else Path(folder) / name
+
+
+def _local(folder: str | Path) -> Path:
+    """StudyError for the URL of a store."""
+    if is_url(folder):
+        raise StudyError(f"--out {folder}: an optimisation writes into a folder: give a folder")
+    return Path(folder)
+
+
+def _draw(studies: list[tuple[Study, str | Path]], path: Path, console: Console) -> None:
     from dualcam.study import plots
 
     plots.draw(studies, path)
     say(console, f"drawn: {path}")
 
 
-def _tell(study: Study, folder: Path, seconds: float, console: Console) -> None:
+def _tell(study: Study, folder: str | Path, seconds: float, console: Console) -> None:
     messages = read_results(folder, ["message"])["message"]
     failed = messages[messages != ""]
     say(console, f"{len(messages):,} runs in {folder}, {seconds:.1f} s now")

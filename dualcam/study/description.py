@@ -2,38 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
-import math
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
-from dualcam.study.entries import NUMBER, QUANTITY, SWITCH, TABLE, TEXT, VALUES, WHOLE, Kind, entries
-from dualcam.study.plan import Plan, Vary
-from dualcam.study.problem import StudyError
-from dualcam.study.quantities import Units, fixed, number, units_of_designs, units_of_fmu
-from dualcam.study.scenario import Controller, History, Scenario
+from dualcam.study.checking import Variables, problems_of_names, problems_of_study
+from dualcam.study.plan import Plan
+from dualcam.study.plot_keys import columns_to_draw, problems_of_plots
+from dualcam.study.problem import StudyError, refuse
+from dualcam.study.quantities import fixed, units_of_designs, units_of_fmu
+from dualcam.study.reading import Reading
+from dualcam.study.readings import Readings
+from dualcam.study.scenario import Scenario
 from dualcam.study.study import Study
 
-FILE = {
-    "fmu": TEXT,
-    "plan": TABLE,
-    "scenario": TABLE,
-    "results": TEXT.listed(),
-    "parameters": TABLE,
-    "plots": Kind("[[plots]] tables", lambda value: isinstance(value, list) and all(map(TABLE.suits, value))),
-}
-STUDY = {name: FILE[name] for name in ("plan", "results", "plots")}  # in the section [study] of a design file
-PLAN = {"kind": TEXT, "runs": WHOLE, "seed": WHOLE, "vary": TABLE, "table": TEXT}
-SAME_AS = {"same_as": TEXT}
-VARY = {"from": QUANTITY, "to": QUANTITY, "count": WHOLE, "log": SWITCH, "values": VALUES}
-SCENARIO = {"stop": NUMBER, "step": NUMBER, "tolerance": NUMBER, "inputs": TABLE, "controller": TABLE}
-HISTORY = {"time": NUMBER.listed(), "value": NUMBER.listed(), "shape": TEXT, "derivative_of": TEXT}
-CONTROLLER = {"create_law": TEXT, "period": NUMBER, "reads": TEXT.listed(), "writes": TEXT.listed()}
 NO_STUDY = """this design file has no section [study]. Add one, such as
 [study]
 results = ["efficiency", "theta"]
@@ -59,7 +45,8 @@ def read_study(path: str | Path) -> Study:
     Raises
     ------
     StudyError
-        The file describes no study.
+        The file describes no study: all mistakes at once, also names that the FMU does not have and ranges
+        that the FMU does not allow.
     DesignFileError
         The file is a design file with errors.
 
@@ -89,24 +76,11 @@ def read_study(path: str | Path) -> Study:
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         raise StudyError(f"{path} cannot be read as TOML: {error}") from error
-    try:
-        if "study" in content:
-            return _study_of_design(path)
-        if _is_design(content):
-            raise StudyError(NO_STUDY)
-        table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "results"))
-        fmu = table["fmu"] if table["fmu"] in MODELS else path.parent / table["fmu"]
-        units = units_of_fmu(fmu)
-        return Study(
-            fmu,
-            read_plan(table["plan"], path.parent, units),
-            _scenario(table["scenario"]),
-            table["results"],
-            fixed(table.get("parameters", {}), units),
-            table.get("plots", ()),
-        )
-    except StudyError as error:
-        raise StudyError(f"{path}: {error}") from error
+    if "study" in content:
+        return _study_of_design(path)
+    if _is_design(content):
+        raise StudyError(f"{path}: {NO_STUDY}")
+    return _study_of_plan(path, content)
 
 
 def _is_design(content: Mapping[str, Any]) -> bool:
@@ -118,6 +92,47 @@ def _is_design(content: Mapping[str, Any]) -> bool:
     return any(name in known_keys() for name in content if name != "scenario")
 
 
+def _study_of_plan(path: Path, content: Mapping[str, Any]) -> Study:
+    from dualcam.study.schema import plan_model
+
+    reading = Reading(path.parent)
+    table = reading.validated(plan_model(), content, "the file")
+    named = table.get("fmu")
+    fmu = None if named is None else named if named in MODELS else path.parent / named
+    variables = None if fmu is None else reading.attempt(Variables.of_fmu, fmu)
+    units = _no_units if variables is None else units_of_fmu(fmu or "")
+    parameters = reading.attempt(fixed, table.get("parameters", {}), units) or {}
+    plan, scenario = reading.plan(table.get("plan"), units), reading.scenario(table.get("scenario"), units)
+    if variables is not None:
+        raw = _check_results(reading, table, plan, scenario)
+        reading.note(problems_of_study(variables, plan, scenario, raw, parameters))
+    refuse(reading.problems, str(path))
+    assert fmu is not None and plan is not None and scenario is not None
+    return Study(fmu, plan, scenario, table["results"], parameters, table.get("plots", ()))
+
+
+def _check_results(
+    reading: Reading, table: Mapping[str, Any], plan: Plan | None, scenario: Scenario | None
+) -> Sequence[str] | None:
+    """Notes what is wrong with results and pictures. What the FMU is asked for; None where a result is
+    refused."""
+    results, plots = table.get("results", []), table.get("plots", ())
+    if not results or scenario is None:
+        return None
+    readings = reading.attempt(Readings, results, scenario.stop, plan.names if plan else ())
+    if readings is None:
+        return None
+    if plan is not None and plots:
+        kind = table["plan"].get("kind", plan.kind)
+        reading.note(problems_of_plots(plots, kind, columns_to_draw(plan, readings)))
+    return list(readings.raw)
+
+
+def _no_units() -> Mapping[str, str | None]:
+    """Of an FMU that cannot be read."""
+    return {}
+
+
 def _study_of_design(path: Path) -> Study:
     """The study in the section [study] of a design file: its runs begin with the design's values."""
     from dualcam.design_file import read_design  # the reader of design files reads plans by this module
@@ -125,67 +140,37 @@ def _study_of_design(path: Path) -> Study:
     design = read_design(path)
     for warning in design.warnings:
         warnings.warn(DualcamWarning(f"{path}: {warning}"), stacklevel=3)
-    table = entries(design.study, "study", STUDY, ("plan", "results"))
-    if design.scenario is None:
-        raise StudyError("the study needs a [scenario]: what is done in each run, for example stop = 1.0")
-    plan = read_plan(table["plan"], path.parent)
-    others = {name: value for name, value in design.parameters_for().items() if name not in plan.names}
-    return Study(
-        design.model,
-        plan,
-        design.scenario,
-        table["results"],
-        others,
-        table.get("plots", ()),
-    )
+    reading = Reading(path.parent)
+    section = design.study or {}
+    plan, scenario = _section(reading, section)
+    if scenario is None and "scenario" not in section:
+        scenario = design.scenario
+    if scenario is None:
+        reading.note(["the study needs a [scenario]: what is done in each run, for example stop = 1.0"])
+    fixed_values = design.parameters_for()
+    if plan is not None:
+        fixed_values = {name: value for name, value in fixed_values.items() if name not in plan.names}
+    variables = Variables.of_fmu(design.model)
+    raw = _check_results(reading, section, plan, scenario)
+    reading.note(problems_of_study(variables, plan, scenario, raw, fixed_values))
+    refuse(reading.problems, str(path))
+    assert plan is not None and scenario is not None
+    return Study(design.model, plan, scenario, section["results"], fixed_values, section.get("plots", ()))
 
 
-def read_plan(content: Mapping[str, Any], folder: Path, units: Units = units_of_designs) -> Plan:
-    """The plan of a table. `folder`: of the file; `units`: those into which texts such as "40 deg" go."""
-    table = entries(content, "plan", PLAN)
-    if "table" in table:
-        entries(content, "plan of a table", {"kind": TEXT, "table": TEXT})
-        if table.get("kind", "table") != "table":
-            raise StudyError(f"plan has a table and is of kind {table['kind']}: allowed is one of them")
-        return Plan.from_csv(folder / table["table"])
-    entries(content, "plan", PLAN, ("kind",))
-    varied = table.get("vary", {})
-    same_as = {
-        name: entries(each, f"plan: {name}", SAME_AS)["same_as"]
-        for name, each in varied.items()
-        if TABLE.suits(each) and "same_as" in each
-    }
-    vary = {name: _vary(name, each, units) for name, each in varied.items() if name not in same_as}
-    return Plan(table["kind"], vary, table.get("runs", 0), table.get("seed", 0), same_as=same_as)
+def _section(reading: Reading, content: Mapping[str, Any]) -> Any:  # noqa: ANN401
+    from dualcam.study.schema import section_model
+
+    table = reading.validated(section_model(), content, "study")
+    plan = reading.plan(table.get("plan"), units_of_designs)
+    return plan, reading.scenario(table.get("scenario"), units_of_designs)
 
 
-def _vary(name: str, content: Mapping[str, Any], units: Units) -> Vary:
-    where = f"plan: {name}"
-    table = entries(content, where, VARY)
-    if "values" in table:
-        entries(content, f"{where} of values", {"values": VARY["values"]})
-        return Vary(values=tuple(number(f"{where}: values", name, each, units) for each in table["values"]))
-    low, high = (number(f"{where}: {key}", name, table.get(key, math.nan), units) for key in ("from", "to"))
-    return Vary(low, high, table.get("count", 0), table.get("log", False))
-
-
-def _scenario(content: Mapping[str, Any]) -> Scenario:
-    table = entries(content, "scenario", SCENARIO, ("stop",))
-    histories = {
-        name: History(**entries(each, f"scenario: {name}", HISTORY))
-        for name, each in table.get("inputs", {}).items()
-    }
-    control = _controller(table["controller"]) if "controller" in table else None
-    return Scenario(float(table["stop"]), histories, table.get("step"), table.get("tolerance"), control)
-
-
-def _controller(content: Mapping[str, Any]) -> Controller:
-    table = entries(content, "controller", CONTROLLER, CONTROLLER)
-    module, _, function = table["create_law"].partition(":")
-    try:
-        create_law = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError, ValueError) as error:
-        raise StudyError(
-            f"controller: create_law = {table['create_law']!r}: allowed is module:function: {error}"
-        ) from error
-    return Controller(create_law, table["period"], table["reads"], table["writes"])
+def check_section(content: Mapping[str, Any], folder: Path, design_scenario: Scenario | None) -> None:
+    """StudyError with all mistakes of the section [study] of a design file in this folder."""
+    reading = Reading(folder)
+    plan, scenario = _section(reading, content)
+    if plan is not None:
+        scenario = scenario if "scenario" in content else design_scenario
+        reading.note(problems_of_names(plan, scenario, units_of_designs()))
+    refuse(reading.problems)

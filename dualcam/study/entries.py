@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from dualcam.study.problem import StudyError
@@ -28,6 +29,13 @@ def is_whole(value: object) -> bool:
     return hasattr(value, "__index__") and not isinstance(value, bool)
 
 
+def hint(name: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown name: what could be meant, or what is allowed."""
+    allowed = list(known)
+    close = get_close_matches(str(name), allowed, n=2, cutoff=0.6)
+    return f": did you mean {' or '.join(close)}?" if close else f": allowed are {', '.join(allowed)}"
+
+
 NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
 WHOLE = Kind("a whole number", is_whole)
 SWITCH = Kind("true or false", lambda value: isinstance(value, bool))
@@ -40,8 +48,19 @@ VALUES = Kind(  # true and false are those of a Boolean variable
     'a list of numbers, or of texts with a unit such as "40 deg", at least one',
     Kind("", lambda value: isinstance(value, int | float | str)).listed().suits,
 )
+SCENARIO_NUMBER = Kind(  # which of the three a text is, is known once the names that vary are
+    'a number, a text with a unit such as "10 ms", or a formula such as "2 * peak"',
+    QUANTITY.suits,
+)
 TEXT = Kind("a text", lambda value: isinstance(value, str))
 TABLE = Kind("a table", lambda value: isinstance(value, Mapping))
+NUMBERS_BY_NAME = Kind(
+    "a table of formulas or numbers, by name",
+    lambda value: isinstance(value, Mapping) and all(map(QUANTITY.suits, value.values())),
+)
+QUANTITIES_BY_NAME = Kind(
+    'a table of numbers, or of texts with a unit such as "2 mm", by name', NUMBERS_BY_NAME.suits
+)
 
 
 def entries(content: object, where: str, kinds: Mapping[str, Kind], needed: Collection[str] = ()) -> Any:  # noqa: ANN401

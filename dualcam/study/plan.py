@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,124 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.fmu import Array
-from dualcam.study.entries import is_whole
-from dualcam.study.problem import StudyError
+from dualcam.study.problem import StudyError, refuse
+from dualcam.study.sampling import designs
+from dualcam.study.sampling.correlation import OPEN, Copula, Correlation
+from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.rules import any_of, in_order, violations
+from dualcam.study.sampling.texts import Texts
+from dualcam.study.sampling.vary import Vary
 
 RUNS_MAX = 10**9  # the names of the files of results are in order up to there
-KINDS = ("grid", "latin", "sobol", "indices", "table")
-
-
-@dataclass(frozen=True)
-class Vary:
-    """The values of one variable: a range, or a list.
-
-    Parameters
-    ----------
-    low, high : float
-        Ends of the range, in the FMU's unit.
-    count : int
-        Of a grid: values from `low` to `high`, both included, 2 or more.
-    log : bool
-        Whether the values are spread evenly in the logarithm.
-    values : sequence of float
-        These values, instead of a range.
-
-    Examples
-    --------
-    >>> from dualcam.study import Vary
-    >>> Vary(0.5, 1.0, count=3).points().tolist()
-    [0.5, 0.75, 1.0]
-    >>> Vary(values=[0.08, 0.14]).size()
-    2
-    """
-
-    low: float = math.nan
-    high: float = math.nan
-    count: int = 0
-    log: bool = False
-    values: Sequence[float] = ()
-
-    def problem(self, in_grid: bool) -> str | None:
-        """What is wrong with the values, if anything is.
-
-        Parameters
-        ----------
-        in_grid : bool
-            Whether the plan is a grid, which needs a count.
-
-        Returns
-        -------
-        str or None
-            What is given and what is allowed.
-        """
-        if len(self.values) > 0:
-            strange = [value for value in self.values if not math.isfinite(value)]
-            return f"values with {strange[0]}: allowed are finite numbers" if strange else None
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            return (
-                f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the "
-                "second, or values"
-            )
-        if self.log and self.low <= 0.0:
-            return f"from {self.low:g} on a logarithmic scale: allowed is above 0"
-        if in_grid and not (is_whole(self.count) and self.count >= 2):
-            return f"count = {self.count!r}: a grid needs a whole number, 2 or more, or values"
-        return None
-
-    def limits(self) -> tuple[float, float]:
-        """Least and greatest value.
-
-        Returns
-        -------
-        tuple of float
-            In the FMU's unit.
-        """
-        values = self.values if len(self.values) > 0 else (self.low, self.high)
-        return float(min(values)), float(max(values))
-
-    def at(self, share: Array) -> Array:
-        """Values at shares of the way through the range.
-
-        Parameters
-        ----------
-        share : ndarray, shape (n,)
-            Shares in [0, 1].
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Values, in the FMU's unit.
-        """
-        if len(self.values) > 0:
-            chosen = np.minimum((share * len(self.values)).astype(int), len(self.values) - 1)
-            return np.asarray(self.values, float)[chosen]
-        if self.log:
-            grown = self.low * (self.high / self.low) ** share
-        else:
-            grown = self.low + (self.high - self.low) * share
-        return np.clip(grown, self.low, self.high)  # rounding must not leave the range
-
-    def size(self) -> int:
-        """How many values there are in a grid.
-
-        Returns
-        -------
-        int
-            Number of values.
-        """
-        return len(self.values) or self.count
-
-    def points(self) -> Array:
-        """The values in a grid.
-
-        Returns
-        -------
-        ndarray, shape (size,)
-            Values, in the FMU's unit.
-        """
-        if len(self.values) > 0:
-            return np.asarray(self.values, float)
-        return self.at(np.linspace(0.0, 1.0, self.count))
+TRIES = 1000  # draws of a run that violates a constraint
+AT_ONCE = 20  # of them
 
 
 @dataclass(frozen=True)
@@ -141,30 +33,51 @@ class Plan:
 
     Parameters
     ----------
-    kind : {"grid", "latin", "sobol", "indices", "table"}
-        "grid": every combination of the values, the last variable fastest. "latin": `runs` runs of a Latin
-        hypercube. "sobol": `runs` runs of a scrambled Sobol sequence. "indices": the runs for Sobol's
-        indices, see Notes. "table": the rows of `table`.
+    kind : {"grid", "random", "latin", "sobol", "indices", "saltelli", "morris", "fast", "table"}
+        "grid": every combination of the values, the last variable fastest. "random": `runs` independent runs.
+        "latin": `runs` runs of a Latin hypercube. "sobol": `runs` runs of a scrambled Sobol sequence.
+        "indices": the runs for Sobol's indices, see Notes. "saltelli", "morris", "fast": the runs that
+        SALib's analysers take. "table": the rows of `table`.
     vary : mapping of str to Vary
-        Values by the name of the variable.
+        Values by the name: of a variable of the FMU, or of a number for the scenario, a formula or a law.
     runs : int
-        Number of runs of "latin" and "sobol"; a power of 2 for "indices".
+        Number of runs of "random", "latin" and "sobol"; a power of 2 for "indices" and "saltelli";
+        trajectories of "morris"; runs of each variable of "fast".
     seed : int
         Start of the random numbers, 0 or more.
     table : array_like, shape (runs, variables), optional
-        Of "table": values, columns in the order of `vary`.
+        Of "table": values, columns in the order of `vary`. Of texts: their places.
     same_as : mapping of str to str
         Variables that get the value of another one in every run.
+    derived : mapping of str to str
+        Formulas, by the name of what gets their value, over the other names.
+    constraints : mapping of str to str
+        Formulas that must be true in every run, by a name of theirs.
+    on_violation : {"redraw", "mark"}
+        What becomes of a run that violates a constraint: it is drawn again, up to 1000 times, or it is not
+        made and its message names the constraint. Only runs of "random", "latin" and "sobol" can be drawn
+        again.
+    correlations : sequence of Correlation
+        Correlations of "random", "latin" and "sobol", by a Gaussian copula.
+    second_order : bool
+        Of "saltelli": whether the runs are there for second-order indices.
+    levels : int
+        Of "morris": levels of each variable, an even number.
 
     Raises
     ------
     StudyError
-        An unknown kind, a number or a range outside of what is allowed, a table of another shape, or no runs.
+        All that is wrong at once: an unknown kind, a number or a range outside of what is allowed, a table of
+        another shape, formulas that are none, or no runs.
 
     Notes
     -----
     "indices" makes `runs` times (variables + 2) runs, as Saltelli puts them: all of A, all of B, then for
     each variable all of A with B's column of that variable.
+
+    What is between a plan and the runs: `rows(start, stop)` has one column for each of `names`, in the FMU's
+    units. The column of a String has places in `texts[name]`. `dualcam.study.resolved.resolve` makes of a row
+    what the run needs: start values of the FMU, the scenario in numbers, and the law's arguments.
 
     Examples
     --------
@@ -183,54 +96,36 @@ class Plan:
     seed: int = 0
     table: ArrayLike | None = None
     same_as: Mapping[str, str] = field(default_factory=dict)
+    derived: Mapping[str, str] = field(default_factory=dict)
+    constraints: Mapping[str, str] = field(default_factory=dict)
+    on_violation: str = "redraw"
+    correlations: Sequence[Correlation] = ()
+    second_order: bool = True
+    levels: int = 4
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise StudyError(f"plan of kind {self.kind!r}: allowed are {', '.join(KINDS)}")
-        if not self.vary:
-            raise StudyError("the plan varies nothing: name at least one variable in vary")
-        for name, number in (("runs", self.runs), ("seed", self.seed)):
-            if not is_whole(number):
-                raise StudyError(f"plan: {name} = {number!r}: allowed is a whole number")
-        if self.seed < 0:
-            raise StudyError(f"plan: seed = {self.seed}: allowed is 0 or more")
-        if self.kind == "table":
-            self._check_table()
-        else:
-            for name, vary in self.vary.items():
-                if problem := vary.problem(self.kind == "grid"):
-                    raise StudyError(f"plan: {name}: {problem}")
-        for name, other in self.same_as.items():
-            if name in self.vary or other not in self.vary:
-                raise StudyError(
-                    f"plan: {name} the same as {other}: allowed is one that varies, for one that does not"
-                )
-        if self.kind == "indices" and (self.runs < 2 or self.runs & (self.runs - 1)):
-            raise StudyError(f"plan: runs = {self.runs}: Sobol's indices need a power of 2, at least 2")
+        from dualcam.study.plan_check import problems_of
+
+        refuse(problems_of(self))
         if not 1 <= self.count <= RUNS_MAX:
             raise StudyError(
                 f"the plan, of kind {self.kind}, has {self.count} runs: allowed are 1 to {RUNS_MAX:,}"
             )
 
-    def _check_table(self) -> None:
-        rows = self._rows
-        if rows.ndim != 2 or rows.shape[1] != len(self.vary):
-            raise StudyError(f"plan: table of shape {rows.shape}: allowed is (runs, {len(self.vary)})")
-        for row, column in np.argwhere(~np.isfinite(rows)):
-            raise StudyError(
-                f"plan: run {row} of the table (from 0) has {list(self.vary)[column]} = {rows[row, column]}: "
-                "allowed are finite numbers"
-            )
+    # ---- tables and other packages ----
 
     @classmethod
-    def from_csv(cls, path: str | Path) -> Plan:
+    def from_csv(cls, path: str | Path, texts: Collection[str] = ()) -> Plan:
         """A plan of kind "table" from a CSV file.
 
         Parameters
         ----------
         path : str or Path
-            File whose first line names the variables. Each other line has the numbers of a run, in the FMU's
+            File whose first line names the variables. Each other line has the values of a run, in the FMU's
             units.
+        texts : collection of str
+            Variables whose column has texts, such as groove tables. Relative paths start in the file's
+            folder.
 
         Returns
         -------
@@ -242,23 +137,136 @@ class Plan:
         StudyError
             The file is no table of numbers, or names a variable twice.
         """
-        try:
-            with Path(path).open(newline="", encoding="utf-8-sig") as file:
-                reader = csv.reader(file)
-                names = [name.strip() for name in next(reader, [])]
-                if not names:
-                    raise ValueError("it is empty")
-                table = np.array([_numbers(row, names, reader.line_num) for row in reader if any(row)])
-        except (OSError, ValueError) as error:
-            raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error
-        if twice := {name for name in names if names.count(name) > 1}:
-            raise StudyError(f"plan: {path} has two columns {', '.join(twice)}: allowed is one")
-        return cls("table", {name: Vary() for name in names}, table=table.reshape(-1, len(names)))
+        from dualcam.study.sampling import tables
+
+        return cls.from_columns(tables.read_csv(Path(path), texts), Path(path).parent)
+
+    @classmethod
+    def from_parquet(cls, path: str | Path) -> Plan:
+        """A plan of kind "table" from a Parquet file.
+
+        Parameters
+        ----------
+        path : str or Path
+            File with a column for each variable, in the FMU's units.
+
+        Returns
+        -------
+        Plan
+            One run for each row.
+
+        Raises
+        ------
+        StudyError
+            The file is no table of numbers and texts, or pyarrow is not installed.
+        """
+        from dualcam.study.sampling import tables
+
+        return cls.from_columns(tables.read_parquet(Path(path)), Path(path).parent)
+
+    @classmethod
+    def from_columns(cls, columns: Mapping[str, Sequence[Any] | Array], folder: Path | None = None) -> Plan:
+        """A plan of kind "table" from columns.
+
+        Parameters
+        ----------
+        columns : mapping of str to sequence, shape (runs,)
+            Numbers in the FMU's units, or texts, by the name of the variable.
+        folder : Path, optional
+            Where relative paths among the texts start; None: the current folder.
+
+        Returns
+        -------
+        Plan
+            One run for each row.
+
+        Raises
+        ------
+        StudyError
+            Columns of different lengths, or numbers that are not finite.
+
+        Examples
+        --------
+        >>> from dualcam.study import Plan
+        >>> plan = Plan.from_columns({"spring.preload": [50.0, 60.0], "cam1.table": ["a.csv", "b.csv"]})
+        >>> plan.rows(0, 2).tolist(), plan.texts["cam1.table"][1]
+        ([[50.0, 0.0], [60.0, 1.0]], 'b.csv')
+        """
+        from dualcam.study.sampling import tables
+
+        vary, table = tables.places(columns, folder)
+        return cls("table", vary, table=table)
+
+    @classmethod
+    def from_salib(
+        cls,
+        problem: Mapping[str, Any],
+        kind: str,
+        runs: int,
+        seed: int = 0,
+        **options: Any,  # noqa: ANN401
+    ) -> Plan:
+        """A plan over what a SALib problem describes.
+
+        Parameters
+        ----------
+        problem : mapping
+            `names`, `bounds`, and `dists` if not all are uniform, as SALib has them.
+        kind : str
+            Kind of the plan, such as "saltelli", "morris" or "fast".
+        runs, seed
+            As in `Plan`.
+        **options
+            Other parameters of `Plan`, such as `second_order`.
+
+        Returns
+        -------
+        Plan
+            Whose runs SALib's analysers take, with `salib_problem`.
+
+        Raises
+        ------
+        StudyError
+            A distribution or bounds that SALib does not have, or groups.
+
+        Examples
+        --------
+        >>> from dualcam.study import Plan
+        >>> problem = {"num_vars": 1, "names": ["cam1.friction"], "bounds": [[0.14, 0.02]], "dists": ["norm"]}
+        >>> Plan.from_salib(problem, "latin", runs=8).vary["cam1.friction"].distribution
+        'norm'
+        """
+        from dualcam.study.sampling.salib import vary_of
+
+        return cls(kind, vary_of(problem), runs, seed, **options)
+
+    def salib_problem(self) -> dict[str, Any]:
+        """The problem that SALib's analysers take together with the results of the runs.
+
+        Returns
+        -------
+        dict
+            `num_vars`, `names`, `bounds` and `dists`. A list of values, and a distribution that SALib does
+            not have, is described by its share in [0, 1].
+        """
+        from dualcam.study.sampling.salib import problem_of
+
+        return problem_of(self.vary)
+
+    # ---- what the runs get ----
 
     @property
     def names(self) -> list[str]:
-        """The variables that get values, those of `same_as` last."""
-        return [*self.vary, *self.same_as]
+        """The names of the columns of `rows`: what varies, then `same_as`, then `derived`."""
+        return [*self.vary, *self.same_as, *self.derived]
+
+    @cached_property
+    def texts(self) -> dict[str, Texts]:
+        """The texts of each String, by name: `rows` has their places."""
+        own = {
+            name: vary.texts for name, vary in self.vary.items() if vary.is_list and vary.texts is not None
+        }
+        return own | {name: own[other] for name, other in self.same_as.items() if other in own}
 
     @cached_property
     def count(self) -> int:
@@ -267,10 +275,10 @@ class Plan:
             return math.prod(vary.size() for vary in self.vary.values())
         if self.kind == "table":
             return len(self._rows)
-        return self.runs * (len(self.vary) + 2 if self.kind == "indices" else 1)
+        return designs.count(self.kind, self.runs, len(self.vary), self.second_order)
 
     def limits(self) -> dict[str, tuple[float, float]]:
-        """Least and greatest value of each variable.
+        """Least and greatest value of each variable that is not derived.
 
         Returns
         -------
@@ -283,6 +291,27 @@ class Plan:
         else:
             found = {name: vary.limits() for name, vary in self.vary.items()}
         return found | {name: found[other] for name, other in self.same_as.items()}
+
+    def share_outside(self, name: str, least: float, most: float) -> float:
+        """Share of the values of a variable that lie outside of a range.
+
+        Parameters
+        ----------
+        name : str
+            One of `names`. Of a derived one the share is that of the first runs, 10,000 at most.
+        least, most : float
+            Ends of the range, which are allowed.
+
+        Returns
+        -------
+        float
+            Share in [0, 1].
+        """
+        source = self.same_as.get(name, name)
+        if source in self.vary and self.kind != "table":
+            return self.vary[source].share_outside(least, most)
+        values = self.rows(0, 10_000)[:, self.names.index(name)]
+        return float(np.mean(~((values >= least) & (values <= most))))
 
     def is_whole(self, name: str) -> bool:
         """Whether a variable gets whole numbers only.
@@ -298,11 +327,12 @@ class Plan:
             True for whole numbers.
         """
         source = self.same_as.get(name, name)
-        if self.kind == "table":
-            values = self._rows[:, list(self.vary).index(source)]
-        else:
-            values = np.asarray(self.vary[source].values, float)
-        return len(values) > 0 and bool(np.all(values == np.round(values)))
+        if source in self.vary and self.kind != "table":
+            return self.vary[source].is_whole
+        values = self.rows(0, 10_000)[:, self.names.index(name)]
+        return bool(np.all(values == np.round(values)))
+
+    # ---- rows ----
 
     def rows(self, start: int, stop: int) -> Array:
         """The values of some runs.
@@ -318,17 +348,106 @@ class Plan:
             A row for each run, columns in the order of `names`.
         """
         numbers = np.arange(start, min(stop, self.count))
+        rows = self.completed(self._drawn(numbers))
+        if self.constraints and self.redraws:
+            self._redraw(numbers, rows)
+        return rows
+
+    def completed(self, varied: Array) -> Array:
+        """Rows with the columns that follow from those of `vary`.
+
+        Parameters
+        ----------
+        varied : ndarray, shape (n, len(vary))
+            Values, columns in the order of `vary`.
+
+        Returns
+        -------
+        ndarray, shape (n, names)
+            With the columns of `same_as` and `derived`.
+        """
+        if not self.same_as and not self.derived:
+            return varied
+        columns = dict(zip(self.vary, varied.T, strict=True))
+        columns |= {name: columns[other] for name, other in self.same_as.items()}
+        for name, each in self._order:
+            columns[name] = each.numbers(columns, len(varied))
+        return np.column_stack([columns[name] for name in self.names])
+
+    def violations(self, rows: Array) -> dict[str, NDArray[np.bool_]]:
+        """Which rows violate which constraint.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (n, names)
+            As of `rows`.
+
+        Returns
+        -------
+        dict of str to ndarray of bool, shape (n,)
+            By the name of the constraint.
+        """
+        return violations(self.constraints, dict(zip(self.names, rows.T, strict=True)), len(rows))
+
+    @property
+    def redraws(self) -> bool:
+        """Whether runs that violate a constraint are drawn again."""
+        return self.on_violation == "redraw" and self.kind in designs.INDEPENDENT
+
+    def violating(self) -> tuple[int, int]:
+        """How many runs violate a constraint before they are drawn again or marked.
+
+        Returns
+        -------
+        tuple of int
+            Number of violating runs, and of the runs looked at: all, up to 100,000.
+        """
+        looked = min(self.count, 100_000)
+        bad = 0
+        for start in range(0, looked, 10_000):
+            rows = self.completed(self._drawn(np.arange(start, min(start + 10_000, looked))))
+            bad += int(np.sum(any_of(self.violations(rows), len(rows))))
+        return bad, looked
+
+    def _drawn(self, numbers: NDArray[np.int_]) -> Array:
+        """The columns of `vary`, before constraints."""
         if self.kind == "grid":
             points = [vary.points() for vary in self.vary.values()]
             places = np.unravel_index(numbers, [len(each) for each in points])
-            columns = [each[place] for each, place in zip(points, places, strict=True)]
-        elif self.kind == "table":
-            columns = list(self._rows[numbers].T)
-        else:
-            shares = self._mixed(numbers) if self.kind == "indices" else self._shares[numbers]
-            columns = [vary.at(share) for vary, share in zip(self.vary.values(), shares.T, strict=True)]
-        by_name = dict(zip(self.vary, columns, strict=True))
-        return np.column_stack([*columns, *(by_name[other] for other in self.same_as.values())])
+            return np.column_stack([each[place] for each, place in zip(points, places, strict=True)])
+        if self.kind == "table":
+            return self._rows[numbers]
+        return self._at(self._mixed(numbers) if self.kind == "indices" else self._shares[numbers])
+
+    def _at(self, shares: Array) -> Array:
+        """Values at points of the unit cube."""
+        if self.correlations:
+            shares = self._copula.shares(np.clip(shares, OPEN, 1.0 - OPEN))
+        elif self.kind != "morris" and any(vary.distribution for vary in self.vary.values()):
+            shares = np.clip(shares, OPEN, 1.0 - OPEN)
+        return np.column_stack([vary.at(s) for vary, s in zip(self.vary.values(), shares.T, strict=True)])
+
+    def _redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
+        """Puts values that keep the constraints in place of others; random numbers by the run's number."""
+        left = np.flatnonzero(any_of(self.violations(rows), len(rows)))
+        random = {place: np.random.default_rng([self.seed, int(numbers[place])]) for place in left.tolist()}
+        for _ in range(0, TRIES, AT_ONCE):
+            if len(left) == 0:
+                return
+            shares = [random[place].random((AT_ONCE, len(self.vary))) for place in left.tolist()]
+            again = self.completed(self._at(np.concatenate(shares)))
+            good = ~any_of(self.violations(again), len(again)).reshape(len(left), AT_ONCE)
+            found = np.flatnonzero(good.any(axis=1))
+            rows[left[found]] = again[found * AT_ONCE + good[found].argmax(axis=1)]
+            left = np.delete(left, found)
+
+    @cached_property
+    def _order(self) -> list[tuple[str, Formula]]:
+        return in_order(self.derived)
+
+    @cached_property
+    def _copula(self) -> Copula:
+        return Copula(self.vary, self.correlations)
 
     @cached_property
     def _rows(self) -> Array:
@@ -336,18 +455,13 @@ class Plan:
 
     @cached_property
     def _shares(self) -> Array:
-        from scipy.stats import qmc
-
-        width = len(self.vary) * (2 if self.kind == "indices" else 1)
+        width = len(self.vary)
         try:
-            if self.kind == "latin":
-                return qmc.LatinHypercube(width, rng=self.seed).random(self.runs)
-            whole = qmc.Sobol(width, rng=self.seed).random_base2((self.runs - 1).bit_length())
+            return designs.shares(self.kind, self.runs, width, self.seed, self.second_order, self.levels)
         except MemoryError:
             raise StudyError(
                 f"plan: runs = {self.runs}: their table does not fit into memory: take fewer, or a grid"
             ) from None
-        return whole[: self.runs]
 
     def _mixed(self, numbers: NDArray[np.int_]) -> Array:
         width = len(self.vary)
@@ -364,27 +478,23 @@ class Plan:
         dict
             Plain data.
         """
-        table = hashlib.sha256(self._rows.tobytes()).hexdigest() if self.kind == "table" else ""
-        vary = {
-            name: [v.low, v.high, v.count, v.log, [float(x) for x in v.values]]
-            for name, v in self.vary.items()
-        }
-        if self.kind == "table":
-            vary = {name: [] for name in self.vary}
-        return {
+        is_table = self.kind == "table"
+        facts = {
             "kind": self.kind,
-            "vary": vary,
+            "vary": {
+                name: (vary.texts.facts() if vary.texts else []) if is_table else vary.facts()
+                for name, vary in self.vary.items()
+            },
             "runs": self.runs,
             "seed": self.seed,
-            "table": table,
+            "table": hashlib.sha256(self._rows.tobytes()).hexdigest() if is_table else "",
             "same_as": dict(self.same_as),
         }
-
-
-def _numbers(row: Sequence[str], names: Sequence[str], line: int) -> list[float]:
-    if len(row) != len(names):
-        raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
-    try:
-        return [float(cell) for cell in row]
-    except ValueError as error:
-        raise ValueError(f"line {line}: {error}") from error
+        more = {
+            "derived": dict(self.derived),
+            "constraints": dict(self.constraints) and [dict(self.constraints), self.on_violation],
+            "correlations": [[each.first, each.second, each.value, each.kind] for each in self.correlations],
+            "second_order": self.kind == "saltelli" and [self.second_order],
+            "levels": self.kind == "morris" and [self.levels],
+        }
+        return facts | {name: fact for name, fact in more.items() if fact}  # as versions before wrote them

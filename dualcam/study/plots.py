@@ -25,9 +25,9 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
-from dualcam.study.entries import NUMBER, TEXT, Kind, entries
-from dualcam.study.problem import StudyError
-from dualcam.study.store import read_results
+from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
+from dualcam.study.problem import StudyError, refuse
+from dualcam.study.results import read_results
 from dualcam.study.study import Study
 
 DPI = 90
@@ -37,22 +37,9 @@ DOTS = 6_000  # of a cloud, likewise
 RESAMPLES = 200  # of the runs, for the 95 % intervals of Sobol's indices
 SEED = 1  # of what is chosen at random here
 THIN = {"elinewidth": 0.8, "ecolor": "0.3"}  # of an interval
-NAMES = TEXT.listed()
-BEST = Kind(
-    "a list of two of max, min",
-    lambda value: NAMES.suits(value) and len(value) == 2 and not set(value) - {"max", "min"},
-)
-SHARE = Kind("a number above 0, at most 1", lambda value: NUMBER.suits(value) and 0.0 < value <= 1.0)
-KINDS = {
-    "map": {"x": TEXT, "y": TEXT, "z": TEXT},
-    "sobol": {"of": NAMES},
-    "pareto": {"x": TEXT, "y": TEXT, "best": BEST, "color": TEXT},
-    "parallel": {"axes": NAMES, "color": TEXT, "highlight": SHARE},
-}
-OPTIONAL = {"title", "highlight", "color", "best"}
 
 
-def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
+def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
     """All plots of these studies, whose results are in these folders, as panels of one picture. StudyError
     if one cannot be drawn."""
     panels = [(study, folder, plot) for study, folder in studies for plot in study.plots]
@@ -77,20 +64,7 @@ def draw(studies: Sequence[tuple[Study, Path]], path: Path) -> None:
 
 def check(study: Study) -> None:
     """StudyError if a plot asks for what the study does not have: better before the runs than after them."""
-    known = [*study.plan.names, *study.results]
-    for plot in study.plots:
-        kind = plot.get("kind", "")
-        if kind not in list(KINDS):
-            raise StudyError(f"plot of kind {kind!r}: allowed are {', '.join(KINDS)}")
-        kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-        entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
-        for name in _columns(plot):
-            if name not in known:
-                raise StudyError(f"plot {kind}: {name!r} is no column: allowed are {', '.join(known)}")
-        if kind == "sobol" and study.plan.kind != "indices":
-            raise StudyError(
-                f"plot sobol needs a plan of kind indices, this one is of kind {study.plan.kind}"
-            )
+    refuse(problems_of_plots(study.plots, study.plan.kind, columns_to_draw(study.plan, study.readings)))
 
 
 def check_file(studies: Sequence[Study], path: Path) -> None:
@@ -102,17 +76,12 @@ def check_file(studies: Sequence[Study], path: Path) -> None:
         raise StudyError(f"picture {path}: allowed are names that end in .{', .'.join(formats)}")
 
 
-def _columns(plot: Mapping[str, Any]) -> list[str]:
-    single = [plot[key] for key in ("x", "y", "z", "color") if key in plot]
-    return [*single, *plot.get("of", []), *plot.get("axes", [])]
-
-
-def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -> None:
+def _draw_one(axis: Axes, study: Study, folder: str | Path, plot: Mapping[str, Any]) -> None:
     columns = {
-        name: np.asarray(values, float) for name, values in read_results(folder, _columns(plot)).items()
+        name: np.asarray(values, float) for name, values in read_results(folder, columns_of(plot)).items()
     }
     with Fmu(study.path) as fmu:
-        labels = {name: _label(fmu, name) for name in columns}
+        labels = {name: _label(fmu, study, name) for name in columns}
     if plot["kind"] == "sobol":
         _sobol(axis, study, columns, plot["of"])
     else:
@@ -126,10 +95,11 @@ def _draw_one(axis: Axes, study: Study, folder: Path, plot: Mapping[str, Any]) -
     axis.set_title(plot.get("title", ""), loc="left")
 
 
-def _label(fmu: Fmu, name: str) -> str:
-    """Name and unit; a dimensionless quantity has no unit."""
+def _label(fmu: Fmu, study: Study, name: str) -> str:
+    """Name and unit; a dimensionless quantity, and a name whose unit nobody says, has none."""
     variable, at, time = name.partition("@")
-    unit = fmu.variable(variable).unit
+    vary = study.plan.vary.get(name)
+    unit = fmu.variable(variable).unit if variable in fmu.names else vary.unit if vary else ""
     return variable + (f" at {time} s" if at else "") + (f" [{unit}]" if unit and unit != "1" else "")
 
 

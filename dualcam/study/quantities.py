@@ -11,6 +11,7 @@ from dualcam.model_description import Scalar, read_model_description
 from dualcam.study.problem import StudyError
 
 Units = Callable[[], Mapping[str, str | None]]  # unit by variable, "1" for a plain number; None: no real
+STRING = "String"  # in place of the unit of a String
 
 
 def units_of_designs() -> Mapping[str, str | None]:
@@ -18,7 +19,11 @@ def units_of_designs() -> Mapping[str, str | None]:
     from dualcam.variables import all_inputs, all_parameters
 
     known = {**all_parameters(), **all_inputs()}
-    return {name: variable.unit if variable.kind is float else None for name, variable in known.items()}
+    others: dict[type, str] = {str: STRING}
+    return {
+        name: variable.unit if variable.kind is float else others.get(variable.kind)
+        for name, variable in known.items()
+    }
 
 
 def units_of_fmu(fmu: str | Path) -> Units:
@@ -26,7 +31,10 @@ def units_of_fmu(fmu: str | Path) -> Units:
 
     def units() -> Mapping[str, str | None]:
         known = read_model_description(source_path(fmu)).variables
-        return {each.name: (each.unit or "1") if each.kind == "real" else None for each in known}
+        others = {"string": STRING}
+        return {
+            each.name: (each.unit or "1") if each.kind == "real" else others.get(each.kind) for each in known
+        }
 
     return units
 
@@ -38,19 +46,26 @@ def number(where: str, name: str, value: float | str, units: Units) -> float:
     if not isinstance(value, str):
         return float(value)
     known = units()
-    if name not in known:
-        from dualcam.design_file.keys import nearest_keys
-
-        guesses = nearest_keys(name, known)
-        hint = f": did you mean {' or '.join(guesses)}?" if guesses else ""
-        raise StudyError(f"{where}: {name} is no variable of the FMU{hint}")
+    if name not in known:  # a number for formulas
+        return in_si(where, value)
     unit = known[name]
-    if unit is None:
+    if unit is None or unit == STRING:
         raise StudyError(f"{where} = {value!r}: {name} is no real variable: allowed is a number without unit")
-    return _in_unit(where, value, unit)
+    return in_unit(where, value, unit)
 
 
-def _in_unit(where: str, text: str, unit: str) -> float:
+def in_si(where: str, text: str) -> float:
+    """The number of a text in the base unit of the SI. `where` begins the message of the StudyError."""
+    from dualcam.design_file.units import si_number
+
+    try:
+        return si_number(text)
+    except DesignError as error:
+        raise StudyError(f"{where} = {text!r}: {error}") from None
+
+
+def in_unit(where: str, text: str, unit: str) -> float:
+    """The number of a text in a unit. `where` begins the message of the StudyError."""
     from dualcam.design_file.units import quantity  # loads pydantic and pint, which few plans need
 
     try:
@@ -68,8 +83,8 @@ def fixed(parameters: Mapping[str, Scalar], units: Units) -> dict[str, Scalar]:
     texts = [name for name, value in parameters.items() if isinstance(value, str)]
     known = units() if texts else {}
     return {
-        name: _in_unit(f"parameters: {name}", str(value), unit)
-        if name in texts and (unit := known.get(name)) is not None
+        name: in_unit(f"parameters: {name}", str(value), unit)
+        if name in texts and (unit := known.get(name)) not in (None, STRING)
         else value
         for name, value in parameters.items()
     }

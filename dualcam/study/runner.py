@@ -8,44 +8,49 @@ which also keeps what the FMU has computed of the fixed parameters; elsewhere wi
 
 from __future__ import annotations
 
-import math
 import tempfile
 import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import c_double, c_uint, c_void_p
+from ctypes import addressof, byref, c_double, c_uint, c_void_p, create_string_buffer, memmove, sizeof
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dualcam.errors import FmuError
 from dualcam.fmu import Fmu
 from dualcam.handle import FmuState
 from dualcam.instance import OK_OR_WARNING, References
-from dualcam.model_description import Kind, Scalar, Variable
+from dualcam.model_description import Scalar
 from dualcam.reals import Array
-from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
-from dualcam.study.scenario import Controller, Scenario, Step, instants, times_of
+from dualcam.study.resolved import values_of, violated_by
+from dualcam.study.sampling.rules import violations
+from dualcam.study.sampling.texts import Texts
+from dualcam.study.scenario import Controller, Scenario
+from dualcam.study.step_numbers import FIRST, Arrangement, Key, StepNumbers
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
 Call = Callable[[], int]
-NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 
 
 @dataclass(frozen=True)
 class Job:
-    """What every worker needs to know. `content` is the FMU itself where the workers may not see its path."""
+    """What every worker needs to know. `content` is the FMU itself where the workers may not see its path.
+
+    dualcam.study.resolved says what a row means for its run."""
 
     path: str
-    names: Sequence[str]  # that vary, in the order of a row
+    names: Sequence[str]  # of the columns of a row: variables of the FMU, and others for formulas
     parameters: Mapping[str, Scalar]
     scenario: Scenario
     results: Sequence[str]
+    texts: Mapping[str, Texts] = field(default_factory=dict)  # of Strings: a row has the place in this list
+    constraints: Mapping[str, str] = field(default_factory=dict)  # a run that violates one is not made
     content: bytes | None = field(default=None, repr=False)
     token: str = field(default_factory=lambda: uuid.uuid4().hex)
 
@@ -77,37 +82,69 @@ class _Window:
 
     @classmethod
     def of(cls, kind: Any, runs: int, width: int) -> _Window:  # noqa: ANN401
-        lines = np.zeros((runs, width), np.dtype(kind))
+        lines = np.zeros((runs, width), np.uint64 if kind is c_void_p else np.dtype(kind))
         return cls(lines, c_void_p())
 
     def track(self) -> tuple[c_void_p, int, int]:
         return self.pointer, self.lines.ctypes.data, self.lines.strides[0]
 
 
+@dataclass
+class _Layout:
+    """The calls of a run with the steps of one arrangement, and the buffers that they use."""
+
+    arrangement: Arrangement
+    windows: dict[str, _Window] = field(default_factory=dict)
+    reads: list[tuple[_Window, list[int]]] = field(default_factory=list)  # with the places among the results
+    calls: list[Call] = field(default_factory=list)
+
+
 class Runner:
     """Makes runs of a job in an instance of its own. Not for two threads at once."""
 
     BATCH = 1000  # runs whose buffers are laid out at once
+    LAYOUTS = 50  # that are kept: each may have thousands of calls
 
     def __init__(self, job: Job, saves_state: bool = True) -> None:
         """`saves_state`: begin with a saved state where the FMU has that, which is faster than a reset."""
         self.job = job
         self._saves_state = saves_state
-        self._windows: dict[str, _Window] = {}
+        self._layout: _Layout | None = None
+        self._kept: dict[str, list[Any]] = {}  # texts of the batch, by the name of the String
         self._open()
-        self._tracks = [window.track() for window in self._windows.values()]
+        if not job.scenario.names:
+            self._use(self.steps.arrangement(job.scenario))
 
     def _open(self) -> None:
         self._fmu = _unpacked(self.job)
         self._saves_state &= self._fmu.interface.can_save_state
         self._instance = self._fmu._instance
         self._component = self._instance.component
-        self._reads: list[tuple[_Window, list[int]]] = []  # with the places of its columns among the results
         self._state: FmuState | None = None
-        self.calls = self._layout()
+        self._layouts: dict[Key, _Layout] = {}
+        interface = self._fmu.interface
+        self.steps = StepNumbers(
+            self.job.scenario,
+            self.job.results,
+            self.job.names,
+            self.job.texts,
+            interpolates=interface.can_interpolate_inputs,
+            fixed=not interface.can_handle_variable_steps,
+        )
+        known = set(self._fmu.names)
+        self.columns = [name for name in self.job.names if name in known]
+        self._enter()
+        if self._layout is not None:
+            self._lay_out(self._layout)
 
     def close(self) -> None:
         self._fmu.close()
+
+    @property
+    def calls(self) -> list[Call]:
+        """The calls of a run of the arrangement that was used last."""
+        assert self._layout is not None
+        return self._layout.calls
 
     # ---- the list of calls ----
 
@@ -126,53 +163,80 @@ class Runner:
     def _references(self, names: Sequence[str]) -> References:
         return (c_uint * len(names))(*(self._fmu.variable(name).value_reference for name in names))
 
-    def _layout(self) -> list[Call]:
-        job, interface = self.job, self._fmu.interface
-        steps = job.scenario.steps(
-            list(times_of(job.results, job.scenario.stop)),
-            interpolates=interface.can_interpolate_inputs,
-            fixed=not interface.can_handle_variable_steps,
-        )
-        wanted = instants(job.results, job.scenario.stop)
-        calls = self._beginning(self._values(steps[0]))
-        if control := job.scenario.controller:
-            self._sensed, self._commands = self._fmu.reals(*control.reads), self._fmu.reals(*control.writes)
-            calls.append(partial(self._control_start, control))
-        calls += self._read([k for k, (_, time) in enumerate(wanted) if time == 0.0])
-        for number, step in enumerate(steps):
-            calls += self._inputs(step, first=number == 0)
-            calls.append(self._step(step))
-            end = step.time + step.size
-            margin = 1e-9 * step.size
-            calls += self._read([k for k, (_, time) in enumerate(wanted) if abs(time - end) <= margin])
-        return calls
+    def _use(self, arrangement: Arrangement) -> _Layout:
+        """The layout of an arrangement, made where it is new."""
+        layout = self._layouts.get(arrangement.key)
+        if layout is None:
+            layout = _Layout(arrangement)
+            if len(self._layouts) >= self.LAYOUTS:
+                self._layouts.pop(next(iter(self._layouts)))
+            self._lay_out(layout)
+        self._layout = layout
+        return layout
 
-    def _beginning(self, inputs: Sequence[Call]) -> list[Call]:
-        """Up to the first step. These inputs are there while the FMU initializes: it may depend on them."""
-        fmu, instance, scenario = self._fmu, self._instance, self.job.scenario
+    def _lay_out(self, layout: _Layout) -> None:
+        """Its calls, on its buffers if it has some: for an instance that replaces another one in a batch."""
+        self._layouts[layout.arrangement.key] = self._layout = layout
+        arrangement, control = layout.arrangement, self.job.scenario.controller
+        layout.reads = []
+        calls = [self._copy_numbers(arrangement)] if self.job.scenario.names else []
+        calls += self._beginning(self._values(arrangement, 0))
+        if control:
+            self._sensed, self._commands = self._fmu.reals(*control.reads), self._fmu.reals(*control.writes)
+            if control.arguments:
+                self._window("law", c_double, len(control.arguments))
+            calls.append(partial(self._control_start, control))
+        calls += self._read([k for k, after in enumerate(arrangement.read_after) if after == FIRST])
+        for number in range(len(arrangement.steps)):
+            calls += self._inputs(arrangement, number)
+            calls.append(self._step(arrangement, number))
+            calls += self._read([k for k, after in enumerate(arrangement.read_after) if after == number])
+        layout.calls = calls
+
+    def _copy_numbers(self, arrangement: Arrangement) -> Call:
+        """A call that puts the numbers of the run in place."""
+        pointer = self._window("numbers", c_double, len(arrangement.buffer)).pointer
+        target, size = addressof(arrangement.buffer), sizeof(arrangement.buffer)
+
+        def copy() -> int:
+            memmove(target, pointer, size)
+            return 0
+
+        return copy
+
+    def _enter(self) -> None:
+        """Into initialization mode with the fixed parameters, and keep that state where the FMU can."""
+        fmu, instance = self._fmu, self._instance
         for name, value in self.job.parameters.items():  # one by one: what is refused is named
             fmu._set(name, value)
         instance.allow_calls()
-        fixed, varied = self._set_fixed(), self._set_varied()
-        enter = [
+        self._enter_calls = [
             self._call(name, *arguments)
-            for name, arguments in instance.initialization_calls(scenario.tolerance)
+            for name, arguments in instance.initialization_calls(self.job.scenario.tolerance)
         ]
-        leave = self._call(instance.EXIT_INITIALIZATION)
-        if self._saves_state and all(call() <= OK_OR_WARNING for call in enter):
+        if self._saves_state and all(call() <= OK_OR_WARNING for call in self._enter_calls):
             with suppress(FmuError):  # it says that it can, but cannot now: then without
                 self._state = fmu.save_state()
-                restore = self._call(instance.SET_STATE, c_void_p(self._state._address))
-                return [restore, *varied, *inputs, leave]
-        return [self._call(instance.RESET), *fixed, *varied, *enter, *inputs, leave]
 
-    def _step(self, step: Step) -> Call:
+    def _beginning(self, inputs: Sequence[Call]) -> list[Call]:
+        """Up to the first step. These inputs are there while the FMU initializes: it may depend on them."""
+        instance, varied = self._instance, self._set_varied()
+        leave = self._call(instance.EXIT_INITIALIZATION)
+        if self._state is not None:
+            restore = self._call(instance.SET_STATE, c_void_p(self._state._address))
+            return [restore, *varied, *inputs, leave]
+        reset = self._call(instance.RESET)
+        return [reset, *self._set_fixed(), *varied, *self._enter_calls, *inputs, leave]
+
+    def _step(self, arrangement: Arrangement, number: int) -> Call:
         function, end = self._instance.step_function(), self._instance.step_end
-        return partial(function, self._component, c_double(step.time), c_double(step.size), *end)
+        time, size = arrangement.view(number, "time"), arrangement.view(number, "size")
+        return partial(function, self._component, time, size, *end)
 
-    def _window(self, key: str, kind: str, width: int) -> _Window:
+    def _window(self, key: str, kind: Any, width: int) -> _Window:  # noqa: ANN401
         """The same one for an instance that replaces another one in the middle of a batch."""
-        return self._windows.setdefault(key, _Window.of(self._instance.CTYPES[kind], self.BATCH, width))
+        assert self._layout is not None
+        return self._layout.windows.setdefault(key, _Window.of(kind, self.BATCH, width))
 
     def _by_kind(self, names: Sequence[str]) -> dict[str, list[str]]:
         kinds: dict[str, list[str]] = {}
@@ -191,30 +255,34 @@ class Runner:
 
     def _set_varied(self) -> list[Call]:
         calls = []
-        for kind, names in self._by_kind(self.job.names).items():
-            window = self._window(f"set {kind}", kind, len(names))
+        for kind, names in self._by_kind(self.columns).items():
+            # A String is passed as the address of its text.
+            line = c_void_p if kind == "String" else self._instance.CTYPES[kind]
+            window = self._window(f"set {kind}", line, len(names))
             calls.append(self._access("Set", kind, names, window.pointer))
         return calls
 
-    def _values(self, step: Step) -> list[Call]:
-        calls = []
-        for kind, names in self._by_kind(list(step.values)).items():
-            values = (c_double * len(names))(*(step.values[name] for name in names))
-            calls.append(self._access("Set", kind, names, values))
-        return calls
+    def _values(self, arrangement: Arrangement, number: int) -> list[Call]:
+        names = list(arrangement.steps[number].values)
+        values = arrangement.view(number, "values")
+        kinds = self._by_kind(names)
+        if len(kinds) == 1:
+            return [self._access("Set", kind, names, values) for kind in kinds]
+        return [
+            self._access("Set", self._fmu.variable(name).type, [name], byref(values, k * sizeof(c_double)))
+            for k, name in enumerate(names)
+        ]
 
-    def _inputs(self, step: Step, first: bool) -> list[Call]:
-        calls: list[Call] = [partial(self._control, step.time)] if step.control else []
-        calls += [] if first else self._values(step)
+    def _inputs(self, arrangement: Arrangement, number: int) -> list[Call]:
+        step = arrangement.steps[number]
+        calls: list[Call] = [partial(self._control, arrangement.view(number, "time"))] if step.control else []
+        calls += [] if number == 0 else self._values(arrangement, number)
         if step.rates:
-            calls.append(self._set_rates(step.rates))
+            references = self._references([name for name, _ in step.rates])
+            orders = [order for _, order in step.rates]
+            rates = arrangement.view(number, "rates")
+            calls.append(self._instance.input_derivatives_call(references, orders, rates))
         return calls
-
-    def _set_rates(self, rates: Mapping[tuple[str, int], float]) -> Call:
-        """A call that sets time derivatives of inputs, by name and order."""
-        references = self._references([name for name, _ in rates])
-        values = (c_double * len(rates))(*rates.values())
-        return self._instance.input_derivatives_call(references, [order for _, order in rates], values)
 
     def _read(self, places: Sequence[int]) -> list[Call]:
         calls = []
@@ -222,41 +290,102 @@ class Runner:
         by_kind = self._by_kind(names)
         for kind in by_kind:
             chosen = [k for k in range(len(names)) if self._fmu.variable(names[k]).type == kind]
-            window = self._window(f"get {places[chosen[0]]}", kind, len(chosen))
-            self._reads.append((window, [places[k] for k in chosen]))
+            window = self._window(f"get {places[chosen[0]]}", self._instance.CTYPES[kind], len(chosen))
+            assert self._layout is not None
+            self._layout.reads.append((window, [places[k] for k in chosen]))
             calls.append(self._access("Get", kind, [names[k] for k in chosen], window.pointer))
         return calls
 
     # ---- the controller ----
 
     def _control_start(self, control: Controller) -> int:
-        self._law = control.create_law()
+        self._law = control.create_law(**self._arguments(control))
         return 0
 
-    def _control(self, time: float) -> int:
-        self._commands.values[:] = self._law(time, self._sensed.read())
+    def _arguments(self, control: Controller) -> dict[str, Any]:
+        """Of the law of the run that begins."""
+        if not control.arguments:
+            return {}
+        pointer = self._window("law", c_double, len(control.arguments)).pointer
+        numbers = (c_double * len(control.arguments)).from_address(pointer.value or 0)
+        return {
+            name: self.job.texts[each][round(number)] if each in self.job.texts else number
+            for (name, each), number in zip(control.arguments.items(), numbers, strict=True)
+        }
+
+    def _control(self, time: c_double) -> int:
+        self._commands.values[:] = self._law(time.value, self._sensed.read())
         self._commands.write()
         return 0
 
     # ---- runs ----
 
     def run(self, rows: Array) -> Block:
-        """One run for each row, shape (runs, names). A run that fails gives NaN and the FMU's message."""
-        values, messages = np.empty((len(rows), len(self.job.results))), {}
+        """One run for each row, shape (runs, names). A run that fails gives NaN and the FMU's message; so
+        does one that violates a constraint, or whose numbers are no scenario.
+
+        Runs of the same texts are made one after another: the FMU keeps what it made of a groove table."""
+        columns = [rows[:, self.job.names.index(name)] for name in self.job.texts if name in self.columns]
+        if not columns:
+            return self._run(rows)
+        order = np.lexsort(columns)
+        block = self._run(rows[order])
+        values = np.empty_like(block.values)
+        values[order] = block.values
+        messages = {int(order[place]): text for place, text in block.messages.items()}
+        return Block(values, dict(sorted(messages.items())))
+
+    def _run(self, rows: Array) -> Block:
+        values, messages = np.full((len(rows), len(self.job.results)), np.nan), self._violations(rows)
         for start in range(0, len(rows), self.BATCH):
-            batch = rows[start : start + self.BATCH]
-            failed = self._run_batch(batch)
-            for window, places in self._reads:
-                values[start : start + len(batch), places] = window.lines[: len(batch)]
-            for place, text in failed.items():
-                values[start + place] = np.nan
-                messages[start + place] = text
-        return Block(values, messages)
+            batch = np.arange(start, min(start + self.BATCH, len(rows)))
+            wanted = batch if not messages else batch[[place not in messages for place in batch.tolist()]]
+            if not self.job.scenario.names:
+                self._run_places(rows, wanted, values, messages)
+                continue
+            groups, failed = self.steps.groups(rows[wanted])
+            messages |= {int(wanted[place]): text for place, text in failed.items()}
+            for group in groups:
+                layout = self._use(group.arrangement)
+                layout.windows["numbers"].lines[: len(group.places)] = group.numbers
+                self._run_places(rows, wanted[group.places], values, messages)
+        return Block(values, dict(sorted(messages.items())))
+
+    def _violations(self, rows: Array) -> dict[int, str]:
+        """By the places of the rows that violate constraints: which."""
+        names, constraints = self.job.names, self.job.constraints
+        if not constraints:
+            return {}
+        found = violations(constraints, dict(zip(names, rows.T, strict=True)), len(rows))
+        return {
+            int(place): "; ".join(violated_by(constraints, values_of(names, rows[place], self.job.texts)))
+            for place in np.flatnonzero(np.any(list(found.values()), axis=0))
+        }
+
+    def _run_places(
+        self, rows: Array, places: NDArray[np.intp], values: Array, messages: dict[int, str]
+    ) -> None:
+        """The runs of some rows, a batch at most, in the layout that is in use."""
+        assert self._layout is not None
+        failed = self._run_batch(rows[places])
+        for window, columns in self._layout.reads:
+            values[places[:, None], columns] = window.lines[: len(places)]
+        for place, text in failed.items():
+            values[places[place]] = np.nan
+            messages[int(places[place])] = text
 
     def _run_batch(self, rows: Array) -> dict[int, str]:
-        for kind, names in self._by_kind(self.job.names).items():
+        assert self._layout is not None
+        for kind, names in self._by_kind(self.columns).items():
             columns = [self.job.names.index(name) for name in names]
-            self._windows[f"set {kind}"].lines[: len(rows)] = rows[:, columns]
+            lines = self._layout.windows[f"set {kind}"].lines
+            if kind == "String":
+                for column, name in enumerate(names):
+                    lines[: len(rows), column] = self._addresses(name, rows[:, columns[column]])
+            else:
+                lines[: len(rows)] = rows[:, columns]
+        if (control := self.job.scenario.controller) and control.arguments:
+            self._layout.windows["law"].lines[: len(rows)] = self.steps.law_arguments(rows)
         failed: dict[int, str] = {}
         place = 0
         while place < len(rows):
@@ -266,9 +395,18 @@ class Runner:
                 place += 1
         return failed
 
+    def _addresses(self, name: str, places: Array) -> NDArray[np.uint64]:
+        """Addresses of the texts at these places, which stay alive until the next batch."""
+        texts = self.job.texts[name]
+        chosen, which = np.unique(places.astype(int), return_inverse=True)
+        self._kept[name] = [create_string_buffer(texts[int(place)].encode()) for place in chosen]
+        return np.array([addressof(buffer) for buffer in self._kept[name]], np.uint64)[which]
+
     def _go(self, place: int, stop: int) -> tuple[int, str]:
         """Runs from `place` on, up to the first that fails: its place and why; `stop` if none does."""
-        tracks, calls, messages = self._tracks, self.calls, self._instance.messages
+        assert self._layout is not None
+        tracks = [window.track() for window in self._layout.windows.values()]
+        calls, messages = self._layout.calls, self._instance.messages
         try:
             for k in range(place, stop):
                 place = k
@@ -331,66 +469,3 @@ def run_rows(job: Job, rows: Array) -> Block:
             runner.close()
         runner = _own.runner = Runner(job)
     return runner.run(rows)
-
-
-def check(job: Job, plan: Plan) -> Runner:
-    """A runner for the job, made here and now, so that what concerns every run is refused before any.
-    FmuError for names, types and values that the FMU does not have or allow."""
-    if not job.results:
-        raise StudyError("the study reads nothing: name at least one result")
-    for names in (list(job.names), list(job.results)):
-        if twice := {name for name in names if names.count(name) > 1}:
-            raise StudyError(f"{', '.join(twice)} is named twice: allowed is once")
-    with Fmu(job.path) as fmu:
-        _check_start_values(fmu, job, plan)
-        for name, _ in instants(job.results, job.scenario.stop):
-            fmu.variable(name, *NUMERIC)
-        _check_inputs(fmu, job)
-    return Runner(job)
-
-
-def _check_start_values(fmu: Fmu, job: Job, plan: Plan) -> None:
-    for name in [*job.names, *job.parameters]:
-        variable = fmu.variable(name)
-        if not _is_start_value(variable):
-            raise StudyError(
-                f"{name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and what "
-                "starts from a value that is exact"
-            )
-    limits = plan.limits()
-    for name in job.names:
-        if name in job.parameters:
-            raise StudyError(f"{name} varies and is fixed too: allowed is one of them")
-        _check_range(fmu.variable(name, *NUMERIC), *limits[name])
-        if fmu.variable(name).kind != "real" and not plan.is_whole(name):
-            raise StudyError(
-                f"plan: {name} is {fmu.variable(name).type}: allowed are values = [whole numbers]"
-            )
-
-
-def _is_start_value(variable: Variable) -> bool:
-    """FMI 2.0, section 2.2.7: may be set in initialization mode."""
-    exact = variable.initial == "exact" and variable.variability != "constant"
-    return exact or variable.causality in ("parameter", "input")
-
-
-def _check_range(variable: Variable, low: float, high: float) -> None:
-    least = -math.inf if variable.min is None else float(variable.min)
-    most = math.inf if variable.max is None else float(variable.max)
-    if variable.kind == "boolean":
-        least, most = 0.0, 1.0
-    if low < least or high > most:
-        raise StudyError(
-            f"plan: {variable.name} from {low:g} to {high:g}: the FMU allows {least:g} to {most:g}"
-        )
-
-
-def _check_inputs(fmu: Fmu, job: Job) -> None:
-    control = job.scenario.controller
-    for name in [*job.scenario.inputs, *(control.writes if control else ())]:
-        if fmu.variable(name, "real").causality != "input":
-            raise StudyError(f"scenario: {name} is {fmu.variable(name).causality}: allowed are inputs")
-        if name in job.names or name in job.parameters:
-            raise StudyError(f"{name} has a history and a value of its own: allowed is one of them")
-    for name in control.reads if control else ():
-        fmu.variable(name, "real")

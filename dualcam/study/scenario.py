@@ -4,103 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from dualcam.fmu import Array
-from dualcam.study.problem import StudyError
+from dualcam.study.history import ORDER, STEPS_MAX, History, Number, names_in, number_at, problem_of_number
+from dualcam.study.problem import StudyError, refuse
 
-ORDER = 3  # of the input derivatives that FMI 2.0 masters send
-STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
 SAME_TIME = 1e-12  # instants closer than this share of the whole are one
 
 Law = Callable[[float, list[float]], Sequence[float]]
-
-
-@dataclass(frozen=True)
-class History:
-    """One input over time.
-
-    Before the first time and after the last one the value stands still. An input that is the time derivative
-    of another one, such as omega of theta, has `derivative_of` instead of points.
-
-    Parameters
-    ----------
-    time : sequence of float
-        Times [s], not decreasing. The same time twice is a jump.
-    value : sequence of float
-        Values at these times, in the FMU's unit.
-    shape : {"linear", "smooth"}
-        Between the points: straight lines, or the cubic spline that starts and ends at rest.
-    derivative_of : str
-        Name of the input whose time derivative this one is.
-
-    Examples
-    --------
-    >>> from dualcam.study import History
-    >>> push = History(time=[0.0, 0.2, 0.2], value=[8.0, 8.0, 0.0])  # s, N.m: 8 N.m for 0.2 s, then nothing
-    >>> push.problem() is None
-    True
-    """
-
-    time: Sequence[float] = ()
-    value: Sequence[float] = ()
-    shape: str = "linear"
-    derivative_of: str = ""
-
-    def problem(self) -> str | None:
-        """What is wrong with the points, if anything is.
-
-        Returns
-        -------
-        str or None
-            What is given and what is allowed.
-        """
-        if self.derivative_of:
-            return None
-        if self.shape not in ("linear", "smooth"):
-            return f"shape {self.shape!r}: allowed are linear, smooth"
-        time = np.asarray(self.time, float)
-        if len(time) == 0 or len(time) != len(self.value):
-            return f"{len(self.value)} values at {len(time)} times: allowed is one value for each time"
-        if not np.all(np.isfinite(np.concatenate([time, np.asarray(self.value, float)]))):
-            return "times and values must be finite"
-        steps = np.diff(time)
-        if np.any(steps < 0.0) or (self.shape == "smooth" and (len(time) < 2 or np.any(steps <= 0.0))):
-            return "times must increase; twice the same is allowed where it is linear"
-        return None
-
-    def taylor(self) -> list[tuple[float, list[float]]]:
-        """The history as pieces of polynomials.
-
-        Returns
-        -------
-        list of tuple
-            The time [s] at which each piece starts, and there the value and its derivatives of orders 1 to 3.
-        """
-        time, value = np.asarray(self.time, float), np.asarray(self.value, float)
-        before = (-math.inf, [float(value[0]), 0.0, 0.0, 0.0])
-        after = (float(time[-1]), [float(value[-1]), 0.0, 0.0, 0.0])
-        if self.shape == "smooth":
-            from scipy.interpolate import CubicSpline
-
-            spline = CubicSpline(time, value, bc_type="clamped")
-            between = [
-                (float(t), [math.factorial(k) * float(c[ORDER - k]) for k in range(ORDER + 1)])
-                for t, c in zip(time[:-1], spline.c.T, strict=True)
-            ]
-        else:
-            between = [
-                (
-                    float(time[k]),
-                    [float(value[k]), float((value[k + 1] - value[k]) / (time[k + 1] - time[k])), 0.0, 0.0],
-                )
-                for k in range(len(time) - 1)
-                if time[k + 1] > time[k]
-            ]
-        return [before, *between, after]
 
 
 @dataclass(frozen=True)
@@ -112,12 +29,14 @@ class Controller:
     create_law : callable
         Function of a module that the workers can import. It returns a new law for each run: a function of the
         time [s] and of the values read, in the order of `reads`. The law returns the values to write.
-    period : float
+    period : float or str
         Time between two calls of the law [s].
     reads : sequence of str
         Real variables that the law gets.
     writes : sequence of str
         Inputs that the law gives.
+    arguments : mapping of str to float or str
+        Arguments that `create_law` gets by name: numbers, or formulas over the names that vary.
 
     Examples
     --------
@@ -127,10 +46,35 @@ class Controller:
     >>> loop = Controller(create_law, period=1e-3, reads=["theta"], writes=["tau"])
     """
 
-    create_law: Callable[[], Law]
-    period: float
+    create_law: Callable[..., Law]
+    period: Number
     reads: Sequence[str]
     writes: Sequence[str]
+    arguments: Mapping[str, Number] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names in formulas, each once."""
+        return names_in([self.period, *self.arguments.values()])
+
+    def at(self, values: Mapping[str, float | str]) -> Controller:
+        """The controller with the numbers of a run.
+
+        Parameters
+        ----------
+        values : mapping of str to float or str
+            Values of the run by name; texts for arguments that are such a name alone.
+
+        Returns
+        -------
+        Controller
+            Without formulas.
+        """
+        arguments = {
+            name: text if isinstance(text := values.get(str(each)), str) else number_at(each, values)
+            for name, each in self.arguments.items()
+        }
+        return replace(self, period=number_at(self.period, values), arguments=arguments)
 
 
 @dataclass(frozen=True)
@@ -151,11 +95,11 @@ class Scenario:
 
     Parameters
     ----------
-    stop : float
+    stop : float or str
         End of the run [s].
     inputs : mapping of str to History
         Inputs over time, by name. All others keep their start values.
-    step : float, optional
+    step : float or str, optional
         Step [s] for FMUs that take no derivatives of inputs, and for FMUs that need steps of one length. The
         inputs are then held over each step at their value in the middle. Other steps are as long as the
         histories allow.
@@ -167,8 +111,13 @@ class Scenario:
     Raises
     ------
     StudyError
-        A number that is not finite and above 0, a history with a mistake, or an input with both a history and
-        a controller.
+        All that is wrong: a number that is not finite and above 0, a history with a mistake, a formula that
+        is none, or an input with both a history and a controller.
+
+    Notes
+    -----
+    Every number may be a formula over the names that vary. `names` says which names the scenario needs, `at`
+    gives the scenario of a run.
 
     Examples
     --------
@@ -177,44 +126,155 @@ class Scenario:
     0.4
     """
 
-    stop: float
+    stop: Number
     inputs: Mapping[str, History] = field(default_factory=dict)
-    step: float | None = None
+    step: Number | None = None
     tolerance: float | None = None
     controller: Controller | None = None
 
     def __post_init__(self) -> None:
+        refuse([f"scenario: {problem}" for problem in self._problems()])
+
+    def _problems(self) -> list[str]:
+        """All that is wrong, as far as it does not depend on the run."""
+        found = []
         for name, number in (("stop", self.stop), ("step", self.step), ("tolerance", self.tolerance)):
-            if number is not None and not (math.isfinite(number) and number > 0.0):
-                raise StudyError(f"scenario: {name} = {number}: allowed is a finite number above 0")
+            found += problem_of_number(name, number)
         for name, history in self.inputs.items():
-            if problem := history.problem():
-                raise StudyError(f"scenario: {name}: {problem}")
-            self._laws(name)
+            try:
+                problem = history.problem()
+            except StudyError as error:
+                problem = str(error)
+            if problem:
+                found.append(f"{name}: {problem}")
+            else:
+                found += self._problem_of_derivative(name)
         control = self.controller
         if control is not None:
             if not hasattr(control.create_law, "__qualname__"):
-                raise StudyError(
-                    f"scenario: create_law = {control.create_law!r}: allowed is a function of a module"
-                )
-            if not (math.isfinite(control.period) and control.period > 0.0):
-                raise StudyError(f"scenario: period = {control.period}: allowed is a finite number above 0")
+                found.append(f"create_law = {control.create_law!r}: allowed is a function of a module")
+            found += problem_of_number("period", control.period)
+            for name, number in control.arguments.items():
+                found += problem_of_number(f"argument {name}", number, above=-math.inf)
             if both := set(control.writes) & set(self.inputs):
-                raise StudyError(
-                    f"scenario: {', '.join(both)} has a history and a controller: allowed is one of them"
-                )
+                found.append(f"{', '.join(both)} has a history and a controller: allowed is one of them")
+        return found
 
-    def _laws(self, name: str, seen: tuple[str, ...] = ()) -> list[tuple[float, list[float]]]:
-        """Taylor pieces of an input, differentiated as often as its history says."""
+    def _problem_of_derivative(self, name: str) -> list[str]:
+        try:
+            self.source(name)
+        except StudyError as error:
+            return [str(error)]
+        return []
+
+    # ---- numbers of a run ----
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The names that the formulas use, each once; none if every run has the same scenario."""
+        own = names_in([number for number in (self.stop, self.step) if number is not None])
+        parts = [own, *(history.names for history in self.inputs.values())]
+        if self.controller:
+            parts.append(self.controller.names)
+        return tuple(dict.fromkeys(name for part in parts for name in part))
+
+    def at(self, values: Mapping[str, float | str]) -> Scenario:
+        """The scenario with the numbers of a run.
+
+        Parameters
+        ----------
+        values : mapping of str to float or str
+            Values of the run by name, at least those of `names`.
+
+        Returns
+        -------
+        Scenario
+            Without formulas.
+
+        Raises
+        ------
+        StudyError
+            The numbers of this run are no scenario.
+
+        Examples
+        --------
+        >>> from dualcam.study import History, Scenario
+        >>> push = Scenario("2 * half", {"tau": History([0.0, "half", "half"], ["peak", "peak", 0.0])})
+        >>> push.at({"half": 0.2, "peak": 8.0}).inputs["tau"].value
+        [8.0, 8.0, 0.0]
+        """
+        if not self.names:
+            return self
+        numbers: Any = values
+        stop, step = (None if each is None else number_at(each, numbers) for each in (self.stop, self.step))
+        inputs = {name: history.at(numbers) for name, history in self.inputs.items()}
+        control = self.controller.at(values) if self.controller else None
+        return Scenario(stop, inputs, step, self.tolerance, control)
+
+    def facts(self) -> dict[str, Any]:
+        """What makes two scenarios the same, as plain data."""
+        facts: dict[str, Any] = {
+            "stop": self.stop,
+            "inputs": {},
+            "step": self.step,
+            "tolerance": self.tolerance,
+        }
+        for name, history in self.inputs.items():
+            own = {"time": history.time, "value": history.value, "shape": history.shape}
+            own["derivative_of"] = history.derivative_of
+            facts["inputs"][name] = own | ({"wave": history._wave} if history.shape == "sine" else {})
+        control = self.controller
+        facts["controller"] = control and {
+            "create_law": f"{control.create_law.__module__}.{control.create_law.__qualname__}",
+            "period": control.period,
+            "reads": control.reads,
+            "writes": control.writes,
+            **({"arguments": dict(control.arguments)} if control.arguments else {}),
+        }
+        return facts
+
+    # ---- steps of a run ----
+
+    def source(self, name: str, seen: tuple[str, ...] = ()) -> tuple[History, int]:
+        """The history from which an input follows.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+        seen : tuple of str
+            Inputs that are derivatives of this one.
+
+        Returns
+        -------
+        tuple of History and int
+            A history with points or a sine, and how often it is differentiated.
+
+        Raises
+        ------
+        StudyError
+            An input without a history, or inputs that are derivatives of each other in a circle.
+        """
         history = self.inputs.get(name)
         if history is None or name in seen:
             raise StudyError(
-                f"scenario: derivative of {name}, which has no history: allowed are {', '.join(self.inputs)}"
+                f"derivative of {name}, which has no history: allowed are {', '.join(self.inputs)}"
             )
         if not history.derivative_of:
-            return history.taylor()
-        pieces = self._laws(history.derivative_of, (*seen, name))
-        return [(start, [*values[1:], 0.0]) for start, values in pieces]
+            return history, len(seen)
+        return self.source(history.derivative_of, (*seen, name))
+
+    def _laws(self, name: str) -> list[tuple[float, list[float]]]:
+        """Taylor pieces of an input, differentiated as often as its history says."""
+        history, times = self.source(name)
+        if history.shape == "sine":
+            for _ in range(times):
+                history = history.derivative()
+            return history.taylor(self.stop)
+        pieces = history.taylor()
+        for _ in range(times):
+            pieces = [(start, [*values[1:], 0.0]) for start, values in pieces]
+        return pieces
 
     def steps(self, reads: Sequence[float], interpolates: bool, fixed: bool) -> list[Step]:
         """The steps of a run that can be read at given times.
@@ -246,7 +306,7 @@ class Scenario:
                 "needs steps of one length" if fixed else "takes no derivatives of inputs, which change here"
             )
             raise StudyError(f"scenario: this FMU {why}: give step, in seconds")
-        asks = self._multiples(self.controller.period) if self.controller else []
+        asks = self.asks()
         grid = self._multiples(self.step) if self.step and (fixed or (bends and not interpolates)) else []
         times = self._merged([*([] if fixed else marks), *([] if fixed else asks), *grid])
         if fixed:
@@ -255,6 +315,21 @@ class Scenario:
             self._make_step(laws, start, end, interpolates, self._is_in(asks, start))
             for start, end in pairwise(times)
         ]
+
+    def asks(self) -> list[float]:
+        """Times at which the controller is asked.
+
+        Returns
+        -------
+        list of float
+            Times [s]; none without a controller.
+
+        Raises
+        ------
+        StudyError
+            Too many times.
+        """
+        return self._multiples(self.controller.period) if self.controller else []
 
     def _multiples(self, period: float) -> list[float]:
         count = math.ceil(min(self.stop / period, 2.0 * STEPS_MAX) * (1.0 - SAME_TIME))

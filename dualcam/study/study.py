@@ -7,24 +7,35 @@ import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Task as Shown
 from rich.text import Text
 
 from dualcam.library import source_path
 from dualcam.model_description import Scalar
-from dualcam.study import execution
+from dualcam.study.checking import check
+from dualcam.study.chunk import Task, Written
+from dualcam.study.execution import workers_for
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
-from dualcam.study.runner import Job, check
+from dualcam.study.readings import Readings
+from dualcam.study.results import Results, read_results
+from dualcam.study.runner import Job
 from dualcam.study.scenario import Scenario
-from dualcam.study.store import Column, Store, read_results
+from dualcam.study.store import Store
+
+if TYPE_CHECKING:
+    from distributed import Client
 
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
+NUMBERS_MAX = 2_000_000  # that the runs of a file are read for: 16 MB
+RUNS_PER_TEXT = 20  # in a file: to read a groove table takes as long as two runs
 CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end does not wait for one worker
 
 
@@ -74,11 +85,17 @@ class Study:
     def __post_init__(self) -> None:
         if isinstance(self.results, str) or not all(isinstance(name, str) for name in self.results):
             raise StudyError(f"results = {self.results!r}: allowed is a list of names")
+        _ = self.readings  # what is wrong with them is said here
 
     @property
     def path(self) -> Path:
         """The file of the FMU."""
         return source_path(self.fmu)
+
+    @cached_property
+    def readings(self) -> Readings:
+        """What the results are made of."""
+        return Readings(self.results, self.scenario.stop, self.plan.names)
 
     def job(self) -> Job:
         """What a worker needs for the runs.
@@ -88,27 +105,36 @@ class Study:
         Job
             Path, names, scenario and results.
         """
-        return Job(str(self.path), self.plan.names, dict(self.parameters), self.scenario, list(self.results))
+        return Job(
+            str(self.path),
+            self.plan.names,
+            dict(self.parameters),
+            self.scenario,
+            self.readings.raw,
+            self.plan.texts,
+            dict(self.plan.constraints),
+        )
 
     def run(
         self,
         folder: str | Path,
         workers: int | None = None,
-        scheduler: str | None = None,
+        scheduler: str | Client | None = None,
         file_format: str | None = None,
         runs_per_file: int | None = None,
         console: Console | None = None,
-    ) -> dict[str, Column]:
+    ) -> Results:
         """Make the runs that a folder does not hold yet, and read all of them.
 
         Parameters
         ----------
         folder : str or Path
-            Folder of the results; made if it is missing.
+            Folder of the results; made if it is missing. Also the URL of a store that fsspec knows, such as
+            s3://bucket/folder.
         workers : int, optional
             Processes of this machine. 0: in this process. None: as many as there are processors.
-        scheduler : str, optional
-            Address of a Dask scheduler, which is used instead.
+        scheduler : str or distributed.Client, optional
+            A Dask cluster is used instead: address of its scheduler, or a client.
         file_format : {"parquet", "csv"}, optional
             None: "parquet" if pyarrow is installed.
         runs_per_file : int, optional
@@ -118,7 +144,7 @@ class Study:
 
         Returns
         -------
-        dict of str to ndarray, shape (runs,)
+        Results
             As of `read_results`.
 
         Raises
@@ -133,7 +159,7 @@ class Study:
         self,
         folder: str | Path,
         workers: int | None = None,
-        scheduler: str | None = None,
+        scheduler: str | Client | None = None,
         file_format: str | None = None,
         runs_per_file: int | None = None,
         console: Console | None = None,
@@ -159,29 +185,32 @@ class Study:
         job = self.job()
         runner = check(job, self.plan)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
-        size = runs_per_file or min(CHUNK_MAX, math.ceil(self.plan.count / CHUNKS_MIN))
+        size = runs_per_file or self._runs_per_file()
         with (
             closing(runner),
-            closing(Store(folder, self.facts(), self.plan.count, size, file_format)) as store,
+            closing(Store(folder, self.facts(), self.plan, self.readings, size, file_format)) as store,
         ):
             missing = store.missing()
             if console and store.damaged:
-                names = ", ".join(path.name for path in store.damaged.values())
-                say(console, f"damaged, made again: {names}")
+                say(console, f"damaged, made again: {', '.join(store.damaged)}")
             count = (os.cpu_count() or 1) if workers is None else workers
-            if scheduler is not None:
-                blocks = execution.on_cluster(job, self.plan, missing, scheduler)
-            elif count == 0:
-                blocks = execution.in_this_process(runner, self.plan, missing)
-            else:
-                blocks = execution.locally(job, self.plan, missing, min(count, max(1, len(missing))))
+            count = min(count, max(1, len(missing)))
             left = sum(len(runs) for runs in missing)
-            with closing(blocks), _progress(console, self.plan.count, self.plan.count - left) as advance:
-                for runs, block in blocks:
-                    rows = self.plan.rows(runs.start, runs.stop)
-                    store.write(runs, self.plan.names, rows, self.results, block)
-                    advance(len(runs), len(block.messages))
+            with (
+                workers_for(Task(job, store.files()), runner, count, scheduler) as team,
+                closing(team.answers(missing)) as answers,
+                _progress(console, self.plan.count, self.plan.count - left) as advance,
+            ):
+                for place, written in answers:
+                    assert isinstance(written, Written)
+                    store.accept(missing[place], written)
+                    advance(len(missing[place]), written.failed)
                     on_file_written()
+
+    def _runs_per_file(self) -> int:
+        most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))
+        texts = math.prod(len(each) for each in self.plan.texts.values()) if self.plan.texts else 0
+        return min(most, max(math.ceil(self.plan.count / CHUNKS_MIN), RUNS_PER_TEXT * texts))
 
     def facts(self) -> dict[str, Any]:
         """What makes two studies the same: their results could be mixed.
@@ -191,15 +220,10 @@ class Study:
         dict
             Plain data.
         """
-        scenario = asdict(self.scenario)
-        if control := self.scenario.controller:
-            scenario["controller"] |= {
-                "create_law": f"{control.create_law.__module__}.{control.create_law.__qualname__}"
-            }
         return {
             "fmu": hashlib.sha256(self.path.read_bytes()).hexdigest(),
             "plan": self.plan.facts(),
-            "scenario": scenario,
+            "scenario": self.scenario.facts(),
             "results": list(self.results),
             "parameters": dict(self.parameters),
         }
@@ -216,7 +240,7 @@ def say(console: Console, text: str) -> None:
 class _Rate(ProgressColumn):
     """Over all of this call, the start of the workers included."""
 
-    def render(self, task: Task) -> Text:
+    def render(self, task: Shown) -> Text:
         made = task.completed - task.fields["before"]
         return Text(f"{made / task.elapsed:,.0f} runs/s" if made and task.elapsed else "")
 

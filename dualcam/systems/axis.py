@@ -13,13 +13,14 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from dualcam.design.statics import Array
 from dualcam.fmu import Fmu, Scalar
 from dualcam.systems.current_loop import CurrentLoop, MotorPeriod
+from dualcam.systems.elementwise import Number
 from dualcam.systems.record import LEDGER, Record
 
 
@@ -72,6 +73,99 @@ class Controller(Protocol):
         ...
 
 
+class CamGear(NamedTuple):
+    """How an axis drives the cam: theta = ratio (angle - offset), tau = torque/ratio.
+
+    With ratio < 0 the cam turns against the axis. All methods take one float or an array.
+
+    Parameters
+    ----------
+    ratio : float
+        Angle of the cam over that of the axis [1], not 0.
+    offset : float
+        Angle of the axis at theta = 0 [rad].
+
+    Examples
+    --------
+    >>> from dualcam.systems.axis import CamGear
+    >>> gear = CamGear(ratio=2.0, offset=0.5)
+    >>> gear.cam_angle(0.75), gear.angle(0.5), gear.cam_torque(3.0)
+    (0.5, 0.75, 1.5)
+    """
+
+    ratio: float = 1.0
+    offset: float = 0.0
+
+    def cam_angle(self, angle: Number) -> Number:
+        """The angle of the cam.
+
+        Parameters
+        ----------
+        angle : float or ndarray
+            Angle of the axis [rad].
+
+        Returns
+        -------
+        float or ndarray
+            theta [rad].
+        """
+        return self.ratio * (angle - self.offset)
+
+    def cam_torque(self, torque: Number) -> Number:
+        """The torque on the cam.
+
+        Parameters
+        ----------
+        torque : float or ndarray
+            Torque on the axis [N.m].
+
+        Returns
+        -------
+        float or ndarray
+            tau [N.m].
+        """
+        return torque / self.ratio
+
+    def angle(self, theta: Number) -> Number:
+        """The angle of the axis.
+
+        Parameters
+        ----------
+        theta : float or ndarray
+            Angle of the cam [rad].
+
+        Returns
+        -------
+        float or ndarray
+            Angle [rad].
+        """
+        return self.offset + theta / self.ratio
+
+
+def angle_amid(angle: Number, speed: Number, size: float) -> Number:
+    """The angle at half of a step, at which a load acts that is held over the step.
+
+    Parameters
+    ----------
+    angle, speed : float or ndarray
+        State at the beginning of the step [rad, rad/s].
+    size : float
+        Length of the step [s].
+
+    Returns
+    -------
+    float or ndarray
+        Angle [rad].
+
+    Examples
+    --------
+    >>> from dualcam.systems.axis import angle_amid
+    >>> angle_amid(0.5, 2.0, 0.25)
+    0.75
+    """
+    return angle + 0.5 * size * speed
+
+
 class CamAxis:
     """The forward FMU as an axis with its own angle: theta = ratio (angle - offset).
 
@@ -100,7 +194,7 @@ class CamAxis:
     """
 
     def __init__(self, fmu: Fmu, ratio: float = 1.0, offset: float = 0.0) -> None:
-        self.fmu, self.ratio, self.offset = fmu, ratio, offset
+        self.fmu, self.gear = fmu, CamGear(ratio, offset)
         self._tau = fmu.reals("tau")
         self._state = fmu.reals("theta", "omega")
         self._alpha = fmu.reals("alpha")
@@ -122,9 +216,9 @@ class CamAxis:
         FmuError
             The FMU refuses a value.
         """
-        state = {"initial.theta": self.ratio * (angle - self.offset)}
+        state = {"initial.theta": self.gear.cam_angle(angle)}
         if speed != 0.0:
-            state["initial.omega"] = self.ratio * speed
+            state["initial.omega"] = self.gear.ratio * speed
         self.fmu.start({**parameters, **state})
         self._read_state()
 
@@ -153,7 +247,7 @@ class CamAxis:
         FmuError
             The FMU refuses the step.
         """
-        load_torque = load.torque(self.angle + 0.5 * size * self.speed)
+        load_torque = load.torque(angle_amid(self.angle, self.speed, size))
         self.set_torque(torque + load_torque)
         self.advance(size)
         return load_torque
@@ -166,7 +260,7 @@ class CamAxis:
         torque : float
             Torque [N.m].
         """
-        self._tau.values[0] = torque / self.ratio
+        self._tau.values[0] = self.gear.cam_torque(torque)
         self._tau.write()
 
     def acceleration(self) -> float:
@@ -177,7 +271,7 @@ class CamAxis:
         float
             Acceleration [rad/s2].
         """
-        return self._alpha.read()[0] / self.ratio
+        return self._alpha.read()[0] / self.gear.ratio
 
     def advance(self, size: float, derivatives: tuple[float, ...] = ()) -> None:
         """Advance by a step. The torque is held, or a polynomial of time.
@@ -196,7 +290,7 @@ class CamAxis:
             The FMU refuses the step.
         """
         for order, derivative in enumerate(derivatives, start=1):
-            self._tau.write_derivatives(order, [derivative / self.ratio])
+            self._tau.write_derivatives(order, [self.gear.cam_torque(derivative)])
         self.fmu.step(size)
         self._read_state()
 
@@ -223,7 +317,7 @@ class CamAxis:
 
     def _read_state(self) -> None:
         theta, omega = self._state.read()
-        self.angle, self.speed = self.offset + theta / self.ratio, omega / self.ratio
+        self.angle, self.speed = self.gear.angle(theta), omega / self.gear.ratio
 
 
 class Recorder:

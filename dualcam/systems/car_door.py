@@ -70,9 +70,27 @@ REST_SPEED = 5e-3  # rad/s
 REST_MARGIN = 0.01  # share of the band kept between a held weight and the band's edge
 
 
+def weight_on_slope(mass: float, pitch: float, roll: float) -> GravityLoad[float]:
+    """The weight of the door about its hinge, in a car on a slope.
+
+    Parameters
+    ----------
+    mass : float
+        Mass of the door [kg].
+    pitch, roll : float
+        Angles of the car [rad]; `pitch` > 0 lifts the nose, `roll` > 0 lifts the door's side.
+
+    Returns
+    -------
+    GravityLoad
+        The weight as an equivalent pendulum.
+    """
+    return hinged_load(mass, HINGE, CENTRE, vertical_in_car(pitch, roll))
+
+
 @cache
-def weight(attitude: str, mass: float = MASS) -> GravityLoad:
-    """The weight of the door about its hinge.
+def weight(attitude: str, mass: float = MASS) -> GravityLoad[float]:
+    """The weight of the door about its hinge, in a car that is parked in one of the named ways.
 
     Parameters
     ----------
@@ -86,9 +104,7 @@ def weight(attitude: str, mass: float = MASS) -> GravityLoad:
     GravityLoad
         The weight as an equivalent pendulum.
     """
-    return hinged_load(
-        mass, HINGE, CENTRE, vertical_in_car(*(ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR)[attitude])
-    )
+    return weight_on_slope(mass, *(ATTITUDES | ATTITUDES_NOT_DESIGNED_FOR)[attitude])
 
 
 def hinge_tilt() -> float:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, Generic
 
+from dualcam.systems.elementwise import Number, extremes, limited
 from dualcam.systems.motor import Motor
 
 CONTROL_PERIOD = 1e-3  # s, period of the outer loop, which is also the FMU's communication step
@@ -13,25 +15,25 @@ CURRENT_BANDWIDTH = 1e3  # Hz
 
 
 @dataclass(frozen=True)
-class MotorPeriod:
-    """What a motor did within one control period.
+class MotorPeriod(Generic[Number]):
+    """What a motor did within one control period, or each of many motors.
 
     Parameters
     ----------
-    torque : float
+    torque : float or ndarray, shape (count,)
         Torque at the output, mean [N.m].
-    peak_torque : float
+    peak_torque : float or ndarray, shape (count,)
         Torque at the output, largest magnitude [N.m].
-    heat : float
+    heat : float or ndarray, shape (count,)
         Heat in the winding, the integral of R i^2 [J].
-    energy : float
+    energy : float or ndarray, shape (count,)
         Energy from the supply, the integral of v i [J].
     """
 
-    torque: float
-    peak_torque: float
-    heat: float
-    energy: float
+    torque: Number
+    peak_torque: Number
+    heat: Number
+    energy: Number
 
 
 class CurrentLoop:
@@ -45,6 +47,8 @@ class CurrentLoop:
     Design, on the sampled winding b/(z - a) with b = (1 - a)/R: the PI's zero cancels the winding's pole. The
     PI's gain puts the remaining pole at exp(-2 pi bandwidth Ts). A step r of the reference is answered by
     i_k = r (1 - exp(-2 pi bandwidth k Ts)), without overshoot. So a limited reference limits the current.
+
+    The same object serves many equal motors: give `run` arrays with one entry per motor.
 
     Parameters
     ----------
@@ -82,17 +86,17 @@ class CurrentLoop:
         self.closed_pole = math.exp(-2.0 * math.pi * bandwidth * self.sample_period)
         self.proportional = (1.0 - self.closed_pole) * motor.resistance / (1.0 - self.pole)  # V/A
         self.integral = self.proportional * (1.0 - self.pole)  # V/A per sample
-        self.current = 0.0  # A
-        self._integral_voltage = 0.0  # V, the PI's integral part
+        self.current: Any = 0.0  # A; an array after `run` with arrays
+        self.integral_voltage: Any = 0.0  # V, the PI's integral part
 
-    def run(self, torque: float, speed: float) -> MotorPeriod:
+    def run(self, torque: Number, speed: Number) -> MotorPeriod[Number]:
         """Run one control period.
 
         Parameters
         ----------
-        torque : float
+        torque : float or ndarray, shape (count,)
             Torque asked for at the output [N.m]; larger ones than the motor's peak torque are cut.
-        speed : float
+        speed : float or ndarray, shape (count,)
             Speed of the output [rad/s].
 
         Returns
@@ -101,39 +105,36 @@ class CurrentLoop:
             What the motor did.
         """
         motor = self.motor
-        torque = min(max(torque, -motor.peak_torque), motor.peak_torque)
+        torque = limited(torque, -motor.peak_torque, motor.peak_torque)
         reference = torque / motor.output_constant
         back_emf = motor.output_constant * speed
         highest, lowest = motor.voltage - back_emf, -motor.voltage - back_emf  # V across the winding
         pole, period, gain, resistance = self.pole, self.sample_period, self.proportional, motor.resistance
         decay = motor.electrical_time_constant * (1.0 - pole)  # s, integral of the response from 1 to 0
         decay_square = 0.5 * decay * (1.0 + pole)  # s, integral of its square
-        current, integral_voltage, peak = self.current, self._integral_voltage, abs(self.current)
-        charge = square = energy = 0.0  # integrals of i, i^2 and v i
+        least, most = extremes(reference)
+        current, integral_voltage, peak = self.current, self.integral_voltage, abs(self.current)
+        charge = square = energy = 0.0 * reference  # integrals of i, i^2 and v i
         for _ in range(self.samples):
             error = reference - current
-            voltage = gain * error + integral_voltage
-            if voltage > highest:
-                voltage = highest
-            elif voltage < lowest:
-                voltage = lowest
-            else:  # at a voltage limit the integral part stands still, else it would wind up
-                integral_voltage += self.integral * error
+            wanted = gain * error + integral_voltage
+            voltage = least(most(wanted, lowest), highest)
+            # at a voltage limit the integral part stands still, else it would wind up
+            integral_voltage = integral_voltage + self.integral * error * (voltage == wanted)
             final = voltage / resistance
             start = current - final
             transient = start * decay
             area = final * period + transient
-            charge += area
-            square += final * (area + transient) + start * start * decay_square
-            energy += (voltage + back_emf) * area
+            charge = charge + area
+            square = square + (final * (area + transient) + start * start * decay_square)
+            energy = energy + (voltage + back_emf) * area
             current = final + start * pole
-            if current > peak or -current > peak:
-                peak = abs(current)
-        self.current, self._integral_voltage = current, integral_voltage
+            peak = most(peak, abs(current))
+        self.current, self.integral_voltage = current, integral_voltage
         duration = period * self.samples
         return MotorPeriod(
             torque=motor.output_constant * charge / duration,
             peak_torque=motor.output_constant * peak,
-            heat=motor.resistance * square,
+            heat=resistance * square,
             energy=energy,
         )

@@ -15,6 +15,7 @@ import numpy as np
 
 from dualcam.design.statics import Array
 from dualcam.systems.current_loop import CONTROL_PERIOD
+from dualcam.systems.elementwise import Number
 from dualcam.systems.gravity import GravityLoad
 from dualcam.systems.helical_cam import HelicalCam, fit_spring
 from dualcam.systems.motions import PickAndPlace
@@ -44,12 +45,12 @@ REST = RestLimits(
 )
 
 
-def weight(payload: float) -> GravityLoad:
+def weight(payload: Number) -> GravityLoad[Number]:
     """The arm's weight on the elbow.
 
     Parameters
     ----------
-    payload : float
+    payload : float or ndarray, shape (count,)
         Mass of the payload [kg].
 
     Returns
@@ -60,17 +61,17 @@ def weight(payload: float) -> GravityLoad:
     return arm_weight(payload, LEAN)
 
 
-def inertia(payload: float) -> float:
+def inertia(payload: Number) -> Number:
     """The inertia of arm and rotor about the elbow.
 
     Parameters
     ----------
-    payload : float
+    payload : float or ndarray, shape (count,)
         Mass of the payload [kg].
 
     Returns
     -------
-    float
+    float or ndarray, shape (count,)
         Inertia [kg.m2].
     """
     return AK80_6.inertia + arm_inertia(payload)

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
 from dualcam.design.statics import Array
+from dualcam.systems.elementwise import Number, cosine, sine
 
 
 @dataclass(frozen=True)
-class GravityLoad:
-    """A mass on an arm: a pendulum that leans from upright at theta = 0 and falls as theta grows.
+class GravityLoad(Generic[Number]):
+    """A mass on an arm, or many of them: a pendulum that leans from upright at theta = 0 and falls as theta
+    grows.
 
     Parameters
     ----------
-    moment : float
+    moment : float or ndarray, shape (count,)
         Mass times distance of its centre from the axis [kg.m].
-    lean : float
+    lean : float or ndarray, shape (count,)
         Lean from upright at theta = 0 [rad].
     gravity : float
         Acceleration of gravity [m/s2].
@@ -31,39 +34,39 @@ class GravityLoad:
     7.357
     """
 
-    moment: float
-    lean: float
+    moment: Number
+    lean: Number | float
     gravity: float = 9.81
 
-    def torque(self, theta: float) -> float:
+    def torque(self, theta: Number) -> Number:
         """The torque of the weight about the axis.
 
         Parameters
         ----------
-        theta : float
+        theta : float or ndarray, shape (count,)
             Angle [rad].
 
         Returns
         -------
-        float
+        float or ndarray, shape (count,)
             Torque [N.m], + in the direction of theta.
         """
-        return self.moment * self.gravity * math.sin(self.lean + theta)
+        return self.moment * self.gravity * sine(self.lean + theta)
 
-    def energy(self, theta: float) -> float:
+    def energy(self, theta: Number) -> Number:
         """The potential energy of the weight.
 
         Parameters
         ----------
-        theta : float
+        theta : float or ndarray, shape (count,)
             Angle [rad].
 
         Returns
         -------
-        float
+        float or ndarray, shape (count,)
             Energy [J], 0 with the arm horizontal.
         """
-        return self.moment * self.gravity * math.cos(self.lean + theta)
+        return self.moment * self.gravity * cosine(self.lean + theta)
 
 
 def hinged_load(mass: float, hinge: tuple[Array, Array], centre: Array, up: Array) -> GravityLoad:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Generic, NamedTuple
+
+from dualcam.systems.elementwise import Number, cosine, sine
 
 
 class HingeMotion(NamedTuple):
@@ -23,8 +25,32 @@ class HingeMotion(NamedTuple):
     upward: tuple[float, float, float]
 
 
+def across_acceleration(ahead: Number, above: Number, inclination: Number) -> Number:
+    """The acceleration across a hanging line.
+
+    Parameters
+    ----------
+    ahead, above : float or ndarray
+        Acceleration forward and upward [m/s2].
+    inclination : float or ndarray
+        Inclination of the line from straight down, + forward [rad].
+
+    Returns
+    -------
+    float or ndarray
+        Acceleration [m/s2].
+
+    Examples
+    --------
+    >>> from dualcam.systems.pendulum import across_acceleration
+    >>> across_acceleration(2.0, 9.81, 0.0)
+    2.0
+    """
+    return ahead * cosine(inclination) + above * sine(inclination)
+
+
 @dataclass(frozen=True)
-class HingedPendulum:
+class HingedPendulum(Generic[Number]):
     """A rigid segment that hangs from a hinge on a moving carrier.
 
     psi is the carrier's inclination, theta the flexion of the hinge, and chi = psi - theta + lead the
@@ -37,9 +63,9 @@ class HingedPendulum:
 
     Parameters
     ----------
-    inertia : float
+    inertia : float or ndarray, shape (count,)
         Inertia I about the hinge [kg.m2].
-    moment : float
+    moment : float or ndarray, shape (count,)
         Mass times distance of its centre from the hinge, m d [kg.m].
     lead : float
         Angle of the centre of mass ahead of the line that theta is measured to [rad].
@@ -47,13 +73,39 @@ class HingedPendulum:
         Acceleration of gravity [m/s2].
     """
 
-    inertia: float
-    moment: float
+    inertia: Number
+    moment: Number
     lead: float
     gravity: float = 9.81
 
+    def torque(self, tilt: Number, turning: Number, ahead: Number, above: Number, theta: Number) -> Number:
+        """The torque that bends the hinge.
+
+        Parameters
+        ----------
+        tilt : float or ndarray, shape (count,)
+            Inclination of the carrier [rad].
+        turning : float or ndarray, shape (count,)
+            Its second time derivative [rad/s2].
+        ahead, above : float or ndarray, shape (count,)
+            The hinge's acceleration, forward and upward [m/s2].
+        theta : float or ndarray, shape (count,)
+            Flexion [rad].
+
+        Returns
+        -------
+        float or ndarray, shape (count,)
+            Torque [N.m].
+        """
+        across = across_acceleration(ahead, above + self.gravity, tilt - theta + self.lead)
+        return self.inertia * turning + self.moment * across
+
     def drive(
-        self, hinge: HingeMotion, theta: float, omega: float = 0.0, alpha: float = 0.0
+        self: HingedPendulum[float],
+        hinge: HingeMotion,
+        theta: float,
+        omega: float = 0.0,
+        alpha: float = 0.0,
     ) -> tuple[float, float, float]:
         """The torque that bends the hinge, and its first two time derivatives along a motion.
 
@@ -76,13 +128,13 @@ class HingedPendulum:
         psi, psi1, psi2, psi3, psi4 = hinge.tilt
         x, x1, x2 = hinge.forward
         y, y1, y2 = hinge.upward
+        value = self.torque(psi, psi2, x, y, theta)
         y += self.gravity
         chi, chi1, chi2 = psi - theta + self.lead, psi1 - omega, psi2 - alpha
         c, s = math.cos(chi), math.sin(chi)
-        tangential, radial = x * c + y * s, y * c - x * s  # radial = d tangential/d chi
-        value = self.inertia * psi2 + self.moment * tangential
+        across, radial = across_acceleration(x, y, chi), y * c - x * s  # radial = d across/d chi
         first = self.inertia * psi3 + self.moment * (x1 * c + y1 * s + chi1 * radial)
         second = self.inertia * psi4 + self.moment * (
-            x2 * c + y2 * s + 2.0 * chi1 * (y1 * c - x1 * s) + chi2 * radial - chi1**2 * tangential
+            x2 * c + y2 * s + 2.0 * chi1 * (y1 * c - x1 * s) + chi2 * radial - chi1**2 * across
         )
         return value, first, second

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from dualcam.systems.elementwise import Number
 from dualcam.systems.gravity import GravityLoad
 
 # UR3e. Source: UniversalRobots/Universal_Robots_ROS2_Description, config/ur3e (physical_parameters.yaml,
@@ -16,17 +17,17 @@ WRIST_DISTANCE = 0.2132  # m from the elbow's axis to wrist 1's
 ELBOW_SPEED_LIMIT = math.radians(180.0)  # rad/s
 
 
-def arm_moment(payload: float) -> float:
+def arm_moment(payload: Number) -> Number:
     """The first moment of the arm about the elbow.
 
     Parameters
     ----------
-    payload : float
+    payload : float or ndarray, shape (count,)
         Mass of the payload [kg].
 
     Returns
     -------
-    float
+    float or ndarray, shape (count,)
         First moment [kg.m].
 
     Notes
@@ -45,17 +46,17 @@ def arm_moment(payload: float) -> float:
     return FOREARM_MASS * FOREARM_CENTRE + (sum(WRIST_MASSES) + payload) * WRIST_DISTANCE
 
 
-def arm_inertia(payload: float) -> float:
+def arm_inertia(payload: Number) -> Number:
     """The inertia of the arm about the elbow, without the rotor.
 
     Parameters
     ----------
-    payload : float
+    payload : float or ndarray, shape (count,)
         Mass of the payload [kg].
 
     Returns
     -------
-    float
+    float or ndarray, shape (count,)
         Inertia [kg.m2].
 
     Notes
@@ -67,12 +68,12 @@ def arm_inertia(payload: float) -> float:
     return forearm + (sum(WRIST_MASSES) + payload) * WRIST_DISTANCE**2
 
 
-def arm_weight(payload: float, lean: float) -> GravityLoad:
+def arm_weight(payload: Number, lean: float) -> GravityLoad[Number]:
     """The arm's weight on the elbow.
 
     Parameters
     ----------
-    payload : float
+    payload : float or ndarray, shape (count,)
         Mass of the payload [kg].
     lean : float
         The arm's angle from upright at theta = 0 [rad].

@@ -2,6 +2,10 @@
 
 #include <math.h>
 
+#include "platform/attributes.h"
+
+COMPACT_BEGIN
+
 /* ---- time derivatives ---- */
 
 static bool is_input_derivative(const Instance *instance, const char *function, ValueReference reference, int32_t order,
@@ -161,3 +165,5 @@ bool derivatives_adjoint(Instance *instance, const char *function, const Jacobia
     }
     return true;
 }
+
+COMPACT_END

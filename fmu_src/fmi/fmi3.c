@@ -11,6 +11,8 @@
 #include "fmi/simulation.h"
 #include "platform/attributes.h"
 
+COMPACT_BEGIN
+
 const char *fmi3GetVersion(void) {
     return fmi3Version;
 }
@@ -278,3 +280,5 @@ fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventI
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates) {
     return write_count(instance, __func__, nContinuousStates, CONTINUOUS_STATES);
 }
+
+COMPACT_END

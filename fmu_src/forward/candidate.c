@@ -128,11 +128,12 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .stiffness = now.rhs.by_theta,
     };
     const double spring = spring_rate(&m->params.spring, m->configuration.z);
+    const double coarse = slip.friction_varies ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
     for (int i = 0; i < 2; i++) {
         candidate.axial[i] = now.axial[i] * spring;
         candidate.contact[i] = (ContactLoad){.value = now.x[i], .rate = rates.contact[i]};
         candidate.size[i] =
-            (ContactLoad){.value = CANDIDATE_COARSE * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
+            (ContactLoad){.value = coarse * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
         if (slip.regime != REGIME_RATE_INDEPENDENT)
             candidate.size[i].value += noise_of_angle(m, candidate.axial[i] * now.dz_dtheta);
     }

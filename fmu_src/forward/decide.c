@@ -141,6 +141,7 @@ int slip_mode_of_moving(Mechanism *m, int direction) {
 void let_go(Mechanism *m, int direction) {
     for (int sign = 1; sign >= -1; sign -= 2) {
         const int flank[2] = {sign, sign}, index = slip_index(direction, flank);
+        if (flank[0] == m->state.flank[0] && flank[1] == m->state.flank[1]) continue; /* the pair that has let go */
         const Candidate candidate = candidate_of(m, index);
         if (!agrees(m, index, &candidate, false)) continue;
         slip_flanks(index, m->state.flank);

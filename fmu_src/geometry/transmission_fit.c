@@ -106,6 +106,8 @@ static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *
     return true;
 }
 
+COMPACT_BEGIN
+
 /* ---- polynomials of one piece ---- */
 
 /* The slope of cam i's groove. False if the last two Chebyshev coefficients are so large that the polynomial cannot be
@@ -192,8 +194,6 @@ COMPACT static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
     good = good && meets_neighbours(piece, &samples) && is_accurate_between_nodes(fit, piece, &samples);
     return good ? PIECE_ACCURATE : PIECE_TOO_WIDE;
 }
-
-COMPACT_BEGIN
 
 static TransmissionPiece piece_between(Breakpoint lower, Breakpoint upper) {
     return (TransmissionPiece){

@@ -234,8 +234,7 @@ enum { EDGE_ITERATIONS = 100 };
 
 /* Energy balance of a step */
 
-/* Share of the tolerance that the residual of one step may have: many steps can pass the same energy back and forth.
- * Share of all energies in the balance that is their rounding. */
+/* Share of the tolerance for the residual of one step, for many can pass the same energy; and rounding of the energies. */
 static const double STEP_ENERGY_SHARE = 0.1, STEP_ENERGY_ROUNDING = 32.0 * DBL_EPSILON;
 
 /* Breakpoints: overshoot as a share of the narrower piece's width */
@@ -373,8 +372,9 @@ static const double STICK_MARGIN_TIES = 4.0;
  * torque is beyond the edge by this many ties. */
 static const double STICK_TIES_OF_NO_SLIP = 2.0;
 
-/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance. */
-static const double CANDIDATE_COARSE = 10.0;
+/* A collocation step ends on a change of flanks to its own rounding: this many times the rounding of one balance; the
+ * second one where friction varies and contacts let go at a jam, at which Delta, not the load, tells the instant. */
+static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
 
 /* Where neither a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the
  * motion's time scale, and after at most 1e-3 s. */

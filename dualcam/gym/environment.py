@@ -1,0 +1,215 @@
+"""One episode at a time: the tasks as environments of gymnasium."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.errors import TaskError
+from dualcam.gym.batch import TERMS, Batch, Outcome
+from dualcam.gym.car_door_task import CarDoorTask
+from dualcam.gym.elbow_task import ElbowTask
+from dualcam.gym.knee_task import KneeTask
+from dualcam.gym.task import Range, Task
+from dualcam.reals import Array
+
+
+def observation_space(task: Task) -> gymnasium.Space[Array]:
+    """The space of a task's observations.
+
+    Parameters
+    ----------
+    task : Task
+        The task.
+
+    Returns
+    -------
+    gymnasium.spaces.Box, shape (entries,)
+        In the units of `task.observations`.
+    """
+    low = np.array([quantity.low for quantity in task.observations])
+    high = np.array([quantity.high for quantity in task.observations])
+    return gymnasium.spaces.Box(low, high, dtype=np.float64)
+
+
+def action_space() -> gymnasium.Space[Array]:
+    """The space of all tasks' actions: the torque asked of the motor over its peak torque.
+
+    Returns
+    -------
+    gymnasium.spaces.Box, shape (1,)
+        From -1 to 1.
+    """
+    return gymnasium.spaces.Box(-1.0, 1.0, (1,), dtype=np.float64)
+
+
+def checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Actions as an array, cut at -1 and 1.
+
+    Parameters
+    ----------
+    actions : array_like
+        The actions.
+    shape : tuple of int
+        The shape that they must have.
+
+    Returns
+    -------
+    ndarray of float64
+        The actions.
+
+    Raises
+    ------
+    TaskError
+        A wrong shape or type, or a value that is not finite.
+    """
+    try:
+        given = np.asarray(actions)
+    except ValueError:  # rows of different lengths
+        given = np.asarray(None)
+    if given.dtype.kind not in "fiu":
+        raise TaskError(f"action = {actions!r}: allowed are real numbers, shape {shape}")
+    if given.shape != shape:
+        raise TaskError(f"action has shape {given.shape}: allowed is {shape}")
+    if not np.isfinite(given).all():
+        place = tuple(int(i) for i in np.argwhere(~np.isfinite(given))[0])
+        raise TaskError(f"action{list(place)} = {given[place]}: allowed are finite numbers from -1 to 1")
+    return np.clip(given.astype(np.float64), -1.0, 1.0)
+
+
+def terms_of(outcome: Outcome) -> dict[str, Array]:
+    """The terms of the reward, for the infos of a step.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        From `Batch.step`.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (count,) each
+        By name.
+    """
+    return {name: getattr(outcome, name) for name in TERMS}
+
+
+class TaskEnv(gymnasium.Env[NDArray[np.float64], NDArray[np.float64]]):
+    """A task as an environment. `gymnasium.make` makes one by its id.
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+
+    Attributes
+    ----------
+    task : Task
+        The task.
+    batch : Batch
+        The task's only instance.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}  # type: ignore[misc]
+    task_type: ClassVar[type[Task]]
+
+    def __init__(self, render_mode: None = None, **options: float | Range) -> None:
+        self.task = self.task_type(**options)  # type: ignore[arg-type]
+        self.batch = Batch(self.task, 1)
+        self.observation_space = observation_space(self.task)
+        self.action_space = action_space()
+        self.render_mode = render_mode
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode.
+
+        Parameters
+        ----------
+        seed : int, optional
+            Seed of the random loads. Default: the next ones of the sequence.
+        options : dict, optional
+            Not used.
+
+        Returns
+        -------
+        tuple
+            Observation, shape (entries,), and loads and frictions of the episode by name.
+        """
+        super().reset(seed=seed)
+        seen = self.batch.reset(self.np_random.random((1, self.task.draws)))
+        return seen[0], {name: float(self.batch.scene[name][0]) for name in self.task.told}
+
+    def step(self, action: ArrayLike) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """One step.
+
+        Parameters
+        ----------
+        action : array_like, shape (1,)
+            Torque asked of the motor over its peak torque [1]; larger ones than 1 are cut.
+
+        Returns
+        -------
+        tuple
+            Observation, reward, terminated, truncated, and the terms of the reward by name.
+
+        Raises
+        ------
+        TaskError
+            A wrong shape, or an action that is not finite.
+        """
+        torque = self.task.motor.peak_torque * checked_actions(action, (1,))
+        seen, outcome = self.batch.step(torque)
+        terms = {name: float(value[0]) for name, value in terms_of(outcome).items()}
+        return seen[0], float(outcome.reward[0]), bool(outcome.is_over[0]), False, terms
+
+    def close(self) -> None:
+        """Free the FMU."""
+        self.batch.close()
+
+
+class ElbowEnv(TaskEnv):
+    """The task `ElbowTask`, "dualcam/Elbow-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
+
+    task_type = ElbowTask
+
+
+class KneeEnv(TaskEnv):
+    """The task `KneeTask`, "dualcam/Knee-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
+
+    task_type = KneeTask
+
+
+class CarDoorEnv(TaskEnv):
+    """The task `CarDoorTask`, "dualcam/CarDoor-v0".
+
+    Parameters
+    ----------
+    render_mode : None
+        There is no rendering.
+    **options : float or tuple of float
+        Weights and ranges of the task.
+    """
+
+    task_type = CarDoorTask

@@ -1,0 +1,257 @@
+"""The prosthetic knee as a task: swing an unknown shank as a measured walker does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.gym.task import (
+    Motion,
+    Quantity,
+    Range,
+    Scene,
+    Task,
+    check_range,
+    highest_speed,
+    spread,
+    torque_entry,
+)
+from dualcam.reals import Array
+from dualcam.systems import knee
+from dualcam.systems.axis import CamGear
+from dualcam.systems.current_loop import CONTROL_PERIOD
+from dualcam.systems.elliptical_cam import EllipticalCam
+from dualcam.systems.gait import DESIGN_WALKER
+from dualcam.systems.swing import measured_swing
+
+WALKER = DESIGN_WALKER
+SLOWEST, FASTEST, CADENCES = 0.8, 1.2, 41  # share of the self-selected cadence, in steps of 1 %
+SCENE = ("shank", "friction", "cadence")
+MOST_SHANK = 2.0
+MOST_FRICTION = 0.2
+
+
+class Curves(NamedTuple):
+    """Measured swings at all cadences, each of shape (CADENCES, most periods + 1).
+
+    Parameters
+    ----------
+    angle, speed : ndarray
+        The knee at the ends of the control periods [rad, rad/s].
+    tilt, turning : ndarray
+        The thigh's inclination in the middle of the control periods [rad] and its second derivative [rad/s2].
+    ahead, above : ndarray
+        Acceleration of the knee's axis in the middle of the control periods [m/s2].
+    length : ndarray of int, shape (CADENCES,)
+        Control periods of the swing.
+    """
+
+    angle: Array
+    speed: Array
+    tilt: Array
+    turning: Array
+    ahead: Array
+    above: Array
+    length: NDArray[np.int64]
+
+
+@cache
+def curves() -> Curves:
+    """The measured swings, sampled.
+
+    Returns
+    -------
+    Curves
+        At all cadences.
+    """
+    fine = [measured_swing(WALKER, cadence, 0.0, 0.5 * CONTROL_PERIOD) for cadence in cadences()]
+    coarse = [(len(swing.time) - 1) // 2 for swing in fine]
+    most = max(coarse) + 1
+
+    def padded(rows: list[list[float]]) -> Array:
+        return np.array([row[:most] + [row[-1]] * (most - len(row)) for row in rows])
+
+    middles = [swing.hinge[1::2] for swing in fine]
+    return Curves(
+        angle=padded([swing.angle[::2].tolist() for swing in fine]),
+        speed=padded([swing.speed[::2].tolist() for swing in fine]),
+        tilt=padded([[hinge.tilt[0] for hinge in middle] for middle in middles]),
+        turning=padded([[hinge.tilt[2] for hinge in middle] for middle in middles]),
+        ahead=padded([[hinge.forward[0] for hinge in middle] for middle in middles]),
+        above=padded([[hinge.upward[0] for hinge in middle] for middle in middles]),
+        length=np.array(coarse),
+    )
+
+
+def cadences() -> list[float]:
+    """The cadences that are drawn.
+
+    Returns
+    -------
+    list of float
+        Shares of the self-selected cadence [1].
+    """
+    return np.linspace(SLOWEST, FASTEST, CADENCES).round(2).tolist()
+
+
+@dataclass(frozen=True)
+class KneeTask(Task):
+    """Swing the shank as the measured walker does, from toe-off to heel strike, where the episode is over.
+    The mass of shank and foot and the friction are unknown.
+
+    Parameters
+    ----------
+    energy_weight, error_weight, impact_weight : float
+        As in `Task`; the error counts ten times as much.
+    shank : tuple of float
+        Least and largest mass and inertia of shank and foot over those of the walker [1].
+    friction : tuple of float
+        Least and largest Coulomb coefficient of both contacts [1].
+    cadence : tuple of float
+        Least and largest cadence over the self-selected one [1], drawn in steps of 1 %.
+    """
+
+    error_weight: float = 1000.0
+    shank: Range = (0.85, 1.15)
+    friction: Range = (0.10, 0.18)
+    cadence: Range = (0.9, 1.1)
+
+    motor = knee.MOTOR
+    gear = CamGear()
+    periods = 5
+    draws = len(SCENE)
+    told = SCENE
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_range("shank", self.shank, 0.5, MOST_SHANK, "")
+        check_range("friction", self.friction, 0.0, MOST_FRICTION, "")
+        check_range("cadence", self.cadence, SLOWEST, FASTEST, "")
+
+    @property
+    def observations(self) -> tuple[Quantity, ...]:
+        """The entries of an observation: angle, speed, planned angle and speed, share of the swing that is
+        over, cadence, torque of the motor."""
+        inertia = 0.5 * WALKER.pendulum.inertia
+        cam = replace(design_cam(), friction=MOST_FRICTION)
+        held = float(np.max(np.abs(cam.torque(np.linspace(0.0, knee.RANGE, 100), np.ones(100)))))
+        speed = highest_speed(self.motor.peak_torque + most_drive() + held, knee.RANGE, inertia)
+        planned = curves()
+        fastest = float(np.max(np.abs(planned.speed)))
+        return (
+            Quantity("angle", "rad", 0.0, knee.RANGE),
+            Quantity("speed", "rad/s", -speed, speed),
+            Quantity("planned_angle", "rad", -0.01, knee.RANGE),
+            Quantity("planned_speed", "rad/s", -fastest, fastest),
+            Quantity("phase", "1", 0.0, 1.0),
+            Quantity("cadence", "1", SLOWEST, FASTEST),
+            torque_entry(self.motor),
+        )
+
+    def parameters(self) -> dict[str, float | int]:
+        """Start values of the FMU that are the same in all episodes, by name, in SI units."""
+        return dict(knee.plant_parameters(design_cam().parameters(), WALKER))
+
+    def draw(self, numbers: Array) -> Scene:
+        """Begin episodes, as `Task.draw`: shank, friction and cadence [1], number of the cadence, angle [rad]
+        and speed [rad/s] at toe-off."""
+        shank, friction = spread(numbers[:, 0], self.shank), spread(numbers[:, 1], self.friction)
+        drawn = spread(numbers[:, 2], self.cadence)
+        row = np.rint((drawn - SLOWEST) / (FASTEST - SLOWEST) * (CADENCES - 1)).astype(int)
+        planned = curves()
+        return {
+            "shank": shank,
+            "friction": friction,
+            "cadence": np.array(cadences())[row],
+            "row": row,
+            "start": planned.angle[row, 0],
+            "start_speed": planned.speed[row, 0],
+        }
+
+    def start_values(self, scene: Scene) -> dict[str, Array]:
+        """Inertia and friction of the drawn scene, as `Task.start_values`."""
+        return {
+            "inertia.shaft": scene["shank"] * WALKER.pendulum.inertia + self.motor.inertia,
+            "cam1.friction": scene["friction"],
+            "cam2.friction": scene["friction"],
+        }
+
+    def load_torque(self, scene: Scene, angle: Array, period: NDArray[np.int64]) -> Array:
+        """The drive of the thigh's motion and of gravity, as `Task.load_torque`."""
+        planned, body = curves(), WALKER.pendulum
+        at = (scene["row"], np.minimum(period, planned.angle.shape[1] - 1))
+        pendulum = replace(body, inertia=scene["shank"] * body.inertia, moment=scene["shank"] * body.moment)
+        flexion = angle + extension()
+        return pendulum.torque(
+            planned.tilt[at], planned.turning[at], planned.ahead[at], planned.above[at], flexion
+        )
+
+    def wanted(self, scene: Scene, period: NDArray[np.int64]) -> Array:
+        """The measured angle, as `Task.wanted`."""
+        planned = curves()
+        return planned.angle[scene["row"], np.minimum(period, planned.angle.shape[1] - 1)]
+
+    def observe(self, scene: Scene, motion: Motion) -> Array:
+        """State, plan, phase, cadence and torque of the motor, as `Task.observe`."""
+        planned = curves()
+        at = (scene["row"], np.minimum(motion.period, planned.angle.shape[1] - 1))
+        phase = np.minimum(motion.period / planned.length[scene["row"]], 1.0)
+        return np.column_stack(
+            [
+                motion.angle,
+                motion.speed,
+                planned.angle[at],
+                planned.speed[at],
+                phase,
+                scene["cadence"],
+                motion.torque,
+            ]
+        )
+
+    def is_over(self, scene: Scene, period: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether the next step would pass heel strike, as `Task.is_over`."""
+        return period + self.periods > curves().length[scene["row"]]
+
+
+@cache
+def design_cam() -> EllipticalCam:
+    """The knee's cam, designed once.
+
+    Returns
+    -------
+    EllipticalCam
+        That of `dualcam.systems.knee.design_cam`.
+    """
+    return knee.design_cam()
+
+
+@cache
+def most_drive() -> float:
+    """A bound of the torque of gravity and of the thigh's motion.
+
+    Returns
+    -------
+    float
+        Torque [N.m], larger than all at the heaviest shank.
+    """
+    planned, body = curves(), WALKER.pendulum
+    turning, ahead, above = (
+        float(np.max(np.abs(c))) for c in (planned.turning, planned.ahead, planned.above)
+    )
+    return MOST_SHANK * (body.inertia * turning + body.moment * (ahead + above + body.gravity))
+
+
+@cache
+def extension() -> float:
+    """The walker's knee angle at full extension.
+
+    Returns
+    -------
+    float
+        Angle [rad].
+    """
+    return measured_swing(WALKER, 1.0, 0.0).extension

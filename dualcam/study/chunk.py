@@ -1,0 +1,136 @@
+"""What a worker does: it makes the runs of a chunk, and writes their file if it sees the study's folder."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from dualcam.fmu import Array
+from dualcam.study.encoding import Column, encoded
+from dualcam.study.plan import Plan
+from dualcam.study.readings import Readings
+from dualcam.study.runner import Block, Job, Runner, run_rows
+from dualcam.study.sampling.texts import Texts
+from dualcam.study.storage import Storage
+
+RUNS = "runs"  # folder of the files of runs and of nothing else, so that other programs read it as it is
+
+
+def name_of(runs: range, file_format: str) -> str:
+    """Of the file of these runs. The same for whoever makes them, so that no run is there twice."""
+    return f"{RUNS}/runs-{runs.start:09d}.{file_format}"
+
+
+def checksum(content: bytes) -> str:
+    """CRC-32."""
+    return f"{zlib.crc32(content):08x}"
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file of runs that is there: its size [bytes], its checksum and the number of runs that failed.
+    `content` travels to the study where the worker does not see the folder."""
+
+    size: int
+    checksum: str
+    failed: int
+    content: bytes | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True)
+class Files:
+    """The files of runs of one study.
+
+    `mark` is a file in the folder, there while the study is run: a worker that does not see it sees another
+    folder, on a machine of its own, or none."""
+
+    storage: Storage
+    file_format: str
+    plan: Plan
+    readings: Readings
+    metadata: Mapping[str, Any]
+    mark: str
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For another process: without the plan's random numbers, which each process makes itself, and
+        without what this process sees."""
+        state = {name: value for name, value in vars(self).items() if name != "is_seen"}
+        return state | {"plan": replace(self.plan)}
+
+    @cached_property
+    def is_seen(self) -> bool:
+        """Whether this process sees the study's folder."""
+        try:
+            self.storage.read(self.mark)
+        except Exception:  # each store has its own; the study then gets the content
+            return False
+        return True
+
+    def content(self, runs: range, rows: Array, block: Block) -> bytes:
+        """The file of these runs, with the values of the plan."""
+        messages = np.full(len(runs), "", dtype=object)
+        for place, text in block.messages.items():
+            messages[place] = text
+        columns: dict[str, Column] = {"run": np.arange(runs.start, runs.stop)}
+        columns |= (varied := self.varied(rows))
+        columns |= self.readings.of(block.values, varied, list(block.messages))
+        return encoded(columns | {"message": messages}, self.file_format, self.metadata)
+
+    def varied(self, rows: Array) -> dict[str, Column]:
+        """The columns of the plan: numbers, or the texts of Strings."""
+        return varied_columns(self.plan.names, rows, self.plan.texts)
+
+    def write(self, runs: range, rows: Array, block: Block) -> Written:
+        """StudyError if it cannot be written."""
+        content = self.content(runs, rows, block)
+        written = Written(len(content), checksum(content), len(block.messages))
+        if not self.is_seen:
+            return Written(written.size, written.checksum, written.failed, content)
+        self.storage.write(name_of(runs, self.file_format), content)
+        return written
+
+
+def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]) -> dict[str, Column]:
+    """The columns of rows of a plan: numbers, or the texts of Strings as the plan has them."""
+    columns: dict[str, Column] = dict(zip(names, rows.T, strict=True))
+    for name, known in texts.items():
+        places, inverse = np.unique(columns[name].astype(int), return_inverse=True)
+        labels = [known.label(place) for place in places.tolist()]
+        columns[name] = np.array(labels, dtype=object)[inverse]
+    return columns
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker is for: runs of rows that it is given, or chunks of a study."""
+
+    job: Job
+    files: Files | None = None
+
+    def perform(self, order: range | Array) -> Block | Written:
+        """The results of rows, or the file of runs."""
+        return self._made(order, lambda rows: run_rows(self.job, rows))
+
+    def perform_with(self, runner: Runner, order: range | Array) -> Block | Written:
+        """The same with a runner of this task."""
+        return self._made(order, runner.run)
+
+    def _made(self, order: range | Array, run: Any) -> Block | Written:  # noqa: ANN401
+        if not isinstance(order, range):
+            block: Block = run(order)
+            return block
+        assert self.files is not None
+        rows = self.rows(order)
+        return self.files.write(order, rows, run(rows))
+
+    def rows(self, order: range | Array) -> Array:
+        """The values of the runs of an order."""
+        if not isinstance(order, range):
+            return order
+        assert self.files is not None
+        return self.files.plan.rows(order.start, order.stop)

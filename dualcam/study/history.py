@@ -1,0 +1,225 @@
+"""Inputs over time: points with lines or curves between them, and sines. Numbers may be formulas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from dualcam.reals import Array
+from dualcam.study.problem import StudyError
+from dualcam.study.sampling.formula import formula
+
+ORDER = 3  # of the input derivatives that FMI 2.0 masters send
+STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
+PIECES = 24  # cubic pieces of a sine's period: their error is 1.2e-5 of the amplitude
+
+Number = Any  # a float, or a str: a formula over the values of a run, which `at` turns into a float
+
+
+@dataclass(frozen=True)
+class History:
+    """One input over time.
+
+    Before the first time and after the last one the value stands still. An input that is the time derivative
+    of another one, such as omega of theta, has `derivative_of` instead of points.
+
+    Parameters
+    ----------
+    time : sequence of float or str
+        Times [s], not decreasing. The same time twice is a jump.
+    value : sequence of float or str
+        Values at these times, in the FMU's unit.
+    shape : {"linear", "smooth", "sine"}
+        Between the points: straight lines, or the cubic spline that starts and ends at rest. "sine" has no
+        points: mean + amplitude sin(2 pi frequency t + phase).
+    derivative_of : str
+        Name of the input whose time derivative this one is.
+    mean, amplitude : float or str
+        Of "sine", in the FMU's unit.
+    frequency : float or str
+        Of "sine" [Hz], above 0.
+    phase : float or str
+        Of "sine" [rad].
+
+    Notes
+    -----
+    Every number may be a formula over the names that vary, such as "peak" or "0.2 + delay".
+
+    Examples
+    --------
+    >>> from dualcam.study import History
+    >>> push = History(time=[0.0, 0.2, 0.2], value=[8.0, 8.0, 0.0])  # s, N.m: 8 N.m for 0.2 s, then nothing
+    >>> push.problem() is None
+    True
+    >>> History(time=[0.0, "end", "end"], value=["peak", "peak", 0.0]).names
+    ('end', 'peak')
+    """
+
+    time: Sequence[Number] = ()
+    value: Sequence[Number] = ()
+    shape: str = "linear"
+    derivative_of: str = ""
+    mean: Number = 0.0
+    amplitude: Number = 0.0
+    frequency: Number = 0.0
+    phase: Number = 0.0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names in formulas, each once."""
+        return names_in([*self.time, *self.value, *self._wave])
+
+    @property
+    def _wave(self) -> tuple[Number, ...]:
+        return self.mean, self.amplitude, self.frequency, self.phase
+
+    def at(self, values: Mapping[str, float]) -> History:
+        """The history with the numbers of a run.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Values of the run by name.
+
+        Returns
+        -------
+        History
+            Without formulas.
+        """
+        if not self.names:
+            return self
+        time, value = ([number_at(n, values) for n in each] for each in (self.time, self.value))
+        return History(
+            time, value, self.shape, self.derivative_of, *(number_at(n, values) for n in self._wave)
+        )
+
+    def problem(self) -> str | None:
+        """What is wrong with the points, if anything is.
+
+        Returns
+        -------
+        str or None
+            What is given and what is allowed.
+        """
+        if self.derivative_of:
+            return None
+        if self.shape not in ("linear", "smooth", "sine"):
+            return f"shape {self.shape!r}: allowed are linear, smooth, sine"
+        if self.shape == "sine" or any(self._wave):
+            return self._problem_of_wave()
+        if len(self.time) == 0 or len(self.time) != len(self.value):
+            return f"{len(self.value)} values at {len(self.time)} times: allowed is one value for each time"
+        if self.names:
+            return None  # the numbers are those of each run
+        time = np.asarray([number_at(each, {}) for each in self.time], float)
+        if not np.all(np.isfinite(np.concatenate([time, np.asarray(self.value, float)]))):
+            return "times and values must be finite"
+        steps = np.diff(time)
+        if np.any(steps < 0.0) or (self.shape == "smooth" and (len(time) < 2 or np.any(steps <= 0.0))):
+            return "times must increase; twice the same is allowed where it is linear"
+        return None
+
+    def _problem_of_wave(self) -> str | None:
+        if self.shape != "sine":
+            return "amplitude, frequency, mean and phase belong to shape = 'sine': allowed are time and value"
+        if len(self.time) or len(self.value):
+            return "shape sine has time or value: allowed are amplitude, frequency, mean and phase"
+        if self.names:
+            return None
+        numbers = [number_at(each, {}) for each in self._wave]
+        if not all(map(math.isfinite, numbers)):
+            return "amplitude, frequency, mean and phase must be finite"
+        return None if numbers[2] > 0.0 else f"frequency = {numbers[2]:g}: allowed is above 0"
+
+    def taylor(self, stop: float = 0.0) -> list[tuple[float, list[float]]]:
+        """The history as pieces of polynomials.
+
+        Parameters
+        ----------
+        stop : float
+            Of "sine": end of the pieces [s].
+
+        Returns
+        -------
+        list of tuple
+            The time [s] at which each piece starts, and there the value and its derivatives of orders 1 to 3.
+        """
+        if self.shape == "sine":
+            return self._wave_pieces(stop)
+        time, value = np.asarray(self.time, float), np.asarray(self.value, float)
+        before = (-math.inf, [float(value[0]), 0.0, 0.0, 0.0])
+        after = (float(time[-1]), [float(value[-1]), 0.0, 0.0, 0.0])
+        if self.shape == "smooth":
+            from scipy.interpolate import CubicSpline
+
+            between = _cubics(time, CubicSpline(time, value, bc_type="clamped"))
+        else:
+            between = [
+                (
+                    float(time[k]),
+                    [float(value[k]), float((value[k + 1] - value[k]) / (time[k + 1] - time[k])), 0.0, 0.0],
+                )
+                for k in range(len(time) - 1)
+                if time[k + 1] > time[k]
+            ]
+        return [before, *between, after]
+
+    def derivative(self) -> History:
+        """Of "sine": the time derivative, which is a sine, too."""
+        rate = 2.0 * math.pi * self.frequency
+        amplitude, phase = rate * self.amplitude, self.phase + math.pi / 2.0
+        return replace(self, mean=0.0, amplitude=amplitude, phase=phase)
+
+    def _wave_pieces(self, stop: float) -> list[tuple[float, list[float]]]:
+        """Cubics with the sine's values and slopes at their ends."""
+        from scipy.interpolate import CubicHermiteSpline
+
+        rate = 2.0 * math.pi * self.frequency
+        count = math.ceil(min(PIECES * self.frequency * stop, 2.0 * STEPS_MAX))
+        if count > STEPS_MAX:
+            raise StudyError(
+                f"frequency = {self.frequency:g} Hz over {stop:g} s: allowed are up to "
+                f"{STEPS_MAX // PIECES:,} periods"
+            )
+        time = np.linspace(0.0, stop, max(count, 1) + 1)
+        angle = rate * time + self.phase
+        value = self.mean + self.amplitude * np.sin(angle)
+        return _cubics(time, CubicHermiteSpline(time, value, rate * self.amplitude * np.cos(angle)))
+
+
+def _cubics(time: Array, spline: Any) -> list[tuple[float, list[float]]]:  # noqa: ANN401
+    """The pieces of a cubic spline: where each starts, value and derivatives there."""
+    return [
+        (float(t), [math.factorial(k) * float(c[ORDER - k]) for k in range(ORDER + 1)])
+        for t, c in zip(time[:-1], spline.c.T, strict=True)
+    ]
+
+
+def names_in(numbers: Sequence[Number]) -> tuple[str, ...]:
+    """The names in those that are formulas, each once."""
+    found = [name for number in numbers if isinstance(number, str) for name in formula(number).names]
+    return tuple(dict.fromkeys(found))
+
+
+def number_at(number: Number, values: Mapping[str, Any]) -> float:
+    """The number itself, or the formula's value."""
+    return float(formula(number)(values)) if isinstance(number, str) else float(number)
+
+
+def problem_of_number(name: str, number: Number, above: float = 0.0) -> list[str]:
+    """What is wrong with a number or a formula, if anything is."""
+    if number is None:
+        return []
+    if isinstance(number, str):
+        try:
+            formula(number)
+        except StudyError as error:
+            return [f"{name} = {error}"]
+        return []
+    if math.isfinite(number) and number > above:
+        return []
+    return [f"{name} = {number}: allowed is a finite number{' above 0' if above == 0.0 else ''}"]

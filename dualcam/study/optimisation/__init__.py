@@ -1,0 +1,24 @@
+"""Optimisation: the best design instead of a cloud of points.
+
+    from dualcam.study import FmuRuns, Optimisation, Scenario, Vary, optimise
+
+    best = optimise(
+        Optimisation(
+            FmuRuns("forward", Scenario(0.001)),
+            {"cam1.lead_angle": Vary(0.4, 1.2), "cam2.lead_angle": Vary(0.4, 1.2)},
+            {"efficiency": "maximise"},
+        ),
+        "results/best",
+    )
+
+A design is a row of values. Its runs are those of a study. Several parts of each design, as made, give a
+percentile. The search (`gradient`, `evolution`, `genetic`) asks for batches of designs. The record
+keeps them.
+"""
+
+from dualcam.study.optimisation.optimum import Optimum
+from dualcam.study.optimisation.reading import read_optimisation
+from dualcam.study.optimisation.run import optimise
+from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation
+
+__all__ = ["Deviation", "FmuRuns", "Optimisation", "Optimum", "optimise", "read_optimisation"]

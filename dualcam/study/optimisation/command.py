@@ -1,0 +1,112 @@
+"""`dualcam study` for files with a section [optimise]: search, files, page."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dualcam.study.optimisation.design_files import fits_design_file, write_design
+from dualcam.study.optimisation.optimum import Optimum
+from dualcam.study.optimisation.page import shown, write_page
+from dualcam.study.optimisation.reading import read_optimisation
+from dualcam.study.optimisation.run import optimise
+from dualcam.study.optimisation.task import Optimisation
+from dualcam.study.problem import StudyError, refuse
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+PAGE, BEST, FRONT_DESIGNS = "optimum.html", "best.toml", "front_designs"
+FRONT, DESIGNS = "front.csv", "designs.csv"
+
+
+def run(paths: Sequence[Path], folder: Path, workers: int, scheduler: str | None, console: Console) -> None:
+    """Search for the optima that files describe, and write what was found into folders below this one.
+
+    Raises
+    ------
+    StudyError
+        A task is wrong; or no design keeps all constraints, which is said after all searches.
+    """
+    tasks = [(read_optimisation(path), path.stem) for path in paths]
+    found = [_search(task, folder / name, workers, scheduler, console) for task, name in tasks]
+    refuse([text for one in found for text in _shortfall(one)])
+
+
+def _shortfall(found: Optimum) -> list[str]:
+    """What to say of a search without a design that keeps all constraints."""
+    if found.feasible or found.folder is None:
+        return []
+    nearest = found.folder / (BEST if fits_design_file(found.task) else PAGE)
+    return [
+        f"{found.folder.name}: none of {found.evaluated:,} designs keeps all constraints. The nearest one, "
+        f"{nearest}, misses: {'; '.join(found.violated)}"
+    ]
+
+
+def _search(
+    task: Optimisation, folder: Path, workers: int, scheduler: str | None, console: Console
+) -> Optimum:
+    from dualcam.study.study import say
+
+    say(console, f"{folder.name}: {task.method_used}, at most {task.budget:,} designs")
+    found = optimise(task, folder, workers, scheduler, console)
+    write_files(found, folder, folder.name)
+    for line in summary(found):
+        say(console, line)
+    say(console, f"page: {folder / PAGE}")
+    return found
+
+
+def summary(found: Optimum) -> list[str]:
+    """The optimum in lines."""
+    lines = [
+        f"{text} = {value:.6g} ({found.task.objectives[text]})" for text, value in found.objectives.items()
+    ]
+    lines += [
+        f"  {name} = {value}" if isinstance(value, str) else f"  {name} = {value:.6g}"
+        for name, value in found.design.items()
+    ]
+    lines += [f"  active: {text}" for text in found.active]
+    count = f"{found.evaluated:,} designs evaluated, {found.infeasible:,} of them infeasible"
+    if found.failed:
+        text = max(found.messages, key=lambda text: found.messages[text])
+        count += f", {found.failed:,} of these failed, such as: {text}"
+    return [*lines, count]
+
+
+def write_files(found: Optimum, folder: Path, title: str) -> None:
+    """Page, table of the front, and design files."""
+    try:
+        _write_table(folder / FRONT, found.front)
+        _write_table(folder / DESIGNS, found.designs)
+        if fits_design_file(found.task):
+            _write_designs(found, folder, title)
+        write_page(found, folder / PAGE, title)
+    except OSError as error:
+        raise StudyError(f"cannot write into {folder}: {error.strerror or error}") from error
+
+
+def _write_table(path: Path, columns: dict[str, np.ndarray]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def _write_designs(found: Optimum, folder: Path, title: str) -> None:
+    values = ", ".join(f"{text} = {value:.6g}" for text, value in found.objectives.items())
+    head = f"Best design of {title}: {values}"
+    write_design(folder / BEST, found.task, found.design, head)
+    if len(found.task.objectives) < 2:
+        return
+    (folder / FRONT_DESIGNS).mkdir(exist_ok=True)
+    for k in shown(found):
+        design = {name: found.front[name].tolist()[k] for name in found.design}
+        words = ", ".join(f"{text} = {found.front[text][k]:.6g}" for text in found.task.objectives)
+        path = folder / FRONT_DESIGNS / f"design_{k + 1:04d}.toml"
+        write_design(path, found.task, design, f"Design {k + 1} of the front of {title}: {words}")

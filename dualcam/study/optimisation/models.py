@@ -1,0 +1,169 @@
+"""Models: what gives the results of designs."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import pickle
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from dualcam.errors import DualcamError
+from dualcam.library import source_path
+from dualcam.model_description import read_model_description
+from dualcam.reals import Array
+from dualcam.study.entries import hint
+from dualcam.study.evaluator import Evaluator as StudyRuns
+from dualcam.study.optimisation.task import Design, FmuRuns, Function, Optimisation
+from dualcam.study.plan import Plan
+from dualcam.study.problem import StudyError, refuse
+from dualcam.study.runner import Block
+from dualcam.study.study import Study
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+REFUSALS = (DualcamError, ArithmeticError, ValueError)  # of a function: this design is none
+
+
+class Model(Protocol):
+    """Gives results, shape (designs, results), for rows of values."""
+
+    def __call__(self, rows: Array) -> Block: ...
+
+    def close(self) -> None: ...
+
+
+def plan_of(task: Optimisation) -> Plan:
+    """What a row of values is: designed values, chance, values that have a tolerance alone; then what follows
+    from these. A plan of one run, for its `names`, `completed` and `texts`."""
+    nominal = own_values(task)
+    vary = {**task.designed, **task.chance}
+    for name, deviation in task.tolerances.items():
+        if name not in vary:
+            vary[name] = deviation.distribution(nominal[name])
+    if not isinstance(task.model, FmuRuns):
+        return Plan("latin", vary, runs=1, same_as=task.same_as)
+    return Plan(
+        "latin",
+        vary,
+        runs=1,
+        same_as=task.same_as,
+        derived=task.model.derived,
+        constraints=task.model.conditions,
+        on_violation="mark",
+    )
+
+
+def open_model(
+    task: Optimisation, plan: Plan, workers: int = 0, scheduler: str | Client | None = None
+) -> Model:
+    """The task's model for rows of these values. StudyError for what concerns every design."""
+    if isinstance(task.model, FmuRuns):
+        fixed = {name: value for name, value in task.model.parameters.items() if name not in plan.names}
+        study = Study(source_path(task.model.fmu), plan, task.model.scenario, task.read, fixed)
+        return StudyRuns(study, workers, scheduler)
+    if scheduler is not None:
+        raise StudyError("a scheduler makes runs of an FMU: a function as the model has workers alone")
+    return FunctionModel(task.model, plan, task.read, workers)
+
+
+def own_values(task: Optimisation) -> dict[str, float]:
+    """The model's own values of what is designed, where these are numbers, and of what has a tolerance."""
+    needed = [name for name in task.tolerances if name not in task.vary]
+    if not isinstance(task.model, FmuRuns):
+        refuse(
+            [
+                f"optimise: tolerances: {name} does not vary: a function gets what varies only"
+                for name in needed
+            ]
+        )
+        return {}
+    variables = read_model_description(source_path(task.model.fmu)).variables
+    starts = {each.name: each.start for each in variables}
+    found: dict[str, float] = {}
+    for name in [*task.designed, *needed]:
+        with suppress(TypeError, ValueError):  # no start value, or one that is no number
+            found[name] = float(task.model.parameters.get(name, starts.get(name)))  # type: ignore[arg-type]
+    refuse(
+        [
+            f"optimise: tolerances: {name} is no number of the FMU{hint(name, starts)}"
+            for name in needed
+            if name not in found
+        ]
+    )
+    return found
+
+
+class FunctionModel:
+    """Calls a function for each design, here or in processes."""
+
+    def __init__(self, function: Function, plan: Plan, results: Sequence[str], workers: int = 0) -> None:
+        self._function, self._plan, self._results = function, plan, list(results)
+        self._processes: ProcessPoolExecutor | None = None
+        if workers > 0:
+            _check_sendable(function)
+            self._processes = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"))
+
+    def __call__(self, rows: Array) -> Block:
+        attempt = partial(_attempt, self._function)
+        designs = [self._design(row) for row in rows.tolist()]
+        try:
+            given = list((self._processes.map if self._processes else map)(attempt, designs))
+        except BrokenProcessPool as error:
+            raise StudyError(
+                "a process of the model ended without a word (crashed or killed). What was evaluated before "
+                "is kept in the folder: give the same command again. A script that starts processes needs "
+                'if __name__ == "__main__":'
+            ) from error
+        values = np.full((len(rows), len(self._results)), math.nan)
+        messages: dict[int, str] = {}
+        for place, one in enumerate(given):
+            if isinstance(one, str):
+                messages[place] = one
+            else:
+                values[place] = self._chosen(one)
+        return Block(values, messages)
+
+    def _design(self, row: Sequence[float]) -> Design:
+        design: Design = dict(zip(self._plan.names, row, strict=True))
+        return design | {name: texts[round(float(design[name]))] for name, texts in self._plan.texts.items()}
+
+    def _chosen(self, given: object) -> list[float]:
+        if not isinstance(given, Mapping):
+            raise StudyError(f"the model returned {given!r:.60}: allowed is a dict of results by name")
+        if lacking := [name for name in self._results if name not in given]:
+            raise StudyError(
+                f"the model gives no {', '.join(lacking)}: allowed are {', '.join(map(str, given))}, and "
+                "what varies"
+            )
+        return [float(given[name]) for name in self._results]
+
+    def close(self) -> None:
+        if self._processes is not None:
+            self._processes.shutdown(cancel_futures=True)
+
+
+def _attempt(function: Function, design: Design) -> Any:  # noqa: ANN401
+    """What the function returns, or why it refuses the design."""
+    try:
+        given = function(design)
+    except REFUSALS as error:
+        return str(error) or type(error).__name__
+    return None if isinstance(given, str) else given
+
+
+def _check_sendable(function: Function) -> None:
+    try:
+        pickle.dumps(function)
+    except Exception as error:  # pickle has several for it
+        raise StudyError(
+            f"the model cannot be sent to other processes: {error}: allowed is a function of a module; or "
+            "use workers = 0"
+        ) from error

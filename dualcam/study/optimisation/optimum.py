@@ -1,0 +1,86 @@
+"""What a search found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dualcam.reals import Array
+
+if TYPE_CHECKING:
+    from dualcam.study.optimisation.task import Design, Optimisation
+
+ACTIVE = 1e-3  # a bound or a limit that is nearer than this share of the range or of the limit is active
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best design, or the best ones of several objectives.
+
+    Attributes
+    ----------
+    task
+        What was asked.
+    design
+        Values of the best design by name. With several objectives: of the front the design that is nearest to
+        the best of each objective, as a share of the front's extent.
+    results
+        Its results, of the parts exactly as designed.
+    objectives, constraints
+        Its values by the text of the formula, with tolerances the percentile. A constraint with two limits
+        has the value that is nearer to its limit.
+    feasible
+        Whether it keeps all constraints. If it does not, no design was found that does: this one is nearest.
+    active
+        Bounds and constraints that hold the best design back, in words.
+    violated
+        Constraints that the best design misses, in words with the distance.
+    front
+        Values, results and objectives of all designs that no other one beats in each objective: arrays by
+        name, in order of the first objective. With one objective: the best design alone.
+    designs
+        All designs in the order of their evaluation: values, results, objectives, `feasible` (1 or 0) and
+        `message` (why it failed, or empty), arrays by name.
+    history
+        Convergence, shape (n, 2): designs evaluated so far, and the best objective until then; of several
+        objectives the hypervolume of the front until then, as a share of that at the end.
+    evaluated, infeasible, failed
+        Number of designs, of those that miss a constraint or failed, and of those that failed.
+    messages
+        Number of failed designs by the reason.
+    folder
+        Where the results are; None: nowhere.
+    """
+
+    task: Optimisation
+    design: Design
+    results: dict[str, float]
+    objectives: dict[str, float]
+    constraints: dict[str, float]
+    feasible: bool
+    active: list[str]
+    violated: list[str]
+    front: dict[str, Any]
+    designs: dict[str, Any]
+    history: Array
+    evaluated: int
+    infeasible: int
+    failed: int
+    messages: dict[str, int]
+    folder: Path | None = None
+
+
+def unbeaten(losses: Array) -> Array:
+    """Places of the designs that no other one beats: no loss above, one below. In order of the first loss.
+    Of equal designs the first."""
+    order = np.lexsort(losses.T[::-1])  # a design is beaten by earlier ones only
+    kept = np.empty_like(losses)
+    places: list[int] = []
+    for place in order:
+        if not np.any(np.all(kept[: len(places)] <= losses[place], axis=1)):
+            kept[len(places)] = losses[place]
+            places.append(int(place))
+    return np.array(places, dtype=np.intp)

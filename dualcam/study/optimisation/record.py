@@ -1,0 +1,156 @@
+"""What was evaluated, on disk: one line of JSON for each batch of designs, written before the search goes on.
+
+A search is a function of its seed and of what its designs gave. A search that was interrupted is therefore
+made again from its beginning, and each batch that is on disk is read instead of evaluated: no design is
+evaluated twice, and the end is that of an uninterrupted search, bit for bit. A line that an interruption cut
+is dropped.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from filelock import FileLock, Timeout
+
+from dualcam.reals import Array
+from dualcam.study.optimisation.evaluation import Batch
+from dualcam.study.problem import StudyError
+
+FACTS = "optimisation.json"
+BATCHES = "evaluations.jsonl"
+
+
+class Record:
+    """The batches of one search in a folder; without a folder nothing is kept."""
+
+    def __init__(self, folder: Path | None, facts: dict[str, Any], versions: dict[str, str]) -> None:
+        """StudyError if the folder holds another search, or cannot be written."""
+        self._folder = folder
+        self._known: Iterator[Batch] = iter(())
+        self.resumed = 0  # designs on disk
+        self._lock: FileLock | None = None
+        if folder is None:
+            return
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _locked(folder)
+            self._begin(folder, json.loads(json.dumps(facts)), versions)
+            batches = self._read(folder / BATCHES)
+        except StudyError:
+            self.close()
+            raise
+        except (OSError, ValueError, KeyError) as error:
+            self.close()
+            raise StudyError(
+                f"{folder} cannot be used: {error}: give another folder, or delete it"
+            ) from error
+        self.resumed = sum(len(batch.shares) for batch in batches)
+        self._known = iter(batches)
+
+    def close(self) -> None:
+        """Others may write there now."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    def _begin(self, folder: Path, facts: dict[str, Any], versions: dict[str, str]) -> None:
+        path = folder / FACTS
+        if path.exists():
+            begun = json.loads(path.read_text(encoding="utf-8"))
+            other = [key for key in facts if json.dumps(begun["task"].get(key)) != json.dumps(facts[key])]
+            other += [key for key in versions if begun["versions"].get(key) != versions[key]]
+            if other and (folder / BATCHES).exists():
+                raise StudyError(
+                    f"{folder} holds another search (other {', '.join(other)}): give another folder, or "
+                    "delete it"
+                )
+        unfinished = path.with_suffix(".unfinished")
+        unfinished.write_text(json.dumps({"task": facts, "versions": versions}, indent=1), encoding="utf-8")
+        unfinished.replace(path)
+
+    def _read(self, path: Path) -> list[Batch]:
+        """All whole lines; what follows them is cut off."""
+        if not path.exists():
+            return []
+        content, end, batches = path.read_bytes(), 0, []
+        for line in content.splitlines(keepends=True):
+            batch = _parsed(line)
+            if batch is None:
+                break
+            batches.append(batch)
+            end += len(line)
+        if end < len(content):
+            with path.open("r+b") as file:
+                file.truncate(end)
+        return batches
+
+    def next_known(self, shares: Array) -> Batch | None:
+        """The next batch on disk, which must be that of these designs; None if there is no more."""
+        batch = next(self._known, None)
+        if batch is not None and not np.array_equal(batch.shares, shares):
+            raise StudyError(
+                f"the designs in {self._folder} are not those that this search asks for, as by another "
+                "computer's arithmetic: give another folder, or delete it"
+            )
+        return batch
+
+    def append(self, batch: Batch) -> None:
+        """Keep a batch. StudyError if the disk does not take it."""
+        if self._folder is None:
+            return
+        path = self._folder / BATCHES
+        try:
+            with path.open("ab") as file:
+                file.write(_line(batch))
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise StudyError(
+                f"cannot write {path}: {error.strerror or error}. What was evaluated before is kept: make "
+                "room, and give the same command again"
+            ) from error
+
+
+def _locked(folder: Path) -> FileLock | None:
+    """A lock that ends with the process, whatever ends that; None where the file system has none."""
+    lock = FileLock(folder / ".lock")
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise StudyError(
+            f"another process is searching in {folder}: wait for its end, or give another folder"
+        ) from None
+    except NotImplementedError:  # such as NFS without locks
+        return None
+    return lock
+
+
+def _line(batch: Batch) -> bytes:
+    arrays = {
+        name: getattr(batch, name).tolist() for name in ("shares", "results", "objectives", "constraints")
+    }
+    text = json.dumps(arrays | {"messages": batch.messages}).encode()
+    return b"%08x %s\n" % (zlib.crc32(text), text)
+
+
+def _parsed(line: bytes) -> Batch | None:
+    """None for a line that is not as it was written."""
+    mark, _, text = line.rstrip(b"\n").partition(b" ")
+    with suppress(ValueError):
+        if line.endswith(b"\n") and int(mark, 16) == zlib.crc32(text):
+            read = json.loads(text)
+            count = len(read["shares"])
+            shares, results, objectives, constraints = (
+                np.array(read[name], float).reshape(count, -1)
+                for name in ("shares", "results", "objectives", "constraints")
+            )
+            messages = {int(place): text for place, text in read["messages"].items()}
+            return Batch(shares, results, objectives, constraints, messages)
+    return None

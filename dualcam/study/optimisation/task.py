@@ -1,0 +1,358 @@
+"""What is to be optimised: the model, what varies, and what is wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from dualcam.model_description import Scalar
+from dualcam.study.entries import hint, is_whole
+from dualcam.study.optimisation.formula import result_formula
+from dualcam.study.problem import StudyError, refuse
+from dualcam.study.sampling.correlation import Correlation
+from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.vary import Vary
+from dualcam.study.scenario import Scenario
+
+METHODS = ("slsqp", "evolution", "nsga2")
+DIRECTIONS = ("minimise", "maximise")
+SHAPES = ("normal", "uniform", "triangular")  # as Tolerance.within, whose module loads scipy.stats
+SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
+Design = dict[str, float | str]
+Function = Callable[[Design], Mapping[str, float]]
+Range = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True)
+class FmuRuns:
+    """A model whose results are those of an FMU at the end of a scenario, or at times in it.
+
+    Parameters
+    ----------
+    fmu : str or Path
+        "forward", "inverse", or the path of an FMU of FMI 2.0 or FMI 3.0.
+    scenario : Scenario
+        What is done in each run.
+    parameters : mapping of str to float, int, bool or str
+        Start values that are the same in every run.
+    derived : mapping of str to str
+        Formulas over the varied values, by the name of what gets their value, as in `Plan`.
+    conditions : mapping of str to str
+        Formulas over the varied values that must be true, by a name of theirs: a design that violates one is
+        not run.
+
+    Examples
+    --------
+    >>> from dualcam.study import FmuRuns, Scenario
+    >>> FmuRuns("forward", Scenario(0.1)).scenario.stop
+    0.1
+    """
+
+    fmu: str | Path
+    scenario: Scenario
+    parameters: Mapping[str, Scalar] = field(default_factory=dict)
+    derived: Mapping[str, str] = field(default_factory=dict)
+    conditions: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far one made part may lie from its design: limits on a drawing.
+
+    Parameters
+    ----------
+    plus_minus : float
+        Half-width of the limits, in the unit of the parameter.
+    shape : {"normal", "uniform", "triangular"}
+        As in `dualcam.design.tolerances.Tolerance.within`.
+
+    Examples
+    --------
+    >>> from dualcam.study import Deviation
+    >>> Deviation(0.02, "uniform").distribution().limits()
+    (-0.02, 0.02)
+    """
+
+    plus_minus: float
+    shape: str = "normal"
+
+    def problem(self) -> str | None:
+        """What is wrong, if anything is.
+
+        Returns
+        -------
+        str or None
+            What is given and what is allowed.
+        """
+        if self.shape not in SHAPES:
+            return f"shape = {self.shape!r}: allowed are {', '.join(SHAPES)}"
+        if not (math.isfinite(self.plus_minus) and self.plus_minus > 0.0):
+            return f"plus_minus = {self.plus_minus:g}: allowed is a finite number above 0"
+        return None
+
+    def distribution(self, nominal: float = 0.0) -> Vary:
+        """The values of parts as made.
+
+        Parameters
+        ----------
+        nominal : float
+            Value of the design.
+
+        Returns
+        -------
+        Vary
+            Within the limits around `nominal`.
+        """
+        low, high = nominal - self.plus_minus, nominal + self.plus_minus
+        if self.shape == "uniform":
+            return Vary(low, high)
+        if self.shape == "triangular":
+            arguments = {"c": 0.5, "loc": low, "scale": high - low}
+            return Vary(low, high, distribution="triang", arguments=arguments)
+        arguments = {"mean": nominal, "std": self.plus_minus / SIGMAS}
+        return Vary(low, high, distribution="normal", arguments=arguments)
+
+
+@dataclass(frozen=True)
+class Optimisation:
+    """The search for the best design.
+
+    Parameters
+    ----------
+    model : FmuRuns or callable
+        Runs of an FMU; or a function of a module that gets one design, a dict of values by name, and returns
+        results by name. What the function refuses with a DualcamError is no design.
+    vary : mapping of str to Vary
+        What is designed: bounds, or values to choose from. What has a distribution is not chosen but happens,
+        differently in each part as made.
+    objectives : mapping of str to str
+        "minimise" or "maximise" for each result, or formula over results and varied values.
+    constraints : mapping of str to tuple
+        Least and greatest value of results or formulas; None: no limit on this side.
+    method : {"slsqp", "evolution", "nsga2"}, optional
+        SLSQP with gradients, differential evolution, or NSGA-II, which is the one for several objectives.
+        Default: "evolution" for one objective, "nsga2" for several.
+    budget : int
+        Most designs that are evaluated, those for gradients included.
+    population : int, optional
+        Designs in a generation. Default: ten for each varied value, at least 20 and at most 100.
+    starts : int
+        Of "slsqp": searches from different designs.
+    start : mapping of str to float or str
+        Design with which the search begins. Default: the model's own, else the middle of the bounds.
+    seed : int
+        Start of the random numbers, 0 or more.
+    tolerances : mapping of str to Deviation
+        Of varied values and of fixed ones. With these, and with distributions in `vary`, an objective is a
+        percentile over parts as made.
+    percentile : float
+        Share of the parts [%] that are as good as the objective says, and keep each constraint.
+    samples : int
+        Parts made of each design; all designs have the same deviations.
+    difference : float
+        Step of the gradients' differences, as a share of the bounds' distance.
+    same_as : mapping of str to str
+        Variables that get the value of another one, which varies.
+    correlations : sequence of Correlation
+        Of what has a distribution.
+    results : sequence of str
+        Results to be shown beside those in objectives and constraints.
+
+    Raises
+    ------
+    StudyError
+        All that is wrong, at once.
+
+    Examples
+    --------
+    >>> from dualcam.study import FmuRuns, Optimisation, Scenario, Vary
+    >>> angles = {"cam1.lead_angle": Vary(0.4, 1.2), "cam2.lead_angle": Vary(0.4, 1.2)}
+    >>> task = Optimisation(FmuRuns("forward", Scenario(0.001)), angles, {"efficiency": "maximise"})
+    >>> task.method_used
+    'evolution'
+    """
+
+    model: FmuRuns | Function
+    vary: Mapping[str, Vary]
+    objectives: Mapping[str, str]
+    constraints: Mapping[str, Range] = field(default_factory=dict)
+    method: str = ""
+    budget: int = 2000
+    population: int = 0
+    starts: int = 4
+    start: Mapping[str, float | str] = field(default_factory=dict)
+    seed: int = 0
+    tolerances: Mapping[str, Deviation] = field(default_factory=dict)
+    percentile: float = 95.0
+    samples: int = 64
+    difference: float = 1e-3
+    same_as: Mapping[str, str] = field(default_factory=dict)
+    correlations: Sequence[Correlation] = ()
+    results: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        problems = [*self._problems_of_search(), *self._problems_of_design(), *self._problems_of_goals()]
+        refuse([f"optimise: {text}" for text in problems])
+
+    @cached_property
+    def designed(self) -> dict[str, Vary]:
+        """What is chosen."""
+        return {name: vary for name, vary in self.vary.items() if not vary.distribution}
+
+    @cached_property
+    def chance(self) -> dict[str, Vary]:
+        """What happens."""
+        return {name: vary for name, vary in self.vary.items() if vary.distribution}
+
+    @property
+    def is_robust(self) -> bool:
+        """Whether parts as made differ from their design."""
+        return bool(self.chance or self.tolerances)
+
+    @property
+    def method_used(self) -> str:
+        """The method, if none was named the one for this number of objectives."""
+        return self.method or ("evolution" if len(self.objectives) == 1 else "nsga2")
+
+    @property
+    def population_used(self) -> int:
+        """Designs in a generation."""
+        return min(self.population or min(max(10 * len(self.designed), 20), 100), self.budget)
+
+    @cached_property
+    def formulas(self) -> dict[str, Formula]:
+        """Those of objectives and constraints by their text."""
+        return {text: result_formula(text) for text in [*self.objectives, *self.constraints]}
+
+    @cached_property
+    def read(self) -> list[str]:
+        """What is read of the model: results in formulas, then those that are shown."""
+        derived = self.model.derived if isinstance(self.model, FmuRuns) else {}
+        given = {*self.vary, *self.same_as, *derived}
+        wanted = [name for formula in self.formulas.values() for name in formula.names if name not in given]
+        return list(dict.fromkeys([*wanted, *self.results]))
+
+    def _problems_of_search(self) -> list[str]:
+        found = []
+        wholes = [("budget", 1), ("population", 0), ("starts", 1), ("seed", 0), ("samples", 2)]
+        for name, least in wholes:
+            value = getattr(self, name)
+            if not is_whole(value) or value < least:
+                found.append(f"{name} = {value!r}: allowed is a whole number, {least} or more")
+        if is_whole(self.population) and 0 < self.population < 5:
+            found.append(f"population = {self.population}: allowed is 5 or more")
+        if not 0.0 < self.percentile < 100.0:
+            found.append(f"percentile = {self.percentile:g}: allowed is between 0 and 100 %")
+        if not 0.0 < self.difference <= 0.1:
+            found.append(f"difference = {self.difference:g}: allowed is above 0, at most 0.1")
+        if self.method and self.method not in METHODS:
+            found.append(f"method = {self.method!r}: allowed are {', '.join(METHODS)}")
+        elif len(self.objectives) > 1 and self.method_used != "nsga2":
+            found.append(
+                f"method {self.method} has one objective, here are {len(self.objectives)}: "
+                'allowed is method = "nsga2"; or make one formula of them, or limit all but one in '
+                "constraints"
+            )
+        return found
+
+    def _problems_of_design(self) -> list[str]:
+        found = []
+        if not self.designed:
+            found.append("nothing is designed: name at least one variable with bounds in vary")
+        for name, vary in self.vary.items():
+            if problem := vary.problem(False):
+                found.append(f"{name}: {problem}")
+            elif name in self.start and not _within(vary, self.start[name]):
+                found.append(f"start: {name} = {self.start[name]!r}: allowed is {bounds_words(vary)}")
+            if self.method_used == "slsqp" and vary.is_list:
+                found.append(
+                    f"{name} has values to choose from, and slsqp follows gradients: allowed are from and "
+                    'to; or method = "evolution"'
+                )
+        found += [
+            f"start: {name} is not designed{hint(name, self.designed)}"
+            for name in self.start
+            if name not in self.designed
+        ]
+        found += [
+            f"{name} the same as {other}: allowed is one that varies, for one that does not"
+            for name, other in self.same_as.items()
+            if name in self.vary or other not in self.vary
+        ]
+        return found + self._problems_of_parts()
+
+    def _problems_of_parts(self) -> list[str]:
+        found = []
+        for name, deviation in self.tolerances.items():
+            if problem := deviation.problem():
+                found.append(f"tolerances: {name}: {problem}")
+            if name in self.same_as:
+                other = self.same_as[name]
+                found.append(f"tolerances: {name} is the same as {other}: give the tolerance of {other}")
+            if name in self.vary and self.vary[name].is_list:
+                found.append(f"tolerances: {name} has values to choose from, which are exact")
+            if name in self.chance:
+                found.append(f"tolerances: {name} has a distribution: allowed is one of both")
+        for each in self.correlations:
+            if problem := each.problem(self.chance):
+                found.append(f"correlation: {problem}")
+        return found
+
+    def _problems_of_goals(self) -> list[str]:
+        found = []
+        if not self.objectives:
+            found.append('there is no objective: name at least one result, such as "efficiency" = "maximise"')
+        for text, direction in self.objectives.items():
+            if direction not in DIRECTIONS:
+                found.append(f"{text} = {direction!r}: allowed are {', '.join(DIRECTIONS)}")
+        for text, (least, most) in self.constraints.items():
+            limits = [limit for limit in (least, most) if limit is not None]
+            if not limits or not all(math.isfinite(limit) for limit in limits):
+                found.append(f"constraint {text}: allowed are finite limits, at least one")
+            elif least is not None and most is not None and least > most:
+                found.append(
+                    f"constraint {text} from {least:g} to {most:g}: the first must not be above the second"
+                )
+        texts = {name for name, vary in self.designed.items() if vary.texts is not None and vary.is_list}
+        for text in [*self.objectives, *self.constraints]:
+            try:
+                names = result_formula(text).names
+            except StudyError as error:
+                found.append(str(error))
+                continue
+            if not names:
+                found.append(f"{text!r} is a constant: name a result")
+            found += [f"{text!r} uses {name}, which is a text" for name in names if name in texts]
+        return found
+
+
+def bounds_words(vary: Vary) -> str:
+    """What a designed value may be."""
+    if vary.is_list:
+        return f"one of {', '.join(map(str, choices(vary)))}"
+    low, high = vary.limits()
+    return f"{low:g} to {high:g}"
+
+
+def choices(vary: Vary) -> list[float | str]:
+    """Values to choose from."""
+    return [vary.values[place] for place in range(len(vary.values))]
+
+
+def _within(vary: Vary, value: float | str) -> bool:
+    if vary.is_list:
+        return value in choices(vary)
+    return not isinstance(value, str) and vary.low <= value <= vary.high
+
+
+def share_of(vary: Vary, value: float | str) -> float:
+    """Where a value lies between the bounds: the inverse of `Vary.at`."""
+    if vary.is_list:
+        return (choices(vary).index(value) + 0.5) / len(vary.values)
+    number = float(value)
+    if vary.log:
+        return math.log(number / vary.low) / math.log(vary.high / vary.low)
+    return (number - vary.low) / (vary.high - vary.low)

@@ -1,0 +1,1 @@
+"""How the values of the runs are drawn: distributions, correlation, arrangements, formulas."""

@@ -1,0 +1,94 @@
+"""Tables of runs: CSV and Parquet files, numbers and texts."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dualcam.reals import Array
+from dualcam.study.problem import StudyError
+from dualcam.study.sampling.texts import GivenTexts
+from dualcam.study.sampling.vary import Vary
+
+
+def is_parquet(path: Path) -> bool:
+    """Whether the name of a file says that it is a Parquet file."""
+    return path.suffix.lower() in (".parquet", ".pq")
+
+
+def read_csv(path: Path, texts: Collection[str] = ()) -> dict[str, Sequence[Any]]:
+    """Columns by name; those of `texts` have texts. StudyError for a file that is no such table."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            names = [name.strip() for name in next(reader, [])]
+            if not names:
+                raise ValueError("it is empty")
+            rows = [(reader.line_num, row) for row in reader if any(row)]
+        for line, row in rows:
+            if len(row) != len(names):
+                raise ValueError(f"line {line} has {len(row)} cells, the first line {len(names)}")
+        columns = [[row[place].strip() for _, row in rows] for place in range(len(names))]
+        lines = [line for line, _ in rows]
+        found: dict[str, Sequence[Any]] = {
+            name: cells if name in texts else _numbers(cells, lines)
+            for name, cells in zip(names, columns, strict=True)
+        }
+    except (OSError, ValueError) as error:
+        raise StudyError(f"plan: {path} is no table of numbers under a line of names: {error}") from error
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise StudyError(f"plan: {path} has two columns {', '.join(twice)}: allowed is one")
+    return found
+
+
+def _numbers(cells: Sequence[str], lines: Sequence[int]) -> list[float]:
+    found = []
+    for line, cell in zip(lines, cells, strict=True):
+        try:
+            found.append(float(cell))
+        except ValueError as error:
+            raise ValueError(f"line {line}: {error}") from error
+    return found
+
+
+def read_parquet(path: Path) -> dict[str, Sequence[Any]]:
+    """Columns by name. StudyError for a file that is no Parquet file, or if pyarrow is not installed."""
+    try:
+        parquet = importlib.import_module("pyarrow.parquet")
+    except ImportError:
+        raise StudyError("a table in Parquet needs pyarrow: pip install pyarrow, or take CSV") from None
+    try:
+        table = parquet.read_table(path, use_threads=False, pre_buffer=False)
+    except (OSError, ValueError) as error:
+        raise StudyError(f"plan: {path} cannot be read as Parquet: {error}") from error
+    return {name: table[name].to_pylist() for name in table.column_names}
+
+
+def places(
+    columns: Mapping[str, Sequence[Any] | Array], folder: Path | None = None
+) -> tuple[dict[str, Vary], Array]:
+    """What varies, and the table of a plan: of texts their places.
+
+    `folder` is where relative paths among the texts start."""
+    if len({len(values) for values in columns.values()}) > 1:
+        lengths = ", ".join(f"{name} {len(values)}" for name, values in columns.items())
+        raise StudyError(f"plan: columns of different lengths: {lengths}: allowed is one length")
+    vary, table = {}, []
+    for name, values in columns.items():
+        if len(values) and all(isinstance(value, str) for value in values):
+            different = list(dict.fromkeys(values))
+            vary[name] = Vary(values=GivenTexts.of(different, folder))
+            place = {text: float(k) for k, text in enumerate(different)}
+            table.append(np.array([place[value] for value in values]))
+            continue
+        vary[name] = Vary()
+        try:
+            table.append(np.asarray(values, float))
+        except (TypeError, ValueError) as error:
+            raise StudyError(f"plan: column {name}: allowed are numbers, or texts alone: {error}") from None
+    return vary, np.column_stack(table) if table else np.empty((0, 0))

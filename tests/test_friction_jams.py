@@ -1,0 +1,204 @@
+"""Friction that grows with the sliding speed until it jams, and wedged rest (docs/mechanism.md).
+
+Oracles: the balances solved by SciPy, DOP853, the zero of a polynomial, and the balance of energy.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from driver import ERROR, OK, models
+from reference import LOADING, RELEASING, STICK
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+FORWARD = models["DualCamForward"]
+CUTS, WEDGED = (1, 2, 7, 60), 6
+R, LEAD = (0.02, 0.03), (1.2, 1.1)
+A = tuple(r * math.tan(lead) for r, lead in zip(R, LEAD, strict=True))
+TURN, LIFT = A[1] / (A[0] + A[1]), A[0] * A[1] / (A[0] + A[1])
+SLIDING = TURN * math.hypot(R[0], A[0])  # m/rad, of contact 1
+MU, BRANCH = (0.1, 0.05), 2.0  # 1; s/m at cam 1
+HELICES = {
+    "cam1.radius": R[0],
+    "cam2.radius": R[1],
+    "cam1.lead_angle": LEAD[0],
+    "cam2.lead_angle": LEAD[1],
+    "cam1.friction": MU[0],
+    "cam2.friction": MU[1],
+    "cam1.friction_viscous": BRANCH,
+    "spring.stiffness": 0.0,
+    "stop.lower": -50.0,
+    "stop.upper": 50.0,
+    "contacts": 1,
+}
+
+
+def factors(omega, flanks=(1, 1)):
+    """n_i r_i and d_i of section 3 at a speed."""
+    way = 1 if omega >= 0 else -1
+    mu = MU[0] + BRANCH * SLIDING * abs(omega), MU[1]
+    f = [way * e * m for e, m in zip(flanks, mu, strict=True)]
+    return [r * (a + k * r) for r, a, k in zip(R, A, f, strict=True)], [
+        r - k * a for r, a, k in zip(R, A, f, strict=True)
+    ]
+
+
+def delta(omega, flanks=(1, 1)):
+    rn, d = factors(omega, flanks)
+    return d[0] * rn[1] + rn[0] * d[1]
+
+
+def lever(omega, flanks=(1, 1)):
+    """rho: torque per axial load."""
+    rn, _ = factors(omega, flanks)
+    return rn[0] * rn[1] / delta(omega, flanks)
+
+
+JAM = brentq(delta, 0.0, 1e4)  # rad/s, at which loading jams
+
+
+def run(fmu, duration, pieces, tau, pull):
+    """Constant or linear inputs (value, rate) over `duration`, in equal steps."""
+    h = duration / pieces
+    for k in range(pieces):
+        fmu.set({"tau": tau[0] + tau[1] * k * h, "F_ext": pull[0] + pull[1] * k * h})
+        if tau[1] or pull[1]:
+            fmu.set_rates(tau=tau[1], F_ext=pull[1])
+        status = fmu.call("fmi2DoStep", fmu.time, h, 1)
+        if status != OK:
+            return status
+        fmu.time += h
+    return OK
+
+
+@pytest.mark.parametrize("share", [0.5, 0.99, 1.0 - 1e-6])
+def test_speed_without_inertia_is_the_root_of_the_balance(make_model, share):
+    """tau = rho(mu(omega)) F_0: a root as close to the jam as asked for."""
+    load, omega = 40.0, share * JAM
+    fmu = make_model(FORWARD).start(HELICES | {"spring.preload": load, "inertia.shaft": 0.0})
+    assert run(fmu, 1e-3, 1, (load * lever(omega), 0.0), (0.0, 0.0)) == OK
+    assert fmu.get("mode") == LOADING
+    assert fmu.get("omega") == pytest.approx(omega, rel=1e-9)
+
+
+def test_speed_without_inertia_is_no_jam(make_model):
+    """The axial load passes zero while the torque loads: the torque left has no zero on the old flanks then.
+    Friction heat never falls, and the energy balance closes."""
+    parameters = HELICES | {"spring.preload": 20.0, "shaft.damping": 0.002, "inertia.shaft": 0.0}
+    fmu, heat = make_model(FORWARD).start(parameters), 0.0
+    for k in range(40):
+        assert run(fmu, 5e-3, 1, (0.6, 0.0), (-30.0 + k, 0.0)) == OK, fmu.messages[-1].text
+        assert fmu.get("energy.heat_cam1") + fmu.get("energy.heat_cam2") >= heat
+        heat = fmu.get("energy.heat_cam1") + fmu.get("energy.heat_cam2")
+        assert abs(fmu.get("energy.residual")) <= 1e-8 * (heat + fmu.get("energy.work_in"))
+
+
+def test_torque_that_no_speed_balances_is_refused(make_model):
+    """rho for mu to infinity is finite if contact 2 does not lock: 1/(kappa_2 - s_1/r_1)."""
+    kappa_2 = (1.0 - MU[1] * A[1] / R[1]) / (A[1] + MU[1] * R[1])
+    flat = HELICES | {"cam1.lead_angle": 0.1, "spring.preload": 40.0, "inertia.shaft": 0.0}
+    limit = 40.0 / (kappa_2 - math.tan(0.1) / R[0])
+    fmu = make_model(FORWARD).start(flat)
+    assert run(fmu, 1e-4, 1, (0.99 * limit, 0.0), (0.0, 0.0)) == OK
+    assert run(fmu, 1e-4, 1, (1.01 * limit, 0.0), (0.0, 0.0)) == ERROR
+    assert "without inertia no speed balances the torque" in fmu.messages[-1].text
+    inertial = make_model(FORWARD).start(flat | {"inertia.shaft": 1e-4})
+    assert run(inertial, 1e-4, 1, (1.01 * limit, 0.0), (0.0, 0.0)) == OK
+
+
+def test_no_speed_at_rest_without_inertia(make_model):
+    """The load grows until the band holds the torque: the speed is zero wherever the mode is stick."""
+    fmu = make_model(FORWARD).start(HELICES | {"spring.preload": 5.0, "inertia.shaft": 0.0})
+    for k in range(30):
+        assert run(fmu, 1e-3, 1, (0.3, 0.0), (1.0 * k, 0.5e3)) == OK
+        assert fmu.get("mode") in (STICK, LOADING, RELEASING)
+        assert fmu.get("mode") != STICK or fmu.get("omega") == 0.0
+
+
+@pytest.mark.parametrize("pieces", CUTS)
+def test_energy_closes_while_the_contacts_hold_the_speed(make_model, pieces):
+    """A small load: the speed stays 1e-6 below the jam, where J alpha = tau - rho(omega) F_0."""
+    load, inertia = 1e-4, 1e-4
+    fmu = make_model(FORWARD).start(HELICES | {"spring.preload": load, "inertia.shaft": inertia})
+    assert run(fmu, 2.0, pieces, (0.5, 0.0), (0.0, 0.0)) == OK
+    held = brentq(lambda omega: 0.5 - load * lever(omega), 0.0, JAM * (1 - 1e-12))
+    assert fmu.get("omega") == pytest.approx(held, rel=1e-8)
+    assert abs(fmu.get("energy.residual")) <= 1e-8 * fmu.get("energy.work_in")
+
+
+def test_contacts_let_go_where_the_load_vanishes(make_model):
+    """The load passes zero while the contacts hold the speed. Then J alpha = tau - rho F on the flanks of the
+    coming load, from the speed held on: by DOP853."""
+    inertia, tau, rate, start = 1e-4, 0.5, 40.0, 2.0
+    parameters = HELICES | {"spring.preload": 0.0, "inertia.shaft": inertia}
+
+    def held(load):
+        return brentq(lambda w: tau - load * lever(w), 0.0, JAM * (1 - 1e-15))
+
+    assert lever(0.5 * JAM, (-1, -1)) > 0.0  # so that the coming load is held by the other flanks
+    vanishes = start / rate
+    end = 1.1 * vanishes
+
+    def rates(t, x):
+        return [(tau - rate * (vanishes - t) * lever(x[0], (-1, -1))) / inertia]
+
+    found = []
+    for pieces in CUTS:
+        fmu = make_model(FORWARD).start(parameters)
+        assert run(fmu, end, pieces, (tau, 0.0), (start, -rate)) == OK
+        found.append(fmu.get("omega"))
+    after = solve_ivp(rates, (vanishes, end), [held(1e-13)], method="DOP853", rtol=1e-12, atol=1e-12)
+    assert found == pytest.approx([after.y[0, -1]] * len(CUTS), rel=1e-6)
+    assert np.ptp(found) <= 1e-7 * abs(found[0])
+
+
+PAINLEVE = {
+    "cam1.radius": 0.28,
+    "cam2.radius": 0.0035,
+    "cam1.lead_angle": 0.15,
+    "cam2.lead_angle": 0.7,
+    "cam1.friction": 1.0,
+    "cam2.friction": 0.13,
+    "spring.preload": 0.0,
+    "spring.stiffness": 0.0,
+    "inertia.shaft": 9e-4,
+    "inertia.follower": 1.8e-4,
+    "stop.upper": 10.0,
+}
+
+
+def agrees(tau, load):
+    """Does a pair of flanks agree with the reactions of loading from rest? Section 6, for alpha and x_i."""
+    r = PAINLEVE["cam1.radius"], PAINLEVE["cam2.radius"]
+    a = [r[i] * math.tan(PAINLEVE[f"cam{i + 1}.lead_angle"]) for i in (0, 1)]
+    turn, inertia = a[1] / (a[0] + a[1]), (PAINLEVE["inertia.shaft"], PAINLEVE["inertia.follower"])
+    for flanks in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        f = [e * PAINLEVE[f"cam{i + 1}.friction"] for i, e in enumerate(flanks)]
+        rn, d = [r[i] * (a[i] + f[i] * r[i]) for i in (0, 1)], [r[i] - f[i] * a[i] for i in (0, 1)]
+        matrix = [[d[0], d[1], 0.0], [rn[0], 0.0, inertia[0] + inertia[1] * turn], [0.0, rn[1], inertia[0]]]
+        x0, x1, alpha = np.linalg.solve(matrix, [load, tau, tau])
+        moves = (d[0] * rn[1] + rn[0] * d[1]) * np.linalg.det(matrix) < 0.0
+        if moves and alpha > 0.0 and flanks[0] * x0 >= 0.0 and flanks[1] * x1 >= 0.0:
+            return True
+    return False
+
+
+def test_wedge_ends_where_flanks_agree(make_model):
+    """Beyond a finite edge of the band, with no pair of flanks that agrees, until the load has grown."""
+    tau, rate, end = 0.1, 20.0, 0.03
+    least = brentq(lambda load: 1.0 if agrees(tau, load) else -1.0, 0.1, 0.5)
+    found = []
+    for pieces in CUTS:
+        fmu = make_model(FORWARD).start(PAINLEVE)
+        assert run(fmu, least / rate * (1 - 1e-6), pieces, (tau, 0.0), (0.0, rate)) == OK
+        assert fmu.get("mode") == WEDGED and fmu.get("omega") == 0.0
+        assert fmu.get("torque_load") < tau
+        fmu = make_model(FORWARD).start(PAINLEVE)
+        assert run(fmu, least / rate * (1 + 1e-6), pieces, (tau, 0.0), (0.0, rate)) == OK
+        assert fmu.get("mode") == LOADING and fmu.get("omega") > 0.0
+        fmu = make_model(FORWARD).start(PAINLEVE)
+        assert run(fmu, end, pieces, (tau, 0.0), (0.0, rate)) == OK
+        found.append(fmu.get("omega"))
+    assert found[0] > 0.0
+    assert np.ptp(found) <= 1e-8 * found[0]

@@ -1,0 +1,280 @@
+"""Plan files with mistakes: all are told at once, each with key, value, what is allowed and what works."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+from study_cases import FORWARD, refused, study
+
+from dualcam.__main__ import main
+from dualcam.design_file import DesignFileError
+from dualcam.study import Correlation, History, Plan, Scenario, StudyError, Vary, read_study
+
+SOUND = """
+fmu = "{fmu}"
+results = ["theta@0.2", "efficiency"]
+[parameters]
+"cam2.radius" = "21 mm"
+[plan]
+kind = "latin"
+runs = 100
+[plan.vary]
+peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
+push = {{ from = "100 ms", to = 0.2 }}
+"cam1.friction" = {{ from = 0.1, to = 0.2 }}
+"cam2.friction" = {{ from = 0.1, to = 0.2 }}
+wire = {{ from = "1.9 mm", to = "2.1 mm" }}
+[plan.derived]
+"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * 4)"
+[plan.constraints]
+soft = "spring.stiffness < 5400"
+[[plan.correlation]]
+of = ["cam1.friction", "cam2.friction"]
+rank = 0.8
+[scenario]
+stop = "400 ms"
+inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
+"""
+TEN = [  # what is replaced, by what, and what is told
+    ('results = ["theta@0.2"', 'results = ["thetta@0.2"', ["thetta", "did you mean theta"]),
+    ('"cam2.radius"', '"cam2.radios"', ["cam2.radios", "did you mean cam2.radius"]),
+    ("runs = 100", "run = 100", ["plan has run: did you mean runs?"]),
+    ('distribution = "normal"', 'distribution = "normall"', ["peak", "'normall'", "did you mean", "normal"]),
+    ('to = 0.2 }}\n"cam1', 'to = 0.05 }}\n"cam1', ["push", "from 0.1 to 0.05", "first below the second"]),
+    (
+        '"cam1.friction" = {{ from = 0.1',
+        '"cam1.friction" = {{ from = -0.1',
+        ["-0.1", "33.3 %", "FMU allows 0"],
+    ),
+    ("/ (8 *", "/ (8 + *", ["spring.stiffness", "is no formula", "allowed are numbers"]),
+    (
+        'soft = "spring.stiffness',
+        'soft = "spring.stifness',
+        ["spring.stifness", "did you mean spring.stiffness"],
+    ),
+    ("rank = 0.8", "rank = 1.8", ["correlation", "rank = 1.8", "above -1 and below 1"]),
+    ('stop = "400 ms"', 'stop = "400 mm"', ["stop = '400 mm'", "no unit of time", "10 ms"]),
+    ("inputs.tau", "inputs.tua", ["tua", "did you mean tau"]),
+    ("[scenario]", "[scenario]\ntolerence = 1e-9", ["scenario has tolerence: did you mean tolerance?"]),
+]
+
+
+def told(path):
+    with pytest.raises(StudyError) as caught:
+        read_study(path)
+    return caught.value
+
+
+def test_the_sound_plan_is_sound(tmp_path):
+    path = tmp_path / "plan.toml"
+    path.write_text(SOUND.format(fmu=FORWARD))
+    assert read_study(path).plan.count == 100
+
+
+def test_a_plan_with_a_dozen_mistakes_gets_a_dozen_messages(tmp_path, capsys):
+    text = SOUND
+    for old, new, _ in TEN:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    path = tmp_path / "plan.toml"
+    path.write_text(text.format(fmu=FORWARD))
+    error = told(path)
+    assert len(error.problems) == len(TEN)
+    for _, _, mentions in TEN:
+        assert any(all(word in problem for word in mentions) for problem in error.problems), mentions
+    assert str(error).startswith(f"{path}: {len(TEN)} mistakes\n")
+    assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
+    assert capsys.readouterr().err.count("\n") == len(TEN) + 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("old, new, mentions", [
+    *TEN,
+    ('fmu = "{fmu}"', 'fmu = "forwrd"', ["forwrd", "forward"]),
+    ('kind = "latin"', 'kind = "lattin"', ["kind = 'lattin'", "did you mean latin"]),
+    ('kind = "latin"', "", ["plan lacks kind"]),
+    ('kind = "latin"', 'kind = "latin"\nlevels = 3.5', ["levels = 3.5", "whole number"]),
+    ('kind = "latin"', 'kind = "fast"', ["correlation in a plan of kind fast", "random, latin, sobol"]),
+    ("std = 1.0", "sdt = 1.0", ["plan: peak has sdt", "did you mean std"]),
+    ("std = 1.0, ", "", ["peak", "distribution normal lacks std"]),
+    ("std = 1.0", "std = -1.0", ["peak", "std = -1", "scipy.stats allows no such values"]),
+    ("from = 5", "from = 50, to = 60", ["peak", "no probability"]),
+    ("mean = \"8 N.m\"", "mean = \"8 ells\"", ["peak", "mean = '8 ells'", "not known"]),
+    ('wire = {{ from = "1.9 mm"', 'wire = {{ log = 1, from = "1.9 mm"', ["wire", "log = 1", "true or false"]),
+    ('wire = {{ from = "1.9 mm"', 'wire = {{ values = [1e-3], from = "1.9 mm"', ["values has from, to"]),
+    ("[plan.vary]", '[plan.vary]\n"cam1.radios" = {{ values = [1] }}', ["cam1.radios", "cam1.radius"]),
+    ('"cam2.friction" = {{ from = 0.1, to = 0.2 }}', '"cam2.friction" = 0.1', ["cam2.friction = 0.1"]),
+    ("of = [\"cam1.friction\", ", "of = [", ["correlation of cam2.friction", "two names"]),
+    ("rank = 0.8", "rank = 0.8\npearson = 0.7", ["one of rank and pearson"]),
+    ("rank = 0.8", "rang = 0.8", ["correlation 1 has rang", "did you mean rank"]),
+    ("[plan.constraints]", "[plan.constraints]\nhard = 'wire > thickness'", ["hard", "thickness"]),
+    ("[plan.derived]", "[plan.derived]\nwire = 'push'", ["wire varies and is derived"]),
+    ("[plan.derived]", "[plan.derived]\na = 'b'\nb = 'a'", ["a, b use each other in a circle"]),
+    ("'20 mm'^3 * 4", "'20 m'^3 * 4", []),  # allowed: a soft spring
+    ("'20 mm'^3 * 4", "'20 mm'^3 * -4", ["spring.stiffness, derived", "100 %", "Change the formula"]),
+    ('value = ["peak", "peak", 0.0]', 'value = ["peak", "paek", 0.0]', ["uses paek", "did you mean peak"]),
+    ('value = ["peak", "peak", 0.0]', 'value = ["peak", 0.0]', ["tau", "2 values at 3 times"]),
+    ("inputs.tau = {{ time", "inputs.tau = {{ shape = 'wavy', time", ["tau", "shape 'wavy'", "sine"]),
+    ("inputs.tau = {{ time", "inputs.tau = {{ amplitude = 3, time", ["tau", "belong to shape"]),
+    ("[parameters]", "[parameters]\npush = 0.2", ["push"]),
+    ('"cam2.radius" = "21 mm"', '"cam1.friction" = 0.1', ["cam1.friction varies and is fixed too"]),
+    ('"cam2.radius" = "21 mm"', '"tau" = 0.1', ["tau has a history and a value of its own"]),
+    ("runs = 100", "runs = 100\non_violation = 'forget'", ["on_violation = 'forget'", "redraw, mark"]),
+    ("[plan.derived]", "[plan.derived]\npi = '3'", ["pi is a constant"]),
+])  # fmt: skip
+def test_one_mistake_gets_one_message(tmp_path, old, new, mentions):
+    path = tmp_path / "plan.toml"
+    assert old in SOUND
+    path.write_text(SOUND.replace(old, new).format(fmu=FORWARD))
+    if not mentions:
+        assert read_study(path).plan.count == 100
+        return
+    error = told(path)
+    assert len(error.problems) == 1, error.problems
+    assert all(word in str(error) for word in [str(path), *mentions]), str(error)
+
+
+def test_a_design_file_tells_all_mistakes_of_its_study(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("""
+scenario.stop = 0.1
+[study]
+results = ["theta"]
+plan.kind = "lattin"
+plan.run = 3
+plan.vary."cam1.frction" = {from = 0.1, to = 0.2}
+""")
+    with pytest.raises(DesignFileError) as caught:
+        read_study(path)
+    assert all(word in str(caught.value) for word in ("3 mistakes", "latin", "runs", "cam1.friction"))
+
+
+def test_a_study_of_a_design_may_have_its_own_scenario(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("""
+[cam1]
+radius = "25 mm"
+[scenario]
+stop = 0.1
+[study]
+results = ["theta"]
+plan = {kind = "grid", vary.peak = {values = ["3 N.m", 8]}}
+scenario = {stop = 0.2, inputs.tau = "peak"}
+""")
+    one = read_study(path)
+    assert one.scenario.stop == 0.2 and one.parameters["cam1.radius"] == 0.025
+    assert one.plan.rows(0, 2).tolist() == [[3.0], [8.0]]
+
+
+# ---- shares ----
+
+
+@pytest.mark.parametrize("mean, std, low", [(0.1, 0.1, ""), (0.05, 0.03, ""), (0.1, 0.1, "-0.05")])
+def test_a_distribution_outside_of_the_range_says_which_share(tmp_path, mean, std, low):
+    """By the normal distribution's function: the FMU allows 0 to 10."""
+    path = tmp_path / "plan.toml"
+    cut = f", from = {low}" if low else ""
+    text = SOUND.replace(
+        '"cam1.friction" = {{ from = 0.1, to = 0.2 }}',
+        f'"cam1.friction" = {{{{ distribution = "normal", mean = {mean}, std = {std}{cut} }}}}',
+    )
+    path.write_text(text.format(fmu=FORWARD))
+    below = norm(mean, std).cdf(0.0)
+    least = norm(mean, std).cdf(float(low)) if low else 0.0
+    share = 100.0 * (below - least) / (1.0 - least)
+    error = told(path)
+    assert f"{share:.3g} % of the runs would be refused: the FMU allows 0 to 10" in str(error)
+    assert "give from = 0" in str(error)
+    path.write_text(path.read_text().replace(f"std = {std}{cut}", f"std = {std}, from = 0.0"))
+    assert read_study(path).plan.limits()["cam1.friction"][0] == 0.0
+
+
+def test_a_tail_that_no_run_reaches_is_allowed():
+    """Below 0 by 7 standard deviations: 1e-12 of the runs."""
+    usual = Vary(distribution="normal", arguments={"mean": 0.14, "std": 0.02})
+    one = study(Plan("latin", {"cam1.friction": usual}, runs=100))
+    assert one.plan.share_outside("cam1.friction", 0.0, 10.0) == pytest.approx(norm.cdf(-7.0), rel=1e-9)
+    from dualcam.study.checking import check
+
+    check(one.job(), one.plan).close()
+
+
+# ---- plans from Python ----
+
+
+@pytest.mark.parametrize("wrong, mentions", [
+    (lambda: Vary(0.1, 0.2, arguments={"mean": 1.0}), ["mean without distribution"]),
+    (lambda: Vary(0.1, 0.2, log=True, distribution="norm", arguments={"loc": 0, "scale": 1}), ["log"]),
+    (lambda: Vary(values=(1, 2), distribution="norm"), ["values and distribution norm"]),
+    (lambda: Vary(values=(1, 2), weights=(1,)), ["1 weights of 2 values"]),
+    (lambda: Vary(values=(1, 2), weights=(0, 0)), ["weights = [0.0, 0.0]", "not all 0"]),
+    (lambda: Vary(0.1, 0.2, weights=(1, 2)), ["weights without values"]),
+    (lambda: Vary(distribution="beta", arguments={"a": 1, "c": 2}), ["no argument c", "a, b, loc"]),
+    (lambda: Vary(distribution="beta", arguments={"a": 1, "b": float("nan")}), ["b = nan", "finite"]),
+    (lambda: Vary(distribution="normal", arguments={"mean": 1, "std": 0}), ["std = 0"]),
+])  # fmt: skip
+def test_values_that_make_no_sense(wrong, mentions):
+    with refused("plan: a: ", *(re.escape(word) for word in mentions)):
+        Plan("latin", {"a": wrong()}, runs=4)
+
+
+def test_a_plan_from_python_tells_all_mistakes():
+    with pytest.raises(StudyError) as caught:
+        Plan(
+            "hexagon", {"a": Vary(2.0, 1.0), "b": Vary(1.0, 2.0)}, runs=4, seed=-1, same_as={"b": "c"},
+            derived={"d": "a + x"}, constraints={"e": "a <"}, on_violation="leave",
+        )  # fmt: skip
+    assert len(caught.value.problems) == 7
+    with pytest.raises(StudyError) as caught:
+        Scenario(-1.0, {"tau": History([1.0, 0.0], [0.0, 1.0]), "F_ext": History([0], ["1 +"])}, step=0.0)
+    assert len(caught.value.problems) == 4
+
+
+def test_morris_and_unbounded_distributions():
+    vary = {"a": Vary(distribution="normal", arguments={"mean": 1.0, "std": 0.1})}
+    with refused("a: Morris takes both ends", "give from and to"):
+        Plan("morris", vary, runs=4)
+    cut = {"a": Vary(0.5, 1.5, distribution="normal", arguments={"mean": 1.0, "std": 0.1})}
+    assert np.ptp(Plan("morris", cut, runs=4).rows(0, 8)) > 0.1
+
+
+@pytest.mark.parametrize("runs, kind, mentions", [
+    (60, "fast", ["runs = 60", "at least 65"]),
+    (100, "saltelli", ["runs = 100", "power of 2"]),
+])  # fmt: skip
+def test_arrangements_of_wrong_size(runs, kind, mentions):
+    with refused(*mentions):
+        Plan(kind, {"a": Vary(0.0, 1.0)}, runs)
+
+
+def test_a_correlation_that_cannot_be():
+    vary = {"a": Vary(0.0, 1.0), "t": Vary(values=("x", "y"))}
+    for pair, mentions in (
+        (("a", "t"), ["t varies over texts"]),
+        (("a", "a"), ["a with itself"]),
+        (("a", "z"), ["z does not vary"]),
+    ):
+        with refused(*mentions):
+            Plan("latin", vary, 4, correlations=[Correlation(*pair, 0.5)])
+    with refused("twice"):
+        both = [Correlation("a", "b", 0.5), Correlation("b", "a", 0.4)]
+        Plan("latin", {"a": Vary(0.0, 1.0), "b": Vary(0.0, 1.0)}, 4, correlations=both)
+
+
+@pytest.mark.parametrize("wrong, mentions", [
+    ({"cam1.table": Vary(0.0, 1.0)}, ["cam1.table is a String", "values"]),
+    ({"cam1.radius": Vary(values=("a", "b"))}, ["cam1.radius is Real", "given are texts"]),
+    ({"contacts": Vary(distribution="normal", arguments={"mean": 1.5, "std": 0.1}, low=1.1, high=1.9)},
+     ["contacts is Integer", "whole"]),
+    ({"gain": Vary(1.0, 2.0)}, ["gain is no variable of the FMU, and no formula uses gain"]),
+])  # fmt: skip
+def test_values_that_the_fmu_does_not_take(tmp_path, wrong, mentions):
+    with refused(*mentions):
+        study(Plan("latin", wrong, runs=4)).run(tmp_path, workers=0)
+
+
+def test_whole_numbers_of_a_distribution_are_allowed(tmp_path):
+    vary = Vary(1, 2, distribution="randint", arguments={"low": 1, "high": 3})
+    table = study(Plan("latin", {"contacts": vary}, runs=64), results=["contacts"]).run(tmp_path, workers=0)
+    assert sorted(set(table["contacts"])) == [1.0, 2.0] and set(table["message"]) == {""}
