@@ -46,7 +46,7 @@ SHARES = np.linspace(0.0, 1.9, 20)  # of the LQI's integral gain; from 4 on the 
 DRAWS = 250
 PAYLOADS, FRICTIONS = (0.5, 2.5), (0.10, 0.18)  # kg, 1
 ERROR_COST = 1e6  # J/(rad^2.s)
-BLOCK = 2000  # loops at a time: their arrays stay in the cache
+BLOCK = 1000  # loops at a time: their arrays stay in the cache
 COUNT = 2.0 * math.pi / 4096 / AK80_6.gear  # rad at the output, of the encoder
 FILTER = 1.0 - math.exp(-2.0 * math.pi * 100.0 * CONTROL_PERIOD)  # low-pass filter of the speed, 100 Hz
 PERIODS = round(elbow.MOTION.period / CONTROL_PERIOD)
@@ -216,15 +216,14 @@ def report(result: Study) -> str:
 def draw_maps(result: Study, path: Path) -> None:
     """Both maps of the cost, with both picks."""
     figure = Figure(figsize=(6.4, 7.6), layout="constrained")
-    maps = {
-        "payload and friction as believed": result.believed,
-        "95th percentile over payload and friction": result.high,
-    }
-    for plot, (title, cost) in zip(figure.subplots(2, 1), maps.items(), strict=True):
+    titles = "payload and friction as believed", "95th percentile over payload and friction"
+    maps = zip(figure.subplots(2, 1), titles, (result.believed, result.high), strict=True)
+    for plot, title, cost in maps:
         levels = np.geomspace(cost.min(), min(cost.max(), 20.0 * cost.min()), 15)
         colours = plot.contourf(BANDWIDTHS, SHARES, cost.T, levels, norm="log", extend="max")
         for (name, (i, j)), mark in zip(result.picks.items(), "os", strict=True):
-            plot.plot(BANDWIDTHS[i], SHARES[j], mark, color="white", mec="black", ms=10, label=name)
+            style = {"color": "white", "mec": "black", "ms": 10, "clip_on": False}
+            plot.plot(BANDWIDTHS[i], SHARES[j], mark, label=name, zorder=5, **style)
         plot.set(title=title, xlabel="bandwidth [Hz]", ylabel="share of integral gain", xscale="log")
         plot.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])
         plot.set_xticks([], minor=True)
