@@ -16,6 +16,7 @@ class Transfer(Structure):
     _fields_ = [
         ("regular", c_bool),
         ("rho", c_double),
+        ("rho_rate", c_double),
         ("rho_kappa1", c_double),
         ("axial", Pair),
         ("moment", Pair),
@@ -23,7 +24,7 @@ class Transfer(Structure):
 
 
 class BandFactors(Structure):
-    _fields_ = [("load", c_double), ("release", c_double)]
+    _fields_ = [(name, c_double) for name in ("load", "release", "load_rate", "release_rate")]
 
 
 @pytest.fixture(scope="module")

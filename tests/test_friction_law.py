@@ -338,13 +338,6 @@ def test_refused(make_model, name):
     assert next(n for n in values if n.startswith("cam")) in text
 
 
-@pytest.mark.parametrize("model", [FORWARD, INVERSE])
-@pytest.mark.parametrize("value", [0.3, -0.3])
-def test_dependence_on_the_load_is_refused(make_model, model, value):
-    for name in ("cam1.friction_load_exponent", "cam2.friction_load_exponent"):
-        make_model(model).refused_set({name: value}, mentions=(name, "only 0"))
-
-
 def test_tuning_that_is_refused_changes_nothing(make_model):
     fmu = make_model(FORWARD).start({"inertia.shaft": 0.0})
     fmu.step(0.01, tau=3.0)

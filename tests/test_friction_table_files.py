@@ -36,7 +36,7 @@ REFUSED = {
     "negative": (GOOD.replace("0.12", "-0.1"), ["line 4", "mu = -0.1", "> 0"]),
     "large": (GOOD.replace("0.12", "11"), ["line 4", "mu = 11", "<= 10"]),
     "two points": ("v_m_s,mu\n0,0.2\n0.1,0.1\n", ["2 points", "at least 3"]),
-    "too many": ("v_m_s,mu\n" + "".join(f"{k},0.1\n" for k in range(501)), ["at most 500"]),
+    "too many": ("v_m_s,mu\n" + "".join(f"{k},0.1\n" for k in range(2001)), ["at most 2000"]),
     "too close": ("v_m_s,mu\n0,0.2\n1e-310,0.1\n2e-310,0.3\n", ["close"]),
 }
 

@@ -431,6 +431,7 @@ RUBBED = {
     for i in (1, 2)
     for name, value in (("friction_peak", 1.5), ("stribeck_velocity", 0.05), ("friction_viscous", 0.3))
 }
+LOADED = {f"cam{i}.friction_load_exponent": 0.2 for i in (1, 2)}
 SCENES = {
     FORWARD: [
         STARTING,
@@ -444,14 +445,16 @@ SCENES = {
         {"initial.theta": 1.3963, "tau": 30.0},
         STARTING | RUBBED,
         STARTING | RUBBED | {"initial.omega": 1.0},
+        STARTING | LOADED,
     ],
     INVERSE: [
         *(
             MOVING | HEAVY | DAMPED | CUBIC | grooves | {"omega": omega}
             for omega in (3.0, -3.0)
-            for grooves in ({}, ELLIPSES, TABLES, RUBBED)
+            for grooves in ({}, ELLIPSES, TABLES, RUBBED, LOADED)
         ),
         ELASTIC,
+        ELASTIC | LOADED,
         ELASTIC | ELLIPSES,
         ELASTIC | TABLES,
         ELASTIC | {"theta": 1.4, "stop.upper": 1.0},
@@ -463,7 +466,7 @@ OTHER = {"contacts": 1, "ledger": False}
 for _cam in ("cam1", "cam2"):
     OTHER |= {f"{_cam}.profile": 2, f"{_cam}.ellipse_curvature": 1, f"{_cam}.table": "b.csv"}
     OTHER |= {f"{_cam}.friction_table": "law.csv"}
-    OTHER |= {f"{_cam}.stribeck_exponent": 1, f"{_cam}.friction_load_exponent": 0.0}
+    OTHER |= {f"{_cam}.stribeck_exponent": 1, f"{_cam}.friction_load_exponent": 0.1}
 
 
 def another(name, value):

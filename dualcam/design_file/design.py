@@ -166,7 +166,7 @@ class DesignFile:
         if tables:
             return (
                 "Friction depends on the sliding speed: the torques of slow motion take the static"
-                f" coefficients, of {' and '.join(tables)} the value at the speed 0."
+                f" coefficients, of {' and '.join(tables)} the value at the speed 0 (and the middle load)."
             )
         peaks = [f"cam{i}.friction_peak = {self.value(f'cam{i}.friction_peak'):g}" for i in (1, 2)]
         viscous = [self.value(f"cam{i}.friction_viscous") for i in (1, 2)]
@@ -179,10 +179,10 @@ class DesignFile:
 
     def _static_friction(self, number: int) -> float:
         """mu at rest and in slow motion."""
-        from dualcam.design_file.friction_tables import read_friction_table
+        from dualcam.design_file.friction_tables import static_friction
 
         if table := self.value(f"cam{number}.friction_table"):
-            return read_friction_table(Path(table))[0][1]
+            return static_friction(Path(table))
         return self.value(f"cam{number}.friction") * self.value(f"cam{number}.friction_peak")
 
     def _named_groove(self, number: int) -> Groove:

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 from dualcam.design.groove_files import decoded_text
 from dualcam.errors import DesignError
 
-HEADER = "v_m_s,mu"
-LEAST, MOST = 3, 500  # samples
+FORMS = {  # header -> a line as an example
+    "v_m_s,mu": "0.01,0.12",
+    "v_m_s,R_N,mu": "0.01,100,0.12",
+}
+LEAST, MOST = 3, 2000  # speeds, lines
+LEAST_LOADS, MOST_LOADS = 2, 16
 LARGEST = 10.0  # mu
+LARGEST_POWER = 0.9  # of the load, to which mu is proportional
 # Keys of a cam that are not used with a friction table.
 ANALYTIC_FRICTION = (
     "friction",
@@ -23,51 +30,112 @@ ANALYTIC_FRICTION = (
 )
 
 
-def read_friction_table(path: Path) -> list[tuple[float, float]]:
-    """Pairs of sliding speed [m/s] and friction coefficient [1]; the first pair is that at rest.
+class FrictionSample(NamedTuple):
+    """One line of a friction table."""
+
+    speed: float  # m/s
+    load: float  # N, reaction of one contact; 0 where the table has no loads
+    mu: float
+
+
+def read_friction_table(path: Path) -> list[list[FrictionSample]]:
+    """For each load, from the least one, the samples over the speed; one list where the table has no loads.
 
     DesignError, with the line, for a file that the FMU would refuse."""
     text, is_utf8 = decoded_text(path, "friction table")
     if not is_utf8:
         raise DesignError(f"{path.name} is not in UTF-8: save the table as CSV in UTF-8")
     header, *lines = text.rstrip().split("\n") if text.strip() else [""]
-    if header.strip() != HEADER:
-        raise DesignError(f"line 1, {header.strip()[:40]!r}, must be the header {HEADER!r}")
-    samples: list[tuple[float, float]] = []
+    header = header.strip()
+    if header not in FORMS:
+        allowed = " or ".join(f'"{form}"' for form in FORMS)
+        raise DesignError(f"line 1, {header[:40]!r}, must be the header {allowed}")
+    by_load: list[list[FrictionSample]] = []
+    if len(lines) > MOST:
+        raise DesignError(f"{len(lines)} points: allowed are up to {MOST}")
     for number, line in enumerate(lines, 2):
-        sample = _sample(line, number)
-        _check(sample, samples, number)
-        samples.append(sample)
-    if not LEAST <= len(samples) <= MOST:
-        raise DesignError(f"{len(samples)} points: allowed are {LEAST} to {MOST}")
-    return samples
+        sample = _sample(line, header, number)
+        begins = not by_load or (sample.load > 0.0 and sample.speed == 0.0)
+        if begins:
+            _check_load(sample, by_load, number)
+            by_load.append([])
+        else:
+            _check_speed(sample, by_load, number)
+        by_load[-1].append(sample)
+    _check_whole(by_load, header)
+    return by_load
 
 
-def _sample(line: str, number: int) -> tuple[float, float]:
+def static_friction(path: Path) -> float:
+    """mu at rest; of a table with loads that at the middle load."""
+    by_load = read_friction_table(path)
+    return by_load[len(by_load) // 2][0].mu
+
+
+def _sample(line: str, header: str, number: int) -> FrictionSample:
     try:
-        v, mu = (float(cell) for cell in line.split(","))
+        cells = [float(cell) for cell in line.split(",")]
     except ValueError:
-        v = mu = math.nan
-    if not (math.isfinite(v) and math.isfinite(mu)):
+        cells = []
+    if len(cells) != header.count(",") + 1 or not all(map(math.isfinite, cells)):
         raise DesignError(
-            f'line {number}, {line.strip()[:40]!r}, must be two finite numbers "{HEADER}", like "0.01,0.12"'
+            f'line {number}, {line.strip()[:40]!r}, must be finite numbers "{header}", like "{FORMS[header]}"'
         )
-    return v, mu
-
-
-def _check(sample: tuple[float, float], before: list[tuple[float, float]], number: int) -> None:
-    v, mu = sample
-    if not before and v != 0.0:
-        raise DesignError(
-            f"line {number}: v_m_s = {v:g} must be 0 in the first line of numbers, which holds the static"
-            " coefficient"
-        )
-    if before and not v > before[-1][0]:
-        raise DesignError(
-            f"line {number}: v_m_s = {v:g} must be > {before[-1][0]:g}, that of the line before"
-        )
+    speed, *load, mu = cells
+    if load and not load[0] > 0.0:
+        raise DesignError(f"line {number}: R_N = {load[0]:g} must be > 0")
     if not 0.0 < mu <= LARGEST:
         raise DesignError(
             f"line {number}: mu = {mu:g} must be > 0 and <= {LARGEST:g}; without friction leave out the table"
             " and set the friction to 0"
         )
+    return FrictionSample(speed, load[0] if load else 0.0, mu)
+
+
+def _check_load(sample: FrictionSample, by_load: list[list[FrictionSample]], number: int) -> None:
+    """A sample that begins a load."""
+    if not by_load and sample.speed != 0.0:
+        raise DesignError(
+            f"line {number}: v_m_s = {sample.speed:g} must be 0 in the first line of numbers, which holds the"
+            " static coefficient"
+        )
+    if by_load and not sample.load > by_load[-1][-1].load:
+        raise DesignError(
+            f"line {number}: R_N = {sample.load:g} must be > {by_load[-1][-1].load:g}, the load before"
+        )
+    if len(by_load) == MOST_LOADS:
+        raise DesignError(f"line {number}: too many loads, allowed are up to {MOST_LOADS}")
+
+
+def _check_speed(sample: FrictionSample, by_load: list[list[FrictionSample]], number: int) -> None:
+    before = by_load[-1][-1]
+    if sample.load != before.load:
+        raise DesignError(
+            f"line {number}: R_N = {sample.load:g} must be {before.load:g}: a load begins with v_m_s = 0 and"
+            " has all speeds"
+        )
+    if not sample.speed > before.speed:
+        raise DesignError(
+            f"line {number}: v_m_s = {sample.speed:g} must be > {before.speed:g}, that of the line before"
+        )
+
+
+def _check_whole(by_load: list[list[FrictionSample]], header: str) -> None:
+    if not by_load or len(by_load[0]) < LEAST:
+        count = len(by_load[0]) if by_load else 0
+        raise DesignError(f"{count} points: there must be at least {LEAST}")
+    if header.count(",") == 2 and len(by_load) < LEAST_LOADS:
+        raise DesignError("one load: there must be at least 2; for one, leave out the column R_N")
+    speeds = [sample.speed for sample in by_load[0]]
+    for samples in by_load:
+        if [sample.speed for sample in samples] != speeds:
+            raise DesignError(f"R_N = {samples[0].load:g}: each load must have the speeds of the first load")
+    for low, high in pairwise(by_load):
+        for a, b in zip(low, high, strict=True):
+            power = math.log(b.mu / a.mu) / math.log(b.load / a.load)
+            if abs(power) > LARGEST_POWER:
+                raise DesignError(
+                    f"at v_m_s = {a.speed:g} mu goes with the power {power:.3g} of the load from"
+                    f" R_N = {a.load:g} to {b.load:g}: allowed are powers from {-LARGEST_POWER:g} to"
+                    f" {LARGEST_POWER:g}"
+                )

@@ -92,6 +92,11 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
         moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
     }
+    if (slip->friction_varies && slip->friction_is_loaded) {
+        const LoadShift shift = lobatto_load_shift(slip, n);
+        axial += shift.axial;
+        moment += shift.moment;
+    }
     Booking *b = &out->booking;
     b->work_in += lobatto_sum(s->tau.half[k] * dtheta);
     b->work_ext += lobatto_sum(s->F_ext.half[k] * dz);
@@ -107,6 +112,8 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
         b->heat_cam[i] += slip->friction_varies ? lobatto_sum(n->friction[i] * sliding)
                                                 : slip->signed_friction[i] * lobatto_sum(sliding);
+        if (slip->friction_varies && slip->friction_is_loaded)
+            b->heat_cam[i] -= lobatto_sum(n->rest[i] * length2 * n->dpsi_dtheta[i] * dtheta);
     }
 }
 
@@ -290,10 +297,26 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
 }
 
+/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
+COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2], double alpha) {
+    const SlipMode *slip = s->slip;
+    const Params *p = slip->params;
+    const Geometry *g = from->geometry;
+    const double v = g->dz_dtheta * from->omega;
+    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
+                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+    ContactFactors f;
+    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
+    contact_factors_multiply(&f);
+    for (int k = 0; k < LOBATTO_NODES; k++)
+        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
+}
+
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
     const StartFriction friction = start_friction(s, from);
     const double rhs = guess_rhs(s->slip, from, friction.value);
+    if (s->slip->friction_is_loaded) guess_loads(s, from, friction.value, rhs);
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
     return rhs;
 }

@@ -24,7 +24,9 @@ typedef struct {
     /* Only where friction varies: */
     Vector2 omega;                            /* rad/s, at which the balance was taken last */
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
-    Vector2 friction_damping;                 /* 1/s, its part of the damping rate, as the first sweep found it */
+    /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
+    Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
+    Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
 typedef struct {
@@ -36,7 +38,8 @@ typedef struct {
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    double end_shift;            /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    double load_change; /* only where friction depends on the load: the largest change of x_i by a sweep, squared */
+    double end_shift;   /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 
@@ -52,6 +55,17 @@ static inline bool lobatto_system_is_inertial(const LobattoSystem *system) {
 
 /* Sets what all sweeps have in common: slip mode, forces that are there, friction law. */
 void lobatto_system_begin(LobattoSystem *system, const SlipMode *slip);
+
+/* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
+typedef struct {
+    Vector2 axial, moment, torque;
+} LoadShift;
+
+static inline LoadShift lobatto_load_shift(const SlipMode *slip, const NodePair *n) {
+    const CamParams *cam = slip->params->cam;
+    const Vector2 torque[2] = {cam[0].radius * cam[0].radius * n->rest[0], cam[1].radius * cam[1].radius * n->rest[1]};
+    return (LoadShift){-(n->slope[0] * n->rest[0] + n->slope[1] * n->rest[1]), torque[1] - torque[0], torque[1]};
+}
 
 /* A first iterate under constant acceleration. `rhs`: alpha, or without inertia omega, at the start. */
 void lobatto_system_guess(LobattoSystem *system, double rhs);

@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+#include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
 typedef enum { PEAK_SPEED, PEAK_REACTION_1, PEAK_REACTION_2 } PeakQuantity;
 
 /* rad/s, or N in total */
@@ -18,6 +21,23 @@ static RadauValues values_of(const RadauStep *step, PeakQuantity quantity) {
     return v;
 }
 
+/* |value| at the end of a step over the share x of the step; NAN where there is none. */
+static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x) {
+    RadauStep part;
+    if (!radau_step_solve(slip, &step->start, x * step->h, step->method->stages, &part)) return NAN;
+    return fabs(value_of(radau_step_end(&part), quantity));
+}
+
+/* Where the polynomial is less exact than the peak is to be: |value| at the vertex of the parabola through the ends of
+ * three steps. */
+COMPACT static double vertex_near(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x,
+                                  double found) {
+    const double d = fmin(PEAK_SPREAD, 0.5 * fmin(x, 1.0 - x));
+    const double before = value_after(slip, step, quantity, x - d), after = value_after(slip, step, quantity, x + d);
+    const double bend = before - 2.0 * found + after, shift = 0.5 * (before - after) / bend;
+    return bend < 0.0 && fabs(shift) <= 2.0 ? value_after(slip, step, quantity, x + shift * d) : 0.0;
+}
+
 /* The largest |value| in the step. Where the polynomial has its peak inside, a step that ends at the peak is solved:
  * the end of a step is more exact than the polynomial inside. */
 static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
@@ -30,9 +50,10 @@ static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity 
     const double x = bernstein_peak(&p);
     const double size = fabs(bernstein_value(&p, x));
     if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
-    RadauStep part;
-    if (!radau_step_solve(slip, &step->start, x * step->h, r->stages, &part)) return size;
-    return fmax(ends, fabs(value_of(radau_step_end(&part), quantity)));
+    const double found = value_after(slip, step, quantity, x);
+    if (!isfinite(found)) return size;
+    if (!slip->friction_is_loaded || fabs(found - size) <= slip->params->tolerance * size) return fmax(ends, found);
+    return fmax(fmax(ends, found), vertex_near(slip, step, quantity, x, found));
 }
 
 /* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */

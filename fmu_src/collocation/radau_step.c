@@ -65,7 +65,8 @@ static double estimate_error(const RadauSystem *s, const RadauStep *step) {
     const double inside = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
     const double error =
         (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY / s->slip->params->tolerance;
-    return error > 1.0 && is_rounding(&s->start->rhs, defect) ? 0.0 : error;
+    const double strict = s->slip->friction_is_loaded ? RADAU_LOADED_STRICT : 1.0;
+    return strict * error > 1.0 && is_rounding(&s->start->rhs, defect) ? 0.0 : strict * error;
 }
 
 /* ---- energy ---- */

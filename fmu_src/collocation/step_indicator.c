@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "contact/contact.h"
+#include "contact/loaded_contacts.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -15,7 +15,7 @@ NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b
     double slope[2];
     for (int i = 0; i < 2; i++) slope[i] = sqrt(fmax(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
     const Geometry g = cam_geometry(cam, slope);
-    const BandFactors band = contact_band(&g);
+    const BandFactors band = contact_band_under(slip->params, &g, fabs(b->force));
     const bool loads = (slip->direction > 0) == (b->force >= 0.0);
     return slip->direction * (b->tau - (loads ? band.load : band.release) * b->force);
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/loaded_slip.h"
 #include "contact/residual.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -116,13 +117,15 @@ static inline RightHandSide rhs_of_rate_independent(const SlipMode *slip, const 
     const Dual load = {spring_force(&p->spring, z) + in->F_ext, spring_rate(&p->spring, z) * k->dz_dtheta.value};
     const Dual rho = dual_contact_factors_rho(&k->factors);
     const double stiffness = rho.slope * load.value + rho.value * load.slope;
-    const double rate = in->tau_rate - rho.value * in->F_ext_rate;
+    const bool loaded = slip->friction_is_loaded;
+    const double rho_rate = loaded ? k->loaded.tangent.p / k->loaded.tangent.delta : rho.value; /* dE/dF_0 */
+    const double rate = in->tau_rate - rho_rate * in->F_ext_rate;
     return (RightHandSide){
         .value = stiffness > 0.0 ? rate / stiffness : 0.0,
         .by_theta = stiffness,
         .net = in->tau - rho.value * load.value,
         .resistance = stiffness,
-        .possible = k->factors.delta.value != 0.0,
+        .possible = k->factors.delta.value != 0.0 && !(loaded && !k->loaded.possible),
         .stable = stiffness > 0.0,
     };
 }
@@ -139,6 +142,17 @@ NOINLINE static RightHandSide rhs_of_coefficients(const SlipMode *slip, const Sl
 
 /* ---- where friction varies ---- */
 
+static MotionTerms terms_of(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                            double omega, double alpha) {
+    return (MotionTerms){
+        .torque = in->tau - slip->params->shaft.damping * omega,
+        .load =
+            spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, k->dz_dtheta.value * omega),
+        .omega = omega,
+        .alpha = alpha,
+    };
+}
+
 /* Without inertia: Delta (tau - b omega) - P (F_0 + D), with its derivatives. */
 static Dual viscous_residual(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
                              double omega, double *by_omega) {
@@ -154,14 +168,20 @@ static Dual viscous_residual(const SlipMode *slip, const SlipCoefficients *k, do
                   f->delta.slope * torque - f->p.slope * load.value - f->p.value * load.slope};
 }
 
+/* Sets friction to that at the speed omega and, if it depends on the load, under the load there. */
+static void set_friction(const SlipMode *slip, double omega, double z, const InputValues *in, SlipCoefficients *k) {
+    if (slip->friction_is_loaded) loaded_slip_set(slip, omega, z, in, k);
+    else slip_set_friction(slip, omega, k);
+}
+
 /* The torque left, tau - b omega - rho (F_0 + D), and its derivative by the speed; NAN where Delta has lost the sign of
  * `delta`, beyond which friction jams. Leaves *k at this speed. */
 static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in, double omega,
                         double delta) {
     double by_omega;
-    slip_set_friction(slip, omega, k);
+    set_friction(slip, omega, z, in, k);
     const double now = k->factors.delta.value;
-    if (!(now * delta > 0.0)) return (Dual){NAN, NAN};
+    if (!(now * delta > 0.0) || (slip->friction_is_loaded && !k->loaded.possible)) return (Dual){NAN, NAN};
     const double left = viscous_residual(slip, k, z, in, omega, &by_omega).value / now;
     return (Dual){left, (by_omega - left * k->dfactors_domega.delta) / now};
 }
@@ -174,14 +194,17 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     const double delta = k->factors.delta.value;
     const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
     const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
+    bool blocked = false;
     double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
     bool enclosed = false; /* the torque left is known to change its sign, not only to end at a jam */
     if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
         const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
+        blocked = isnan(left.value) || (blocked && sign * left.value > 0.0);
         enclosed |= sign * left.value <= 0.0;
         if (sign * left.value > 0.0) low = omega;
         else high = omega;
+        if (blocked && high - low <= VISCOUS_BLOCKED * high) return NAN; /* the contacts lock before a root */
         double next = omega - sign * left.value / left.slope;
         if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
         if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value))
@@ -191,14 +214,33 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     return NAN;
 }
 
+/* With quadratic damping alone by_omega vanishes at rest, where the size is that of the damper's law. */
+COMPACT static RightHandSide finish_loaded_viscous(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                                   const InputValues *in, double by_theta, double by_omega,
+                                                   double omega) {
+    const MotionTerms terms = terms_of(slip, k, z, in, omega, 0.0);
+    const double delta = k->factors.delta.value, inverse = by_omega != 0.0 ? 1.0 / by_omega : 0.0;
+    const RightHandSide frozen = rhs_of_coefficients(slip, k, z, in, 0.0);
+    return (RightHandSide){
+        .value = omega,
+        .size = frozen.possible ? frozen.size
+                                : fabs(inverse) * (fabs(delta * in->tau) + fabs(k->factors.p.value * terms.load)),
+        .by_theta = -by_theta * inverse,
+        .by_time = -(delta * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) * inverse,
+        .possible = k->loaded.possible && (by_omega != 0.0 || slip->q > 0.0) && delta != 0.0,
+        .stable = !(by_omega * delta > 0.0),
+    };
+}
+
 static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficients *k, double z,
                                              const InputValues *in) {
-    slip_set_friction(slip, 0.0, k);
+    set_friction(slip, 0.0, z, in, k);
     const double omega = speed_under_friction(slip, k, z, in, rhs_of_coefficients(slip, k, z, in, 0.0).value);
     if (!isfinite(omega)) return (RightHandSide){.possible = false};
     const DualContactFactors *f = &k->factors;
     double by_omega;
     const Dual residual = viscous_residual(slip, k, z, in, omega, &by_omega);
+    if (slip->friction_is_loaded) return finish_loaded_viscous(slip, k, z, in, residual.slope, by_omega, omega);
     const double size = fabs(f->delta.value * in->tau) +
                         fabs(f->p.value) * (fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext));
     return (RightHandSide){
@@ -214,23 +256,34 @@ static RightHandSide rhs_of_viscous_friction(const SlipMode *slip, SlipCoefficie
 /* N.m m^3 s/rad: the derivative of the net torque by the speed, through the friction coefficients. */
 static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
                               double omega, double alpha) {
-    const MotionTerms terms = {
-        .torque = in->tau - slip->params->shaft.damping * omega,
-        .load =
-            spring_force(&slip->params->spring, z) + in->F_ext + slip_damper_force(slip, k->dz_dtheta.value * omega),
-        .omega = omega,
-        .alpha = alpha,
-    };
+    const MotionTerms terms = terms_of(slip, k, z, in, omega, alpha);
     return residual_change(slip, k, &k->dfactors_domega, &terms);
+}
+
+/* Where friction depends on the load, alpha and F_ext change the factors too. */
+COMPACT static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
+                                  double omega, double inertia, RightHandSide *rhs) {
+    const MotionTerms terms = terms_of(slip, k, z, in, omega, rhs->value);
+    const double felt = loaded_slip_inertia(slip, k, &terms), share = inertia / felt;
+    rhs->size *= fabs(share);
+    rhs->by_theta *= share;
+    rhs->by_omega *= share;
+    rhs->by_time = (k->factors.delta.value * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) / felt;
+    rhs->resistance = fabs(felt);
+    rhs->possible = k->loaded.possible && felt * k->factors.delta.value > 0.0;
 }
 
 /* Without inertia the coefficients are set to the speed found. */
 NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
                                              double omega) {
     if (slip->regime == REGIME_VISCOUS) return rhs_of_viscous_friction(slip, k, z, in);
+    if (slip->friction_is_loaded) loaded_slip_set(slip, omega, z, in, k);
     RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);
-    if (slip->regime == REGIME_INERTIAL)
-        rhs.by_omega += rhs_by_friction(slip, k, z, in, omega, rhs.value) / slip_inertia(slip, k).value;
+    if (slip->regime == REGIME_INERTIAL) {
+        const double inertia = slip_inertia(slip, k).value;
+        rhs.by_omega += rhs_by_friction(slip, k, z, in, omega, rhs.value) / inertia;
+        if (slip->friction_is_loaded) finish_loaded(slip, k, z, in, omega, inertia, &rhs);
+    }
     return rhs;
 }
 
@@ -298,6 +351,10 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
         .x = {(f->rn[1].value * load.axial - f->d[1].value * load.moment) * inverse,
               (f->rn[0].value * load.axial + f->d[0].value * load.moment) * inverse},
     };
+    for (int i = 0; slip->friction_varies && slip->friction_is_loaded && i < 2; i++) {
+        out->axial[i] = k->loaded.tangent.rn[1 - i] / k->loaded.tangent.delta;
+        out->x[i] = k->loaded.x[i];
+    }
     for (int i = 0; i < 2; i++)
         out->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
 }
@@ -325,12 +382,20 @@ static double sliding_speed(const SlipMode *slip, const Balance *b, int i) {
     return slip->direction * b->omega * b->dpsi_dtheta[i] * sqrt(b->length2[i]);
 }
 
+/* N, of one contact */
+static double reaction_of(const SlipMode *slip, const Balance *b, int i) {
+    return fabs(b->x[i]) * sqrt(b->length2[i]) / slip->params->contacts;
+}
+
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &slip->fall[i];
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
         if (part < 1.0) share = fmin(share, fall->table ? part : STEP_SAFETY * part);
+        if (!fall->table) continue;
+        const double from_load = reaction_of(slip, from, i), to_load = reaction_of(slip, to, i);
+        share = fmin(share, friction_table_load_share(fall->table, fall->overshoot, from_load, to_load));
     }
     return share;
 }

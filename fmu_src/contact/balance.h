@@ -9,6 +9,7 @@
 #ifndef DUALCAM_BALANCE_H
 #define DUALCAM_BALANCE_H
 
+#include "contact/loaded_slip.h"
 #include "contact/slip_mode.h"
 #include "model/elements.h"
 #include "model/known.h"
@@ -39,7 +40,7 @@ typedef struct {
     double dpsi_dtheta[2]; /* gamma', phi' */
     double length2[2];     /* m^2, r_i^2 + a_i^2 */
     double friction[2];    /* f_i = sigma e_i mu_i */
-    double axial[2];       /* 1/m, x_i per A */
+    double axial[2];       /* 1/m, dx_i/dA */
     double x[2];           /* N/m */
 } Balance;
 
@@ -88,6 +89,11 @@ Booking balance_power(const SlipMode *slip, const Balance *balance);
 /* N: the sum of the magnitudes of the terms of the axial load A; `follower_acceleration` z' alpha, m/s^2. */
 static inline double balance_load_size(const Params *p, double force, double damper, double follower_acceleration) {
     return fabs(force) + fabs(damper) + p->inertia.follower_mass * fabs(follower_acceleration);
+}
+
+/* The motion and the forces of a balance at the height z, m. */
+static inline LoadedMotion balance_loaded_motion(const Balance *b, double z) {
+    return (LoadedMotion){z, b->omega, b->alpha, b->force, b->damper, b->F_ext};
 }
 
 /* Is contact i on its flank by more than rounding? `axial`: x_i per A; `load`: balance_load_size(). */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/loaded_slip.h"
 #include "contact/residual.h"
 #include "platform/attributes.h"
 
@@ -20,25 +21,42 @@ static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *
     const double radius[2] = {cam[0].radius, cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
     double df[2] = {0.0, 0.0};
     df[i] = slip->direction * slip->flank[i];
-    const ContactFactors by = contact_factors_change(&k->factors, radius, slope, df);
+    const LoadStep step = {.friction = {df[0], df[1]}};
+    const ContactFactors by = slip->friction_is_loaded ? loaded_slip_change(slip, balance->omega, k, &step)
+                                                       : contact_factors_change(&k->factors, radius, slope, df);
     const MotionTerms terms = terms_of(slip, balance);
     return residual_change(slip, k, &by, &terms);
 }
 
-/* By the parameters of the friction law of contact i, from `by_friction`, the derivative by its coefficient. */
+/* By the parameters of the friction law of contact i, which carries x; from `by_friction`, the derivative by its
+ * coefficient. */
 static void partials_by_law(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i,
-                            double by_friction, Partials *out) {
-    static const Known FIRST[] = {KNOWN_FRICTION_1, KNOWN_PEAK_1, KNOWN_STRIBECK_VELOCITY_1, KNOWN_VISCOUS_1};
+                            double by_friction, double x, Partials *out) {
+    static const Known FIRST[] = {KNOWN_FRICTION_1, KNOWN_PEAK_1,          KNOWN_STRIBECK_VELOCITY_1,
+                                  KNOWN_VISCOUS_1,  KNOWN_LOAD_EXPONENT_1, KNOWN_LOAD_1};
     const CamParams *cam = &slip->params->cam[i];
     const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
+    const double reaction = fabs(x) * length / slip->params->contacts;
     const double v = slip->regime == REGIME_RATE_INDEPENDENT
                          ? 0.0
                          : slip->direction * balance->omega * k->dpsi_dtheta[i].value * length;
-    const Jet speed = {.c = {{v, 0.0}}};
+    const Jet speed = {.c = {{v, 0.0}}}, load = {.c = {{reaction, 0.0}}};
     for (size_t n = 0; n < sizeof FIRST / sizeof FIRST[0]; n++) {
         const Known known = (Known)(FIRST[n] + (Known)i);
-        out->by[known] = by_friction * friction_along(cam, i, &speed, known).c[0].slope;
+        out->by[known] = by_friction * friction_along(cam, i, &speed, &load, known).c[0].slope;
     }
+}
+
+/* x_i under the loads of the balance. */
+static double contact_load(const SlipMode *slip, const SlipCoefficients *k, const Balance *b, int i) {
+    if (slip->friction_is_loaded) return k->loaded.x[i];
+    const InertiaParams *in = &slip->params->inertia;
+    const double omega2 = b->omega * b->omega, sign = i == 0 ? -1.0 : 1.0;
+    const double axial =
+        b->force + b->damper + in->follower_mass * (k->dz_dtheta.value * b->alpha + k->d2z_dtheta2.value * omega2);
+    const double moment = in->follower * (k->dpsi_dtheta[0].value * b->alpha + k->d2gamma_dtheta2.value * omega2);
+    const DualContactFactors *f = &k->factors;
+    return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
 }
 
 void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
@@ -48,6 +66,11 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
     const DualContactFactors *f = &k->factors;
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
+    const MotionTerms terms = terms_of(slip, balance);
+    const bool loaded = slip->friction_is_loaded;
+    const double lever = loaded ? loaded_slip_lever(slip, k, &terms) : f->p.value;
     const double v = k->dz_dtheta.value * omega, load = balance->force + balance->damper;
     const double damper_rate = slip_damper_rate(slip, v);
     const double load_slope =
@@ -59,20 +82,20 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
                       by_speed.slope * (omega * omega) - inertia.slope * balance->alpha;
     by[KNOWN_OMEGA] =
         -f->delta.value * b - f->p.value * damper_rate * k->dz_dtheta.value - 2.0 * by_speed.value * omega;
-    by[KNOWN_ALPHA] = -inertia.value;
+    by[KNOWN_ALPHA] = loaded ? -loaded_slip_inertia(slip, k, &terms) : -inertia.value;
     by[KNOWN_TAU] = f->delta.value;
-    by[KNOWN_F_EXT] = by[KNOWN_PRELOAD] = -f->p.value;
-    by[KNOWN_STIFFNESS] = -f->p.value * z;
-    by[KNOWN_STIFFNESS2] = -f->p.value * z * z;
-    by[KNOWN_STIFFNESS3] = -f->p.value * z * z * z;
-    by[slip->direction > 0 ? KNOWN_C_LOAD : KNOWN_C_RELEASE] = -f->p.value * v;
-    by[slip->direction > 0 ? KNOWN_Q_LOAD : KNOWN_Q_RELEASE] = -f->p.value * v * fabs(v);
+    by[KNOWN_F_EXT] = by[KNOWN_PRELOAD] = -lever;
+    by[KNOWN_STIFFNESS] = -lever * z;
+    by[KNOWN_STIFFNESS2] = -lever * z * z;
+    by[KNOWN_STIFFNESS3] = -lever * z * z * z;
+    by[slip->direction > 0 ? KNOWN_C_LOAD : KNOWN_C_RELEASE] = -lever * v;
+    by[slip->direction > 0 ? KNOWN_Q_LOAD : KNOWN_Q_RELEASE] = -lever * v * fabs(v);
     for (int i = 0; i < 2; i++) {
         by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
-        partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], out);
+        const double x = contact_load(slip, k, balance, i);
+        partials_by_law(slip, k, balance, i, by[KNOWN_FRICTION_1 + i], x, out);
     }
     if (!slip->friction_varies) return;
-    const MotionTerms terms = terms_of(slip, balance);
     by[KNOWN_OMEGA] += residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
@@ -106,15 +129,20 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     b->dz_dtheta = k->dz_dtheta.value;
     b->force = spring_force(&p->spring, b->z) + b->F_ext;
     b->damper = slip_damper_force(slip, b->dz_dtheta * omega);
+    const bool loaded = slip->friction_is_loaded;
+    const LoadedMotion motion = balance_loaded_motion(b, b->z);
+    if (loaded) loaded_slip_set_under(slip, &motion, &storage);
     const double follower_acceleration = b->dz_dtheta * alpha + k->d2z_dtheta2.value * omega * omega;
     const double axial = b->force + b->damper + in->follower_mass * follower_acceleration;
     const double torque = b->tau - p->shaft.damping * omega - in->shaft * alpha;
     const double moment = in->follower * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     solve_loads(f, axial, torque, moment, b->x);
+    const ContactFactors *tangent = &k->loaded.tangent;
     for (int i = 0; i < 2; i++) {
         b->dpsi_dtheta[i] = k->dpsi_dtheta[i].value;
         b->friction[i] = slip_friction(slip, k, i);
-        b->axial[i] = f->rn[1 - i].value / f->delta.value;
+        b->axial[i] = loaded ? tangent->rn[1 - i] / tangent->delta : f->rn[1 - i].value / f->delta.value;
+        if (loaded) b->x[i] = k->loaded.x[i];
         b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
     }
 }
@@ -140,6 +168,8 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, omega, &storage, &z);
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const DualContactFactors *f = &k->factors;
     const Dual rn = f->rn[1 - i], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[1 - i]);
     const double follower_acceleration = k->dz_dtheta.value * alpha + k->d2z_dtheta2.value * omega * omega;
@@ -151,6 +181,10 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
                                 m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, dtheta, domega, dalpha);
     const double moment_change =
         I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, dtheta, domega, dalpha);
+    if (slip->friction_is_loaded) {
+        const LoadStep step = {.theta = dtheta, .omega = domega, .axial = axial_change, .moment = moment_change};
+        return loaded_slip_response(slip, omega, k, &step).x[i];
+    }
     const double by_friction =
         slip->friction_varies ? contact_load_by_factors(k, i, axial, moment, balance->x[i]) * domega : 0.0;
     return by_friction + (rn.value * axial_change + signed_d.value * moment_change +

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/loaded_slip.h"
 #include "contact/residual.h"
 
 /* ---- along the motion ---- */
@@ -122,6 +123,13 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
                          out->size[i] * fabs(f->delta.slope * omega)) *
                         inverse;
     if (!slip->friction_varies) return;
+    if (slip->friction_is_loaded) {
+        const LoadStep step = {
+            .theta = omega, .omega = rates->alpha, .axial = rates->axial_rate, .moment = rates->moment_rate};
+        out->contact[i] = loaded_slip_response(slip, omega, k, &step).x[i];
+        out->rate_size[i] += fabs(out->contact[i]);
+        return;
+    }
     const double by_friction = contact_load_by_factors(k, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
     const ContactFactors *by = &k->dfactors_domega;
     out->contact[i] += by_friction;
@@ -132,10 +140,12 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
 
 /* rho of the net torque. Without inertia the speed that the balance has found adds friction, which acts as a damper:
  * the torque beyond the band counts against friction at rest. */
-static double holding_lever(const SlipMode *slip, const SlipCoefficients *k) {
+static double holding_lever(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance) {
     if (!slip->friction_varies || slip->regime != REGIME_VISCOUS) return k->factors.p.value / k->factors.delta.value;
     SlipCoefficients at_rest = *k;
-    slip_set_friction(slip, 0.0, &at_rest);
+    const LoadedMotion rest = {.z = balance->z, .force = balance->force, .F_ext = balance->F_ext};
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &rest, &at_rest);
+    else slip_set_friction(slip, 0.0, &at_rest);
     return at_rest.factors.p.value / at_rest.factors.delta.value;
 }
 
@@ -143,6 +153,8 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, balance->omega, &storage, &z);
+    const LoadedMotion motion = balance_loaded_motion(balance, z);
+    if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
     const MotionRates rates = motion_rates_of(slip, k, &in, balance);
@@ -151,7 +163,7 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     *out = (BalanceRates){
         .rhs = rates.rhs,
         .rhs_size = size.rhs,
-        .net = balance->tau - shaft_torque - holding_lever(slip, k) * balance->force,
+        .net = balance->tau - shaft_torque - holding_lever(slip, k, balance) * balance->force,
         .net_size = size.torque + p_size(slip, k) / fabs(f->delta.value) * size.force,
     };
     for (int i = 0; i < 2; i++) contact_rates(slip, k, balance, &rates, &size, i, out);

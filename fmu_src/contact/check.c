@@ -4,8 +4,10 @@
 #include <stdio.h>
 
 #include "contact/contact_factors.h"
+#include "contact/loaded_contacts.h"
 #include "geometry/transmission_build.h"
 #include "model/csv_file.h"
+#include "model/elements.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -40,7 +42,7 @@ bool check_initial(const Params *p, Fault *fault) {
 
 /* ---- friction law ---- */
 
-COMPACT bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
+bool check_falling_friction(const Params *p, const char *cause, const char *remedy, Fault *fault) {
     for (int i = 0; i < 2; i++) {
         const FrictionTable *table = p->cam[i].law.table;
         if (table && !isnan(table->falls_at)) {
@@ -61,7 +63,38 @@ COMPACT bool check_falling_friction(const Params *p, const char *cause, const ch
     return true;
 }
 
-COMPACT bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
+/* Does friction grow without bound as the load vanishes? */
+static bool grows_without_load(const CamParams *cam) {
+    const FrictionTable *table = cam->law.table;
+    if (!friction_depends_on_load(cam)) return false;
+    for (size_t j = 0; table && j <= table->count; j++)
+        if (friction_table_under(table, table->speed[j], table->load[1]).by_load < 0.0) return true;
+    return !table && cam->law.load_exponent < 0.0;
+}
+
+bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
+    const DamperParams *d = &p->damper;
+    const bool damped = d->c_load + d->q_load + d->c_release + d->q_release + p->shaft.damping > 0.0 ||
+                        p->cam[0].law.viscous > 0.0 || p->cam[1].law.viscous > 0.0;
+    for (int i = 0; i < 2 && damped; i++) {
+        const FrictionParams *law = &p->cam[i].law;
+        if (!grows_without_load(&p->cam[i])) continue;
+        char cause[QUOTED_PATH + 32];
+        if (law->table)
+            snprintf(cause, sizeof cause, "friction_table = \"%.*s\"", csv_quoted(law->table->path, QUOTED_PATH),
+                     law->table->path);
+        else snprintf(cause, sizeof cause, "friction_load_exponent = %.17g", law->load_exponent);
+        snprintf(fault->text, sizeof fault->text,
+                 "cam%d.%s without inertia: where damping takes the load off the contact, friction grows without bound "
+                 "and the reaction would jump; allowed is friction that does not fall with the load, no damping "
+                 "(damper.*, shaft.damping, cam*.friction_viscous), or %s",
+                 i + 1, cause, remedy);
+        return false;
+    }
+    return true;
+}
+
+bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
     const DamperParams *d = &p->damper;
     const bool damped = p->shaft.damping > 0.0 || (d->c_load + d->q_load > 0.0 && d->c_release + d->q_release > 0.0);
     for (int i = 0; i < 2 && !damped; i++) {
@@ -70,7 +103,7 @@ COMPACT bool check_limited_speed(const Params *p, const char *remedy, Fault *fau
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.friction_table = \"%.*s\" without inertia and damping: friction is constant from v_m_s = %.17g "
                  "on, so nothing limits the speed; allowed is shaft.damping > 0, a damper in both directions, or %s",
-                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->end, remedy);
+                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->speed[table->count], remedy);
         return false;
     }
     return true;
@@ -89,8 +122,18 @@ static double load_margin(const Params *p, const double slope[2]) {
     return f.delta;
 }
 
-static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
+/* Where friction depends on the load: under the spring's force. */
+static bool loads_under_spring(const Params *p, const TransmissionPoint *point) {
+    const double F_s = spring_force(&p->spring, point->z);
+    Geometry g = cam_geometry(p->cam, point->slope);
+    int flank[2];
+    Transfer transfer;
+    return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer);
+}
+
+COMPACT static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_at(piece, theta);
+    if (any_friction_depends_on_load(p)) return loads_under_spring(p, &point);
     return load_margin(p, point.slope) > 0.0;
 }
 
@@ -131,7 +174,8 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
 
 static void name_friction(char text[100], const CamParams *cam, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, law->table->at_rest);
+    if (law->table)
+        snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, friction_table_at_rest(law->table));
     else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %.17g", i + 1, cam->friction);
     else
         snprintf(text, 100, "cam%d.friction = %.17g times cam%d.friction_peak = %.17g at rest", i + 1, cam->friction,
@@ -142,20 +186,25 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
     const TransmissionPoint point = piece_at(piece, theta); /* of a helix only the parameter is named */
     char lead[2][80];
     for (int i = 0; i < 2; i++) name_lead(lead[i], p, i, point.slope[i]);
-    char friction[2][100];
+    char friction[2][100], load[120] = "";
     for (int i = 0; i < 2; i++) name_friction(friction[i], &p->cam[i], i);
-    snprintf(fault->text, sizeof fault->text,
-             "the contacts jam when loading at theta = %.17g: %s and %s with %s and %s; kappa_1 + kappa_2 must be > 0 "
-             "from stop.lower to stop.upper",
-             theta, lead[0], lead[1], friction[0], friction[1]);
+    if (p->cam[0].law.load_exponent != 0.0 || p->cam[1].law.load_exponent != 0.0)
+        snprintf(load, sizeof load, ", cam1.friction_load_exponent = %.17g, cam2.friction_load_exponent = %.17g",
+                 p->cam[0].law.load_exponent, p->cam[1].law.load_exponent);
+    snprintf(
+        fault->text, sizeof fault->text,
+        "the contacts jam when loading at theta = %.17g: %s and %s with %s and %s%s; kappa_1 + kappa_2 must be > 0 "
+        "from stop.lower to stop.upper",
+        theta, lead[0], lead[1], friction[0], friction[1], load);
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {
     const int samples = transmission->count < JAM_MANY_PIECES ? JAM_SAMPLES : JAM_SAMPLES_OF_MANY;
-    if (transmission->straight && loads_in_straight(p, transmission->piece)) return true;
+    const bool loaded = any_friction_depends_on_load(p);
+    if (transmission->straight && !loaded && loads_in_straight(p, transmission->piece)) return true;
     for (size_t i = 0; i < transmission->count; i++) {
         const TransmissionPiece *piece = &transmission->piece[i];
-        const double theta = transmission->straight ? piece->lower : jam_in(p, piece, samples);
+        const double theta = transmission->straight && !loaded ? piece->lower : jam_in(p, piece, samples);
         if (isnan(theta)) continue;
         describe_jam(fault, p, piece, theta);
         return false;

@@ -15,6 +15,7 @@ Transfer contact_transfer(const Geometry *g, int direction, const int flank[2]) 
     return (Transfer){
         .regular = regular,
         .rho = f.p * inverse,
+        .rho_rate = f.p * inverse,
         .rho_kappa1 = f.q * inverse,
         .axial = {f.rn[1] * inverse, f.rn[0] * inverse},
         .moment = {-f.d[1] * inverse, f.d[0] * inverse},
@@ -45,9 +46,10 @@ NOINLINE bool contact_edge(const Geometry *g, int direction, int flank[2], Trans
 NOINLINE BandFactors contact_band(const Geometry *g) {
     int flank[2];
     Transfer t;
-    const double load = edge_of(g, 1, flank, &t) ? t.rho : INFINITY;
+    BandFactors band = {.release = 0.0};
+    band.load = band.load_rate = edge_of(g, 1, flank, &t) ? t.rho : INFINITY;
     /* both lead angles equal the friction angle: n_1 = n_2 = 0, the torque is 0 at any load */
-    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1])
-        return (BandFactors){.load = load, .release = 0.0};
-    return (BandFactors){.load = load, .release = edge_of(g, -1, flank, &t) ? t.rho : -INFINITY};
+    if (g->slope[0] == g->friction[0] * g->radius[0] && g->slope[1] == g->friction[1] * g->radius[1]) return band;
+    band.release = band.release_rate = edge_of(g, -1, flank, &t) ? t.rho : -INFINITY;
+    return band;
 }

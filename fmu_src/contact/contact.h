@@ -26,6 +26,7 @@
 typedef struct {
     bool regular;      /* Delta != 0 */
     double rho;        /* m, T per A */
+    double rho_rate;   /* m, dT/dA: rho, unless friction depends on the load */
     double rho_kappa1; /* T per W */
     double axial[2];   /* 1/m, x_i per A */
     double moment[2];  /* 1/m^2, x_i per W */
@@ -34,7 +35,8 @@ typedef struct {
 /* Edges of an interval of torque at rest, per axial load F_0: the upper edge is load F_0, the lower edge release F_0.
  * load = +inf: jammed; release = -inf: wedged. */
 typedef struct {
-    double load, release; /* m */
+    double load, release;           /* m */
+    double load_rate, release_rate; /* m, dT/dF_0: the same, unless friction depends on the load */
 } BandFactors;
 
 /* x_i of a contact and its first and second time derivatives, or their sizes. */

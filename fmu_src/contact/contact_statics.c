@@ -3,14 +3,17 @@
 #include <math.h>
 
 #include "contact/contact_factors.h"
+#include "contact/loaded_contacts.h"
 #include "model/friction_law.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 a_2/(a_1 + a_2), differentiated by the quotient rule with b_i = da_i/dtheta:
  *     gamma'' = (a_1 b_2 - a_2 b_1)/(a_1 + a_2)^2    z'' = (a_2^2 b_1 + a_1^2 b_2)/(a_1 + a_2)^2 */
 ContactStatics contact_statics_at(const Params *params, const TransmissionPiece *piece, double theta) {
     const TransmissionPoint point = piece_point(piece, theta, TRANSMISSION_FIRST_DERIVATIVES);
-    ContactStatics statics = {.geometry = cam_geometry(params->cam, point.slope),
+    ContactStatics statics = {.params = params,
+                              .geometry = cam_geometry(params->cam, point.slope),
                               .dslope_dtheta = {point.dslope_dtheta[0], point.dslope_dtheta[1]},
                               .z = point.z};
     const double *dpsi_dtheta = statics.geometry.dpsi_dtheta, sum = point.slope[0] + point.slope[1];
@@ -21,6 +24,7 @@ ContactStatics contact_statics_at(const Params *params, const TransmissionPiece 
 }
 
 void contact_statics_set_speed(const Params *params, double omega, ContactStatics *statics) {
+    statics->omega = omega;
     if (!any_friction_varies(params)) return;
     Geometry *g = &statics->geometry;
     for (int i = 0; i < 2; i++) g->friction[i] = friction_at(&params->cam[i], fabs(omega) * cam_sliding(g, i)).value;
@@ -48,10 +52,34 @@ static bool agrees(const Load *load, const ContactForces *forces) {
     return true;
 }
 
-bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
+static LoadedPin loaded_pin_of(const ContactStatics *statics, int direction, const int flank[2]) {
+    const Geometry *g = &statics->geometry;
+    const double speed = fabs(statics->omega);
+    return (LoadedPin){
+        .params = statics->params,
+        .direction = direction,
+        .flank = {flank[0], flank[1]},
+        .slope = {g->slope[0], g->slope[1]},
+        .speed = {speed * cam_sliding(g, 0), speed * cam_sliding(g, 1)},
+    };
+}
+
+/* Sets the friction coefficients to those under the load. False if the balance has not one answer. */
+static bool set_loaded_friction(const Load *load, int direction, const int flank[2], ContactStatics *statics) {
+    const LoadedPin pin = loaded_pin_of(statics, direction, flank);
+    const LoadTerms loads = {.axial = load->axial, .moment = load->moment};
+    LoadedContacts contacts;
+    loaded_contacts_under(&pin, &loads, &contacts);
+    for (int i = 0; i < 2; i++) statics->geometry.friction[i] = contacts.mu[i].value;
+    return contacts.possible;
+}
+
+bool contact_statics_forces(ContactStatics *statics, int direction, const Load *load, ContactForces *forces) {
+    const bool loaded = any_friction_depends_on_load(statics->params);
     const int sign = load->axial < -REACTION_ROUNDING * load->axial_size ? -1 : 1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         flank_pair(k, sign, forces->flank);
+        if (loaded && !set_loaded_friction(load, direction, forces->flank, statics)) continue;
         forces->transfer = contact_transfer(&statics->geometry, direction, forces->flank);
         apply_load(load, forces);
         if (agrees(load, forces)) return true;
@@ -60,24 +88,37 @@ bool contact_statics_forces(const ContactStatics *statics, int direction, const 
 }
 
 /* F_0 < 0 mirrors the band: both flanks change, and the edge is the edge of the other direction for F_0 > 0. */
-bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
+bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
     const int side = F_0 < 0.0 ? -1 : 1;
-    if (!contact_edge(&statics->geometry, side * direction, forces->flank, &forces->transfer)) return false;
+    if (!contact_edge_under(statics->params, &statics->geometry, fabs(F_0), side * direction, forces->flank,
+                            &forces->transfer))
+        return false;
     for (int i = 0; i < 2; i++) forces->flank[i] *= side;
     const Load load = {.axial = F_0};
     apply_load(&load, forces);
     return true;
 }
 
-double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces) {
+COMPACT double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0,
+                                         const ContactForces *forces) {
     const Geometry *g = &statics->geometry;
+    double by_theta[2] = {0.0, 0.0};
+    if (any_friction_depends_on_load(statics->params)) {
+        const LoadedPin pin = loaded_pin_of(statics, direction, forces->flank);
+        const LoadTerms loads = {.axial = F_0};
+        LoadedContacts contacts;
+        loaded_contacts_under(&pin, &loads, &contacts);
+        const LoadResponse response = loaded_contacts_along_groove(&pin, &contacts, statics->dslope_dtheta);
+        for (int i = 0; i < 2; i++) by_theta[i] = response.friction[i];
+    }
     DualContactFactors f;
     for (int i = 0; i < 2; i++) {
         const Dual slope = {g->slope[i], statics->dslope_dtheta[i]};
-        dual_contact_factors_set(&f, i, g->radius[i], direction * forces->flank[i] * g->friction[i], slope);
+        const Dual friction = {direction * forces->flank[i] * g->friction[i], by_theta[i]};
+        dual_contact_factors_set_varying(&f, i, g->radius[i], friction, slope);
     }
     dual_contact_factors_multiply(&f);
-    return dual_contact_factors_rho(&f).slope;
+    return dual_contact_factors_rho(&f).slope * F_0;
 }
 
 /* mu_i |R_i| times the sliding speed |psi_i'| hypot(r_i, a_i) per |omega| (docs/mechanism.md, section 4) */

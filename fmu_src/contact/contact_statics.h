@@ -11,6 +11,8 @@
 #include "model/params.h"
 
 typedef struct {
+    const Params *params;
+    double omega; /* rad/s, the speed that the friction coefficients belong to */
     Geometry geometry;
     double dslope_dtheta[2]; /* m/rad^2, da_i/dtheta */
     double d2gamma_dtheta2;  /* 1/rad, gamma'' */
@@ -39,17 +41,18 @@ typedef struct {
 } Load;
 
 /* Torque and reactions of motion in `direction`, on the first pair of flanks (see flank_pair()) that agrees with its
- * own reactions. False if no pair does: wedged. */
-bool contact_statics_forces(const ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
+ * own reactions. Where friction depends on the load, the statics receive the coefficients under these reactions. False
+ * if no pair agrees: wedged. */
+bool contact_statics_forces(ContactStatics *statics, int direction, const Load *load, ContactForces *forces);
 
 /* The same at rest on the edge of the stick band, where A = F_0 = F_s + F_ext and W = 0. */
-bool contact_statics_on_edge(const ContactStatics *statics, int direction, double F_0, ContactForces *forces);
+bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces);
 
 /* Is the reaction of contact i zero, to rounding? Then either flank agrees. */
 bool contact_statics_carries_nothing(const ContactForces *forces, const Load *load, int i);
 
-/* m/rad: d rho/dtheta on the flanks of `forces`. */
-double contact_statics_drho_dtheta(const ContactStatics *statics, int direction, const ContactForces *forces);
+/* N.m/rad: the derivative by theta of the torque rho F_0 on the edge that `forces` describes, under a constant F_0. */
+double contact_statics_edge_rise(const ContactStatics *statics, int direction, double F_0, const ContactForces *forces);
 
 /* J/rad, >= 0: friction heat at contact i per angle of cam 2. */
 double contact_statics_heat(const ContactStatics *statics, const ContactForces *forces, int i);

@@ -83,7 +83,7 @@ static TransmissionPoint straight_point(const TransmissionPiece *piece) {
 
 static Regime regime_of(const SlipMode *slip) {
     if (has_inertia(slip->params)) return REGIME_INERTIAL;
-    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || slip->friction_varies;
+    const bool damped = slip->c + slip->q + slip->params->shaft.damping > 0.0 || any_friction_varies(slip->params);
     return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
@@ -96,7 +96,8 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
     slip.piece = transmission_piece(transmission, theta, direction);
     slip.inputs = inputs;
     slip.direction = direction;
-    slip.friction_varies = any_friction_varies(p);
+    slip.friction_is_loaded = any_friction_depends_on_load(p);
+    slip.friction_varies = slip.friction_is_loaded || any_friction_varies(p);
     for (int i = 0; i < 2; i++) {
         slip.flank[i] = flank[i];
         slip.signed_friction[i] =

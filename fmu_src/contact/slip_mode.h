@@ -12,6 +12,7 @@
 #include <stdbool.h>
 
 #include "contact/contact_factors.h"
+#include "contact/loaded_contacts.h"
 #include "geometry/transmission.h"
 #include "model/friction_law.h"
 #include "model/inputs.h"
@@ -28,6 +29,7 @@ typedef struct {
     double friction[2];             /* f_i */
     double dfriction_domega[2];     /* s/rad */
     ContactFactors dfactors_domega; /* derivatives of the factors by the speed */
+    LoadedContacts loaded;          /* only where friction depends on the load */
 } SlipCoefficients;
 
 typedef struct {
@@ -39,7 +41,8 @@ typedef struct {
     int direction;                 /* sigma */
     int flank[2];                  /* e_i */
     double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
-    bool friction_varies;          /* mu_i depends on the sliding speed: see slip_set_friction() */
+    bool friction_varies;          /* mu_i depends on the sliding speed or on the load: see slip_set_friction() */
+    bool friction_is_loaded;       /* mu_i depends on the load: loaded_slip.h sets it, not slip_set_friction() */
     FrictionFall fall[2];          /* where friction varies */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
@@ -60,7 +63,7 @@ double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoeffici
 void slip_set_friction(const SlipMode *slip, double omega, SlipCoefficients *coefficients);
 
 /* The coefficients at theta and, where friction varies, at the speed omega; in *storage unless the slip mode holds
- * them; *z is set. */
+ * them; *z is set. Where friction depends on the load, the caller sets it: see loaded_slip.h. */
 static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip, double theta, double omega,
                                                            SlipCoefficients *storage, double *z) {
     const TransmissionPiece *piece = slip->piece;
@@ -71,7 +74,7 @@ static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip,
     } else {
         *z = slip_coefficients_curved(slip, theta, storage);
     }
-    if (slip->friction_varies) slip_set_friction(slip, omega, storage);
+    if (slip->friction_varies && !slip->friction_is_loaded) slip_set_friction(slip, omega, storage);
     return storage;
 }
 

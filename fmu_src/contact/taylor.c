@@ -11,7 +11,7 @@ static Dual constant(double value) {
 /* ---- along a given motion ---- */
 
 /* The polynomial p(x) as a polynomial in t, where x = start + rate t: its first coefficients, by Horner's scheme. */
-NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
+COMPACT static void expand(const double p[TRANSMISSION_DEGREE + 1], double start, double rate, double out[JET_TERMS]) {
     for (int k = 0; k < JET_TERMS; k++) out[k] = 0.0;
     for (int n = TRANSMISSION_DEGREE; n >= 0; n--) {
         for (int k = JET_TERMS - 1; k > 0; k--) out[k] = 0.0 + out[k - 1] * rate + out[k] * start;
@@ -19,7 +19,7 @@ NOINLINE static void expand(const double p[TRANSMISSION_DEGREE + 1], double star
     }
 }
 
-void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
+COMPACT void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
     const TransmissionPiece *piece = slip->piece;
     const double start = (t->theta.c[0].value - piece->middle) * piece->scale;
     for (int i = 0; i < 2; i++) {
@@ -57,54 +57,121 @@ static Jet damper_along(const SlipMode *slip, const Taylor *t) {
     return jet_multiply(&t->v, &resistance);
 }
 
-/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i). `sum`: a_1 + a_2. */
-NOINLINE static Jet friction_of(const SlipMode *slip, const Jet slope[2], const Jet *sum, const Taylor *t, int i) {
-    const CamParams *cam = &slip->params->cam[i];
-    Jet length2 = jet_multiply(&slope[i], &slope[i]), v = {.c = {{0.0, 0.0}}};
-    length2.c[0].value += cam->radius * cam->radius;
+/* The grooves along the motion. */
+typedef struct {
+    Jet slope[2], sum, dgamma_dtheta; /* a_i, a_1 + a_2, gamma' */
+} GroovesAlong;
+
+/* psi_i' */
+static Jet dpsi_along(const GroovesAlong *g, int i) {
+    return i == 0 ? g->dgamma_dtheta : jet_divide(&g->slope[0], &g->sum);
+}
+
+/* hypot(r_i, a_i) */
+static Jet length_along(const SlipMode *slip, const GroovesAlong *g, int i) {
+    const double r = slip->params->cam[i].radius;
+    Jet length2 = jet_multiply(&g->slope[i], &g->slope[i]);
+    length2.c[0].value += r * r;
+    return jet_sqrt(&length2);
+}
+
+/* Where friction varies: f_i along the motion, from v_i = sigma omega psi_i' hypot(r_i, a_i), under the load x_i. */
+COMPACT static Jet friction_of(const SlipMode *slip, const GroovesAlong *g, const Jet *x, const Taylor *t, int i) {
+    const Jet length = length_along(slip, g, i);
+    Jet v = {.c = {{0.0, 0.0}}}, R = {.c = {{0.0, 0.0}}}, f = {.c = {{0.0, 0.0}}};
     if (slip->regime != REGIME_RATE_INDEPENDENT) {
-        const Jet length = jet_sqrt(&length2), dpsi_dtheta = jet_divide(&slope[1 - i], sum);
-        const Jet sliding = jet_multiply(&dpsi_dtheta, &length);
+        const Jet dpsi_dtheta = dpsi_along(g, i), sliding = jet_multiply(&dpsi_dtheta, &length);
         jet_add_product(&v, slip->direction, &sliding, &t->omega);
     }
-    const Jet mu = friction_along(cam, i, &v, t->known);
-    Jet f = {.c = {{0.0, 0.0}}};
+    jet_add_product(&R, (x->c[0].value < 0.0 ? -1.0 : 1.0) / slip->params->contacts, x, &length);
+    const Jet mu = friction_along(&slip->params->cam[i], i, &v, &R, t->known);
     jet_add_scaled(&f, slip->direction * slip->flank[i], &mu);
     return f;
 }
 
-static void factors_along(const SlipMode *slip, const Jet slope[2], const Jet *sum, Taylor *t) {
+COMPACT static void factors_along(const SlipMode *slip, const GroovesAlong *g, const Jet x[2], Taylor *t) {
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
-        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_VISCOUS_2)) {
-            const Jet f = friction_of(slip, slope, sum, t, i);
-            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &slope[i]);
+        if (slip->friction_varies || (t->known >= KNOWN_PEAK_1 && t->known <= KNOWN_LOAD_2)) {
+            const Jet f = friction_of(slip, g, &x[i], t, i);
+            jet_contact_factors_set_varying(&t->factors, i, cam->radius, &f, &g->slope[i]);
             continue;
         }
         const Dual mu = seeded(t, cam->friction, (Known)(KNOWN_FRICTION_1 + i));
         jet_contact_factors_set(&t->factors, i, cam->radius, dual_scale(slip->direction * slip->flank[i], mu),
-                                &slope[i]);
+                                &g->slope[i]);
     }
     jet_contact_factors_multiply(&t->factors);
 }
 
-/* Kinematics and the factors; returns d gamma/dt. */
-static Jet follow_grooves(const SlipMode *slip, Taylor *t) {
-    const Jet from_here = jet_line(constant(-t->theta.c[0].value), constant(1.0), &t->theta);
-    const Jet slope[2] = {jet_polynomial(t->slope[0], JET_TERMS - 1, &from_here),
-                          jet_polynomial(t->slope[1], JET_TERMS - 1, &from_here)};
-    Jet sum = slope[0];
-    jet_add_scaled(&sum, 1.0, &slope[1]);
-    const Jet dgamma_dtheta = jet_divide(&slope[1], &sum), dz_dtheta = jet_multiply(&slope[0], &dgamma_dtheta);
-    t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
-    t->v = jet_multiply(&dz_dtheta, &t->omega);
-    factors_along(slip, slope, &sum, t);
-    return jet_multiply(&dgamma_dtheta, &t->omega);
+/* x_i of the balance with the present factors (contact_factors.h). */
+COMPACT static void contact_loads_along(const Taylor *t, Jet x[2]) {
+    for (int i = 0; i < 2; i++) {
+        x[i] = jet_multiply(&t->factors.rn[1 - i], &t->load);
+        jet_add_product(&x[i], i == 0 ? -1.0 : 1.0, &t->factors.d[1 - i], &t->moment);
+        x[i] = jet_divide(&x[i], &t->factors.delta);
+    }
 }
 
-void taylor_balance(const SlipMode *slip, Taylor *t) {
+/* Where friction depends on the load: x_i and f_i together. The derivatives of the balance by x_i at the instant itself
+ * serve at every order, so that each pass of Newton's method makes one more coefficient exact. */
+COMPACT static void loaded_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+    const LoadTerms loads = {.axial = t->load.c[0].value, .moment = t->moment.c[0].value};
+    LoadedPin pin = {.params = slip->params, .direction = slip->direction, .flank = {slip->flank[0], slip->flank[1]}};
+    for (int i = 0; i < 2; i++) {
+        const double rate = slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * t->omega.c[0].value;
+        pin.slope[i] = g->slope[i].c[0].value;
+        pin.speed[i] = rate * dpsi_along(g, i).c[0].value * length_along(slip, g, i).c[0].value;
+    }
+    LoadedContacts now;
+    loaded_contacts_under(&pin, &loads, &now);
+    const ContactFactors *tangent = &now.tangent;
+    Jet x[2] = {{.c = {{now.x[0], 0.0}}}, {.c = {{now.x[1], 0.0}}}};
+    for (int pass = 0; pass < 2 * JET_TERMS; pass++) {
+        factors_along(slip, g, x, t);
+        Jet axial = t->load, moment = t->moment;
+        for (int i = 0; i < 2; i++) {
+            jet_add_product(&axial, -1.0, &t->factors.d[i], &x[i]);
+            jet_add_product(&moment, i == 0 ? 1.0 : -1.0, &t->factors.rn[i], &x[i]);
+        }
+        for (int i = 0; i < 2; i++) {
+            jet_add_scaled(&x[i], tangent->rn[1 - i] / tangent->delta, &axial);
+            jet_add_scaled(&x[i], (i == 0 ? -1.0 : 1.0) * tangent->d[1 - i] / tangent->delta, &moment);
+        }
+    }
+    factors_along(slip, g, x, t);
+}
+
+/* The factors at the loads that have been set. */
+static void set_factors_along(const SlipMode *slip, const GroovesAlong *g, Taylor *t) {
+    Jet x[2] = {{.c = {{1.0, 0.0}}}, {.c = {{1.0, 0.0}}}};
+    if (slip->friction_is_loaded) {
+        loaded_factors_along(slip, g, t);
+        return;
+    }
+    factors_along(slip, g, x, t);
+    if (t->known < KNOWN_LOAD_EXPONENT_1 || t->known > KNOWN_LOAD_2) return;
+    contact_loads_along(t, x); /* the exponent is zero, its derivative needs the loads */
+    factors_along(slip, g, x, t);
+}
+
+/* Kinematics; returns d gamma/dt. */
+static Jet follow_grooves(GroovesAlong *g, Taylor *t) {
+    const Jet from_here = jet_line(constant(-t->theta.c[0].value), constant(1.0), &t->theta);
+    for (int i = 0; i < 2; i++) g->slope[i] = jet_polynomial(t->slope[i], JET_TERMS - 1, &from_here);
+    g->sum = g->slope[0];
+    jet_add_scaled(&g->sum, 1.0, &g->slope[1]);
+    g->dgamma_dtheta = jet_divide(&g->slope[1], &g->sum);
+    const Jet dz_dtheta = jet_multiply(&g->slope[0], &g->dgamma_dtheta);
+    t->z = jet_polynomial(t->height, JET_TERMS - 1, &from_here);
+    t->v = jet_multiply(&dz_dtheta, &t->omega);
+    return jet_multiply(&g->dgamma_dtheta, &t->omega);
+}
+
+COMPACT void taylor_balance(const SlipMode *slip, Taylor *t) {
     const InertiaParams *inertia = &slip->params->inertia;
-    const Jet gamma_rate = follow_grooves(slip, t);
+    GroovesAlong grooves;
+    const Jet gamma_rate = follow_grooves(&grooves, t);
     t->load = spring_along(&slip->params->spring, t);
     jet_add_scaled(&t->load, 1.0, &t->F_ext);
     t->moment = (Jet){.c = {{0.0, 0.0}}};
@@ -120,6 +187,7 @@ void taylor_balance(const SlipMode *slip, Taylor *t) {
         jet_add_scaled(&t->load, inertia->follower_mass, &follower_acceleration);
         jet_add_scaled(&t->moment, inertia->follower, &gamma_acceleration);
     }
+    set_factors_along(slip, &grooves, t);
     t->residual = jet_multiply(&t->factors.delta, &torque);
     jet_add_product(&t->residual, -1.0, &t->factors.p, &t->load);
     jet_add_product(&t->residual, -1.0, &t->factors.q, &t->moment);
@@ -148,7 +216,7 @@ static void solve(const SlipMode *slip, int k, double by, Taylor *t) {
     }
 }
 
-void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
+COMPACT void taylor_follow(const SlipMode *slip, const Balance *balance, int last, Taylor *t) {
     const Regime regime = slip->regime;
     Partials by;
     balance_partials(slip, balance, &by);

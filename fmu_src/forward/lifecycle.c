@@ -27,8 +27,9 @@ void forget_cache(Cache *cache) {
 /* Builds all that follows from params and transmission. */
 static void build_model(Mechanism *m) {
     const Transmission *transmission = &m->model.transmission;
-    m->model.closed_form =
-        USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) && !any_friction_varies(&m->params);
+    m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
+    m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
+                           !any_friction_varies(&m->params) && !m->model.friction_is_loaded;
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
         m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};
@@ -41,8 +42,9 @@ static void build_model(Mechanism *m) {
 
 static bool check_mechanism(const Params *p, Fault *fault) {
     static const char inertia[] = "inertia.shaft, inertia.follower_mass or inertia.follower > 0";
-    return check_params(p, fault) && (has_inertia(p) || (check_falling_friction(p, "without inertia", inertia, fault) &&
-                                                         check_limited_speed(p, inertia, fault)));
+    return check_params(p, fault) &&
+           (has_inertia(p) || (check_falling_friction(p, "without inertia", inertia, fault) &&
+                               check_loaded_friction(p, inertia, fault) && check_limited_speed(p, inertia, fault)));
 }
 
 bool mechanism_rebuild(Mechanism *m, Fault *fault) {

@@ -5,6 +5,7 @@
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
+#include "model/friction_law.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
 
@@ -67,7 +68,7 @@ void mechanism_loads(const Mechanism *m, LoadOutputs *out) {
     for (int i = 0; i < 2; i++) {
         out->sliding_speed[i] = g->dpsi_dtheta[i] * fabs(omega) * cam_length(g, i);
         out->reaction[i] = stick_reaction(m, i);
-        out->friction_coefficient[i] = g->friction[i];
+        out->friction_coefficient[i] = friction_at_rest(&m->params.cam[i], out->reaction[i]);
     }
     if (!is_slip(now.mode)) return;
     LinearSlipMode storage;

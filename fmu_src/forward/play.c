@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/loaded_contacts.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/golden_section.h"
@@ -30,13 +31,13 @@ typedef struct {
 NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     const Mechanism *m = path->m;
     const TransmissionPoint point = piece_at(path->piece, theta);
-    const Geometry g = cam_geometry(m->params.cam, point.slope);
+    Geometry g = cam_geometry(m->params.cam, point.slope);
     const double F_0 = spring_force(&m->params.spring, point.z) + m->inputs.F_ext[0];
     const int away = F_0 < 0.0 ? -path->direction : path->direction; /* the band is mirrored */
     Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = F_0 < 0.0 ? 8 : 0};
     int flank[2];
     Transfer t;
-    if (!contact_edge(&g, away, flank, &t)) {
+    if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t)) {
         edge.torque = F_0 == 0.0 ? 0.0 : (double)path->direction * (double)INFINITY;
         return edge;
     }

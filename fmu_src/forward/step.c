@@ -67,10 +67,11 @@ static bool nothing_resists(const Mechanism *m) {
 }
 
 /* Without inertia: does the torque exceed what friction can resist at any speed? Friction that grows with the speed
- * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. */
+ * resists by at most the limit of rho F_0 for mu to infinity, which is finite if the other contact does not lock. Where
+ * friction depends on the load, a contact locks instead (loaded_contacts.h). */
 static bool no_speed_balances(const Mechanism *m) {
-    return !has_inertia(&m->params) && any_friction_varies(&m->params) && m->state.mode == MODE_WEDGED &&
-           stick_direction_beyond_band(m) != 0;
+    return !has_inertia(&m->params) && !m->model.friction_is_loaded && any_friction_varies(&m->params) &&
+           m->state.mode == MODE_WEDGED && stick_direction_beyond_band(m) != 0;
 }
 
 /* ---- one segment ---- */

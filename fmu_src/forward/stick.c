@@ -4,7 +4,9 @@
 #include <math.h>
 
 #include "contact/balance.h"
+#include "contact/loaded_contacts.h"
 #include "numerics/bernstein.h"
+#include "numerics/root.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
 
@@ -36,14 +38,20 @@ double stick_torque_size(const Mechanism *m, double factor) {
 }
 
 BandFactors stick_band(const Mechanism *m) {
+    if (m->model.friction_is_loaded)
+        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)));
     return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
+static BandFactors edges_of_band(BandFactors band, double side) {
+    if (side >= 0.0) return band;
+    return (BandFactors){
+        .release = band.load, .load = band.release, .release_rate = band.load_rate, .load_rate = band.release_rate};
+}
+
 BandFactors stick_edges(const Mechanism *m, double side) {
-    const BandFactors band = stick_band(m);
-    if (side >= 0.0) return (BandFactors){.release = band.release, .load = band.load};
-    return (BandFactors){.release = band.load, .load = band.release};
+    return edges_of_band(stick_band(m), side);
 }
 
 double stick_edge(double factor, double F_0) {
@@ -87,25 +95,27 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
-/* k-th time derivative of tau - factor F_0 at rest. Zero if both terms cancel to rounding. */
+/* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding. Where
+ * friction depends on the load, the second derivative of E is left out: it counts only if the first one of F_0 is
+ * zero as well. */
 static double excess_rate(const Mechanism *m, double factor, int k) {
     const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
     return fabs(tau - load) <= cancelled * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
 }
 
-/* tau - factor F_0, for a finite factor */
-static Difference excess_of(const Mechanism *m, double factor, double F_0) {
+/* tau - factor F_0, for a finite factor; `rate`: the derivative of the edge factor F_0 by F_0 */
+static Difference excess_of(const Mechanism *m, double factor, double rate, double F_0) {
     Difference excess = {
         .u = {m->inputs.tau[0] - stick_edge(factor, F_0)}, .by_tau = 1.0, .by_load = lever_size(m, factor)};
-    for (int k = 1; k <= INPUT_ORDER; k++) excess.u[k] = excess_rate(m, factor, k);
+    for (int k = 1; k <= INPUT_ORDER; k++) excess.u[k] = excess_rate(m, rate, k);
     return excess;
 }
 
 /* Is tau beyond factor F_0, on the side of `sign`? No torque is beyond an infinite edge. */
-static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign) {
+static bool is_beyond(const Mechanism *m, double factor, double rate, double F_0, double sign) {
     if (isinf(factor)) return false;
-    const Difference excess = excess_of(m, factor, F_0);
+    const Difference excess = excess_of(m, factor, rate, F_0);
     return sign * sign_of_difference(m, &excess) > 0.0;
 }
 
@@ -114,13 +124,15 @@ static bool is_beyond(const Mechanism *m, double factor, double F_0, double sign
 int stick_direction_beyond_band(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
     const BandFactors f = stick_edges(m, side_of(m, F_0));
-    return is_beyond(m, f.load, F_0, 1.0) ? 1 : (is_beyond(m, f.release, F_0, -1.0) ? -1 : 0);
+    if (is_beyond(m, f.load, f.load_rate, F_0, 1.0)) return 1;
+    return is_beyond(m, f.release, f.release_rate, F_0, -1.0) ? -1 : 0;
 }
 
 bool stick_excess_grows(const Mechanism *m, int direction) {
     const double F_0 = stick_axial_load(m);
     const BandFactors f = stick_edges(m, side_of(m, F_0));
-    const Difference excess = excess_of(m, direction > 0 ? f.load : f.release, F_0);
+    const Difference excess =
+        direction > 0 ? excess_of(m, f.load, f.load_rate, F_0) : excess_of(m, f.release, f.release_rate, F_0);
     if (fabs(excess.u[0]) > tie_at(m, &excess, 0.0)) return true;
     for (int k = 1; k <= INPUT_ORDER; k++)
         if (excess.u[k] != 0.0) return direction * excess.u[k] > 0.0;
@@ -138,8 +150,8 @@ bool stick_is_on_edge(const Mechanism *m, int direction) {
 Mode stick_mode(const Mechanism *m) {
     const double F_0 = stick_axial_load(m), frictionless_factor = m->configuration.geometry.dz_dtheta;
     const BandFactors f = stick_edges(m, side_of(m, F_0));
-    if (isinf(f.release) && is_beyond(m, frictionless_factor, F_0, -1.0)) return MODE_WEDGED;
-    if (isinf(f.load) && is_beyond(m, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
+    if (isinf(f.release) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, -1.0)) return MODE_WEDGED;
+    if (isinf(f.load) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
     return MODE_STICK;
 }
 
@@ -151,9 +163,9 @@ static bool wedged_above(const Mechanism *m, const BandFactors *band, double F_0
     return fabs(excess) <= stick_tie(m) * stick_torque_size(m, frictionless_factor) ? isinf(band->load) : excess > 0.0;
 }
 
-/* The factors of the torque interval in which the present mode of rest lasts while F_0 has the sign of `side`. */
-static BandFactors rest_factors(const Mechanism *m, double F_0, double side) {
-    const BandFactors band = stick_edges(m, side);
+/* The factors of the torque interval in which the present mode of rest lasts, with the edges `band`; F_0 is that at the
+ * present instant. */
+static BandFactors rest_factors(const Mechanism *m, BandFactors band, double F_0, double side) {
     const double frictionless_factor = m->configuration.geometry.dz_dtheta;
     const double release = isfinite(band.release) ? band.release : frictionless_factor;
     const double load = isfinite(band.load) ? band.load : frictionless_factor;
@@ -175,7 +187,7 @@ static double margin(const Mechanism *m, double factor) {
 
 RestInterval stick_rest_interval(const Mechanism *m) {
     const double F_0 = stick_axial_load(m);
-    const BandFactors f = rest_factors(m, F_0, F_0);
+    const BandFactors f = rest_factors(m, stick_edges(m, F_0), F_0, F_0);
     return (RestInterval){
         .lower = isinf(f.release) ? -INFINITY : stick_edge(f.release, F_0) + margin(m, f.release),
         .upper = isinf(f.load) ? INFINITY : stick_edge(f.load, F_0) - margin(m, f.load),
@@ -220,7 +232,7 @@ static double time_past_zero(const Mechanism *m, const Difference *d, double sig
  * infinity. */
 static double time_beyond(const Mechanism *m, double factor, double F_0, double sign, double ties, double t_end) {
     if (isinf(factor)) return INFINITY;
-    Difference excess = excess_of(m, factor, F_0);
+    Difference excess = excess_of(m, factor, factor, F_0);
     if (ties == 0.0) return time_past_zero(m, &excess, sign, t_end);
     excess.u[0] -= sign * ties * tie_at(m, &excess, 0.0);
     return time_above(excess.u, sign, t_end);
@@ -235,12 +247,50 @@ static double time_to_mirror(const Mechanism *m, double F_0, double left) {
     return time_past_zero(m, &load, side > 0.0 ? -1.0 : 1.0, left);
 }
 
+/* Where friction depends on the load and F_ext varies, no edge is a polynomial of time: the excess of the torque over
+ * one edge of the rest interval, on the side of `sign`. */
+typedef struct {
+    const Mechanism *m;
+    double F_0, side, sign, ties;
+} LoadedRest;
+
+COMPACT static double loaded_excess(const void *context, double t) {
+    const LoadedRest *rest = context;
+    const Mechanism *m = rest->m;
+    const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
+    const double F_0 = rest->F_0 - m->inputs.F_ext[0] + F_ext;
+    const BandFactors band = contact_band_under(&m->params, &m->configuration.geometry, fabs(F_0));
+    const BandFactors f = rest_factors(m, edges_of_band(band, rest->side), rest->F_0, rest->side);
+    const double factor = rest->sign > 0.0 ? f.load : f.release;
+    if (isinf(factor)) return -INFINITY;
+    const double tie = stick_tie(m) * (fabs(tau) + lever_size(m, factor) * axial_size(m, F_ext));
+    return rest->sign * (tau - stick_edge(factor, F_0)) - rest->ties * tie;
+}
+
+/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. */
+COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
+    double before = 0.0, f_before = fmin(loaded_excess(rest, 0.0), 0.0);
+    for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
+        const double t = t_end * k / (int)LOADED_REST_SAMPLES, f = loaded_excess(rest, t);
+        if (f > 0.0) return root_between(loaded_excess, rest, before, f_before, t, f);
+        before = t;
+        f_before = f;
+    }
+    return INFINITY;
+}
+
 /* Time until the torque has left the rest interval by `ties` ties, or F_0 changes its sign. There the band is
  * mirrored, so that the next segment begins. */
 static double rest_time(const Mechanism *m, double ties, double left) {
     const double F_0 = stick_axial_load(m);
-    const BandFactors f = rest_factors(m, F_0, side_of(m, F_0));
-    const double t_end = fmin(time_to_mirror(m, F_0, left), left);
+    const double side = side_of(m, F_0), t_end = fmin(time_to_mirror(m, F_0, left), left);
+    if (m->model.friction_is_loaded && !inputs_load_constant(&m->inputs)) {
+        LoadedRest rest = {m, F_0, side, 1.0, ties};
+        const double load = loaded_time_beyond(&rest, t_end);
+        rest.sign = -1.0;
+        return fmin(t_end, fmin(load, loaded_time_beyond(&rest, t_end)));
+    }
+    const BandFactors f = rest_factors(m, stick_edges(m, side), F_0, side);
     const double above = time_beyond(m, f.load, F_0, 1.0, ties, t_end);
     const double below = time_beyond(m, f.release, F_0, -1.0, ties, t_end);
     return fmin(t_end, fmin(above, below));

@@ -7,6 +7,7 @@
 
 #include "model/csv_file.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 static bool build_helix(Groove *groove, const CamParams *cam) {
     groove->gain = cam->radius * tan(cam->lead_angle);
@@ -61,7 +62,7 @@ static bool build_table(Groove *groove, const char *path, int number, const char
     return good;
 }
 
-bool groove_build(Groove *groove, const Params *p, int number, const char *resources, Fault *fault) {
+COMPACT bool groove_build(Groove *groove, const Params *p, int number, const char *resources, Fault *fault) {
     const CamParams *cam = &p->cam[number - 1];
     *groove = (Groove){.profile = cam->profile, .radius = cam->radius};
     switch (cam->profile) {

@@ -72,7 +72,7 @@ static bool refuse_end(const Groove groove[2], const Params *p, double end, doub
     return false;
 }
 
-static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
+COMPACT static bool check_end(const Groove groove[2], const Params *p, double stop, Fault *fault) {
     if (pin_is_reachable(groove, stop)) return true;
     const double end = last_reachable(groove, stop);
     return fabs(stop - end) <= GROOVE_END_SLACK * (1.0 + fabs(stop)) || refuse_end(groove, p, end, stop, fault);

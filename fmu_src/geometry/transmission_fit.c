@@ -185,7 +185,7 @@ static bool meets_neighbours(const TransmissionPiece *piece, const NodeSamples *
 typedef enum { PIECE_ACCURATE, PIECE_TOO_WIDE, PIECE_UNDETERMINED /* nothing fixes the pin */ } PieceQuality;
 
 /* Fills the polynomials of a piece whose ends are set. */
-static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
+COMPACT static PieceQuality fit_piece(Fit *fit, TransmissionPiece *piece) {
     NodeSamples samples;
     if (!sample_nodes(fit, piece, &samples)) return PIECE_UNDETERMINED;
     bool good = set_height(&fit->basis, &samples, piece);

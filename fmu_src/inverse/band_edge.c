@@ -66,10 +66,9 @@ double band_edge_holding_angle(const BandEdge *edge, double x) {
 
 double edge_point_slope(const BandEdge *edge, const EdgePoint *point) {
     if (!point->finite) return 1.0;
-    const double drho_dtheta = contact_statics_drho_dtheta(&point->statics, edge->direction, &point->forces);
-    const double dedge_dx = drho_dtheta * point->F_0 + point->forces.transfer.rho *
-                                                           spring_rate(&edge->params->spring, point->statics.z) *
-                                                           point->statics.geometry.dz_dtheta;
+    const double dedge_dx = contact_statics_edge_rise(&point->statics, edge->direction, point->F_0, &point->forces) +
+                            point->forces.transfer.rho_rate * spring_rate(&edge->params->spring, point->statics.z) *
+                                point->statics.geometry.dz_dtheta;
     return 1.0 + dedge_dx / edge->params->shaft.stiffness;
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "inverse/band_edge.h"
+#include "model/friction_law.h"
 
 static BandEdge edge_of(const ElasticCam *cam, double theta, int direction) {
     return (BandEdge){
@@ -43,12 +44,13 @@ static double speed_ratio(const BandEdge *edge, const EdgePoint *point) {
 }
 
 /* Does cam 2 slip in this direction while the far end turns at omega? The edge E = rho F_0 moves with F_ext, so the far
- * end turns against the edge at omega - rho F_ext'/K. */
+ * end turns against the edge at omega - dE/dF_0 F_ext'/K. */
 static bool slips(const ElasticCam *cam, double theta, double omega, int direction, EdgePoint *point, double *speed) {
     const BandEdge edge = edge_of(cam, theta, direction);
     band_edge_at(&edge, cam->x, point);
     const double against_edge =
-        point->finite ? omega - point->forces.transfer.rho * cam->F_ext_rate / edge.params->shaft.stiffness : omega;
+        point->finite ? omega - point->forces.transfer.rho_rate * cam->F_ext_rate / edge.params->shaft.stiffness
+                      : omega;
     *speed = against_edge * speed_ratio(&edge, point);
     return direction * against_edge > 0.0 && is_free(cam, direction) && band_edge_side(&edge, cam->x, point) == 0;
 }
@@ -76,10 +78,11 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
         .statics = point.statics,
         .mode = moves ? slip_mode : mode_at_rest(cam, theta),
     };
-    const Geometry *g = &point.statics.geometry;
+    Geometry *g = &out->statics.geometry;
     for (int i = 0; i < 2; i++) {
         const double frictionless = point.F_0 * g->dpsi_dtheta[i] / g->radius[i];
         out->reaction[i] = (moves && point.finite ? point.forces.x[i] : frictionless) * cam_length(g, i) / p->contacts;
+        if (!moves) g->friction[i] = friction_at_rest(&p->cam[i], out->reaction[i]);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "model/friction_law.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -37,6 +38,37 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     mu.value += share;
     mu.by_speed += share * exponent.slope * per_speed;
     return mu;
+}
+
+COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) {
+    const FrictionParams *law = &cam->law;
+    if (law->table && law->table->loads > 1) return friction_table_under(law->table, v, R);
+    const FrictionCoefficient mu = friction_at(cam, v);
+    if (!friction_depends_on_load(cam)) return (LoadedFriction){mu.value, mu.by_speed, 0.0};
+    const Dual log_ratio = level_log(R / law->load);
+    const double power = exp(law->load_exponent * log_ratio.value);
+    const double dry = (mu.value - law->viscous * v) * power;
+    return (LoadedFriction){
+        .value = dry + law->viscous * v,
+        .by_speed = (mu.by_speed - law->viscous) * power + law->viscous,
+        .by_load = law->load_exponent * dry * log_ratio.slope / law->load,
+    };
+}
+
+COMPACT VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
+    const FrictionParams *law = &cam->law;
+    const Vector2 none = {0.0, 0.0}, q = R * (1.0 / law->load);
+    if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) {
+        const Vector2 power = vector2_exp(law->load_exponent * vector2_log(q));
+        return (VectorLoadPower){power, law->load_exponent * power};
+    }
+    VectorLoadPower out = {none, none};
+    for (int j = 0; j < 2; j++) {
+        const Dual l = level_log(q[j]);
+        out.value[j] = exp(law->load_exponent * l.value);
+        out.by_log_load[j] = law->load_exponent * l.slope * q[j] * out.value[j];
+    }
+    return out;
 }
 
 FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
@@ -81,7 +113,7 @@ static Dual inverse_of(Dual a) {
 }
 
 /* exp(-(v/v_s)^delta) */
-static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known known) {
+COMPACT static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known known) {
     const Dual v_s = seeded(law->stribeck_velocity, known, KNOWN_STRIBECK_VELOCITY_1, i), none = {0.0, 0.0};
     const Jet ratio = jet_line(none, inverse_of(v_s), v);
     const Jet power = law->stribeck_exponent == 2 ? jet_multiply(&ratio, &ratio) : ratio;
@@ -89,16 +121,32 @@ static Jet stribeck_along(const FrictionParams *law, int i, const Jet *v, Known 
     return jet_exp(&exponent);
 }
 
-Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known) {
+/* (R/R_ref)^nu */
+COMPACT static Jet load_power_along(const FrictionParams *law, int i, const Jet *R, Known known) {
+    const Dual load = seeded(law->load, known, KNOWN_LOAD_1, i), none = {0.0, 0.0};
+    const Dual exponent = seeded(law->load_exponent, known, KNOWN_LOAD_EXPONENT_1, i);
+    const Jet ratio = jet_line(none, inverse_of(load), R);
+    const Jet log_ratio = level_log_along(&ratio), power = jet_line(none, exponent, &log_ratio);
+    return jet_exp(&power);
+}
+
+COMPACT Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return friction_table_along(law->table, v);
-    const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i);
+    if (law->table) return friction_table_along(law->table, v, R);
+    const Dual kinetic = seeded(cam->friction, known, KNOWN_FRICTION_1, i), none = {0.0, 0.0};
     const Dual peak = seeded(law->peak, known, KNOWN_PEAK_1, i);
     const Dual viscous = seeded(law->viscous, known, KNOWN_VISCOUS_1, i);
     const Dual excess = dual_multiply(kinetic, dual_line(-1.0, 1.0, peak));
-    Jet mu = jet_line(kinetic, viscous, v);
-    if (excess.value == 0.0 && excess.slope == 0.0) return mu;
-    const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line((Dual){0.0, 0.0}, excess, &stribeck);
-    jet_add_scaled(&mu, 1.0, &share);
+    Jet mu = {.c = {kinetic}};
+    if (excess.value != 0.0 || excess.slope != 0.0) {
+        const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line(none, excess, &stribeck);
+        jet_add_scaled(&mu, 1.0, &share);
+    }
+    if (R != NULL && (friction_depends_on_load(cam) || known == KNOWN_LOAD_EXPONENT_1 + (Known)i)) {
+        const Jet power = load_power_along(law, i, R, known);
+        mu = jet_multiply(&mu, &power);
+    }
+    const Jet lubricated = jet_line(none, viscous, v);
+    jet_add_scaled(&mu, 1.0, &lubricated);
     return mu;
 }

@@ -1,10 +1,14 @@
-/* The friction law: the one place that holds mu(v), the friction coefficient of a contact at the sliding speed v.
+/* The friction law: the one place that holds mu(v, R), the friction coefficient of a contact at the sliding speed v and
+ * the reaction R of one contact.
  *
- *     mu(v) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] + mu_v v        (docs/mechanism.md, section 9)
+ *     mu(v, R) = mu_k [1 + (peak - 1) exp(-(v/v_s)^delta)] (R/R_ref)^nu + mu_v v      (docs/mechanism.md, section 9)
  *
  * mu_k: kinetic coefficient; peak: static over kinetic coefficient; v_s: Stribeck velocity; delta: 1 (Tustin) or 2
  * (Gauss); mu_v: slope of the lubricated branch (B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30,
- * 1994). With peak = 1 and mu_v = 0 the law is Coulomb's.
+ * 1994); nu: load exponent. With peak = 1, mu_v = 0 and nu = 0 the law is Coulomb's.
+ *
+ * Where the law does not depend on R, the functions without R hold. Where it does, they give mu at R_ref, and
+ * friction_under() and friction_along() give mu at any R; contact/loaded_contacts.h finds mu and R together.
  *
  * A table of samples (friction_table.h) replaces this law where the user names one.
  *
@@ -20,7 +24,7 @@
 #include "numerics/tolerances.h"
 #include "numerics/vector2.h"
 
-/* Does the coefficient change while the pin slides? Else the law is Coulomb's. */
+/* Does the coefficient depend on the sliding speed? */
 static inline bool friction_varies(const CamParams *cam) {
     return (cam->law.peak != 1.0 && cam->friction > 0.0) || cam->law.viscous > 0.0 || cam->law.table != NULL;
 }
@@ -31,13 +35,38 @@ static inline bool any_friction_varies(const Params *p) {
     return !(coulomb && !a->table && !b->table) && (friction_varies(&p->cam[0]) || friction_varies(&p->cam[1]));
 }
 
-/* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins. */
+/* Does the coefficient depend on the reaction? */
+static inline bool friction_depends_on_load(const CamParams *cam) {
+    if (cam->law.table) return cam->law.table->loads > 1;
+    return cam->law.load_exponent != 0.0 && cam->friction > 0.0;
+}
+
+static inline bool any_friction_depends_on_load(const Params *p) {
+    return friction_depends_on_load(&p->cam[0]) || friction_depends_on_load(&p->cam[1]);
+}
+
+/* The samples over the load end steps, as those over the speed do. */
+static inline bool any_friction_table_has_loads(const Params *p) {
+    const FrictionTable *a = p->cam[0].law.table, *b = p->cam[1].law.table;
+    return (a && a->loads > 1) || (b && b->loads > 1);
+}
+
+/* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
-    return cam->law.table ? cam->law.table->at_rest : cam->friction * cam->law.peak;
+    return cam->law.table ? friction_table_at_rest(cam->law.table) : cam->friction * cam->law.peak;
 }
 
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
 FrictionCoefficient friction_at(const CamParams *cam, double v);
+
+/* mu(v, R) and its derivatives; R >= 0 in N, of one contact. Below LEVEL_LOG_FROM R_ref the coefficient levels off:
+ * with nu < 0 it would grow without bound. */
+LoadedFriction friction_under(const CamParams *cam, double v, double R);
+
+/* mu(0+, |R|) */
+static inline double friction_at_rest(const CamParams *cam, double R) {
+    return friction_depends_on_load(cam) ? friction_under(cam, 0.0, R < 0.0 ? -R : R).value : friction_static(cam);
+}
 
 /* The range of speeds in which mu falls steeply. A collocation step that spans more than a part of the range would step
  * over the fall unseen. A step also ends at the samples of a table. */
@@ -105,7 +134,15 @@ static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vect
     return mu;
 }
 
-/* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. */
-Jet friction_along(const CamParams *cam, int i, const Jet *v, Known known);
+/* (R/R_ref)^nu at two reactions R >= 0 of one contact, as level_log.h has the logarithm, and R times its derivative. */
+typedef struct {
+    Vector2 value, by_log_load;
+} VectorLoadPower;
+
+VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R);
+
+/* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is
+ * not used where the law does not depend on the load. */
+Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet *R, Known known);
 
 #endif

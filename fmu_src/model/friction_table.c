@@ -5,60 +5,150 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-/* The piece that holds v < table->end; the first one for v < 0. */
-static const FrictionPiece *find(const FrictionTable *table, double v) {
-    size_t low = 0, high = table->count; /* piece[low].v <= v < piece[high].v */
+/* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
+static size_t find(const double *knot, size_t last, double x) {
+    size_t low = 0, high = last + 1; /* knot[low] <= x < knot[high] */
     while (high - low > 1) {
         const size_t middle = low + (high - low) / 2;
-        if (v >= table->piece[middle].v) low = middle;
+        if (x >= knot[middle]) low = middle;
         else high = middle;
     }
-    return &table->piece[low];
+    return low;
+}
+
+/* ---- over the speed ---- */
+
+/* The curve u_k, less ln mu where its piece starts, and its derivative by v. */
+static FrictionCoefficient curve_at(const FrictionPiece *p, double v) {
+    const double t = (v - p->v) * p->per_width, x = t < -0.25 ? -0.25 : t, *c = p->c;
+    const double slope = c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * (4.0 * c[3] + x * 5.0 * c[4])));
+    return (FrictionCoefficient){x * (c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])))),
+                                 t < x ? 0.0 : slope * p->per_width};
 }
 
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
-    if (v >= table->end) return (FrictionCoefficient){table->at_end, 0.0};
-    const FrictionPiece *p = find(table, v);
-    const double t = (v - p->v) * p->per_width, x = t < -0.25 ? -0.25 : t, *c = p->c;
-    const double value = p->mu * exp(x * (c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])))));
-    const double slope = c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * (4.0 * c[3] + x * 5.0 * c[4])));
-    return (FrictionCoefficient){value, t < x ? 0.0 : value * slope * p->per_width};
+    const size_t j = find(table->speed, table->count, v), k = table->loads / 2;
+    if (j == table->count) return (FrictionCoefficient){table->end[k], 0.0};
+    const FrictionPiece *p = &table->piece[k * table->count + j];
+    const FrictionCoefficient u = curve_at(p, v);
+    const double value = p->mu * exp(u.value);
+    return (FrictionCoefficient){value, value * u.by_speed};
 }
 
-COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v) {
+/* u_k(v) along a motion. */
+COMPACT static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
     const Dual none = {0.0, 0.0};
-    if (v->c[0].value >= table->end) return jet_line((Dual){table->at_end, 0.0}, none, v);
-    const FrictionPiece *p = find(table, v->c[0].value);
-    const double c[6] = {0.0, p->c[0], p->c[1], p->c[2], p->c[3], p->c[4]};
+    const size_t j = find(table->speed, table->count, v->c[0].value);
+    if (j == table->count) return jet_line((Dual){logarithm(table->end[k]), 0.0}, none, v);
+    const FrictionPiece *p = &table->piece[k * table->count + j];
+    const double c[6] = {p->log_mu, p->c[0], p->c[1], p->c[2], p->c[3], p->c[4]};
     const Jet t = jet_line((Dual){-p->v * p->per_width, 0.0}, (Dual){p->per_width, 0.0}, v);
-    const Jet exponent = jet_polynomial(c, 5, &t), growth = jet_exp(&exponent);
-    return jet_line(none, (Dual){p->mu, 0.0}, &growth);
+    return jet_polynomial(c, 5, &t);
 }
 
-/* m/s: the speed of sample k */
-static double speed_of(const FrictionTable *table, size_t k) {
-    return k < table->count ? table->piece[k].v : table->end;
+/* ---- over the load ---- */
+
+/* The spline at ln R: weights of the values at the loads k and k + 1 and of the second derivatives there. */
+typedef struct {
+    size_t k;
+    double a, h; /* (x_{k+1} - x)/h, h = x_{k+1} - x_k */
+} SplinePlace;
+
+COMPACT static SplinePlace place_of(const FrictionTable *table, double x) {
+    const size_t k = find(table->log_load, table->loads - 2, x);
+    const double h = table->log_load[k + 1] - table->log_load[k];
+    return (SplinePlace){k, (table->log_load[k + 1] - x) / h, h};
 }
 
-/* m/s: of the piece that ends at sample k */
-static double width_below(const FrictionTable *table, size_t k) {
-    return speed_of(table, k) - speed_of(table, k - 1);
+/* Value and slope over ln R of the spline through u[k]. Beyond the loads a straight line continues the spline. */
+COMPACT static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePlace *at, const double u[]) {
+    const double h = at->h, a = fmin(fmax(at->a, 0.0), 1.0), b = 1.0 - a;
+    double bend[2] = {0.0, 0.0};
+    for (size_t l = 0; l < table->loads; l++)
+        for (size_t end = 0; end < 2; end++) bend[end] += table->bend[at->k + end][l] * u[l];
+    const double *y = &u[at->k];
+    const double slope = (y[1] - y[0]) / h + ((1.0 - 3.0 * a * a) * bend[0] + (3.0 * b * b - 1.0) * bend[1]) * h / 6.0;
+    const double value = a * y[0] + b * y[1] + ((a * a * a - a) * bend[0] + (b * b * b - b) * bend[1]) * h * h / 6.0;
+    return (FrictionCoefficient){value + slope * h * (a - at->a), slope};
 }
 
-/* The step ahead ends at the next sample, or after a part of the piece. A step aims at the middle of the overshoot; a
- * step that starts close to a sample has reached that sample before. */
-COMPACT double friction_table_share(const FrictionTable *table, double overshoot, double v, double to) {
-    const bool up = to > v;
-    const size_t n = table->count;
-    size_t k = v < table->end ? (size_t)(find(table, v) - table->piece) : n; /* sample k is at or below v */
-    for (k += up; up ? k <= n : k > 0; k += up ? 1 : (size_t)-1) {
-        const double knot = speed_of(table, k), below = width_below(table, k);
-        const double above = k < n ? width_below(table, k + 1) : INFINITY;
-        const double beyond = overshoot * fmin(below, above), distance = up ? knot - v : v - knot;
+COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
+    const Dual log_ratio = level_log(R / table->load[1]);
+    const SplinePlace at = place_of(table, table->log_load[0] + log_ratio.value);
+    const size_t j = find(table->speed, table->count, v);
+    double u[FRICTION_LOADS_MAX], slope[FRICTION_LOADS_MAX];
+    for (size_t k = 0; k < table->loads; k++) {
+        const FrictionPiece *p = &table->piece[k * table->count + (j < table->count ? j : 0)];
+        const FrictionCoefficient curve = curve_at(p, v);
+        u[k] = j < table->count ? p->log_mu + curve.value : logarithm(table->end[k]);
+        slope[k] = j < table->count ? curve.by_speed : 0.0;
+    }
+    const FrictionCoefficient spline = spline_at(table, &at, u);
+    const double mu = exp(spline.value);
+    return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value,
+                            mu * spline.by_speed * log_ratio.slope / table->load[1]};
+}
+
+/* The same as spline_at(), of jets. `x`: ln R. */
+COMPACT static Jet spline_along(const FrictionTable *table, const Jet u[], const Jet *x) {
+    const SplinePlace at = place_of(table, x->c[0].value);
+    const double inner = fmin(fmax(at.a, 0.0), 1.0), h = at.h;
+    Jet bend[2] = {{.c = {{0.0, 0.0}}}, {.c = {{0.0, 0.0}}}};
+    for (size_t l = 0; l < table->loads; l++)
+        for (size_t end = 0; end < 2; end++) jet_add_scaled(&bend[end], table->bend[at.k + end][l], &u[l]);
+    Jet share = jet_line((Dual){-table->log_load[at.k] / h, 0.0}, (Dual){1.0 / h, 0.0}, x); /* b */
+    const Jet beyond = jet_line((Dual){(inner - 1.0), 0.0}, (Dual){1.0, 0.0}, &share);
+    if (inner != at.a) share = (Jet){.c = {{1.0 - inner, 0.0}}};
+    const double a_powers[] = {0.0, -2.0, 3.0, -1.0}, b_powers[] = {0.0, -1.0, 0.0, 1.0}; /* a^3 - a, b^3 - b */
+    Jet rise = u[at.k + 1], value = u[at.k];
+    jet_add_scaled(&rise, -1.0, &u[at.k]);
+    const Jet a_term = jet_polynomial(a_powers, 3, &share), b_term = jet_polynomial(b_powers, 3, &share);
+    jet_add_product(&value, 1.0, &share, &rise);
+    jet_add_product(&value, h * h / 6.0, &a_term, &bend[0]);
+    jet_add_product(&value, h * h / 6.0, &b_term, &bend[1]);
+    if (inner == at.a) return value;
+    const double a = inner, b = 1.0 - inner; /* at an end of the loads */
+    jet_add_scaled(&rise, (1.0 - 3.0 * a * a) * h * h / 6.0, &bend[0]);
+    jet_add_scaled(&rise, (3.0 * b * b - 1.0) * h * h / 6.0, &bend[1]);
+    jet_add_product(&value, 1.0, &beyond, &rise);
+    return value;
+}
+
+COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R) {
+    Jet u[FRICTION_LOADS_MAX];
+    for (size_t k = 0; k < table->loads; k++) u[k] = curve_along(table, k, v);
+    if (table->loads == 1) return jet_exp(&u[0]);
+    const Dual none = {0.0, 0.0};
+    const Jet ratio = jet_line(none, (Dual){1.0 / table->load[1], 0.0}, R);
+    Jet x = level_log_along(&ratio);
+    x.c[0].value += table->log_load[0];
+    const Jet log_mu = spline_along(table, u, &x);
+    return jet_exp(&log_mu);
+}
+
+/* ---- steps ---- */
+
+/* A step ends at the next of the knots, or after a part of the piece. A step aims at the middle of the overshoot; a step
+ * that starts close to a knot has reached that knot before. knot[0] is 0, where no step ends. */
+COMPACT static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
+    const bool up = to > from;
+    const double change = fabs(to - from);
+    size_t k = find(knot, last, from);
+    for (k += up; up ? k <= last : k > 0; k += up ? 1 : (size_t)-1) {
+        const double below = knot[k] - knot[k - 1], above = k < last ? knot[k + 1] - knot[k] : INFINITY;
+        const double beyond = overshoot * fmin(below, above), distance = up ? knot[k] - from : from - knot[k];
         if (distance < 0.25 * beyond) continue;
-        const double change = fabs(to - v), part = FRICTION_SPAN * (up ? below : above);
+        const double part = FRICTION_SPAN * (up ? below : above);
         if (part < distance) return change <= part ? 1.0 : STEP_SAFETY * part / change;
         return change <= distance + beyond ? 1.0 : (distance + 0.5 * beyond) / change;
     }
     return 1.0;
+}
+
+double friction_table_share(const FrictionTable *table, double overshoot, double from, double to) {
+    return share_of(table->speed, table->count, overshoot, from, to);
+}
+
+double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to) {
+    return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
 }

@@ -1,10 +1,14 @@
-/* A friction law by samples: the friction coefficient mu over the sliding speed v, from a CSV file.
+/* A friction law by samples: the friction coefficient mu over the sliding speed v, and perhaps over the reaction R of one
+ * contact, from a CSV file (friction_table_load.h).
  *
- * The samples (v_j, ln mu_j) are joined by the curve of sampled_curve.h, with d = c = 0 at the last sample:
- *     mu(v) = mu_j exp(c_1 t + ... + c_5 t^5)    t = (v - v_j)/(v_{j+1} - v_j) in [0, 1)
- * and mu(v) = mu_n beyond the last speed v_n. So mu is twice continuously differentiable and never negative, and lies
- * between the samples on both sides: mu grows or falls nowhere else than the samples do. Third derivatives jump at the
- * samples; collocation steps end there. friction_table_load.h reads the file. */
+ * For each load R_k the samples (v_j, ln mu_jk) are joined by the curve of sampled_curve.h, with d = c = 0 at the last
+ * sample:
+ *     u_k(v) = ln mu_jk + c_1 t + ... + c_5 t^5    t = (v - v_j)/(v_{j+1} - v_j) in [0, 1)
+ * and u_k is constant beyond the last speed. With one load mu = exp(u_0). With more, ln mu over ln R is the natural cubic
+ * spline through (ln R_k, u_k(v)), whose second derivatives are linear in u_k, and a straight line beyond the first and
+ * the last load: mu continues as a power of R (C. de Boor, A Practical Guide to Splines, chapter IV). So mu is twice
+ * continuously differentiable and never negative. Over the speed mu grows or falls nowhere else than the samples do.
+ * Third derivatives jump at the samples; collocation steps end there. */
 #ifndef DUALCAM_FRICTION_TABLE_H
 #define DUALCAM_FRICTION_TABLE_H
 
@@ -14,22 +18,26 @@
 #include "model/params.h"
 #include "numerics/jet.h"
 
-/* The curve from one sample to the next; 64 bytes. */
+enum { FRICTION_LOADS_MAX = 16 };
+
+/* The curve from one sample to the next. */
 typedef struct {
-    double v;         /* m/s, where it starts */
-    double per_width; /* s/m */
-    double mu;        /* where it starts */
-    double c[5];      /* of t, ..., t^5 */
+    double v;          /* m/s, where it starts */
+    double per_width;  /* s/m */
+    double mu, log_mu; /* where it starts */
+    double c[5];       /* of t, ..., t^5 */
 } FrictionPiece;
 
 struct FrictionTable {
-    double at_rest;       /* mu(0+) */
-    double end;           /* m/s, the last speed */
-    double at_end;        /* mu at the last speed and beyond */
-    double falls_at;      /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
-    size_t count;         /* of pieces */
-    FrictionPiece *piece; /* owned */
-    char path[];          /* of the file */
+    size_t count, loads;                 /* of pieces per load; of loads */
+    FrictionPiece *piece;                /* owned: all of the first load, then of the next */
+    double *speed;                       /* owned: m/s, count + 1 of them */
+    double end[FRICTION_LOADS_MAX];      /* mu at the last speed and beyond */
+    double load[FRICTION_LOADS_MAX + 1]; /* N: 0, then the loads */
+    double log_load[FRICTION_LOADS_MAX];
+    double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
+    double falls_at; /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
+    char path[];     /* of the file */
 };
 
 typedef struct {
@@ -37,14 +45,30 @@ typedef struct {
     double by_speed; /* s/m, dmu/dv */
 } FrictionCoefficient;
 
-/* Below v = 0, at which an iteration may look, the first piece continues for a quarter of its width. */
+typedef struct {
+    double value;
+    double by_speed; /* s/m, dmu/dv */
+    double by_load;  /* 1/N, dmu/dR */
+} LoadedFriction;
+
+/* mu(0+), at the middle one of the loads */
+static inline double friction_table_at_rest(const FrictionTable *table) {
+    return table->piece[table->loads / 2 * table->count].mu;
+}
+
+/* At the middle one of the loads. Below v = 0, at which an iteration may look, the first piece continues for a quarter
+ * of its width. */
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v);
 
-/* mu along a motion with the sliding speed v. */
-Jet friction_table_along(const FrictionTable *table, const Jet *v);
+/* R >= 0, N, of one contact; there is more than one load. Below LEVEL_LOG_FROM of the first load mu levels off. */
+LoadedFriction friction_table_under(const FrictionTable *table, double v, double R);
 
-/* The share of a change of speed from v to `to` after which a step is to end, since a sample lies between both; 1: the
- * step may reach `to`. `overshoot`: share of a piece's width by which a step may pass a sample. */
-double friction_table_share(const FrictionTable *table, double overshoot, double v, double to);
+/* mu along a motion with the sliding speed v and the reaction R; with one load R is not used. */
+Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R);
+
+/* The share of a change of speed, or of the load, from `from` to `to` after which a step is to end, since a sample lies
+ * between both; 1: the step may reach `to`. `overshoot`: share of a piece's width by which a step may pass a sample. */
+double friction_table_share(const FrictionTable *table, double overshoot, double from, double to);
+double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to);
 
 #endif

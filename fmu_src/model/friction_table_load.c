@@ -14,101 +14,211 @@ COMPACT_BEGIN
 
 /* One line of the file. */
 typedef struct {
-    double v; /* m/s */
+    double v, R; /* m/s, N; R = 0 where the file has no loads */
     double mu, log_mu;
 } FrictionSample;
 
 typedef struct {
-    FrictionSample sample[FRICTION_SAMPLES_MAX];
+    FrictionSample sample[FRICTION_SAMPLES_MAX]; /* all of the first load, then of the next */
     CurveKnot knot[FRICTION_SAMPLES_MAX];
-    size_t count;
+    size_t count, speeds, loads;
 } FrictionSamples;
 
 /* ---- the file ---- */
 
-static bool check_sample(const CsvFile *csv, const FrictionSample *sample, size_t k) {
-    if (k == 0 && sample->v != 0.0)
+static bool check_mu(const CsvFile *csv, double mu) {
+    return (mu > 0.0 && mu <= FRICTION_MAX) ||
+           csv_refuse(csv,
+                      "line %zu: mu = %.17g must be > 0 and <= %g; without friction leave out the table and set the "
+                      "friction to 0",
+                      csv->line, mu, FRICTION_MAX);
+}
+
+/* Begins the samples of another load. */
+static bool begin_load(const CsvFile *csv, FrictionSamples *s) {
+    const FrictionSample *sample = &s->sample[s->count];
+    if (s->count == 0 && sample->v != 0.0)
         return csv_refuse(csv,
                           "line %zu: v_m_s = %.17g must be 0 in the first line of numbers, which holds the static "
                           "coefficient",
                           csv->line, sample->v);
-    if (k > 0 && !(sample->v > sample[-1].v))
-        return csv_refuse(csv, "line %zu: v_m_s = %.17g must be > %.17g, that of the line before", csv->line, sample->v,
-                          sample[-1].v);
-    if (!(sample->mu > 0.0 && sample->mu <= FRICTION_MAX))
-        return csv_refuse(csv,
-                          "line %zu: mu = %.17g must be > 0 and <= %g; without friction leave out the table and "
-                          "set the friction to 0",
-                          csv->line, sample->mu, FRICTION_MAX);
+    const double before = s->count > 0 ? sample[-1].R : 0.0;
+    if (sample->R < before || (s->count > 0 && sample->R == before))
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be > %.17g, the load before", csv->line, sample->R, before);
+    if (s->loads == FRICTION_LOADS_MAX)
+        return csv_refuse(csv, "line %zu: too many loads, at most %d are allowed", csv->line, FRICTION_LOADS_MAX);
+    s->loads++;
     return true;
 }
 
-static bool read_samples(CsvFile *csv, FrictionSamples *samples) {
-    static const char *const header = "v_m_s,mu";
-    if (csv_header(csv, &header, 1) < 0) return false;
-    for (samples->count = 0; !csv_at_end(csv); samples->count++) {
-        const size_t k = samples->count;
-        double value[2];
-        if (k == FRICTION_SAMPLES_MAX)
-            return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
-        if (!csv_row(csv, 2, "two finite numbers \"v_m_s,mu\", like \"0.01,0.12\"", value)) return false;
-        samples->sample[k] = (FrictionSample){value[0], value[1], log(value[1])};
-        if (!check_sample(csv, &samples->sample[k], k)) return false;
-    }
-    return samples->count >= FRICTION_SAMPLES_MIN ||
-           csv_refuse(csv, "%zu points, but there must be at least %d", samples->count, FRICTION_SAMPLES_MIN);
+/* Is the sample the next one of its load? The first load sets the speeds. */
+static bool check_speed(const CsvFile *csv, const FrictionSamples *s) {
+    const FrictionSample *sample = &s->sample[s->count];
+    if (sample->R != sample[-1].R)
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load begins with v_m_s = 0 and has all speeds",
+                          csv->line, sample->R, sample[-1].R);
+    if (!(sample->v > sample[-1].v))
+        return csv_refuse(csv, "line %zu: v_m_s = %.17g must be > %.17g, that of the line before", csv->line, sample->v,
+                          sample[-1].v);
+    const double same = s->loads > 1 ? s->sample[s->count % s->speeds].v : sample->v;
+    return sample->v == same ||
+           csv_refuse(csv, "line %zu: v_m_s = %.17g must be %.17g, the speed that the first load has there", csv->line,
+                      sample->v, same);
 }
 
-/* ---- the curve ---- */
+static bool add_sample(const CsvFile *csv, FrictionSamples *s) {
+    const bool begins = s->count == 0 || (s->sample[s->count].R > 0.0 && s->sample[s->count].v == 0.0);
+    if (begins && s->loads == 1 && s->count < FRICTION_SAMPLES_MIN)
+        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load has all its speeds, at least %d, in turn",
+                          csv->line, s->sample[s->count].R, s->sample[0].R, FRICTION_SAMPLES_MIN);
+    if (begins && s->loads == 1) s->speeds = s->count;
+    const bool whole = s->loads == 0 || s->speeds == 0 || s->count % s->speeds == 0;
+    if (s->loads > 0 && s->speeds > 0 && begins != whole)
+        return csv_refuse(csv, "line %zu: each load must have the %zu speeds of the first load", csv->line, s->speeds);
+    if (!(begins ? begin_load(csv, s) : check_speed(csv, s)) || !check_mu(csv, s->sample[s->count].mu)) return false;
+    s->count++;
+    return true;
+}
+
+static bool check_whole(const CsvFile *csv, FrictionSamples *s, bool with_loads) {
+    if (s->loads <= 1) s->speeds = s->count;
+    if (s->speeds < FRICTION_SAMPLES_MIN)
+        return csv_refuse(csv, "%zu points, but there must be at least %d", s->speeds, FRICTION_SAMPLES_MIN);
+    if (with_loads && s->loads < 2)
+        return csv_refuse(csv, "one load, but there must be at least 2; for one, leave out the column R_N");
+    return s->count == s->speeds * s->loads ||
+           csv_refuse(csv, "%zu points, but there must be %zu: each load must have the %zu speeds of the first load",
+                      s->count, s->speeds * s->loads, s->speeds);
+}
+
+static bool read_samples(CsvFile *csv, FrictionSamples *s) {
+    static const char *const header[] = {"v_m_s,mu", "v_m_s,R_N,mu"};
+    static const char *const form[] = {"two finite numbers \"v_m_s,mu\", like \"0.01,0.12\"",
+                                       "three finite numbers \"v_m_s,R_N,mu\", like \"0.01,100,0.12\""};
+    const int with_loads = csv_header(csv, header, 2);
+    if (with_loads < 0) return false;
+    s->count = s->speeds = s->loads = 0;
+    while (!csv_at_end(csv)) {
+        double value[3];
+        if (s->count == FRICTION_SAMPLES_MAX)
+            return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
+        if (!csv_row(csv, 2 + with_loads, form[with_loads], value)) return false;
+        const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
+        if (with_loads && !(R > 0.0)) return csv_refuse(csv, "line %zu: R_N = %.17g must be > 0", csv->line, R);
+        s->sample[s->count] = (FrictionSample){value[0], R, mu, logarithm(mu)};
+        if (!add_sample(csv, s)) return false;
+    }
+    return check_whole(csv, s, with_loads != 0);
+}
+
+/* ---- the curve over the speed ---- */
 
 /* By powers of t, from value, slope d and second derivative c at both ends. */
 static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
-    const double h = s->sample[j + 1].v - s->sample[j].v, rise = s->sample[j + 1].log_mu - s->sample[j].log_mu;
+    const FrictionSample *a = &s->sample[j], *b = &s->sample[j + 1];
+    const double h = b->v - a->v, rise = b->log_mu - a->log_mu;
     const double d0 = h * s->knot[j].slope, d1 = h * s->knot[j + 1].slope;
     const double c0 = 0.5 * h * h * s->knot[j].bend, c1 = 0.5 * h * h * s->knot[j + 1].bend;
     const double value = rise - d0 - c0, slope = d1 - d0 - 2.0 * c0, bend = 2.0 * (c1 - c0); /* left to t^3, t^4, t^5 */
     return (FrictionPiece){
-        .v = s->sample[j].v,
+        .v = a->v,
         .per_width = 1.0 / h,
-        .mu = s->sample[j].mu,
+        .mu = a->mu,
+        .log_mu = a->log_mu,
         .c = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
               6.0 * value - 3.0 * slope + 0.5 * bend},
     };
 }
 
-/* False if the speeds are so close that a slope overflows. */
-static bool fill(FrictionTable *table, FrictionSamples *s) {
-    const CurveSamples curve = {&s->sample[0].v, &s->sample[0].log_mu, s->count, sizeof *s->sample / sizeof(double)};
-    curve_knots(&curve, true, s->knot);
+/* Of load k. False if the speeds are so close that a slope overflows. */
+static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
+    const size_t first = k * s->speeds;
+    const FrictionSample *sample = &s->sample[first];
+    const CurveSamples curve = {&sample->v, &sample->log_mu, s->speeds, sizeof *sample / sizeof(double)};
+    curve_knots(&curve, true, &s->knot[first]);
     double sum = 0.0;
     for (size_t j = 0; j < table->count; j++) {
-        table->piece[j] = piece_of(s, j);
-        for (int k = 0; k < 5; k++) sum += fabs(table->piece[j].c[k]) * table->piece[j].per_width;
-        if (isnan(table->falls_at) && s->sample[j + 1].mu < s->sample[j].mu) table->falls_at = s->sample[j + 1].v;
+        const FrictionPiece piece = piece_of(s, first + j);
+        table->piece[k * table->count + j] = piece;
+        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
+        if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
+    table->end[k] = sample[table->count].mu;
     return isfinite(sum);
 }
 
+/* ---- the spline over the load ---- */
+
+/* The second derivatives M of the natural cubic spline through values u at the points x are linear in u:
+ *     h_{k-1} M_{k-1} + 2 (h_{k-1} + h_k) M_k + h_k M_{k+1} = 6 ((u_{k+1} - u_k)/h_k - (u_k - u_{k-1})/h_{k-1})
+ * with M = 0 at both ends. Elimination without pivots, for the system is dominated by its diagonal. */
+static void fill_bends(FrictionTable *table) {
+    const double *x = table->log_load;
+    double diagonal[FRICTION_LOADS_MAX];
+    for (size_t k = 1; k + 1 < table->loads; k++) {
+        const double below = x[k] - x[k - 1], above = x[k + 1] - x[k];
+        double *row = table->bend[k];
+        row[k - 1] = 6.0 / below;
+        row[k] = -6.0 / below - 6.0 / above;
+        row[k + 1] = 6.0 / above;
+        diagonal[k] = 2.0 * (below + above);
+        if (k == 1) continue;
+        const double factor = below / diagonal[k - 1];
+        diagonal[k] -= factor * below;
+        for (size_t l = 0; l < table->loads; l++) row[l] -= factor * table->bend[k - 1][l];
+    }
+    for (size_t k = table->loads - 1; k-- > 1;)
+        for (size_t l = 0; l < table->loads; l++)
+            table->bend[k][l] = (table->bend[k][l] - (x[k + 1] - x[k]) * table->bend[k + 1][l]) / diagonal[k];
+}
+
+/* The load may change mu by a power between -FRICTION_LOAD_POWER and that: as the load exponent of the analytic law. */
+static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
+    for (size_t n = s->speeds; n < s->count; n++) {
+        const FrictionSample *a = &s->sample[n - s->speeds], *b = &s->sample[n];
+        const double power = (b->log_mu - a->log_mu) / logarithm(b->R / a->R);
+        if (!(fabs(power) <= FRICTION_LOAD_POWER))
+            return csv_refuse(csv,
+                              "at v_m_s = %.17g mu goes with the power %.3g of the load from R_N = %.17g to %.17g: "
+                              "allowed are powers from %g to %g",
+                              a->v, power, a->R, b->R, -FRICTION_LOAD_POWER, FRICTION_LOAD_POWER);
+    }
+    return true;
+}
+
+static bool fill(FrictionTable *table, FrictionSamples *s) {
+    for (size_t j = 0; j < s->speeds; j++) table->speed[j] = s->sample[j].v;
+    for (size_t k = 0; k < s->loads; k++) {
+        if (!fill_load(table, s, k)) return false;
+        table->load[k + 1] = s->sample[k * s->speeds].R;
+        table->log_load[k] = s->loads > 1 ? logarithm(table->load[k + 1]) : 0.0;
+    }
+    if (s->loads > 2) fill_bends(table);
+    return true;
+}
+
 static void free_table(FrictionTable *table) {
-    if (table) free(table->piece);
+    if (!table) return;
+    free(table->piece);
+    free(table->speed);
     free(table);
 }
 
 /* NULL with the reason in the fault of `csv`. */
 static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
-    const size_t size = strlen(csv->path) + 1, last = s->count - 1;
+    if (!check_powers(csv, s)) return NULL;
+    const size_t size = strlen(csv->path) + 1, count = s->speeds - 1;
     FrictionTable *table = malloc(sizeof *table + size);
     if (table) {
         *table = (FrictionTable){
-            .at_rest = s->sample[0].mu,
-            .end = s->sample[last].v,
-            .at_end = s->sample[last].mu,
+            .count = count,
+            .loads = s->loads,
+            .piece = malloc(s->loads * count * sizeof(FrictionPiece)),
+            .speed = malloc(s->speeds * sizeof(double)),
             .falls_at = NAN,
-            .count = last,
-            .piece = malloc(last * sizeof(FrictionPiece)),
         };
         memcpy(table->path, csv->path, size);
-        if (table->piece && fill(table, s)) return table;
+        if (table->piece && table->speed && fill(table, s)) return table;
     }
     free_table(table);
     csv_refuse(csv, "no curve through these points: the speeds must not be so close that slopes overflow, nor the "

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "platform/attributes.h"
+
 void ledger_open(Ledger *ledger, double stored) {
     *ledger = (Ledger){.start = stored};
 }
@@ -25,7 +27,7 @@ void ledger_book_wear(Ledger *ledger, const Booking *booking) {
     for (int i = 0; i < 2; i++) sum_add(&ledger->wear[i], booking->wear[i]);
 }
 
-double ledger_residual(const Ledger *ledger, double stored) {
+COMPACT double ledger_residual(const Ledger *ledger, double stored) {
     const Sum *sink[] = {&ledger->work_ext,    &ledger->heat_cam[0], &ledger->heat_cam[1],
                          &ledger->heat_damper, &ledger->heat_shaft,  &ledger->heat_stop};
     Sum residual = ledger->work_in;

@@ -4,6 +4,8 @@
 #ifndef DUALCAM_JET_H
 #define DUALCAM_JET_H
 
+#include <math.h>
+
 #include "numerics/dual.h"
 
 enum { JET_TERMS = 4 };
@@ -26,6 +28,22 @@ Jet jet_multiply(const Jet *a, const Jet *b);
 Jet jet_divide(const Jet *a, const Jet *b);
 
 Jet jet_exp(const Jet *a);
+
+/* log(x), x > 0, by log1p(), which the closed form needs as well: log() would add kilobytes of tables. */
+static inline double logarithm(double x) {
+    return x >= 1.0 ? log1p(x - 1.0) : -log1p(1.0 / x - 1.0);
+}
+
+/* a(0) > 0 */
+Jet jet_log(const Jet *a);
+
+/* A logarithm that levels off towards 0:
+ *     l(q) = ln q                                q >= q_0 = LEVEL_LOG_FROM
+ *     l(q) = ln q_0 + (w - w^2/2 + w^3/3 - w^4/4)/2        w = (q/q_0)^2 - 1 < 0
+ * the first terms of the series of ln q = ln q_0 + ln(1 + w)/2. l is four times continuously differentiable, and, as a
+ * function of q^2, smooth at 0. */
+Dual level_log(double q); /* value and derivative */
+Jet level_log_along(const Jet *q);
 
 /* a(0) > 0 */
 Jet jet_sqrt(const Jet *a);

@@ -25,8 +25,9 @@ static const double BERNSTEIN_PEAK_WIDTH = 1e-10;
 enum { BERNSTEIN_MAX_ITERATIONS = 100 };
 
 /* A polynomial through its values at the start and at the nodes of a collocation method exceeds the range of these
- * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. */
-static const double BEYOND_NODES = 0.6;
+ * values by less than this share of the range: the Lebesgue constants of the nodes are below 2.2. PEAK_SPREAD: of a step,
+ * around a peak. */
+static const double BEYOND_NODES = 0.6, PEAK_SPREAD = 0.02;
 
 /* root */
 
@@ -59,8 +60,8 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 /* ---- model ---- */
 
 /* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. */
-enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 500 };
-static const double FRICTION_MAX = 10.0;
+enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
+static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
 
 /* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
  * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
@@ -133,9 +134,17 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 /* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
  * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0,
-                    STRIBECK_GONE_GAUSS = 6.1, STRIBECK_GONE_TUSTIN = 37.0;
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+                    STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
+                    STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
+
+/* Friction that depends on the load. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
+ * change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE: share of a_i in n_i that passes on no torque. */
+enum { LOADED_ITERATIONS = 40, LOADED_REST_SAMPLES = 32 /* of the band's edge while F_ext varies */ };
+static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
+                    LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6,
+                    RADAU_LOADED_STRICT = 10.0; /* of the error estimate */
 
 /* ---- closed_form ---- */
 
@@ -307,6 +316,8 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
+/* Relative error of a force per square of the last change of a load. */
+static const double LOBATTO_LOAD_SHARE = 0.1;
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
@@ -440,7 +451,6 @@ enum { MAX_JAMS_PER_STEP = 1000 };
 /* A coefficient of the imposed polynomial at the end of the step is zero if it is below this share of what adds up to
  * it: a speed that is zero at the end makes no reversal just before the end. */
 static const double MOTION_END_ROUNDING = 8.0 * DBL_EPSILON;
-
 /* An imposed angle may lie beyond a stop by this share of the range between the stops: masters add up their angles.
  * From 7e-7 on test_refuses_to_go_beyond_the_stops of test_inverse.py fails; ten times the value passes. */
 static const double IMPOSED_STOP_ROUNDING = 1e-9;
@@ -456,7 +466,6 @@ static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON;      /* a smaller differ
 /* The holding angle may fall between two samples if its slope halfway is below this share of the largest slope. A
  * larger share costs more searches for the smallest slope, and finds no fewer reversals. */
 static const double SMALL_EDGE_SLOPE = 0.1;
-
 /* Sampling with an elastic shaft. More samples find narrower places where cam 2 rests or snaps, and cost more. */
 enum {
     ELASTIC_SEARCH_INTERVALS = 64, /* of the search for a rest position, from stop to stop; at least */
@@ -476,20 +485,16 @@ static const double SENSITIVITY_EDGE_HELD = 1e-9, SENSITIVITY_AT_REST = 1e-9;
 /* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.
  * The functions are smooth inside a piece, so that the difference has ten digits. */
 static const double SENSITIVITY_DIFFERENCE = 1e-3;
-
 /* ---- fmi ---- */
 
 /* Relative tolerance of integration: where the master gives none, and the range that others are brought into. Below the
  * range rounding is larger; above the range the results mean nothing. */
-static const double TOLERANCE_DEFAULT = 1e-9;
-static const double TOLERANCE_MIN = 1e-12;
-static const double TOLERANCE_MAX = 1e-2;
+static const double TOLERANCE_DEFAULT = 1e-9, TOLERANCE_MIN = 1e-12, TOLERANCE_MAX = 1e-2;
 
 /* A master adds up its time on its own: the time of a step may differ from the FMU's by this share. */
 static const double TIME_ROUNDING = 1e-12;
 
-/* Share of the largest input value: differences of sampled inputs below this share are rounding, as those of a constant
- * or of a ramp are. */
+/* Share of the largest input value below which differences of sampled inputs are rounding, as those of a ramp are. */
 static const double SAMPLED_INPUT_ROUNDING = 8.0 * DBL_EPSILON;
 
 #endif

@@ -26,4 +26,20 @@ static inline Vector2 vector2_exp(Vector2 u) {
     return eighth * eighth * power;
 }
 
+/* log(x), x > 0 and normal, to some roundings: x = 2^n m with m from sqrt(1/2) to sqrt(2), and the series of
+ * log m = 2 artanh((m - 1)/(m + 1)). */
+static inline Vector2 vector2_log(Vector2 x) {
+    typedef int64_t Bits __attribute__((vector_size(2 * sizeof(int64_t))));
+    Bits bits;
+    memcpy(&bits, &x, sizeof bits);
+    const Bits n = (bits - 0x3fe6a09e667f3bcd) >> 52;
+    bits -= n << 52;
+    Vector2 m;
+    memcpy(&m, &bits, sizeof m);
+    const Vector2 s = (m - 1.0) / (m + 1.0), z = s * s, z2 = z * z, z4 = z2 * z2;
+    const Vector2 low = (1.0 / 3.0 + z * (1.0 / 5.0)) + z2 * (1.0 / 7.0 + z * (1.0 / 9.0));
+    const Vector2 high = (1.0 / 11.0 + z * (1.0 / 13.0)) + z2 * (1.0 / 15.0 + z * (1.0 / 17.0));
+    return (Vector2){(double)n[0], (double)n[1]} * 0x1.62e42fefa39efp-1 + (2.0 * s + 2.0 * s * z * (low + z4 * high));
+}
+
 #endif

@@ -102,7 +102,7 @@ static bool follows_ahead(const Inverse *m, const ElasticShaftState *shaft, int 
                           const Taylor *t) {
     if (!elastic_shaft_is_on_edge(m, shaft->x, direction, forces)) return false;
     Jet excess = jet_line((Dual){0.0, 0.0}, (Dual){t->stiffness, 0.0}, &t->far);
-    jet_add_scaled(&excess, -forces->transfer.rho, &t->F_ext);
+    jet_add_scaled(&excess, -forces->transfer.rho_rate, &t->F_ext);
     return direction * sign_ahead(&excess, 1) > 0;
 }
 

@@ -48,8 +48,9 @@ static bool rigid_torque_partials(const Inverse *m, Partials *out, Fault *fault)
 static bool edge_partials(const Inverse *m, const ElasticShaftState *shaft, Partials *edge) {
     const int direction = shaft->mode == MODE_LOADING ? 1 : -1;
     const double F_0 = spring_force(&m->params.spring, shaft->statics.z) + m->inputs.F_ext[0];
+    ContactStatics statics = shaft->statics;
     ContactForces forces;
-    if (!contact_statics_on_edge(&shaft->statics, direction, F_0, &forces)) return false;
+    if (!contact_statics_on_edge(&statics, direction, F_0, &forces)) return false;
     const Balance now = {.theta = shaft->x, .tau = shaft->tau, .force = F_0};
     solve_for_torque(m, shaft->x, direction, forces.flank, &now, edge);
     return true;

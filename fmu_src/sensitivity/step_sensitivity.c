@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "collocation/radau_variation.h"
+#include "contact/loaded_contacts.h"
 #include "forward/decide.h"
 #include "forward/lifecycle.h"
 #include "forward/step.h"
@@ -34,16 +35,19 @@ static bool is_viscous(const Mechanism *m) {
 
 /* ---- the edge of the stick band ---- */
 
-/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, rho F_0. */
-static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
+/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, and *rho the
+ * edge's derivative by F_0. */
+COMPACT static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
     const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
     int flank[2];
     Transfer transfer;
-    if (!contact_edge(&m->configuration.geometry, side * direction, flank, &transfer)) return false;
+    Geometry g = m->configuration.geometry;
+    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer))
+        return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *slip = slip_mode_from_here(m, slip_index(direction, flank));
     slip->regime = REGIME_RATE_INDEPENDENT;
-    *rho = transfer.rho;
+    *rho = transfer.rho_rate;
     return true;
 }
 
@@ -251,14 +255,15 @@ static void before_decision(StepVisitor *visitor, const Mechanism *m) {
     c->direction = direction_of(m->state.mode);
 }
 
-static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
+COMPACT static double after_decision(StepVisitor *visitor, const Mechanism *m, double left) {
     Carrier *c = (Carrier *)visitor;
     if (c->viscous_slip_ends) end_of_viscous_slip(m, c->omega, c->direction, &c->carried);
     end_delay(m, &c->carried);
     return left;
 }
 
-static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment, const SegmentPast *past) {
+COMPACT static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segment *segment,
+                                  const SegmentPast *past) {
     Carrier *c = (Carrier *)visitor;
     if (!carry(m, segment, &past->inputs, past->mode, &c->carried)) return false;
     pass_event(m, segment->end, past->omega, &c->carried);
@@ -268,7 +273,7 @@ static bool after_segment(StepVisitor *visitor, const Mechanism *m, const Segmen
     return true;
 }
 
-void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+COMPACT void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
     Mechanism again = *m; /* the transmission is m's own: not to be freed */
     Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
                  .left = m->state.step.h};

@@ -86,7 +86,7 @@ class OdeFlow:
                 seen["rest"] = now.omega
             else:
                 f0 = mechanism.spring_force(kin.z) + f_ext
-                ratio = mechanism.static_ratio(kin, slip.sigma * segment.load_sign)
+                ratio = mechanism.static_ratio(kin, slip.sigma * segment.load_sign, f0)
                 if ratio is None:
                     raise Refused("moving wedge")
                 seen |= {"rest": tau - ratio * f0, "kink": f0}
@@ -104,7 +104,9 @@ class OdeFlow:
             zero_scale["rest"] = 0.0
         else:
             zero_scale["kink"] = mechanism.force_scale(kin, f_ext)
-            ratio = mechanism.static_ratio(kin, slip.sigma * segment.load_sign)
+            ratio = mechanism.static_ratio(
+                kin, slip.sigma * segment.load_sign, mechanism.spring_force(kin.z) + f_ext
+            )
             zero_scale["rest"] = abs(tau) + abs(ratio or 0.0) * zero_scale["kink"]
 
         def fastest_rate(y: np.ndarray) -> float:

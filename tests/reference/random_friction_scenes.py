@@ -1,8 +1,9 @@
-"""Random scenes with friction that depends on the sliding speed."""
+"""Random scenes with friction that depends on the sliding speed and, on request, on the reaction."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ ANGLES = 41  # at which the scene must load
 
 
 def random_friction_scene(
-    rng: np.random.Generator, number: int, folder: str | Path
+    rng: np.random.Generator, number: int, folder: str | Path, loaded: bool = False
 ) -> tuple[dict[str, Any], list[Interval]] | None:
     """A scene of the other generators with a friction law whose speeds suit its motion; None if no law does.
     Tables are written into `folder`."""
@@ -29,16 +30,20 @@ def random_friction_scene(
         params, intervals = random_scene(rng)
     else:
         params, intervals = random_general_scene(rng, folder)
-    found = _with_law(rng, dict(params), intervals)
+    loaded = loaded and Mechanism(params, DOUBLE).inertial
+    if loaded:  # the times at which rest ends are then those of a fixed band
+        intervals = [replace(one, F_ext_rate=0.0, F_ext_rate2=0.0, F_ext_rate3=0.0) for one in intervals]
+    found = _with_law(rng, dict(params), intervals, loaded)
     return None if found is None else (found, intervals)
 
 
 def _with_law(
-    rng: np.random.Generator, params: dict[str, Any], intervals: list[Interval]
+    rng: np.random.Generator, params: dict[str, Any], intervals: list[Interval], loaded: bool
 ) -> dict[str, Any] | None:
     mechanism = Mechanism(params, DOUBLE)
     middle = mechanism.groove.at((params["stop.upper"] + params.get("stop.lower", 0.0)) / 2)
-    fastest = simulate(params, intervals, 1e-8)[-1].peak["omega"]
+    peak = simulate(params, intervals, 1e-8)[-1].peak
+    fastest = peak["omega"]
     if not math.isfinite(fastest) or fastest == 0:
         return None
     varies = False
@@ -52,6 +57,12 @@ def _with_law(
             params[f"cam{i}.stribeck_velocity"] = speed * log_uniform(rng, 0.01, 1.0)
             params[f"cam{i}.stribeck_exponent"] = int(rng.integers(1, 3))
             varies = True
+        if loaded:
+            params[f"cam{i}.friction_load_exponent"] = float(
+                rng.uniform(-0.5 if mechanism.inertial else 0.0, 0.5)
+            )
+            params[f"cam{i}.friction_load"] = peak[f"reaction{i}"] * log_uniform(rng, 0.1, 1.0)
+            varies = True
         if rng.random() < (0.5 if mechanism.inertial else 0.9):
             params[f"cam{i}.friction_viscous"] = friction / speed * log_uniform(rng, 0.03, 1.0)
             varies = True
@@ -63,7 +74,7 @@ def _loads(params: Params) -> bool:
     mechanism = Mechanism(params, DOUBLE)
     for theta in np.linspace(mechanism.lower, mechanism.upper, ANGLES):
         kin = mechanism.groove.at(float(theta))
-        up = mechanism.static_ratio(kin, 1)
+        up = mechanism.static_ratio(kin, 1, mechanism.spring_force(kin.z))
         if up is None or not 0 <= up < 20 * (kin.dz + 0.2 * mechanism.reach):
             return False
     return True

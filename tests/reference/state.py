@@ -78,9 +78,10 @@ class State:
 
     def band_ratios(self) -> tuple[Number, Number | None]:
         """Ratios of the band's edges at the present angle, for F_0 > 0: loading, releasing."""
-        if self._ratios is None or self._ratios[0] is not self.theta:
+        if self._ratios is None or self._ratios[0] is not self.theta or self.mechanism.is_loaded:
             kin = self.mechanism.groove.at(self.theta)
-            up, down = (self.mechanism.static_ratio(kin, direction) for direction in (+1, -1))
+            f0 = self.mechanism.spring_force(kin.z) + self.f_ext_at(self.t)
+            up, down = (self.mechanism.static_ratio(kin, direction, f0) for direction in (+1, -1))
             self._ratios = self.theta, up, down
         if self._ratios[1] is None:
             raise Refused("loading jam")

@@ -12,6 +12,7 @@ import gzip
 import json
 import signal
 import tempfile
+from collections.abc import Callable
 from itertools import count
 from multiprocessing import Pool
 from pathlib import Path
@@ -37,11 +38,12 @@ from general_scenes import (
 from reference import Refused, random_friction_scene, read_table, simulate
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "friction_scenes.json.gz"
-WANTED = 200
+LOADED_FILE = FILE.with_name("friction_load_scenes.json.gz")  # friction depends on the reaction as well
+WANTED, LOADED_WANTED = 200, 30
 SEED = 18
 
 
-def candidate(number: int) -> tuple[Scene, Tables] | None:
+def candidate(number: int, loaded: bool = False) -> tuple[Scene, Tables] | None:
     """Scene `number` with its tables, or None if the scene is not fit for a test."""
 
     def give_up(*_: object) -> None:
@@ -52,7 +54,7 @@ def candidate(number: int) -> tuple[Scene, Tables] | None:
         signal.signal(signal.SIGALRM, give_up)
         signal.alarm(PATIENCE)
         try:
-            drawn = random_friction_scene(rng, number, folder)
+            drawn = random_friction_scene(rng, number, folder, loaded)
             if drawn is None:
                 return None
             params, intervals = drawn
@@ -78,23 +80,34 @@ def candidate(number: int) -> tuple[Scene, Tables] | None:
     return Scene(number, regime(params), params, intervals, points, error, condition), tables
 
 
-def load(folder: str | Path) -> list[Scene]:
+def loaded_candidate(index: int) -> tuple[Scene, Tables] | None:
+    """Of the odd numbers, those with inertia."""
+    found = candidate(2 * index + 1, loaded=True)
+    return found if found is not None and found[0].regime == "inertial" else None
+
+
+def load(folder: str | Path, file: Path = FILE) -> list[Scene]:
     """All scenes of the file; their tables are written into `folder`."""
-    return [from_json(entry, Path(folder)) for entry in json.loads(gzip.decompress(FILE.read_bytes()))]
+    return [from_json(entry, Path(folder)) for entry in json.loads(gzip.decompress(file.read_bytes()))]
 
 
-def main() -> None:
+def write(file: Path, draw: Callable[[int], tuple[Scene, Tables] | None], wanted: int) -> None:
     entries = []
     with Pool() as pool:
-        for found in pool.imap(candidate, count()):
+        for found in pool.imap(draw, count()):
             if found is None:
                 continue
             entries.append(to_json(*found))
-            if len(entries) == WANTED:
+            if len(entries) == wanted:
                 pool.terminate()
                 break
-    FILE.write_bytes(gzip.compress(json.dumps(entries, separators=(",", ":")).encode(), mtime=0))
-    print(f"{len(entries)} scenes, {FILE.stat().st_size / 1000:.0f} kB in {FILE}")
+    file.write_bytes(gzip.compress(json.dumps(entries, separators=(",", ":")).encode(), mtime=0))
+    print(f"{len(entries)} scenes, {file.stat().st_size / 1000:.0f} kB in {file}")
+
+
+def main() -> None:
+    write(FILE, candidate, WANTED)
+    write(LOADED_FILE, loaded_candidate, LOADED_WANTED)
 
 
 if __name__ == "__main__":

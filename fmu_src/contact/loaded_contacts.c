@@ -1,0 +1,199 @@
+#include "contact/loaded_contacts.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+static double sign_on(const LoadedPin *pin, int i) {
+    return pin->direction * pin->flank[i];
+}
+
+double loaded_pin_reaction(const LoadedPin *pin, int i) {
+    const double r = pin->params->cam[i].radius;
+    return sqrt(r * r + pin->slope[i] * pin->slope[i]) / pin->params->contacts;
+}
+
+/* ---- Newton's method ---- */
+
+/* mu_i at the present x_i, the tangent factors, and the part of the friction force that the tangent leaves at x_i = 0:
+ * f_i x_i = f'_i x_i - rest_i. */
+COMPACT static void linearise(const LoadedPin *pin, const double reaction[2], LoadedContacts *c, double rest[2]) {
+    for (int i = 0; i < 2; i++) {
+        const CamParams *cam = &pin->params->cam[i];
+        const double R = fabs(c->x[i]) * reaction[i], sign = sign_on(pin, i);
+        c->mu[i] = friction_under(cam, pin->speed[i], R);
+        c->friction[i] = sign * c->mu[i].value;
+        const double more = sign * R * c->mu[i].by_load;
+        rest[i] = more * c->x[i];
+        contact_factors_set(&c->tangent, i, cam->radius, c->friction[i] + more, pin->slope[i]);
+    }
+    contact_factors_multiply(&c->tangent);
+}
+
+/* x_i of the linear balance with the tangent factors. */
+static void solve_linear(const ContactFactors *f, double axial, double moment, double x[2]) {
+    const double inverse = 1.0 / f->delta;
+    x[0] = (f->rn[1] * axial - f->d[1] * moment) * inverse;
+    x[1] = (f->rn[0] * axial + f->d[0] * moment) * inverse;
+}
+
+/* One iteration; returns the change of x_i, relative to the larger x_i. */
+COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                              const double rest[2], double share, LoadedContacts *c) {
+    const CamParams *cam = pin->params->cam;
+    const ContactFactors *f = &c->tangent;
+    const double torque[2] = {cam[0].radius * cam[0].radius * rest[0], cam[1].radius * cam[1].radius * rest[1]};
+    double axial = loads->axial - (pin->slope[0] * rest[0] + pin->slope[1] * rest[1]);
+    double moment = loads->moment + (torque[1] - torque[0]);
+    if (by_alpha != NULL) {
+        const double net = f->delta * (loads->torque + torque[1]) - f->p * axial - f->q * moment;
+        c->alpha = net / (f->delta * by_alpha->torque + f->p * by_alpha->axial + f->q * by_alpha->moment);
+        axial += by_alpha->axial * c->alpha;
+        moment += by_alpha->moment * c->alpha;
+    }
+    double x[2], change = 0.0;
+    solve_linear(f, axial, moment, x);
+    for (int i = 0; i < 2; i++) {
+        change = fmax(change, fabs(x[i] - c->x[i]));
+        c->x[i] += share * (x[i] - c->x[i]);
+    }
+    return change / fmax(fmax(fabs(x[0]), fabs(x[1])), fmax(fabs(c->x[0]), fabs(c->x[1])));
+}
+
+/* Has the balance one answer? See the head of loaded_contacts.h. */
+COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
+    ContactFactors f;
+    bool single = true;
+    for (int i = 0; i < 2; i++) {
+        const double r = pin->params->cam[i].radius;
+        contact_factors_set(&f, i, r, c->friction[i], pin->slope[i]);
+        single &= !(c->tangent.rn[i] <= 0.0 && f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i]);
+    }
+    contact_factors_multiply(&f);
+    const bool grows = c->tangent.rn[0] > 0.0 && c->tangent.rn[1] > 0.0 && c->tangent.delta > 0.0;
+    return single && (grows || f.delta * c->tangent.delta > 0.0);
+}
+
+/* The iteration starts as if no friction acted. An iteration whose changes do not shrink is damped. */
+COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
+    const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)}, none[2] = {0.0, 0.0};
+    double rest[2], before = INFINITY, share = 1.0;
+    c->alpha = 0.0;
+    for (int i = 0; i < 2; i++) contact_factors_set(&c->tangent, i, pin->params->cam[i].radius, 0.0, pin->slope[i]);
+    contact_factors_multiply(&c->tangent);
+    c->x[0] = c->x[1] = 0.0;
+    improve(pin, loads, by_alpha, none, 1.0, c);
+    c->possible = false;
+    for (int n = 0; n < LOADED_ITERATIONS; n++) {
+        linearise(pin, reaction, c, rest);
+        const double change = improve(pin, loads, by_alpha, rest, share, c);
+        const bool stalls = change <= LOADED_STALLED && change > 0.5 * before; /* at rounding */
+        if (stalls || !(change > LOADED_LAST_CHANGE)) {
+            for (int i = 0; i < 2; i++)
+                if (fabs(c->x[i]) * pin->params->cam[i].radius <= LOADED_ZERO * loads->size) c->x[i] = 0.0;
+            linearise(pin, reaction, c, rest);
+            c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
+            return;
+        }
+        share = change > 0.5 * before ? fmax(0.5 * share, 0.05) : fmin(2.0 * share, 1.0);
+        before = change;
+    }
+}
+
+NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {
+    solve(pin, loads, NULL, out);
+}
+
+NOINLINE void loaded_contacts_moving(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                                     LoadedContacts *out) {
+    solve(pin, loads, by_alpha, out);
+}
+
+/* ---- changes to first order ---- */
+
+/* At constant x_i the changes of f_i and a_i change the forces, which the changes of x_i balance. */
+COMPACT LoadResponse loaded_contacts_response(const LoadedPin *pin, const LoadedContacts *c, const LoadChange *change) {
+    double axial = change->axial, torque[2];
+    LoadResponse response;
+    for (int i = 0; i < 2; i++) {
+        const double r = pin->params->cam[i].radius;
+        axial += c->x[i] * (pin->slope[i] * change->friction[i] + c->friction[i] * change->slope[i]);
+        torque[i] = c->x[i] * r * (change->slope[i] + r * change->friction[i]);
+    }
+    solve_linear(&c->tangent, axial, change->moment - (torque[1] - torque[0]), response.x);
+    for (int i = 0; i < 2; i++) {
+        const double by_x = sign_on(pin, i) * (c->x[i] < 0.0 ? -1.0 : 1.0) * c->mu[i].by_load;
+        response.friction[i] = change->friction[i] + by_x * loaded_pin_reaction(pin, i) * response.x[i];
+    }
+    return response;
+}
+
+double loaded_pin_friction_by_slope(const LoadedPin *pin, const LoadedContacts *c, int i) {
+    const double r = pin->params->cam[i].radius, a = pin->slope[i];
+    const double R = fabs(c->x[i]) * loaded_pin_reaction(pin, i);
+    return sign_on(pin, i) * c->mu[i].by_load * R * a / (r * r + a * a);
+}
+
+LoadResponse loaded_contacts_along_groove(const LoadedPin *pin, const LoadedContacts *c, const double dslope[2]) {
+    LoadChange change = {.slope = {dslope[0], dslope[1]}};
+    for (int i = 0; i < 2; i++) change.friction[i] = loaded_pin_friction_by_slope(pin, c, i) * dslope[i];
+    return loaded_contacts_response(pin, c, &change);
+}
+
+/* ---- the stick band ---- */
+
+static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direction, const int flank[2]) {
+    return (LoadedPin){
+        .params = params,
+        .direction = direction,
+        .flank = {flank[0], flank[1]},
+        .slope = {g->slope[0], g->slope[1]},
+    };
+}
+
+/* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. */
+COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
+                                Transfer *transfer) {
+    const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
+    const LoadTerms loads = {.axial = F_0};
+    for (int k = 0; k < candidates; k++) {
+        flank_pair(k, 1, flank);
+        const LoadedPin pin = pin_at_rest(params, g, direction, flank);
+        LoadedContacts c;
+        loaded_contacts_under(&pin, &loads, &c);
+        if (!c.possible || flank[0] * c.x[0] < 0.0 || flank[1] * c.x[1] < 0.0) continue;
+        for (int i = 0; i < 2; i++) g->friction[i] = c.mu[i].value;
+        *transfer = contact_transfer(g, direction, flank);
+        transfer->rho_rate = c.tangent.p / c.tangent.delta;
+        return true;
+    }
+    return false;
+}
+
+bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
+                        Transfer *transfer) {
+    if (!any_friction_depends_on_load(params)) return contact_edge(g, direction, flank, transfer);
+    return loaded_edge(params, g, fmax(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
+}
+
+COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0) {
+    BandFactors band = {INFINITY, -INFINITY, INFINITY, -INFINITY};
+    Geometry edge = *g;
+    int flank[2];
+    Transfer t;
+    if (contact_edge_under(params, &edge, F_0, 1, flank, &t)) {
+        band.load = t.rho;
+        band.load_rate = t.rho_rate;
+    }
+    if (contact_edge_under(params, &edge, F_0, -1, flank, &t)) {
+        band.release = t.rho;
+        band.release_rate = t.rho_rate;
+    }
+    return band;
+}
+
+BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0) {
+    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0) : contact_band(g);
+}
