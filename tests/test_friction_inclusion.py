@@ -20,7 +20,10 @@ from test_friction_table import drawn, write
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 ROUNDING = 1e-11  # of the terms: torque and load at rest tie within 2e-12 of their size; theta and z round
-LAW = {"friction_peak": 1.0, "stribeck_velocity": 0.01, "stribeck_exponent": 2, "friction_viscous": 0.0}
+LAW = {
+    "friction_peak": 1.0, "stribeck_velocity": 0.01, "stribeck_exponent": 2, "friction_viscous": 0.0,
+    "friction_load_exponent": 0.0, "friction_load": 100.0,
+}  # fmt: skip
 
 
 def random_law(rng, folder, inertial):
@@ -37,6 +40,9 @@ def random_law(rng, folder, inertial):
             }
         if kind in ("stribeck", "branch"):
             cam["friction_viscous"] = float(10.0 ** rng.uniform(-3.0, -0.3))
+        if inertial and rng.random() < 0.3:
+            cam["friction_load_exponent"] = float(rng.uniform(-0.4, 0.4))
+            cam["friction_load"] = float(10.0 ** rng.uniform(1.0, 3.0))
         drawn_laws |= {f"cam{i}.{name}": value for name, value in cam.items()}
         drawn_laws[f"cam{i}.friction_table"] = ""
         if kind == "table" and inertial:
@@ -72,13 +78,19 @@ def laws_of(values):
     return [FrictionLaw.of_cam(values, i) for i in (1, 2)]
 
 
+def coefficients(forces, values):
+    """mu of each contact; its argument is the reaction of one of them."""
+    loads = [reaction / values["contacts"] for reaction in forces.reaction]
+    return [law.at(abs(forces.sliding(i)), loads[i]) for i, law in enumerate(laws_of(values))]
+
+
 def slip_residual(forces, values, direction):
     """How far the forces miss the law, relative to the size of the terms.
 
     Contact i presses the pin with the normal force R_i and rubs it with mu_i(|v_i|) |R_i| against the
     sliding. These forces must balance the torque of cam 2, the moment and the axial load of the follower."""
     place = forces.place
-    mu = [law.at(abs(forces.sliding(i))) for i, law in enumerate(laws_of(values))]
+    mu = coefficients(forces, values)
     torques, axials = [], []
     for i in (0, 1):
         r, a, length = place.r[i], place.a[i], place.length(i)
@@ -165,12 +177,12 @@ class Watch:
         self.seen[mode] += 1
         where = (values, forces, mode)
         if mode not in (LOADING, RELEASING):
-            assert rest_is_held(forces, values, mode), where
+            if not any(law.is_loaded for law in laws_of(values)):  # else the coefficients depend on the forces
+                assert rest_is_held(forces, values, mode), where
             return
         direction = 1 if mode == LOADING else -1
         assert direction * forces.omega >= 0.0, where
-        for i, law in enumerate(laws_of(values)):
-            mu = law.at(abs(forces.sliding(i)))
+        for i, (law, mu) in enumerate(zip(laws_of(values), coefficients(forces, values), strict=True)):
             assert fmu.get(f"cam{i + 1}.friction_coefficient") == pytest.approx(mu, rel=1e-11), where
             self.varied += abs(mu - law.static) > 1e-3 * law.static
         assert slip_residual(forces, values, direction) <= ROUNDING, where

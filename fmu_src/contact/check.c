@@ -85,7 +85,7 @@ bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
                      law->table->path);
         else snprintf(cause, sizeof cause, "friction_load_exponent = %.17g", law->load_exponent);
         snprintf(fault->text, sizeof fault->text,
-                 "cam%d.%s without inertia: where damping takes the load off the contact, friction grows without bound "
+                 "cam%d.%s without inertia: where damping takes the load off the contact, friction grows "
                  "and the reaction would jump; allowed is friction that does not fall with the load, no damping "
                  "(damper.*, shaft.damping, cam*.friction_viscous), or %s",
                  i + 1, cause, remedy);

@@ -21,7 +21,7 @@ bool check_initial(const Params *params, Fault *fault);
 bool check_falling_friction(const Params *params, const char *cause, const char *remedy, Fault *fault);
 
 /* Friction does not fall with the load. To be called without inertia: there damping can take the load off a contact
- * while cam 2 moves. Friction that grows without bound as the load vanishes then gives two reactions, or none.
+ * while cam 2 moves. Friction that grows as the load vanishes then gives two reactions, or none.
  * `remedy` completes the message. */
 bool check_loaded_friction(const Params *params, const char *remedy, Fault *fault);
 
