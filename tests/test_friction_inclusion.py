@@ -177,7 +177,8 @@ class Watch:
         self.seen[mode] += 1
         where = (values, forces, mode)
         if mode not in (LOADING, RELEASING):
-            if not any(law.is_loaded for law in laws_of(values)):  # else the coefficients depend on the forces
+            # Where friction depends on the load, the static coefficients are not known.
+            if not any(law.is_loaded for law in laws_of(values)):
                 assert rest_is_held(forces, values, mode), where
             return
         direction = 1 if mode == LOADING else -1

@@ -70,6 +70,7 @@ REASONS = {
     "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
     "describing the grooves": '"describing the grooves in between takes more than ... polynomials"',
+    "without inertia no speed": '"without inertia no speed balances the torque"',
     "is refused": '"... is refused: allowed is ..."',
 }
 

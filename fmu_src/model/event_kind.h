@@ -4,8 +4,8 @@
 
 typedef enum {
     EVENT_NONE,
-    EVENT_REST, /* the speed becomes zero */
-    EVENT_STOP, /* theta reaches an end stop */
+    EVENT_REST,  /* the speed becomes zero */
+    EVENT_STOP,  /* theta reaches an end stop */
     EVENT_FLANK, /* the reaction of a contact changes its sign */
     EVENT_LET_GO /* the axial load vanishes where friction is about to jam: see step_indicator.h */
 } EventKind;
