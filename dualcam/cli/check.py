@@ -31,11 +31,11 @@ def command(design_file: Path, as_json: bool) -> int:
     if as_json:
         print_json(verdict.to_json() | {"file": str(design_file)})
     else:
-        _tell(verdict, design_file)
+        _tell(verdict, design_file, design.friction_note())
     return 0 if verdict.good else 1
 
 
-def _tell(verdict: Verdict, file: Path) -> None:
+def _tell(verdict: Verdict, file: Path, friction_note: str) -> None:
     for note in verdict.notes:
         say(f"- {note}")
     for finding in verdict.findings:
@@ -43,6 +43,8 @@ def _tell(verdict: Verdict, file: Path) -> None:
     if verdict.numbers is not None:
         for line in verdict.numbers.lines():
             say(f"  {line}")
+        if friction_note:
+            say(f"  {friction_note}")
     say(f"{file}: {_conclusion(verdict)}")
 
 

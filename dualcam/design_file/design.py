@@ -155,13 +155,16 @@ class DesignFile:
             )
 
     def friction_note(self) -> str:
-        """What the torques of slow motion leave out where friction depends on the sliding speed; else empty.
+        """What the torques of slow motion leave out where friction depends on speed or load; else empty.
 
         Returns
         -------
         str
-            A sentence, or an empty text for Coulomb's law.
+            Sentences, or an empty text for Coulomb's law.
         """
+        return " ".join(note for note in (self._note_on_speed(), self._note_on_load()) if note)
+
+    def _note_on_speed(self) -> str:
         tables = [name for name in ("cam1.friction_table", "cam2.friction_table") if self.value(name)]
         if tables:
             return (
@@ -175,6 +178,20 @@ class DesignFile:
         return (
             "Friction depends on the sliding speed: the torques of slow motion take the static coefficients,"
             f" friction times {' and '.join(peaks)}."
+        )
+
+    def _note_on_load(self) -> str:
+        loaded = [
+            f"cam{i}.friction_load = {self.value(f'cam{i}.friction_load'):g} N"
+            for i in (1, 2)
+            if self.value(f"cam{i}.friction_load_exponent") != 0.0
+            and not self.value(f"cam{i}.friction_table")
+        ]
+        if not loaded:
+            return ""
+        return (
+            "Friction depends on the load: the torques of slow motion take the coefficient at the reaction"
+            f" {' and '.join(loaded)}. Exact: the outputs torque_load and torque_release of the FMU."
         )
 
     def _static_friction(self, number: int) -> float:

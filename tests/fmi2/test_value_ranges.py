@@ -19,7 +19,7 @@ def test_refuses_below_min(fmu, name):
     fmu.set({name: v.min})
     assert fmu.get(name) == v.min
     fmu.refused_set({name: math.nextafter(v.min, -math.inf)}, mentions=(name,))
-    fmu.refused_set({name: v.min - 1.25}, mentions=(f"{v.min - 1.25:.17g}"[:5],))
+    fmu.refused_set({name: v.min - 1.25}, mentions=(f"{v.min - 1.25!r}"[:5],))
 
 
 @for_each(lambda v: math.isfinite(v.max), causality=["parameter"], type=["Real"])
