@@ -1,12 +1,12 @@
-"""The cost of a step where friction depends on the sliding speed, beside the same step with Coulomb's law.
+"""The cost of a step where friction depends on speed or load, beside the same step with Coulomb's law.
 
     ./build.sh friction
 
 Instructions of general steps of 1 ms are counted by callgrind (harness/instructions.py), so that a busy
 machine does not matter. The mechanisms are those of benchmarks/step_cost: 30 steps of a half swing under 1.30
 times the torque that the stick band needs. Each runs with Coulomb's law, then with a static excess, a
-Stribeck curve of exponent 2 or 1 and a lubricated branch, and with a table of the same law, at both cams and
-at cam 1 alone.
+Stribeck curve of exponent 2 or 1 and a lubricated branch, with a table of the same law, with a power of the
+load, and with power and Stribeck curve together, at both cams and at cam 1 alone.
 
 Two ratios to Coulomb's law are reported. "Per communication step" holds all that the law costs. A Stribeck
 curve bends the motion, and a bent motion needs more collocation steps: that is physics. "Per collocation
@@ -16,7 +16,7 @@ the FMU's library compiled with the names of its functions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -31,9 +31,10 @@ from benchmarks.step_cost.measure import prepare
 from benchmarks.step_cost.scenes import Scene, general_scenes
 
 MECHANISMS = ("cubic spring", "ellipses", "tables", "all forces")
-TARGET = 1.3  # of the instructions of a collocation step
+TARGET, TARGET_LOADED = 1.3, 2.0  # of the instructions of a collocation step
 SEGMENT = "segment_apply"  # is called once for each collocation step
 KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
+LOAD_EXPONENT = 0.3
 SAMPLES = np.array([0.0, *np.geomspace(2e-3, 0.5, 24)])  # m/s, of the table
 
 Row = dict[str, str]
@@ -55,23 +56,33 @@ class Law:
     name: str
     cams: str
     parameters: Parameters
+    target: float | None
 
 
-def stribeck(exponent: int, cams: Sequence[int]) -> Parameters:
-    values = {"friction_peak": PEAK, "stribeck_velocity": STRIBECK, "friction_viscous": VISCOUS}
+def at_cams(cams: Sequence[int], values: Mapping[str, float | str]) -> Parameters:
+    return {f"cam{i}.{name}": value for i in cams for name, value in values.items()}
+
+
+def stribeck(exponent: int) -> Parameters:
     return {
-        f"cam{i}.{name}": x for i in cams for name, x in [*values.items(), ("stribeck_exponent", exponent)]
+        "friction_peak": PEAK,
+        "stribeck_velocity": STRIBECK,
+        "stribeck_exponent": exponent,
+        "friction_viscous": VISCOUS,
     }
 
 
 def laws() -> Iterator[Law]:
     """Coulomb's law first."""
-    yield Law("Coulomb", "both", {})
-    table = str(write_table(core.BUILD / "tables" / "friction.csv"))
+    yield Law("Coulomb", "both", {}, None)
+    table: Parameters = {"friction_table": str(write_table(core.BUILD / "tables" / "friction.csv"))}
+    power: Parameters = {"friction_load_exponent": LOAD_EXPONENT}
     for cams, label in (((1, 2), "both"), ((1,), "cam 1")):
-        yield Law("Stribeck, exponent 2", label, stribeck(2, cams))
-        yield Law("Stribeck, exponent 1", label, stribeck(1, cams))
-        yield Law("friction table", label, {f"cam{i}.friction_table": table for i in cams})
+        yield Law("Stribeck, exponent 2", label, at_cams(cams, stribeck(2)), TARGET)
+        yield Law("Stribeck, exponent 1", label, at_cams(cams, stribeck(1)), TARGET)
+        yield Law("friction table", label, at_cams(cams, table), TARGET)
+        yield Law("load", label, at_cams(cams, power), TARGET_LOADED)
+        yield Law("load and Stribeck, exponent 2", label, at_cams(cams, stribeck(2) | power), TARGET_LOADED)
 
 
 def job(scene: Scene, library: Path) -> instructions.Job:
@@ -98,7 +109,7 @@ def row_of(scene: Scene, law: Law, counted: instructions.Counted, coulomb: instr
         "instructions_per_collocation_step": f"{counted.instructions / segments:.1f}",
         "ratio_per_communication_step": f"{ratio:.4f}",
         "ratio_per_collocation_step": f"{each:.4f}",
-        "target": "" if law.name == "Coulomb" else f"{TARGET:g}",
+        "target": "" if law.target is None else f"{law.target:g}",
     }
 
 
@@ -123,7 +134,7 @@ def measure(mechanisms: int, console: Console) -> list[Row]:
 
 def report(rows: Sequence[Row], console: Console) -> None:
     shown = results.table(
-        "Instructions where friction depends on the speed; ratio to Coulomb's law",
+        "Instructions where friction depends on speed or load; ratio to Coulomb's law",
         *(
             "mechanism",
             "law",
