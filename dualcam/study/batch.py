@@ -100,7 +100,8 @@ class Batch:
         if kind == COPY:
             target, pointer, size = call.args
             return self._moving(RunsCall(kind=kind, target=target, count=size), pointer)
-        found = RunsCall(kind=kind, function=ctypes.cast(self._instance.function(name), c_void_p))
+        function: Any = self._instance.function(name)
+        found = RunsCall(kind=kind, function=ctypes.cast(function, c_void_p))
         arguments = call.args[1:]  # without the instance
         if kind == STATE:
             found.values = arguments[0].value
