@@ -456,7 +456,7 @@ def test_parquet_without_pyarrow_is_refused_and_csv_then_taken(tmp_path, monkeyp
 def test_a_full_disk_loses_nothing(tmp_path):
     """The limit on a file's size gives the same OSError from the same call as a disk without room."""
     one, limits = study(), resource.getrlimit(resource.RLIMIT_FSIZE)
-    fill = after(3, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100, limits[1])))
+    fill = after(3, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (300, limits[1])))
     try:
         with refused("cannot write", "kept"):
             one.run_to_files(tmp_path, workers=0, file_format="csv", runs_per_file=10, on_file_written=fill)

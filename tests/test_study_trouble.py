@@ -2,6 +2,7 @@
 and clusters that cannot work. What cannot be done is told, with what, its value and what is allowed."""
 
 import itertools
+import json
 import math
 import multiprocessing
 import os
@@ -24,7 +25,8 @@ from dualcam.__main__ import main
 from dualcam.fmu import FmuError
 from dualcam.study import Controller, Plan, Scenario, Study, Vary, processes, read_results, read_study
 from dualcam.study.execution import DIED
-from dualcam.study.store import RECORD
+from dualcam.study.storage import Folder
+from dualcam.study.store import FINISHED, RECORD
 
 # ---- another FMU ----
 
@@ -276,6 +278,46 @@ def test_damaged_results_are_told_and_made_again(tmp_path, form):
     one.run_to_files(tmp_path, workers=0)
     assert [path.read_bytes() for path in paths] == good
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
+
+
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_a_study_that_goes_on_reads_no_file_that_is_as_it_was(tmp_path, monkeypatch, form):
+    """By size and time. A copy, which has another time, is read; so is what rotted on the disk, by
+    read_results."""
+    pytest.importorskip("pyarrow") if form == "parquet" else None
+    one, read = study(), []
+    expected = one.run(tmp_path, workers=0, file_format=form, runs_per_file=16)
+    plain = Folder.read
+    monkeypatch.setattr(Folder, "read", lambda self, name: (read.append(name), plain(self, name))[1])
+    path = tmp_path / f"runs/runs-000000016.{form}"
+    one.run_to_files(tmp_path, workers=0)
+    assert not [name for name in read if "runs-" in name]
+    content, times = path.read_bytes(), (path.stat().st_atime_ns, path.stat().st_mtime_ns)
+    os.utime(path, ns=(0, 0))
+    one.run_to_files(tmp_path, workers=0)
+    assert [name for name in read if "runs-" in name] == [f"runs/{path.name}"]
+    rotten = bytearray(content)
+    rotten[len(rotten) // 3] ^= 1
+    path.write_bytes(rotten)
+    os.utime(path, ns=times)
+    with refused("damaged", path.name, "delete the file and run the study again"):
+        read_results(tmp_path)
+    path.unlink()
+    one.run_to_files(tmp_path, workers=0)
+    assert path.read_bytes() == content
+    assert np.array_equal(read_results(tmp_path)["theta"], expected["theta"])
+
+
+def test_a_record_without_times_is_read(tmp_path):
+    """As earlier versions wrote it."""
+    one = study()
+    one.run_to_files(tmp_path, workers=0, runs_per_file=16)
+    finished = json.loads((tmp_path / FINISHED).read_text())
+    (tmp_path / FINISHED).write_text(json.dumps({key: entry[:3] for key, entry in finished.items()}))
+    before = {path: path.stat().st_ino for path in (tmp_path / "runs").iterdir()}
+    one.run_to_files(tmp_path, workers=0)
+    assert {path: path.stat().st_ino for path in (tmp_path / "runs").iterdir()} == before
+    every_run_once(tmp_path, one)
 
 
 def test_other_files_in_the_folder_do_no_harm(tmp_path):

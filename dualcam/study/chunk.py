@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,19 +27,21 @@ def name_of(runs: range, file_format: str) -> str:
     return f"{RUNS}/runs-{runs.start:09d}.{file_format}"
 
 
-def checksum(content: bytes) -> str:
+def checksum(content: bytes | memoryview) -> str:
     """CRC-32."""
     return f"{zlib.crc32(content):08x}"
 
 
 @dataclass(frozen=True)
 class Written:
-    """A file of runs that is there: its size [bytes], its checksum and the number of runs that failed.
-    `content` travels to the study where the worker does not see the folder."""
+    """A file of runs that is there: its size [bytes], its checksum, the number of runs that failed, and when
+    the file changed last, as of `Storage.listing`. `content` travels to the study where the worker does not
+    see the folder."""
 
     size: int
     checksum: str
     failed: int
+    changed: int | None = None
     content: bytes | None = field(default=None, repr=False)
 
 
@@ -59,7 +62,7 @@ class Files:
     def __getstate__(self) -> dict[str, Any]:
         """For another process: without the plan's random numbers, which each process makes itself, and
         without what this process sees."""
-        state = {name: value for name, value in vars(self).items() if name != "is_seen"}
+        state = {name: value for name, value in vars(self).items() if name not in ("is_seen", "_metadata")}
         return state | {"plan": replace(self.plan)}
 
     @cached_property
@@ -71,7 +74,11 @@ class Files:
             return False
         return True
 
-    def content(self, runs: range, rows: Array, block: Block) -> bytes:
+    @cached_property
+    def _metadata(self) -> str:
+        return json.dumps(self.metadata)
+
+    def content(self, runs: range, rows: Array, block: Block) -> bytes | memoryview:
         """The file of these runs, with the values of the plan."""
         messages = np.full(len(runs), "", dtype=object)
         for place, text in block.messages.items():
@@ -79,7 +86,7 @@ class Files:
         columns: dict[str, Column] = {"run": np.arange(runs.start, runs.stop)}
         columns |= (varied := self.varied(rows))
         columns |= self.readings.of(block.values, varied, list(block.messages))
-        return encoded(columns | {"message": messages}, self.file_format, self.metadata)
+        return encoded(columns | {"message": messages}, self.file_format, self._metadata)
 
     def varied(self, rows: Array) -> dict[str, Column]:
         """The columns of the plan: numbers, or the texts of Strings."""
@@ -90,9 +97,8 @@ class Files:
         content = self.content(runs, rows, block)
         written = Written(len(content), checksum(content), len(block.messages))
         if not self.is_seen:
-            return Written(written.size, written.checksum, written.failed, content)
-        self.storage.write(name_of(runs, self.file_format), content)
-        return written
+            return replace(written, content=bytes(content))
+        return replace(written, changed=self.storage.write(name_of(runs, self.file_format), content))
 
 
 def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]) -> dict[str, Column]:
