@@ -23,7 +23,7 @@ from dualcam.study import History, Plan, Scenario, Study, Vary, cluster
 from dualcam.study.chunk import Task, Written, name_of
 from dualcam.study.execution import Workers
 from dualcam.study.processes import Processes
-from dualcam.study.runner import Block, Runner
+from dualcam.study.runner import Runner
 from dualcam.study.store import Store
 
 FILE = 10_000  # runs
@@ -129,8 +129,8 @@ def median(work: Callable[[], Any], rounds: int, clock: Callable[[], float] = ti
 class Nothing(Task):
     """Answers at once: what is left is the study's own work for an order."""
 
-    def perform(self, order: Any) -> Block | Written:  # noqa: ANN401
-        return Written(1, "00000000", 0)
+    def made(self, order: Any, run: Any = None) -> Callable[[], Written]:  # noqa: ANN401
+        return lambda: Written(1, "00000000", 0)
 
 
 def own_work(workers: Workers, orders: int) -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from dualcam.fmu import Array
 from dualcam.study.encoding import Column, encoded
 from dualcam.study.plan import Plan
 from dualcam.study.readings import Readings
-from dualcam.study.runner import Block, Job, Runner, run_rows
+from dualcam.study.runner import Block, Job, run_rows
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.storage import Storage
 
@@ -92,10 +92,10 @@ class Files:
         """The columns of the plan: numbers, or the texts of Strings."""
         return varied_columns(self.plan.names, rows, self.plan.texts)
 
-    def write(self, runs: range, rows: Array, block: Block) -> Written:
-        """StudyError if it cannot be written."""
-        content = self.content(runs, rows, block)
-        written = Written(len(content), checksum(content), len(block.messages))
+    def write(self, runs: range, content: bytes | memoryview, failed: int) -> Written:
+        """The file of these runs is there; or the study gets the content. StudyError if it cannot be
+        written."""
+        written = Written(len(content), checksum(content), failed)
         if not self.is_seen:
             return replace(written, content=bytes(content))
         return replace(written, changed=self.storage.write(name_of(runs, self.file_format), content))
@@ -111,6 +111,10 @@ def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]
     return columns
 
 
+Order = range | Array
+Answer = Block | Written
+
+
 @dataclass(frozen=True)
 class Task:
     """What a worker is for: runs of rows that it is given, or chunks of a study."""
@@ -118,23 +122,22 @@ class Task:
     job: Job
     files: Files | None = None
 
-    def perform(self, order: range | Array) -> Block | Written:
-        """The results of rows, or the file of runs."""
-        return self._made(order, lambda rows: run_rows(self.job, rows))
-
-    def perform_with(self, runner: Runner, order: range | Array) -> Block | Written:
-        """The same with a runner of this task."""
-        return self._made(order, runner.run)
-
-    def _made(self, order: range | Array, run: Any) -> Block | Written:  # noqa: ANN401
-        if not isinstance(order, range):
-            block: Block = run(order)
-            return block
-        assert self.files is not None
+    def made(self, order: Order, run: Callable[[Array], Block] | None = None) -> Callable[[], Answer]:
+        """Makes the runs of an order; what is returned then writes their file, and gives the answer. Another
+        thread may call that. `run`: of a runner of this task; None: that of this thread."""
         rows = self.rows(order)
-        return self.files.write(order, rows, run(rows))
+        block = run(rows) if run else run_rows(self.job, rows)
+        return self.finish(order, rows, block)
 
-    def rows(self, order: range | Array) -> Array:
+    def finish(self, order: Order, rows: Array, block: Block) -> Callable[[], Answer]:
+        """The rest of `made`, for runs that were made."""
+        if not isinstance(order, range):
+            return lambda: block
+        assert self.files is not None
+        content = self.files.content(order, rows, block)
+        return partial(self.files.write, order, content, len(block.messages))
+
+    def rows(self, order: Order) -> Array:
         """The values of the runs of an order."""
         if not isinstance(order, range):
             return order

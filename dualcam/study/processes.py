@@ -10,15 +10,17 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
-from typing import cast
+from typing import NoReturn, cast
 
 from dualcam.fmu import Array
-from dualcam.study.chunk import Task, Written
-from dualcam.study.execution import AHEAD, Answer, Answers, Died, Order, Workers
+from dualcam.study.chunk import Answer, Order, Task
+from dualcam.study.execution import AHEAD, Answers, Died, Workers
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
 
@@ -78,15 +80,29 @@ def _serve(task: Task, orders: Connection, answers: Connection) -> None:
     """In a worker: its end tidies up, as the FMU's own does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it too, but its study sends it home
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(1))
+    os.environ.setdefault("MIMALLOC_PURGE_DELAY", "-1")  # Arrow's memory is used again for the next file
     waiting: SimpleQueue[Order | None] = SimpleQueue()
     threading.Thread(target=_listen, args=(orders, waiting), daemon=True).start()
     answers.send(None)
-    while (order := waiting.get()) is not None:
-        try:
-            answer: Block | Written | Exception = task.perform(order)
-        except Exception as error:
-            answer = error
-        answers.send(answer)
+    with ThreadPoolExecutor(1) as writer:  # a file is written while the runs of the next one are made
+        while (order := waiting.get()) is not None:
+            try:
+                finish = task.made(order)
+            except Exception as error:
+                finish = partial(_raise, error)
+            writer.submit(_answer, answers, finish)
+
+
+def _raise(error: Exception) -> NoReturn:
+    raise error
+
+
+def _answer(answers: Connection, finish: Callable[[], Answer]) -> None:
+    try:
+        answer: Answer | Exception = finish()
+    except Exception as error:
+        answer = error
+    answers.send(answer)
 
 
 def _listen(orders: Connection, waiting: SimpleQueue[Order | None]) -> None:
