@@ -2,8 +2,8 @@
 
     ./build.sh rate
 
-One core, one process. Timed in turns, reported as the median over the rounds with quartiles, all by
-dualcam.study unless the name says otherwise:
+One core, one process. Timed in turns by the time of the processor, reported as the median over the rounds
+with quartiles, all by dualcam.study unless the name says otherwise:
 
 cam             the forward FMU, begun with a saved state, as a user has it
 cam, reset      the same, begun with fmi2Reset
