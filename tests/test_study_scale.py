@@ -14,7 +14,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from filelock import FileLock
-from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, slow, study
+from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, study
+from study_laws import slow
 
 from dualcam import Fmu
 from dualcam.study import Evaluator, Plan, Vary, read_results

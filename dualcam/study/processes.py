@@ -11,12 +11,10 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import partial
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
-from typing import NoReturn, cast
+from typing import cast
 
 from dualcam.fmu import Array
 from dualcam.study.chunk import Answer, Order, Task
@@ -25,6 +23,7 @@ from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
 
 GRACE = 2.0  # s, for a process that is sent home in the middle of something
+Made = Callable[[], Answer] | Exception  # runs whose file is not written yet
 
 
 class _Worker:
@@ -84,25 +83,27 @@ def _serve(task: Task, orders: Connection, answers: Connection) -> None:
     waiting: SimpleQueue[Order | None] = SimpleQueue()
     threading.Thread(target=_listen, args=(orders, waiting), daemon=True).start()
     answers.send(None)
-    with ThreadPoolExecutor(1) as writer:  # a file is written while the runs of the next one are made
-        while (order := waiting.get()) is not None:
-            try:
-                finish = task.made(order)
-            except Exception as error:
-                finish = partial(_raise, error)
-            writer.submit(_answer, answers, finish)
+    made: SimpleQueue[Made | None] = SimpleQueue()
+    writer = threading.Thread(target=_finish, args=(made, answers), daemon=True)  # a study's end may not wait
+    writer.start()
+    while (order := waiting.get()) is not None:
+        try:
+            made.put(task.made(order))
+        except Exception as error:
+            made.put(error)
+    made.put(None)
+    writer.join()
 
 
-def _raise(error: Exception) -> NoReturn:
-    raise error
-
-
-def _answer(answers: Connection, finish: Callable[[], Answer]) -> None:
-    try:
-        answer: Answer | Exception = finish()
-    except Exception as error:
-        answer = error
-    answers.send(answer)
+def _finish(made: SimpleQueue[Made | None], answers: Connection) -> None:
+    """In a worker: a file is written while the runs of the next one are made."""
+    while (each := made.get()) is not None:
+        try:
+            answer: Answer | Exception = each if isinstance(each, Exception) else each()
+        except Exception as error:
+            answer = error
+        with suppress(OSError):  # the study is over or was killed, which `_listen` finds
+            answers.send(answer)
 
 
 def _listen(orders: Connection, waiting: SimpleQueue[Order | None]) -> None:
