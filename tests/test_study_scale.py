@@ -5,6 +5,7 @@ import itertools
 import json
 import multiprocessing
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -117,6 +118,17 @@ def test_processes_write_their_files_and_the_study_the_record(tmp_path, monkeypa
     assert all(failed == 0 for _, _, failed, _ in finished.values())
     names = {path.name for path in tmp_path.iterdir()}
     assert names <= {RECORD, FINISHED, ".lock", "runs"}  # the mark of the study is gone
+
+
+def test_random_numbers_travel_while_they_are_few(tmp_path, monkeypatch):
+    """Workers make many of them by themselves, and the same ones."""
+    for sent, is_there in ((1_000_000, True), (1000, False)):
+        monkeypatch.setattr("dualcam.study.chunk.SENT", sent)
+        one = study()
+        one.plan.rows(0, 1)
+        files = pickle.loads(pickle.dumps(Files(None, "csv", one.plan, one.readings, {}, "mark")))
+        assert ("_shares" in vars(files.plan)) == is_there
+        assert np.array_equal(files.plan.rows(0, 64), one.plan.rows(0, 64))
 
 
 def test_a_file_that_was_written_and_not_recorded_is_there_once(tmp_path):
