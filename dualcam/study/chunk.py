@@ -61,8 +61,8 @@ class Files:
     mark: str
 
     def __getstate__(self) -> dict[str, Any]:
-        """For another process: without what this process sees, and without the plan's random numbers where they
-        are many. Each process then makes them itself, which takes 0.7 s more: scipy.stats is imported."""
+        """For another process: without what this process sees, and without the plan's random numbers where
+        they are many. Each process then makes them itself, and imports scipy.stats for that: 0.7 s."""
         state = {name: value for name, value in vars(self).items() if name not in ("is_seen", "_metadata")}
         plan, shares = replace(self.plan), vars(self.plan).get("_shares")
         if shares is not None and shares.nbytes <= SENT:
