@@ -93,7 +93,7 @@ class RunsCall(ctypes.Structure):
         ("numbers", c_void_p),
         ("target", c_void_p),
         ("values", c_void_p),
-        ("stride", c_size_t),
+        ("line_size", c_size_t),
     )
 
 

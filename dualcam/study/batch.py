@@ -131,7 +131,7 @@ class Batch:
         if lines is None:
             call.values = addressof(values)
         else:
-            call.values, call.stride = lines.ctypes.data, lines.strides[0]
+            call.values, call.line_size = lines.ctypes.data, lines.strides[0]
         return call
 
     def run(self, first: int, last: int) -> tuple[int, int, int]:

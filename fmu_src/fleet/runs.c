@@ -12,7 +12,7 @@ static int step3(const RunsCall *call, void *component) {
 
 static int make(const RunsCall *call, void *component, size_t run) {
     const RunsFunction *f = &call->function;
-    void *values = call->stride > 0 ? call->values + run * call->stride : call->values;
+    void *values = call->line_size > 0 ? call->values + run * call->line_size : call->values;
     const double *numbers = call->numbers;
     switch ((RunsKind)call->kind) {
         case RUNS_PLAIN: return f->plain(component);

@@ -47,8 +47,8 @@ typedef struct {
     size_t count;          /* of references; of bytes */
     const double *numbers; /* of a step: time and size, s; of set up and enter: tolerance, start time */
     void *target;
-    char *values;  /* of run 0 */
-    size_t stride; /* bytes from the values of one run to those of the next one; 0: the same for all runs */
+    char *values;     /* of run 0 */
+    size_t line_size; /* bytes from the values of one run to those of the next one; 0: the same for all runs */
 } RunsCall;
 
 /* Where and why runs_make has ended: the run and the call, and the status of that call. */
