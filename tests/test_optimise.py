@@ -29,13 +29,13 @@ from dualcam.study import (
     optimise,
     read_optimisation,
 )
-from dualcam.study.optimisation import reading
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
-from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
+from dualcam.study.reading import schema
+from dualcam.study.sampling.formula import formula
 from dualcam.systems import elbow, knee
 
 REST = Scenario(1e-3)
@@ -108,8 +108,8 @@ def test_values_to_choose_from_and_a_range_in_the_logarithm():
         "cam1.lead_angle": Vary(values=[0.5, 0.75, 1.0]),
         "spring.preload": Vary(1.0, 1000.0, log=True),
     }
-    formula = "efficiency - abs(log(spring.preload / 40))"
-    found = optimise(task({formula: "maximise"}, vary, same_as=SAME, budget=1000, seed=3))
+    goal = "efficiency - abs(log(spring.preload / 40))"
+    found = optimise(task({goal: "maximise"}, vary, same_as=SAME, budget=1000, seed=3))
     assert found.design["cam1.lead_angle"] == 0.75
     assert found.design["spring.preload"] == pytest.approx(40.0, rel=1e-3)
 
@@ -461,11 +461,11 @@ def test_pymoo_is_named_where_it_lacks(monkeypatch):
 @pytest.mark.parametrize("text", ["", "1 +", "a b", "f x", "x = 1"])
 def test_no_formulas(text):
     with refused("no formula"):
-        result_formula(text)
+        formula(text)
 
 
 def test_formula_has_the_fields_names_and_rules():
-    heat = result_formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
+    heat = formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
     assert heat.names == ("energy.heat_cam1@0.5", "theta@1e-3", "der(h) x")
     values = {
         name: np.array(numbers)
@@ -556,8 +556,9 @@ samples = 16
 
 def test_the_page_names_every_key():
     shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
-    keys = set(reading.OPTIMISE) | {f"constraints.NAME.{key}" for key in reading.CONSTRAINT}
-    assert keys | {f"tolerances.NAME.{key}" for key in reading.TOLERANCE} <= shown
+    keys = set(schema.OPTIMISE.model_fields)
+    keys |= {f"constraints.NAME.{key}" for key in schema.GOAL_LIMITS.model_fields}
+    assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
 
 
 def test_all_mistakes_of_a_file_at_once(tmp_path):
@@ -570,7 +571,7 @@ def test_all_mistakes_of_a_file_at_once(tmp_path):
         "5 mistakes",
         "plan: cam1.lead_angle: from 1.39626 to 1.22173",
         "optimise has budgets: did you mean budget",
-        "optimise: constraint efficiency has form: allowed are from, to",
+        "optimise: constraint efficiency has form: did you mean from",
         "optimise: method = 'slspq'",
         "no variable 'torque_releas'",
     ):
@@ -611,7 +612,7 @@ def test_a_plan_with_mistakes(tmp_path, capsys):
     path = tmp_path / "wrong.toml"
     path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
     assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
-    assert "optimise: constraint efficiency has form: allowed are from, to" in " ".join(
+    assert "optimise: constraint efficiency has form: did you mean from" in " ".join(
         capsys.readouterr().err.split()
     )
 

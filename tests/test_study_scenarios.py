@@ -199,7 +199,7 @@ def test_numbers_that_are_no_scenario_concern_their_run_alone():
     with pytest.warns(
         DualcamWarning, match="50 % of the first 6 runs are refused, such as run 1: scenario: stop"
     ):
-        from dualcam.study.checking import check
+        from dualcam.study.first_runs import check
 
         check(one.job(), plan).close()
 

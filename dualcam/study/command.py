@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from dualcam.study.description import read_study
 from dualcam.study.problem import StudyError
+from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import read_results
 from dualcam.study.storage import is_url
 from dualcam.study.study import Study, say

@@ -4,8 +4,8 @@ The reference page docs/study-plan.md and plan.schema.json, for editors, are wri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Collection, Mapping
+from functools import cache, partial
 from types import GenericAlias
 from typing import Annotated, Any
 
@@ -25,11 +25,11 @@ from dualcam.study.entries import (
     WHOLE,
     Kind,
 )
+from dualcam.study.history import SHAPES
 from dualcam.study.plan_check import ON_VIOLATION
 from dualcam.study.sampling.designs import KINDS
 
 PLOTS = ("map", "sobol", "pareto", "parallel")
-SHAPES = ("linear", "smooth", "sine")
 _NUMBER = {"type": "number"}
 _NUMBER_OR_TEXT = {"type": ["number", "string"]}
 _TEXTS = {"type": "array", "items": {"type": "string"}, "minItems": 1}
@@ -274,56 +274,59 @@ OPTIMISE = _table(
         ),
     },
 )
-PLOTS_ENTRY = _nested(GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables")
 RESULTS = 'what is read in each run, such as `"theta"`, `"theta@0.2"` or `"top = max(theta, every=0.01)"`'
+KEYS: dict[str, Callable[..., Any]] = {  # of a whole file
+    "fmu": partial(_entry, TEXT, '`"forward"`, `"inverse"`, or the path of an FMU, relative to the file'),
+    "results": partial(_entry, TEXT.listed(), RESULTS),
+    "parameters": partial(_entry, TABLE, "start values that are the same in every run, by name"),
+    "plan": partial(_nested, PLAN, "which values the runs have"),
+    "scenario": partial(_nested, SCENARIO, "what happens in each run"),
+    "plots": partial(
+        _nested, GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables"
+    ),
+    "optimise": partial(_nested, OPTIMISE, "the search for the best design"),
+}
+
+
+def _file(name: str, description: str, needed: Collection[str], optional: Collection[str]) -> Any:  # noqa: ANN401
+    fields = {key: make(needed=key in needed) for key, make in KEYS.items() if key in (*needed, *optional)}
+    return _table(name, description, fields)
 
 
 @cache
-def plan_model() -> type[BaseModel]:
-    """The pydantic model of a whole plan."""
-    model: type[BaseModel] = _table(
-        "StudyPlan",
-        "A parameter study of an FMU",
-        {
-            "fmu": _entry(
-                TEXT,
-                '`"forward"`, `"inverse"`, or the path of an FMU, relative to the file',
-                needed=True,
-            ),
-            "results": _entry(TEXT.listed(), RESULTS, needed=True),
-            "parameters": _entry(TABLE, "start values that are the same in every run, by name"),
-            "plan": _nested(PLAN, "which values the runs have", needed=True),
-            "scenario": _nested(SCENARIO, "what happens in each run", needed=True),
-            "plots": PLOTS_ENTRY,
-        },
-    )
-    return model
+def plan_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the plan of a study."""
+    needed = ("fmu", "results", "plan", "scenario")
+    return _file("StudyPlan", "A parameter study of an FMU", needed, ("parameters", "plots"))
 
 
 @cache
-def section_model() -> type[BaseModel]:
+def section_model() -> Any:  # noqa: ANN401
     """The pydantic model of the section [study] of a design file."""
-    model: type[BaseModel] = _table(
-        "StudySection",
-        "A parameter study of a design",
-        {
-            "results": _entry(TEXT.listed(), RESULTS, needed=True),
-            "plan": _nested(PLAN, "which values the runs have", needed=True),
-            "scenario": _nested(SCENARIO, "instead of the design's scenario: numbers may be formulas"),
-            "plots": PLOTS_ENTRY,
-        },
-    )
-    return model
+    needed = ("results", "plan")
+    return _file("StudySection", "A parameter study of a design", needed, ("scenario", "plots"))
 
 
 @cache
-def whole_model() -> type[BaseModel]:
+def search_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the plan of an optimisation."""
+    needed = ("fmu", "plan", "scenario", "optimise")
+    return _file("Search", "An optimisation of an FMU", needed, ("results", "parameters", "plots"))
+
+
+@cache
+def search_section_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the section [study] of a design file that is optimised."""
+    needed = ("plan", "optimise")
+    return _file("SearchSection", "An optimisation of a design", needed, ("results", "scenario", "plots"))
+
+
+@cache
+def whole_model() -> Any:  # noqa: ANN401
     """The pydantic model of a plan of a study or of an optimisation: every key that a plan may have."""
-    fields = {name: (field.annotation, field) for name, field in plan_model().model_fields.items()}
-    fields["results"] = _entry(TEXT.listed(), RESULTS)
-    fields["optimise"] = _nested(OPTIMISE, "the search for the best design")
-    model: type[BaseModel] = _table("Plan", "A parameter study or an optimisation of an FMU", fields)
-    return model
+    needed = ("fmu", "plan", "scenario")
+    others = [key for key in KEYS if key not in needed]
+    return _file("Plan", "A parameter study or an optimisation of an FMU", needed, others)
 
 
 def json_schema() -> dict[str, Any]:
