@@ -100,7 +100,7 @@ def test_optimum_on_a_bound():
     found = optimise(task({"efficiency": "maximise"}, bounds, method="slsqp"))
     assert list(found.design.values()) == [0.7, 0.7]
     assert found.objectives["efficiency"] == pytest.approx(efficiency(0.7), rel=1e-12)
-    assert len(found.active) == 2 and "cam1.lead_angle is at its upper bound, 0.7" in found.active
+    assert len(found.active) == 2 and "cam1.lead_angle is at its upper bound, 0.7 rad" in found.active
 
 
 def test_values_to_choose_from_and_a_range_in_the_logarithm():
@@ -502,10 +502,13 @@ def test_a_plan_by_the_command_line(tmp_path, capsys):
     assert main(["study", str(path), "--out", str(out)]) == 0
     text = capsys.readouterr().out
     assert "efficiency is at its least value, 0.5" in text and "designs evaluated" in text
+    degrees = float(re.search(r"cam2.lead_angle = ([\d.]+) deg\n", text)[1])  # the unit of the file
+    assert re.search(r"torque_load = [\d.]+ N.m \(maximise\)", text)
     folder = out / "torque"
     lead = 0.5 * (math.pi - math.asin(math.sin(2.0 * PHI) * 1.5 / 0.5))
     best = read_design(folder / "best.toml")
     assert best.parameters["cam1.lead_angle"] == pytest.approx(lead, abs=2e-6)
+    assert math.radians(degrees) == pytest.approx(lead, abs=4e-6)
     assert best.parameters["cam1.lead_angle"] == best.parameters["cam2.lead_angle"]
     assert best.parameters["spring.preload"] == 60.0
     assert best.scenario.stop == 0.001

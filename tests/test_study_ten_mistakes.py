@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from study_cases import FORWARD
 
 from dualcam.__main__ import main
-from dualcam.study import StudyError, read_study
+from dualcam.design_file import DesignFileError
+from dualcam.study import StudyError, read_optimisation, read_study
 
 SOUND = """
 fmu = "{fmu}"
@@ -206,14 +207,142 @@ def test_the_command_tells_them(folder, tmp_path, capsys):
 
 
 @st.composite
-def subsets(draw):
+def subsets(draw, mistakes):
     """Mistakes of different keys."""
-    keys = draw(st.sets(st.sampled_from(sorted({each.key for each in MISTAKES})), min_size=2, max_size=12))
-    found = [draw(st.sampled_from([each for each in MISTAKES if each.key == key])) for key in sorted(keys)]
+    keys = draw(st.sets(st.sampled_from(sorted({each.key for each in mistakes})), min_size=2, max_size=12))
+    found = [draw(st.sampled_from([each for each in mistakes if each.key == key])) for key in sorted(keys)]
     return [each for each in found if not each.needs & keys]
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(mistakes=subsets())
+@given(mistakes=subsets(MISTAKES))
 def test_any_mistakes_get_their_messages_and_no_others(folder, mistakes):
     assert_told_once_each(problems(folder, mistakes), mistakes)
+
+
+# ---- optimisations ----
+
+SEARCH = """
+fmu = "{fmu}"
+results = ["torque_release"]
+[parameters]
+"spring.preload" = "60 N"
+[plan.vary]
+"cam1.lead_angle" = {{ from = "20 deg", to = "70 deg" }}
+"cam2.lead_angle" = {{ same_as = "cam1.lead_angle" }}
+"cam1.radius" = {{ from = "15 mm", to = "25 mm" }}
+"spring.stiffness" = {{ values = [4e4, 5e4] }}
+"cam1.friction" = {{ distribution = "normal", mean = 0.14, std = 0.01 }}
+[plan.constraints]
+slender = "cam1.radius < 1"
+[scenario]
+stop = 0.001
+inputs.tau = {{ time = [0.0, 0.001], value = [0.0, 1.0] }}
+[optimise]
+objectives."torque_load@0.0005" = "maximise"
+constraints.efficiency = {{ from = 0.5 }}
+constraints."peak.reaction1" = {{ from = "1 N", to = "200 N" }}
+tolerances."cam2.radius" = {{ plus_minus = "0.1 mm", shape = "uniform" }}
+method = "evolution"
+budget = 100
+percentile = 90
+start."cam1.lead_angle" = "30 deg"
+"""
+MISTAKES_OF_SEARCH = [
+    mistake("fixed", '"60 N"', '"60 mm"', "spring.preload = '60 mm'", "force"),
+    mistake("angle", '"20 deg"', '"80 deg"', "cam1.lead_angle: from 1.39626 to 1.22173", needs=["start"]),
+    mistake("same", 'same_as = "cam1.lead_angle"', 'same_as = "cam1.led_angle"', "cam1.led_angle does not"),
+    mistake("radius", '"15 mm"', '"15 N"', "cam1.radius: from = '15 N'", "length"),
+    mistake("choice", "[4e4, 5e4]", "[4e4, -1]", "spring.stiffness from -1 to 40000", "the FMU allows 0"),
+    mistake("chance", '"normal"', '"nomal"', "distribution = 'nomal'", "did you mean normal"),
+    mistake("slender", '"cam1.radius < 1"', '"cam1.radius <"', "constraints: slender", "is no formula"),
+    mistake("stop", "stop = 0.001", 'stop = "1 mm"', "stop = '1 mm'", "no unit of time", needs=["at"]),
+    mistake("order", "[0.0, 0.001]", "[0.001, 0.0]", "times must increase: 0 s comes after 0.001 s"),
+    mistake("at", "torque_load@0.0005", "torque_load@0.5", "torque_load@0.5", "from 0 to 0.001 s"),
+    mistake("way", '"maximise"', '"maximize"', "'maximize': did you mean maximise"),
+    mistake("limit", "efficiency = {{ from", "efficiency = {{ form", "has form: did you mean from?"),
+    mistake("other", "constraints.efficiency", "constraints.efficency", "'efficency'", "mean efficiency"),
+    mistake("force", '"1 N"', '"300 N"', "peak.reaction1 from 300 to 200", "first must not"),
+    mistake("made", '"0.1 mm"', '"-0.1 mm"', "tolerances: cam2.radius: plus_minus = -0.0001", "above 0"),
+    mistake("made", '"uniform"', '"unifrom"', "tolerances: cam2.radius: shape = 'unifrom'", "mean uniform"),
+    mistake("method", '"evolution"', '"evoluton"', "optimise: method = 'evoluton'", "did you mean evolution"),
+    mistake("budget", "budget = 100", "budgets = 100", "optimise has budgets: did you mean budget?"),
+    mistake("percentile", "percentile = 90", "percentile = 100", "percentile = 100", "between 0 and 100 %"),
+    mistake("start", '"30 deg"', '"10 deg"', "start: cam1.lead_angle = 10 deg", "20 deg to 70 deg"),
+    mistake("result", '"torque_release"', '"torque_releas"', "no variable 'torque_releas'"),
+]  # fmt: skip
+
+
+def test_the_search_without_a_mistake_is_sound(folder):
+    assert problems(folder, [], SEARCH, read_optimisation) == []
+
+
+@pytest.mark.parametrize("one", MISTAKES_OF_SEARCH, ids=lambda one: one.told[0])
+def test_one_mistake_of_a_search_gets_one_message(folder, one):
+    assert_told_once_each(problems(folder, [one], SEARCH, read_optimisation), [one])
+
+
+@pytest.mark.parametrize("first", [0, 10])
+def test_ten_mistakes_of_a_search_get_ten_messages(folder, first):
+    """Of the mistakes that do not depend on each other."""
+    by_key = {each.key: each for each in MISTAKES_OF_SEARCH if not each.needs}
+    ten = list(by_key.values())[first : first + 10] if first == 0 else list(by_key.values())[-10:]
+    found = problems(folder, ten, SEARCH, read_optimisation)
+    assert len(found) == 10
+    assert_told_once_each(found, ten)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(mistakes=subsets(MISTAKES_OF_SEARCH))
+def test_any_mistakes_of_a_search_get_their_messages(folder, mistakes):
+    found = problems(folder, mistakes, SEARCH, read_optimisation)
+    assert_told_once_each(found, mistakes)
+
+
+PAIR = [("one", SOUND, ("rank = 0.8", "rank = 1.7")), ("two", SEARCH, ("= 90", "= 100"))]
+
+
+def test_the_command_tells_the_mistakes_of_all_files(folder, tmp_path, capsys):
+    """Before the first run of any of them."""
+    for name, text, words in PAIR:
+        (folder / f"{name}.toml").write_text(text.replace(*words).format(fmu=FORWARD))
+    paths = [str(folder / f"{name}.toml") for name in ("one", "two")]
+    assert main(["study", *paths, "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "one.toml: plan: correlation: rank = 1.7" in said and "two.toml: optimise: percentile" in said
+    assert not (tmp_path / "out").exists()
+
+
+# ---- design files ----
+
+DESIGN = """
+[cam1]
+radius = "25 ells"
+lead_angle = "40 deg"
+[scenario]
+stop = 0.1
+[study]
+results = ["thetta", "theta@0.5"]
+[study.plan]
+kind = "lattin"
+runs = 10
+[study.plan.vary]
+"cam1.friction" = {from = -0.1, to = 0.2}
+"cam2.frction" = {from = 0.1, to = 0.2}
+push = {from = "5 mm", to = "9 N.m"}
+"""
+
+
+@pytest.mark.parametrize("optimise", [False, True])
+def test_a_design_file_tells_its_own_mistakes_and_those_of_its_study(tmp_path, optimise):
+    path = tmp_path / "my.toml"
+    path.write_text(DESIGN + ('[study.optimise]\nobjectives.efficency = "maximise"' if optimise else ""))
+    with pytest.raises(DesignFileError) as caught:
+        (read_optimisation if optimise else read_study)(path)
+    said = str(caught.value)
+    words = ["2 errors", "25 ells", "'thetta'", "theta@0.5", "cam1.friction from -0.1", "cam2.frction"]
+    words += [
+        "mm and N.m",
+        *(["'efficency'", "7 mistakes"] if optimise else ["did you mean latin", "7 mistakes"]),
+    ]
+    assert all(word in said for word in words), said

@@ -241,14 +241,6 @@ class Optimisation:
         return list(dict.fromkeys([*wanted, *self.results]))
 
 
-def bounds_words(vary: Vary) -> str:
-    """What a designed value may be."""
-    if vary.is_list:
-        return f"one of {', '.join(map(str, choices(vary)))}"
-    low, high = vary.limits()
-    return f"{low:g} to {high:g}"
-
-
 def choices(vary: Vary) -> list[float | str]:
     """Values to choose from."""
     return [vary.values[place] for place in range(len(vary.values))]

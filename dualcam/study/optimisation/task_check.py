@@ -91,15 +91,18 @@ def _check_design(task: Optimisation, findings: Findings) -> None:
 
 
 def _check_start(task: Optimisation, findings: Findings) -> None:
-    from dualcam.study.optimisation.task import bounds_words, is_within
+    from dualcam.study.optimisation.shown import shown, shown_bounds
+    from dualcam.study.optimisation.task import is_within
 
+    if not findings.is_sound("fmu"):
+        return
     for name, value in task.start.items():
         if not findings.is_sound("optimise", "start", name) or is_meant(name, findings):
             continue
         if name not in task.designed:
             _note(findings, "start", f"start: {name} is not designed{hint(name, task.designed)}", name)
         elif findings.is_sound("plan", "vary", name) and not is_within(task.designed[name], value):
-            text = f"start: {name} = {value!r}: allowed is {bounds_words(task.designed[name])}"
+            text = f"start: {name} = {shown(task, name, value)}: allowed is {shown_bounds(task, name)}"
             _note(findings, "start", text, name)
 
 

@@ -10,9 +10,8 @@ from dualcam.study.entries import NUMBERS_BY_NAME, QUANTITIES_BY_NAME, QUANTITY,
 from dualcam.study.problem import Findings, Place
 
 BY_NAME = (NUMBERS_BY_NAME.words, QUANTITIES_BY_NAME.words)
-NAMED: dict[
-    Place, Any
-] = {  # tables whose names count even where their entries are refused, and what is left of these
+# Tables whose names count, and what is left of an entry that is refused.
+NAMED: dict[Place, Any] = {
     ("plan", "vary"): {},
     ("plan", "derived"): "0",
     ("plan", "constraints"): "1",
