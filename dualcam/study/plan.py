@@ -148,7 +148,7 @@ class Plan:
         Returns
         -------
         Plan
-            One run for each row.
+            One run for each row of the file.
 
         Raises
         ------

@@ -76,23 +76,15 @@ def read_optimisation(path: str | Path) -> Optimisation:
 
     Examples
     --------
-    >>> import tempfile
-    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
     >>> from dualcam.study import read_optimisation
-    >>> text = '''
-    ... fmu = "forward"
-    ... [plan.vary]
-    ... "cam1.lead_angle" = {from = "20 deg", to = "70 deg"}
-    ... [scenario]
-    ... stop = 0.001
-    ... [optimise]
-    ... objectives.efficiency = "maximise"
-    ... constraints.torque_load = {from = "0.6 N.m"}
-    ... '''
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "best.toml"
-    ...     _ = path.write_text(text)
-    ...     task = read_optimisation(path)
+    >>> with TemporaryDirectory() as folder:
+    ...     with open(f"{folder}/best.toml", "w") as file:
+    ...         print('fmu = "forward"', "scenario.stop = 0.001", file=file, sep=chr(10))
+    ...         print('plan.vary."cam1.lead_angle" = {from = "20 deg", to = "70 deg"}', file=file)
+    ...         print('optimise.objectives.efficiency = "maximise"', file=file)
+    ...         print('optimise.constraints.torque_load = {from = "0.6 N.m"}', file=file)
+    ...     task = read_optimisation(f"{folder}/best.toml")
     >>> task.method_used, task.constraints
     ('evolution', {'torque_load': (0.6, None)})
     """

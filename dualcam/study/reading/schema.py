@@ -69,6 +69,11 @@ def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[st
     return annotated, _field(description, kind.words, needed)
 
 
+def _each(kind: Kind, descriptions: Mapping[str, str]) -> dict[str, Any]:
+    """Keys with values of one kind."""
+    return {name: _entry(kind, description) for name, description in descriptions.items()}
+
+
 def _field(description: str, words: str, needed: bool) -> Any:  # noqa: ANN401
     extra: dict[str, Any] = {"words": words, "needed": needed}
     if needed:
@@ -88,8 +93,13 @@ VARY = _table(
     "Vary",
     "Values of one name: a range, a distribution, a list, or tables with a random error",
     {
-        "from": _entry(QUANTITY, "start of the range; of a distribution: cut off below"),
-        "to": _entry(QUANTITY, "end of the range; of a distribution: cut off above"),
+        **_each(
+            QUANTITY,
+            {
+                "from": "start of the range; of a distribution: cut off below",
+                "to": "end of the range; of a distribution: cut off above",
+            },
+        ),
         "count": _entry(
             WHOLE,
             "`grid`: number of values from start to end, both included; of a table with an error: number of "
@@ -100,15 +110,19 @@ VARY = _table(
         "weights": _entry(NUMBER.listed(), "how often each of `values` is drawn; equally often if not given"),
         "same_as": _entry(TEXT, "the value of this other name in each run"),
         "distribution": _entry(TEXT, '`"normal"`, or the name of any distribution of scipy.stats'),
-        "mean": _entry(QUANTITY, "`normal`: mean"),
-        "std": _entry(QUANTITY, "`normal`: standard deviation"),
+        **_each(QUANTITY, {"mean": "`normal`: mean", "std": "`normal`: standard deviation"}),
         "arguments": _entry(
             QUANTITIES_BY_NAME, "arguments of a distribution of scipy.stats, by their names there"
         ),
         "unit": _entry(TEXT, "unit of a name that the FMU does not have, into which texts are converted"),
         "table": _entry(TEXT, "path of a groove table that gets a random smooth error of its profile"),
-        "deviation": _entry(QUANTITY, "standard deviation of the error of z"),
-        "correlation_length": _entry(QUANTITY, "angle psi over which the error is alike"),
+        **_each(
+            QUANTITY,
+            {
+                "deviation": "standard deviation of the error of z",
+                "correlation_length": "angle psi over which the error is alike",
+            },
+        ),
     },
 )
 CORRELATION = _table(
@@ -163,10 +177,15 @@ HISTORY = _table(
         "shape": _entry(
             TEXT, 'between the points: `"linear"` or `"smooth"`; `"sine"` has no points', enum=SHAPES
         ),
-        "mean": _entry(SCENARIO_NUMBER, "`sine`: mean value"),
-        "amplitude": _entry(SCENARIO_NUMBER, "`sine`: amplitude"),
-        "frequency": _entry(SCENARIO_NUMBER, "`sine`: frequency [Hz]"),
-        "phase": _entry(SCENARIO_NUMBER, "`sine`: phase at 0 s [rad]"),
+        **_each(
+            SCENARIO_NUMBER,
+            {
+                "mean": "`sine`: mean value",
+                "amplitude": "`sine`: amplitude",
+                "frequency": "`sine`: frequency [Hz]",
+                "phase": "`sine`: phase at 0 s [rad]",
+            },
+        ),
         "derivative_of": _entry(
             TEXT, "the input is the time derivative of this other input, such as `omega` of `theta`"
         ),
@@ -215,9 +234,14 @@ PLOT = _table(
     {
         "kind": _entry(TEXT, "kind of picture", enum=PLOTS),
         "title": _entry(TEXT, "title of the picture"),
-        "x": _entry(TEXT, "`map`, `pareto`: column along the horizontal axis"),
-        "y": _entry(TEXT, "`map`, `pareto`: column along the vertical axis"),
-        "z": _entry(TEXT, "`map`: column that the colours show"),
+        **_each(
+            TEXT,
+            {
+                "x": "`map`, `pareto`: column along the horizontal axis",
+                "y": "`map`, `pareto`: column along the vertical axis",
+                "z": "`map`: column that the colours show",
+            },
+        ),
         "of": _entry(TEXT.listed(), "`sobol`: results; the plan is of kind `indices`"),
         "best": _entry(TEXT.listed(), '`pareto`: `"max"` or `"min"`, what is wanted of x and y'),
         "axes": _entry(TEXT.listed(), "`parallel`: columns"),
@@ -230,10 +254,13 @@ PLOT = _table(
 GOAL_LIMITS = _table(
     "GoalLimits",
     "Limits of a result",
-    {
-        "from": _entry(QUANTITY, "least value of the result or formula"),
-        "to": _entry(QUANTITY, "greatest value of the result or formula"),
-    },
+    _each(
+        QUANTITY,
+        {
+            "from": "least value of the result or formula",
+            "to": "greatest value of the result or formula",
+        },
+    ),
 )
 TOLERANCE = _table(
     "Tolerance",

@@ -188,12 +188,12 @@ class Vary:
         Parameters
         ----------
         least, most : float
-            Ends of the range, which are allowed.
+            Ends of the range, which count as inside.
 
         Returns
         -------
         float
-            Share in [0, 1].
+            From 0 to 1; of a list by its weights.
         """
         if self.distribution:
             below = self.spread.share_below(least, inclusive=False) if math.isfinite(least) else 0.0
