@@ -26,7 +26,7 @@ import numpy as np
 from dualcam.reals import Array
 from dualcam.study.encoding import Column
 from dualcam.study.problem import StudyError, refuse
-from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.formula import Formula, formula
 
 SERIES, FORMULA, VALUE = "series", "formula", "value"
 SAMPLED = (SERIES, "max", "min", "mean", "integral")
@@ -38,7 +38,7 @@ INNER = re.compile(  # one that stands in a formula
     r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
 )
 NAMED = re.compile(r"([^=<>!`@()]+?)\s*=(?!=)\s*(.+)")
-AT_TIME = re.compile(r"(?<![`\w.])([A-Za-z_][\w.]*@\d[\d.]*(?:[eE][-+]?\d+)?)(?!`)")
+NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 RESERVED = ("run", "message")
 
 
@@ -65,10 +65,12 @@ class Readings:
     ----------
     results : sequence of str
         As in the examples of this module.
-    stop : float or str
-        End of the runs [s]; a formula where it varies.
+    stop : float, str or None
+        End of the runs [s]; a formula where it varies; None where it is not known.
     varied : sequence of str
         Names of the plan, which formulas may use, too.
+    refused : dict of int to str, optional
+        Gets what is wrong, by the place of the text, instead of an error; the others are read.
 
     Attributes
     ----------
@@ -78,6 +80,10 @@ class Readings:
         What the FMU is asked for: names, and `name@time`.
     series : dict of str to tuple of float
         The instants [s] of each series.
+    used : set of str
+        Names of the plan that formulas use.
+    refused_columns : list of str
+        Names of the columns that are refused.
 
     Raises
     ------
@@ -95,20 +101,31 @@ class Readings:
     {'top': [3.0], 'rise': [2.0]}
     """
 
-    def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        results: Sequence[str],
+        stop: float | str | None,
+        varied: Sequence[str] = (),
+        refused: dict[int, str] | None = None,
+    ) -> None:
         self._varied = tuple(varied)
         self._parsed: dict[str, Reading] = {}
         self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
-        problems: list[str] = []
-        for text in results:
+        self.used: set[str] = set()
+        self.refused_columns: list[str] = []
+        problems: dict[int, str] = {} if refused is None else refused
+        for place, text in enumerate(results):
             try:
-                reading = self._reading(text.strip(), stop)
+                reading = self._reading(text.strip(), _longest(text) if stop is None else stop)
                 if reading.column in self._parsed:
                     raise StudyError(f"{reading.column} is named twice: allowed is once")
                 self._parsed[reading.column] = reading
             except StudyError as error:
-                problems.append(f"result {text!r}: {error}")
-        refuse(problems)
+                problems[place] = f"result {text!r}: {error}"
+                named = NAMED.fullmatch(text.strip())
+                self.refused_columns.append(named[1].strip() if named else text.strip())
+        if refused is None:
+            refuse(problems.values())
         self.columns = list(self._parsed)
         self.raw = list(dict.fromkeys(name for each in self._parsed.values() for name in each.raw))
         self.series = {each.column: each.times for each in self._parsed.values() if each.kind == SERIES}
@@ -145,15 +162,16 @@ class Readings:
         body = INNER.sub(stand_in, body)
         if "series(" in body:
             raise StudyError("a series is no part of a formula: allowed are results with one value")
-        formula = Formula(AT_TIME.sub(r"`\1`", body))
-        for name in formula.names:
+        found = formula(body)
+        for name in found.names:
             if name in self._parsed and self._parsed[name].kind == SERIES:
                 raise StudyError(f"{name} is a series: allowed in formulas are results with one value")
         self._inner |= inner
-        known = (*self._varied, *self._parsed, *inner)
-        raw = [name for name in formula.names if name not in known]
+        known = (*self._varied, *self._parsed, *self.refused_columns, *inner)
+        raw = [name for name in found.names if name not in known]
         raw += [name for each in inner.values() for name in each.raw]
-        return Reading(column, FORMULA, tuple(raw), formula=formula)
+        self.used |= {name for name in found.names if name in self._varied}
+        return Reading(column, FORMULA, tuple(raw), formula=found)
 
     # ---- values ----
 
@@ -224,6 +242,11 @@ def _sampling(text: str) -> re.Match[str] | None:
     if OF_VALUES.fullmatch(text) and not ONE_AND_NUMBER.fullmatch(text):
         return None
     return CALL.fullmatch(text)
+
+
+def _longest(text: str) -> float:
+    """A stop that the times in a text allow, where the stop is not known."""
+    return max((float(number) for number in NUMBER.findall(text)), default=0.0) or 1.0
 
 
 def _sampled(column: str, call: re.Match[str], stop: float | str) -> Reading:
