@@ -57,8 +57,9 @@ typedef enum {
     GROUP_ENERGY = 64,
     GROUP_AUDIT = 128,
     GROUP_STEP = 256,
-    GROUP_TIME = 512,
-    GROUP_INDICATORS = 1024
+    GROUP_STEP_PARAMETERS = 512,
+    GROUP_TIME = 1024,
+    GROUP_INDICATORS = 2048
 } Group;
 
 typedef enum {
