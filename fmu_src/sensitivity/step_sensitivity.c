@@ -298,6 +298,12 @@ static void find_speed(const Mechanism *m, Variation *x) {
     else if (slip.regime == REGIME_RATE_INDEPENDENT) edge_speed_give(&slip, m->state.theta.hi, omega, x);
 }
 
+/* Where a law has no fall of friction, peak = 1, no step resolves the speeds of the fall: no derivative by the peak. */
+static void leave_out_peaks(const Params *p, StepSensitivity *out) {
+    for (int i = 0; i < 2; i++)
+        if (p->cam[i].law.peak == 1.0) out->dtheta[KNOWN_PEAK_1 + i] = out->domega[KNOWN_PEAK_1 + i] = 0.0;
+}
+
 COMPACT void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensitivity *out) {
     Mechanism again = *m; /* the transmission is m's own: not to be freed */
     Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
@@ -316,6 +322,7 @@ COMPACT void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensit
         out->dtheta[known] = finite_or_zero(x->theta[known]);
         out->domega[known] = finite_or_zero(x->omega[known]);
     }
+    leave_out_peaks(&again.params, out);
 }
 
 COMPACT_END
