@@ -83,16 +83,17 @@ typedef struct {
     double factor;
 } Unit;
 
+/* Small types: the table is a large part of the binary. */
 typedef struct {
-    uint32_t offset; /* bytes, in Values */
-    Group group;
-    Type type;
-    Kind kind;
-    Causality causality;
-    Variability variability;
-    UnitId unit;
     double min, max, nominal; /* as in variables.def */
     const char *name;
+    uint32_t offset;   /* bytes, in Values */
+    uint16_t group;    /* Group */
+    uint8_t type;      /* Type */
+    uint8_t kind;      /* Kind */
+    uint8_t causality; /* Causality */
+    uint8_t variability;
+    uint8_t unit; /* UnitId */
 } Variable; /* the description stands only in the XML */
 
 /* All values that variables have. */
