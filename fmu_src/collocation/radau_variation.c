@@ -76,8 +76,7 @@ COLD static bool carry(const SlipMode *slip, double t, VariationFront *front) {
     SlipMode here = *slip;
     here.inputs = &front->inputs;
     here.to_rounding = true;
-    if (!radau_step_solve(&here, &front->at, t, RADAU_MAX, &step) || !vary(&here, &step, &front->v))
-        return false;
+    if (!radau_step_solve(&here, &front->at, t, RADAU_MAX, &step) || !vary(&here, &step, &front->v)) return false;
     inputs_advance(&front->inputs, t);
     balance_at(&here, front->at.theta + step.dtheta, 0.0, 0.0, &front->at);
     return true;
@@ -96,8 +95,7 @@ static bool is_finite(const Variation *v) {
 
 COLD static bool carry_twice(const SlipMode *slip, double t, PartTwice *part) {
     bool found = true;
-    for (int k = 0; found && k < 3; k++)
-        found = carry(slip, k == 0 ? t : 0.5 * t, k == 0 ? &part->once : &part->twice);
+    for (int k = 0; found && k < 3; k++) found = carry(slip, k == 0 ? t : 0.5 * t, k == 0 ? &part->once : &part->twice);
     return found && is_finite(&part->once.v) && is_finite(&part->twice.v);
 }
 

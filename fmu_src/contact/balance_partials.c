@@ -37,9 +37,8 @@ typedef struct {
 static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *k, double omega, int i, double x) {
     const CamParams *cam = &slip->params->cam[i];
     const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
-    const double v = slip->regime == REGIME_RATE_INDEPENDENT
-                         ? 0.0
-                         : slip->direction * omega * k->dpsi_dtheta[i].value * length;
+    const double v =
+        slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * omega * k->dpsi_dtheta[i].value * length;
     return (LawArguments){.speed = {.c = {{v, 0.0}}},
                           .reaction = {.c = {{fabs(x) * length / slip->params->contacts, 0.0}}}};
 }
@@ -217,10 +216,9 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
     const double axial = balance->force + balance->damper + m * follower_acceleration;
     const double moment = I * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     const double damper_rate = slip_damper_rate(slip, k->dz_dtheta.value * omega);
-    const double axial_change =
-        c->axial + spring_rate(&p->spring, z) * k->dz_dtheta.value * c->theta +
-        damper_rate * (k->dz_dtheta.slope * omega * c->theta + k->dz_dtheta.value * c->omega) +
-        m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, c);
+    const double axial_change = c->axial + spring_rate(&p->spring, z) * k->dz_dtheta.value * c->theta +
+                                damper_rate * (k->dz_dtheta.slope * omega * c->theta + k->dz_dtheta.value * c->omega) +
+                                m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, c);
     const double moment_change = I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, c);
     if (slip->friction_is_loaded) {
         const LoadStep step = {.theta = c->theta,

@@ -94,7 +94,7 @@ typedef struct {
     uint8_t causality; /* Causality */
     uint8_t variability;
     uint8_t unit; /* UnitId */
-} Variable; /* the description stands only in the XML */
+} Variable;       /* the description stands only in the XML */
 
 /* All values that variables have. */
 typedef struct {

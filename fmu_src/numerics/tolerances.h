@@ -485,11 +485,6 @@ static const double SENSITIVITY_EDGE_HELD = 1e-9, SENSITIVITY_AT_REST = 1e-9;
 /* Distance between the angles of a central difference of order 4, as a share of the width of the transmission's piece.
  * The functions are smooth inside a piece, so that the difference has ten digits. */
 static const double SENSITIVITY_DIFFERENCE = 1e-3;
-
-/* Relative tolerance of the integration that takes the place of the closed form: the motion of the closed form has all
- * digits. */
-static const double SENSITIVITY_TOLERANCE = 1e-11;
-
 /* ---- fmi ---- */
 
 /* Relative tolerance of integration: where the master gives none, and the range that others are brought into. Below the

@@ -193,9 +193,8 @@ static void find_delay_at_mirror(const Mechanism *m, double omega, Carried *v) {
     const double z = m->configuration.z;
     const double slope = spring_rate(&m->params.spring, z) * m->configuration.geometry.dz_dtheta;
     for (int known = v->x.first; known < v->x.end; known++)
-        v->delay[known] =
-            finite_or_zero(-(slope * v->x.theta[known] + balance_force_by(&slip, (Known)known, z, 0.0)) /
-                           (slope * omega + m->inputs.F_ext[1]));
+        v->delay[known] = finite_or_zero(-(slope * v->x.theta[known] + balance_force_by(&slip, (Known)known, z, 0.0)) /
+                                         (slope * omega + m->inputs.F_ext[1]));
     v->late = true;
 }
 
@@ -287,7 +286,7 @@ static void prepare(bool by_parameters, Mechanism *again) {
     again->params.ledger = false;
     if (!by_parameters || !again->model.closed_form) return;
     again->model.closed_form = false;
-    again->params.tolerance = fmin(again->params.tolerance, SENSITIVITY_TOLERANCE);
+    again->params.tolerance = TOLERANCE_MIN; /* the closed form has all digits */
 }
 
 /* Speed at the end: without inertia the speed follows from the angle. */
