@@ -19,6 +19,12 @@ typedef struct {
     Lu lu;
 } VariedStep;
 
+/* Where a law has no fall of friction, peak = 1, no step resolves the speeds of the fall: the peak has no part. */
+static void leave_out_peaks(const Params *p, Partials *by) {
+    for (int i = 0; i < 2; i++)
+        if (p->cam[i].law.peak == 1.0) by->by[KNOWN_PEAK_1 + i] = 0.0;
+}
+
 /* False if the equations have no solution. A pole at the end is left out. Such a pole belongs to an angle that is a
  * root of time, see vary_in_parts(). */
 COLD static bool differentiate(const SlipMode *slip, const RadauStep *step, VariedStep *d) {
@@ -28,6 +34,7 @@ COLD static bool differentiate(const SlipMode *slip, const RadauStep *step, Vari
     for (int i = 0; i < d->lu.n; i++) {
         d->rhs[i] = step->node[i].rhs;
         balance_response(slip, &step->node[i], &d->by[i]);
+        leave_out_peaks(slip->params, &d->by[i]);
         if (!(fabs(d->by[i].by[KNOWN_TAU]) <= VARIATION_POLE * before)) {
             d->by[i] = (Partials){.by = {0.0}};
             d->rhs[i].by_theta = 0.0;

@@ -297,7 +297,7 @@ static void find_speed(const Mechanism *m, Variation *x) {
     else if (slip.regime == REGIME_RATE_INDEPENDENT) edge_speed_give(&slip, m->state.theta.hi, omega, x);
 }
 
-/* Where a law has no fall of friction, peak = 1, no step resolves the speeds of the fall: no derivative by the peak. */
+/* Where peak = 1, the variation has left out the peak. */
 static void leave_out_peaks(const Params *p, StepSensitivity *out) {
     for (int i = 0; i < 2; i++)
         if (p->cam[i].law.peak == 1.0) out->dtheta[KNOWN_PEAK_1 + i] = out->domega[KNOWN_PEAK_1 + i] = 0.0;
