@@ -21,8 +21,9 @@ from dualcam.library import source_path
 from dualcam.model_description import ModelDescription, read_model_description
 from dualcam.reals import Array, number_of
 
-STATES = ("theta", "omega")
+STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
 INITIAL = ("initial.theta", "initial.omega")
+STEP = "a finite number > 0, in s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,12 +162,14 @@ class DifferentiableFleet:
         *,
         tolerance: float | None = None,
     ) -> None:
-        self.h = number_of(h, "h", "a finite number > 0, in s")
+        self.h = number_of(h, "h", STEP)
+        if self.h <= 0.0:
+            raise FmuError(f"h = {h!r}: allowed is {STEP}")
         self.inputs = tuple(names_of(inputs, "inputs"))
         self.parameters = tuple(names_of(parameters, "parameters"))
         knowns = (*STATES, *self.inputs, *self.parameters)
         description = read_model_description(source_path(fmu))
-        _require_derivatives(description, knowns)
+        _require_derivatives(description, self.inputs, self.parameters)
         derivatives = [f"step.d{state}_d{known}" for state in STATES for known in knowns]
         others = dict(values or {})
         _refuse_twice(self.parameters, others)
@@ -243,18 +246,21 @@ class DifferentiableFleet:
         return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
 
 
-def _require_derivatives(description: ModelDescription, knowns: Sequence[str]) -> None:
+def _require_derivatives(
+    description: ModelDescription, inputs: Sequence[str], parameters: Sequence[str]
+) -> None:
     """UnknownVariableError where a step has no derivative by one of these."""
     prefix = f"step.d{STATES[0]}_d"
     variables = [variable.name for variable in description.variables]
     known = [name.removeprefix(prefix) for name in variables if name.startswith(prefix)]
-    for name in knowns:
-        if name not in known:
-            allowed = ", ".join(other for other in known if other not in STATES)
-            raise UnknownVariableError(
-                f"{description.model_name} has no derivatives by {name!r}; it has those by "
-                f"{allowed or 'nothing'}"
-            )
+    tunable = [name for name in known if name not in (*STATES, *INPUTS)]
+    for names, allowed in ((inputs, [name for name in INPUTS if name in known]), (parameters, tunable)):
+        for name in names:
+            if name not in allowed:
+                raise UnknownVariableError(
+                    f"{description.model_name} has no derivatives of a step by {name!r}: allowed here are "
+                    f"{', '.join(allowed) or 'none'}"
+                )
 
 
 def _between_stops(description: ModelDescription, values: Mapping[str, FleetValue]) -> FleetValue:
