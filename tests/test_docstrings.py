@@ -27,6 +27,7 @@ WHOLE = (
     *("dualcam.design.spring_steel", "dualcam.design.spring_search", "dualcam.design.wear"),
     *SYSTEMS,
     *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
+    *("dualcam.gradient.rollout", "dualcam.gradient.with_jax", "dualcam.gradient.with_torch"),
 )
 # Results of functions: users make none.
 RETURNED = (
