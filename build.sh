@@ -11,6 +11,7 @@ usage: ./build.sh [command] [arguments]
   door     build, then run system_examples/car_door.py (seconds); arguments go to it
   clamp    build, then run system_examples/spring_clamp.py (seconds); arguments go to it
   plan     build, then run system_examples/planned_elbow.py (seconds; CasADi); arguments go to it
+  elbow    build, then run system_examples/elbow_torque.py (half a minute; JAX); arguments go to it
   gains    build, then run system_examples/controller_gains.py (some minutes): 10^5 closed loops over a fleet, draws
            build/controller_gains.png; arguments go to it
   mujoco   build, then run system_examples/mujoco_elbow.py (seconds; MuJoCo); arguments go to it
@@ -155,6 +156,7 @@ case $command in
     clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     plan) run_program '.[build,casadi]' system_examples/planned_elbow.py "$@" ;;
     mujoco) run_program '.[build,mujoco]' system_examples/mujoco_elbow.py "$@" ;;
+    elbow) run_program '.[build,jax]' system_examples/elbow_torque.py "$@" ;;
     gains) run_program '.[build]' system_examples/controller_gains.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;

@@ -15,6 +15,7 @@
     dualcam.design              best lead angles, and grooves that give a wanted torque
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
     dualcam.study               parameter studies
+    dualcam.gradient            gradients of runs through stick and slip, in JAX, PyTorch or NumPy
     dualcam.gym                 elbow, knee and car door as environments of gymnasium
     dualcam.mujoco              the cam on joints of a MuJoCo model
 

@@ -29,6 +29,7 @@ WHOLE = (
     *SYSTEMS,
     *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
     *("dualcam.mujoco.cam_joint", "dualcam.mujoco.simulation", "dualcam.mujoco.ur3e_elbow"),
+    *("dualcam.gradient.rollout", "dualcam.gradient.with_jax", "dualcam.gradient.with_torch"),
 )
 # Results of functions: users make none.
 RETURNED = (

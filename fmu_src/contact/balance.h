@@ -76,12 +76,24 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
  * which is zero at `balance`: alpha changes with a known k by -by[k]/by[KNOWN_ALPHA], tau by -by[k]/by[KNOWN_TAU]. */
 void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out);
 
-/* d alpha/d tau, or without inertia d omega/d tau. */
-double balance_mobility(const SlipMode *slip, const Balance *balance);
+/* The partial derivatives of alpha, or without inertia of omega, by the other knowns. */
+void balance_response(const SlipMode *slip, const Balance *balance, Partials *out);
 
-/* N/m: the first-order change of x_i with theta, omega and alpha. */
-double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, double dtheta, double domega,
-                              double dalpha);
+/* N per unit of the known: how F_0 + D grows with the known, at the height z, m, and the axial speed v, m/s. */
+double balance_force_by(const SlipMode *slip, Known known, double z, double v);
+
+/* A change of the state and, besides, of the axial force and of f_i. */
+typedef struct {
+    double theta, omega, alpha; /* rad, rad/s, rad/s^2 */
+    double axial;               /* N */
+    double friction[2];
+} BalanceChange;
+
+/* The change of axial force and f_i at constant state, if an input or a tunable parameter grows by 1 of its unit. */
+BalanceChange balance_change_by(const SlipMode *slip, const Balance *balance, Known known);
+
+/* N/m: the first-order change of x_i. */
+double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *change);
 
 /* The rates of the accounts, watt. */
 Booking balance_power(const SlipMode *slip, const Balance *balance);

@@ -28,22 +28,36 @@ static double partial_by_friction(const SlipMode *slip, const SlipCoefficients *
     return residual_change(slip, k, &by, &terms);
 }
 
+/* What the friction law of a contact depends on. */
+typedef struct {
+    Jet speed, reaction; /* m/s; N, of one contact */
+} LawArguments;
+
+/* Of contact i, which carries x. */
+static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *k, double omega, int i, double x) {
+    const CamParams *cam = &slip->params->cam[i];
+    const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
+    const double v =
+        slip->regime == REGIME_RATE_INDEPENDENT ? 0.0 : slip->direction * omega * k->dpsi_dtheta[i].value * length;
+    return (LawArguments){.speed = {.c = {{v, 0.0}}},
+                          .reaction = {.c = {{fabs(x) * length / slip->params->contacts, 0.0}}}};
+}
+
+/* d mu_i/d known, at constant speed and reaction. */
+static double friction_by(const SlipMode *slip, const LawArguments *at, int i, Known known) {
+    return friction_along(&slip->params->cam[i], i, &at->speed, &at->reaction, known).c[0].slope;
+}
+
 /* By the parameters of the friction law of contact i, which carries x; from `by_friction`, the derivative by its
  * coefficient. */
 static void partials_by_law(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance, int i,
                             double by_friction, double x, Partials *out) {
     static const Known FIRST[] = {KNOWN_FRICTION_1, KNOWN_PEAK_1,          KNOWN_STRIBECK_VELOCITY_1,
                                   KNOWN_VISCOUS_1,  KNOWN_LOAD_EXPONENT_1, KNOWN_LOAD_1};
-    const CamParams *cam = &slip->params->cam[i];
-    const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
-    const double reaction = fabs(x) * length / slip->params->contacts;
-    const double v = slip->regime == REGIME_RATE_INDEPENDENT
-                         ? 0.0
-                         : slip->direction * balance->omega * k->dpsi_dtheta[i].value * length;
-    const Jet speed = {.c = {{v, 0.0}}}, load = {.c = {{reaction, 0.0}}};
+    const LawArguments at = law_arguments(slip, k, balance->omega, i, x);
     for (size_t n = 0; n < sizeof FIRST / sizeof FIRST[0]; n++) {
         const Known known = (Known)(FIRST[n] + (Known)i);
-        out->by[known] = by_friction * friction_along(cam, i, &speed, &load, known).c[0].slope;
+        out->by[known] = by_friction * friction_by(slip, &at, i, known);
     }
 }
 
@@ -57,6 +71,22 @@ static double contact_load(const SlipMode *slip, const SlipCoefficients *k, cons
     const double moment = in->follower * (k->dpsi_dtheta[0].value * b->alpha + k->d2gamma_dtheta2.value * omega2);
     const DualContactFactors *f = &k->factors;
     return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
+}
+
+double balance_force_by(const SlipMode *slip, Known known, double z, double v) {
+    const double rising = slip->direction > 0 ? v : 0.0, falling = v - rising;
+    switch (known) {
+        case KNOWN_F_EXT:
+        case KNOWN_PRELOAD: return 1.0;
+        case KNOWN_STIFFNESS: return z;
+        case KNOWN_STIFFNESS2: return z * z;
+        case KNOWN_STIFFNESS3: return z * z * z;
+        case KNOWN_C_LOAD: return rising;
+        case KNOWN_Q_LOAD: return rising * fabs(rising);
+        case KNOWN_C_RELEASE: return falling;
+        case KNOWN_Q_RELEASE: return falling * fabs(falling);
+        default: return 0.0;
+    }
 }
 
 void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
@@ -84,12 +114,8 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
         -f->delta.value * b - f->p.value * damper_rate * k->dz_dtheta.value - 2.0 * by_speed.value * omega;
     by[KNOWN_ALPHA] = loaded ? -loaded_slip_inertia(slip, k, &terms) : -inertia.value;
     by[KNOWN_TAU] = f->delta.value;
-    by[KNOWN_F_EXT] = by[KNOWN_PRELOAD] = -lever;
-    by[KNOWN_STIFFNESS] = -lever * z;
-    by[KNOWN_STIFFNESS2] = -lever * z * z;
-    by[KNOWN_STIFFNESS3] = -lever * z * z * z;
-    by[slip->direction > 0 ? KNOWN_C_LOAD : KNOWN_C_RELEASE] = -lever * v;
-    by[slip->direction > 0 ? KNOWN_Q_LOAD : KNOWN_Q_RELEASE] = -lever * v * fabs(v);
+    for (int known = KNOWN_F_EXT; known < KNOWN_COUNT; known++)
+        by[known] -= lever * balance_force_by(slip, (Known)known, z, v);
     for (int i = 0; i < 2; i++) {
         by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
         const double x = contact_load(slip, k, balance, i);
@@ -147,22 +173,36 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     }
 }
 
-double balance_mobility(const SlipMode *slip, const Balance *balance) {
-    Partials p;
-    balance_partials(slip, balance, &p);
-    return -p.by[KNOWN_TAU] / p.by[slip->regime == REGIME_INERTIAL ? KNOWN_ALPHA : KNOWN_OMEGA];
+void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
+    const Known own = slip->regime == REGIME_INERTIAL ? KNOWN_ALPHA : KNOWN_OMEGA;
+    Partials residual;
+    balance_partials(slip, balance, &residual);
+    *out = (Partials){.by = {0.0}};
+    for (int known = 0; known < KNOWN_COUNT; known++)
+        if (known != (int)own) out->by[known] = -residual.by[known] / residual.by[own];
+}
+
+COLD BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Known known) {
+    SlipCoefficients storage;
+    double z;
+    const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, &storage, &z);
+    BalanceChange change = {.axial = balance_force_by(slip, known, z, k->dz_dtheta.value * b->omega)};
+    for (int i = 0; i < 2; i++) {
+        const LawArguments at = law_arguments(slip, k, b->omega, i, b->x[i]);
+        change.friction[i] = slip->direction * slip->flank[i] * friction_by(slip, &at, i, known);
+    }
+    return change;
 }
 
 /* The change of the acceleration k alpha + k' omega^2, with k = z' or gamma' and `k_rate` k'. */
-static double acceleration_change(const Balance *b, Dual k, Dual k_rate, double dtheta, double domega, double dalpha) {
+static double acceleration_change(const Balance *b, Dual k, Dual k_rate, const BalanceChange *c) {
     const double omega2 = b->omega * b->omega;
-    return (k.slope * b->alpha + k_rate.slope * omega2) * dtheta + 2.0 * k_rate.value * b->omega * domega +
-           k.value * dalpha;
+    return (k.slope * b->alpha + k_rate.slope * omega2) * c->theta + 2.0 * k_rate.value * b->omega * c->omega +
+           k.value * c->alpha;
 }
 
 /* x_i = (r n A -+ d W)/Delta with n and d of the other contact, see balance.h. */
-COLD double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, double dtheta, double domega,
-                                   double dalpha) {
+COLD double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
     const Params *p = slip->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = balance->omega, alpha = balance->alpha;
     SlipCoefficients storage;
@@ -176,18 +216,25 @@ COLD double balance_contact_change(const SlipMode *slip, const Balance *balance,
     const double axial = balance->force + balance->damper + m * follower_acceleration;
     const double moment = I * (k->dpsi_dtheta[0].value * alpha + k->d2gamma_dtheta2.value * omega * omega);
     const double damper_rate = slip_damper_rate(slip, k->dz_dtheta.value * omega);
-    const double axial_change = spring_rate(&p->spring, z) * k->dz_dtheta.value * dtheta +
-                                damper_rate * (k->dz_dtheta.slope * omega * dtheta + k->dz_dtheta.value * domega) +
-                                m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, dtheta, domega, dalpha);
-    const double moment_change =
-        I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, dtheta, domega, dalpha);
+    const double axial_change = c->axial + spring_rate(&p->spring, z) * k->dz_dtheta.value * c->theta +
+                                damper_rate * (k->dz_dtheta.slope * omega * c->theta + k->dz_dtheta.value * c->omega) +
+                                m * acceleration_change(balance, k->dz_dtheta, k->d2z_dtheta2, c);
+    const double moment_change = I * acceleration_change(balance, k->dpsi_dtheta[0], k->d2gamma_dtheta2, c);
     if (slip->friction_is_loaded) {
-        const LoadStep step = {.theta = dtheta, .omega = domega, .axial = axial_change, .moment = moment_change};
+        const LoadStep step = {.theta = c->theta,
+                               .omega = c->omega,
+                               .axial = axial_change,
+                               .moment = moment_change,
+                               .friction = {c->friction[0], c->friction[1]}};
         return loaded_slip_response(slip, omega, k, &step).x[i];
     }
-    const double by_friction =
-        slip->friction_varies ? contact_load_by_factors(k, i, axial, moment, balance->x[i]) * domega : 0.0;
-    return by_friction + (rn.value * axial_change + signed_d.value * moment_change +
-                          (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * dtheta) /
-                             f->delta.value;
+    const double radius[2] = {p->cam[0].radius, p->cam[1].radius}, slope[2] = {k->slope[0].value, k->slope[1].value};
+    double df[2];
+    for (int j = 0; j < 2; j++)
+        df[j] = c->friction[j] + (slip->friction_varies ? k->dfriction_domega[j] * c->omega : 0.0);
+    const ContactFactors by = contact_factors_change(f, radius, slope, df);
+    return contact_load_by_factors(k, &by, i, axial, moment, balance->x[i]) +
+           (rn.value * axial_change + signed_d.value * moment_change +
+            (rn.slope * axial + signed_d.slope * moment - balance->x[i] * f->delta.slope) * c->theta) /
+               f->delta.value;
 }

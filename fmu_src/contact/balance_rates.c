@@ -130,8 +130,9 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
         out->rate_size[i] += fabs(out->contact[i]);
         return;
     }
-    const double by_friction = contact_load_by_factors(k, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
     const ContactFactors *by = &k->dfactors_domega;
+    const double by_friction =
+        contact_load_by_factors(k, by, i, rates->axial, rates->moment, balance->x[i]) * rates->alpha;
     out->contact[i] += by_friction;
     out->rate_size[i] +=
         (fabs(by->rn[other]) * size->axial + fabs(by->d[other]) * size->moment + out->size[i] * fabs(by->delta)) *

@@ -22,9 +22,10 @@ static inline double residual_change(const SlipMode *slip, const SlipCoefficient
            inertia_by * t->alpha;
 }
 
-/* dx_i/d omega, N.s/(m.rad), through the factors alone; x_i = (r n A -+ d W)/Delta with n and d of the other contact. */
-static inline double contact_load_by_factors(const SlipCoefficients *k, int i, double axial, double moment, double x) {
-    const ContactFactors *by = &k->dfactors_domega;
+/* N/m: the change of x_i, if the factors change by `by`; x_i = (r n A -+ d W)/Delta with n and d of the other
+ * contact. */
+static inline double contact_load_by_factors(const SlipCoefficients *k, const ContactFactors *by, int i, double axial,
+                                             double moment, double x) {
     const double signed_d = i == 0 ? -by->d[1 - i] : by->d[1 - i];
     return (by->rn[1 - i] * axial + signed_d * moment - x * by->delta) / k->factors.delta.value;
 }

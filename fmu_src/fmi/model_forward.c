@@ -47,7 +47,8 @@ bool model_outputs(const FmuModel *m, unsigned groups, Outputs *outputs, Fault *
     if (groups & (GROUP_LOADS | GROUP_CONTACT)) mechanism_loads(m, &outputs->loads);
     if (groups & GROUP_ENERGY) mechanism_energy(m, &outputs->energy);
     if (groups & GROUP_AUDIT) mechanism_audit(m, &outputs->audit);
-    if (groups & GROUP_STEP) step_sensitivity(m, &outputs->step);
+    if (groups & GROUP_STEP) step_sensitivity(m, false, &outputs->step);
+    if (groups & GROUP_STEP_PARAMETERS) step_sensitivity(m, true, &outputs->step);
     return true;
 }
 

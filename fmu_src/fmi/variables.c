@@ -32,6 +32,7 @@ const Unit UNITS[UNIT_COUNT] = {
 #define PATH_ENERGY outputs.energy
 #define PATH_AUDIT outputs.audit
 #define PATH_STEP outputs.step
+#define PATH_STEP_PARAMETERS outputs.step
 #define PATH_TIME listed
 #define PATH_INDICATORS listed
 

@@ -57,8 +57,9 @@ typedef enum {
     GROUP_ENERGY = 64,
     GROUP_AUDIT = 128,
     GROUP_STEP = 256,
-    GROUP_TIME = 512,
-    GROUP_INDICATORS = 1024
+    GROUP_STEP_PARAMETERS = 512,
+    GROUP_TIME = 1024,
+    GROUP_INDICATORS = 2048
 } Group;
 
 typedef enum {
@@ -82,17 +83,18 @@ typedef struct {
     double factor;
 } Unit;
 
+/* Small types: the table is a large part of the binary. */
 typedef struct {
-    uint32_t offset; /* bytes, in Values */
-    Group group;
-    Type type;
-    Kind kind;
-    Causality causality;
-    Variability variability;
-    UnitId unit;
     double min, max, nominal; /* as in variables.def */
     const char *name;
-} Variable; /* the description stands only in the XML */
+    uint32_t offset;   /* bytes, in Values */
+    uint16_t group;    /* Group */
+    uint8_t type;      /* Type */
+    uint8_t kind;      /* Kind */
+    uint8_t causality; /* Causality */
+    uint8_t variability;
+    uint8_t unit; /* UnitId */
+} Variable;       /* the description stands only in the XML */
 
 /* All values that variables have. */
 typedef struct {

@@ -37,6 +37,7 @@
 #include "geometry/cam.h"
 #include "geometry/transmission.h"
 #include "model/friction_table_load.h"
+#include "model/known.h"
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
@@ -90,10 +91,9 @@ typedef struct {
     double heat_cam[2], heat_damper, heat_shaft, heat_stop; /* all in J */
 } Energy;
 
-/* Derivatives of the latest step's end by a constant shift of the torque over the whole step: step_sensitivity.h. */
+/* Derivatives of theta and omega at the end of the latest step: step_sensitivity.h. */
 typedef struct {
-    double dtheta_dtau; /* rad/(N.m) */
-    double domega_dtau; /* rad/s/(N.m) */
+    double dtheta[KNOWN_COUNT], domega[KNOWN_COUNT]; /* rad and rad/s per unit of the known; none by alpha */
 } StepSensitivity;
 
 typedef struct {

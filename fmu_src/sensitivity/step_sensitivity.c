@@ -3,27 +3,24 @@
 #include <math.h>
 
 #include "collocation/radau_variation.h"
-#include "contact/loaded_contacts.h"
 #include "forward/decide.h"
 #include "forward/lifecycle.h"
 #include "forward/step.h"
-#include "forward/stick.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
+#include "sensitivity/edge_sensitivity.h"
 
 COMPACT_BEGIN
 
-/* Per N.m of the torque's shift. */
 typedef struct {
     Variation x;
-    double delay; /* s, by which the event just passed comes later; x is taken at the event's own time. Else 0. */
+    /* s per unit, by which the event just passed comes later; x is taken at the event's own time. Else 0. */
+    double delay[KNOWN_COUNT];
+    bool late;    /* `delay` is set */
+    bool moved;   /* cam 2 has moved in this step */
     bool slipped; /* the latest segment was slip */
     bool rested;  /* the latest segment was rest; the next one begins where the torque leaves the band */
 } Carried;
-
-static double finite_or_zero(double x) {
-    return isfinite(x) ? x : 0.0;
-}
 
 static SlipMode present_slip(const Mechanism *m) {
     return slip_mode_from_here(m, present_slip_index(m));
@@ -33,100 +30,87 @@ static bool is_viscous(const Mechanism *m) {
     return present_slip(m).regime == REGIME_VISCOUS;
 }
 
-/* ---- the edge of the stick band ---- */
-
-/* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the band's edge, and *rho the
- * edge's derivative by F_0. */
-COMPACT static bool slip_along_edge(const Mechanism *m, int direction, SlipMode *slip, double *rho) {
-    const int side = stick_axial_load(m) < 0.0 ? -1 : 1; /* the band is mirrored */
-    int flank[2];
-    Transfer transfer;
-    Geometry g = m->configuration.geometry;
-    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer))
-        return false;
-    for (int i = 0; i < 2; i++) flank[i] *= side;
-    *slip = slip_mode_from_here(m, slip_index(direction, flank));
-    slip->regime = REGIME_RATE_INDEPENDENT;
-    *rho = transfer.rho_rate;
-    return true;
+static bool is_at_stop(Mode mode) {
+    return mode == MODE_LOWER_STOP || mode == MODE_UPPER_STOP;
 }
 
-/* The time by which the torque passes the edge later, s per N.m, if theta is larger by its variation `theta`. */
-static double delay_at_edge(const Mechanism *m, int direction, double theta, double omega) {
-    const double *tau = m->inputs.tau;
-    SlipMode slip;
-    double rho;
-    if (!slip_along_edge(m, direction, &slip, &rho)) return 0.0;
-    const double slope = balance_rhs(&slip, m->state.theta.hi, 0.0, 0.0).by_theta;
-    return finite_or_zero((slope * theta - 1.0) / (tau[1] - rho * m->inputs.F_ext[1] - slope * omega));
+static void clear(double of[KNOWN_COUNT]) {
+    for (int known = 0; known < KNOWN_COUNT; known++) of[known] = 0.0;
 }
 
-/* d theta/d tau on the edge; 0 where cam 2 rests inside the band. */
-static double give_of_edge(const Mechanism *m, const RightHandSide *rhs) {
-    const bool held =
-        fabs(rhs->net) <= SENSITIVITY_EDGE_HELD * stick_torque_size(m, m->configuration.geometry.dz_dtheta);
-    return held && rhs->by_theta > 0.0 ? 1.0 / rhs->by_theta : 0.0;
+static void clear_delay(Carried *v) {
+    clear(v->delay);
+    v->late = false;
 }
 
-/* d omega/d theta on the edge E(theta). E' omega is the rate of the load, so that the derivative is
- * (d rate/d theta - omega E'')/E', here by a central difference of order 4. */
-static double speed_on_edge(const SlipMode *slip, double theta) {
-    static const double offset[4] = {-2.0, -1.0, 1.0, 2.0}, weight[4] = {1.0, -8.0, 8.0, -1.0};
-    const double step = SENSITIVITY_DIFFERENCE * (slip->piece->upper - slip->piece->lower);
-    const RightHandSide now = balance_rhs(slip, theta, 0.0, 0.0);
-    double change = 0.0;
-    for (int k = 0; k < 4; k++) {
-        const RightHandSide p = balance_rhs(slip, theta + offset[k] * step, 0.0, 0.0);
-        change += weight[k] * (p.value - now.value) * p.by_theta;
-    }
-    return change / (12.0 * step * now.by_theta);
+/* The times by which the torque passes the edge of the band later. */
+static void find_delay_at_edge(const Mechanism *m, int direction, double omega, Carried *v) {
+    edge_delays(m, direction, omega, &v->x, v->delay);
+    v->late = true;
 }
 
 /* ---- inside a segment ---- */
 
+/* Not by parameters: in closed form the parameters that are 0 there have no part. */
 static void carry_in_closed_form(const LinearSlipMode *slip, double t, Variation *x) {
     Kernel k;
     oscillator_kernel(&slip->oscillator, t, &k);
-    if (slip->regime == REGIME_VISCOUS) {
-        x->omega = k.ds * (1.0 - slip->stiffness * x->theta) / slip->damping;
-        x->theta = k.ds * x->theta + k.s / slip->damping;
-        return;
+    for (int known = x->first; known < x->end; known++) {
+        const double torque = known == KNOWN_TAU ? 1.0 : known == KNOWN_F_EXT ? -slip->transfer.rho : 0.0;
+        const double theta = x->theta[known], omega = x->omega[known];
+        if (slip->regime == REGIME_VISCOUS) {
+            x->omega[known] = k.ds * (torque - slip->stiffness * theta) / slip->damping;
+            x->theta[known] = k.ds * theta + torque * k.s / slip->damping;
+            continue;
+        }
+        const double w2 = slip->oscillator.stiffness;
+        x->theta[known] = (1.0 - w2 * k.p1) * theta + k.s * omega + torque * k.p1 / slip->mass;
+        x->omega[known] = -w2 * k.s * theta + k.ds * omega + torque * k.s / slip->mass;
     }
-    const double w2 = slip->oscillator.stiffness, theta = x->theta, omega = x->omega;
-    x->theta = (1.0 - w2 * k.p1) * theta + k.s * omega + k.p1 / slip->mass;
-    x->omega = -w2 * k.s * theta + k.ds * omega + k.s / slip->mass;
 }
 
 /* Without inertia and damping theta is where the edge E(theta) equals the torque, whatever theta was before:
- * d theta = d tau/E'. Following the edge ends at a fold, E' = 0, when the torque gets to the torque of the fold. */
+ * d theta = d(tau - E)/E'. Following the edge ends at a fold, E' = 0, when the torque gets to the torque of the fold. */
 static void carry_along_edge(const Mechanism *m, const SlipMode *slip, Carried *v) {
-    const RightHandSide rhs = balance_rhs(slip, m->state.theta.hi, 0.0, 0.0);
-    v->x.theta = give_of_edge(m, &rhs);
-    v->delay = finite_or_zero(-1.0 / (rhs.value * rhs.by_theta));
+    const Excess excess = edge_excess(slip, m->state.theta.hi);
+    edge_give(m, &excess, &v->x);
+    for (int known = v->x.first; known < v->x.end; known++)
+        v->delay[known] = finite_or_zero(-excess.by.by[known] / (excess.rhs.value * excess.rhs.by_theta));
+    v->late = true;
 }
 
-/* At the end of a jump that comes later by dt, d theta is (d tau + rate dt)/E'. The rate is that of the torque beyond
- * the edge. */
+/* At the end of a jump that comes later by dt, d theta is (d(tau - E) + rate dt)/E'. The rate is that of the torque
+ * beyond the edge. */
 static void carry_over_jump(const Mechanism *m, int direction, double duration, Carried *v) {
     SlipMode slip;
-    double rho;
-    if (duration > 0.0) v->delay = 0.0;
-    v->x.theta = 0.0;
-    if (!slip_along_edge(m, direction, &slip, &rho)) return;
-    const RightHandSide rhs = balance_rhs(&slip, m->state.theta.hi, 0.0, 0.0);
-    v->x.theta = give_of_edge(m, &rhs) + rhs.value * v->delay;
+    v->moved = true;
+    if (duration > 0.0) clear_delay(v);
+    clear(v->x.theta);
+    if (!edge_slip(m, direction, &slip)) return;
+    const Excess excess = edge_excess(&slip, m->state.theta.hi);
+    edge_give(m, &excess, &v->x);
+    for (int known = v->x.first; known < v->x.end; known++) v->x.theta[known] += excess.rhs.value * v->delay[known];
 }
 
-/* At an event, or before anything has varied, a jam ends the motion whatever the variation. */
+/* At an event, or before cam 2 has moved, a jam ends the motion whatever the variation. */
 static bool carry_through_jam(Carried *v) {
-    const bool known = v->delay != 0.0 || (v->x.theta == 0.0 && v->x.omega == 0.0);
-    v->x.omega = 0.0;
-    return known;
+    clear(v->x.omega);
+    return v->late || !v->moved;
+}
+
+/* At a stop the angle is that of the stop. */
+static void carry_through_rest(Mode mode, Carried *v) {
+    const bool moved = v->moved;
+    Variation x = v->x;
+    clear(x.omega);
+    if (is_at_stop(mode)) clear(x.theta);
+    *v = (Carried){.x = x, .moved = moved};
 }
 
 static bool carry_along_slip(const Mechanism *m, const Segment *segment, const Inputs *inputs, Carried *v) {
     const int index = present_slip_index(m);
     const SlipMode slip = slip_mode_from_here(m, index);
+    v->moved = true;
     if (slip.regime == REGIME_RATE_INDEPENDENT) {
         carry_along_edge(m, &slip, v);
         return true;
@@ -139,7 +123,7 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
     const RadauStep *step = &segment->location->step;
     const SlipMode at_start =
         slip_mode_of(&m->params, &m->model.transmission, inputs, step->start.theta, slip.direction, slip.flank);
-    return radau_step_vary(&at_start, step, 1.0, &v->x);
+    return radau_step_vary(&at_start, step, &v->x);
 }
 
 /* Carries the variation through a segment in `mode` that has been applied; `inputs`: at its start. False where the
@@ -148,7 +132,7 @@ static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inpu
     switch (segment->kind) {
         case SEGMENT_AT_STOP: return true;
         case SEGMENT_JAM: return carry_through_jam(v);
-        case SEGMENT_REST: *v = (Carried){.x = {.theta = v->x.theta}}; return true;
+        case SEGMENT_REST: carry_through_rest(mode, v); return true;
         case SEGMENT_JUMP: carry_over_jump(m, direction_of(mode), segment->duration, v); return true;
         default: return carry_along_slip(m, segment, inputs, v);
     }
@@ -156,55 +140,73 @@ static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inpu
 
 /* ---- at an event ---- */
 
-/* The time by which a contact loses its load later, s per N.m. */
-static double delay_at_flank(const SlipMode *slip, const Balance *b, const Variation *x) {
+/* The times by which a contact loses its load later. */
+static void find_delay_at_flank(const SlipMode *slip, const Balance *b, Carried *v) {
     const int i = fabs(b->x[0]) < fabs(b->x[1]) ? 0 : 1;
     const RightHandSide *p = &b->rhs;
-    const double jerk = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha;
-    const double alpha = p->by_theta * x->theta + p->by_omega * x->omega + balance_mobility(slip, b);
-    const double rate =
-        balance_contact_change(slip, b, i, b->omega, b->alpha, jerk) + b->axial[i] * slip->inputs->F_ext[1];
-    return finite_or_zero(-balance_contact_change(slip, b, i, x->theta, x->omega, alpha) / rate);
+    Partials by;
+    balance_response(slip, b, &by);
+    const BalanceChange along = {.theta = b->omega,
+                                 .omega = b->alpha,
+                                 .alpha = p->by_time + p->by_theta * b->omega + p->by_omega * b->alpha,
+                                 .axial = slip->inputs->F_ext[1]};
+    const double rate = balance_contact_change(slip, b, i, &along);
+    for (int known = v->x.first; known < v->x.end; known++) {
+        BalanceChange change = balance_change_by(slip, b, (Known)known);
+        change.theta = v->x.theta[known];
+        change.omega = v->x.omega[known];
+        change.alpha = p->by_theta * change.theta + p->by_omega * change.omega;
+        if (known >= KNOWN_TAU) change.alpha += by.by[known];
+        v->delay[known] = finite_or_zero(-balance_contact_change(slip, b, i, &change) / rate);
+    }
 }
 
 /* A stop turns omega into -e omega, or 0; at rest omega is 0. A contact that changes its flank carries no load at that
  * moment, so that alpha does not jump unless the other contact changes its flank as well. */
 static void pass_inertial(const Mechanism *m, EventKind event, double omega, Carried *v) {
+    if (event == EVENT_LET_GO) return; /* the motion is not unique there: no derivative of the instant exists */
     const SlipMode slip = present_slip(m);
+    const double returned = finite_or_zero(m->state.omega.hi / omega);
     Balance before;
     balance_at(&slip, m->state.theta.hi, omega, 0.0, &before);
-    if (event == EVENT_FLANK) {
-        v->delay = delay_at_flank(&slip, &before, &v->x);
-        v->x.theta += before.omega * v->delay;
-        v->x.omega += before.alpha * v->delay;
-        return;
+    if (event == EVENT_FLANK) find_delay_at_flank(&slip, &before, v);
+    for (int known = v->x.first; known < v->x.end; known++) {
+        double *theta = &v->x.theta[known], *speed = &v->x.omega[known], *delay = &v->delay[known];
+        if (event == EVENT_REST) {
+            *delay = finite_or_zero(-*speed / before.alpha);
+            *speed = 0.0;
+        } else if (event == EVENT_STOP) {
+            *delay = finite_or_zero(-*theta / omega);
+            *speed = returned * (*speed + before.alpha * *delay);
+            *theta = 0.0;
+        } else {
+            *theta += before.omega * *delay;
+            *speed += before.alpha * *delay;
+        }
     }
-    v->delay = 0.0;
-    if (event == EVENT_LET_GO) return; /* the motion is not unique there: no derivative of the instant exists */
-    if (event == EVENT_REST) {
-        v->delay = finite_or_zero(-v->x.omega / before.alpha);
-        v->x.omega = 0.0;
-        return;
-    }
-    v->delay = finite_or_zero(-v->x.theta / omega);
-    v->x.omega = finite_or_zero(m->state.omega.hi / omega) * (v->x.omega + before.alpha * v->delay);
-    v->x.theta = 0.0;
+    v->late = true;
+}
+
+/* The times by which F_0 changes its sign later, and with F_0 the edge that theta follows. */
+static void find_delay_at_mirror(const Mechanism *m, double omega, Carried *v) {
+    const SlipMode slip = present_slip(m);
+    const double z = m->configuration.z;
+    const double slope = spring_rate(&m->params.spring, z) * m->configuration.geometry.dz_dtheta;
+    for (int known = v->x.first; known < v->x.end; known++)
+        v->delay[known] = finite_or_zero(-(slope * v->x.theta[known] + balance_force_by(&slip, (Known)known, z, 0.0)) /
+                                         (slope * omega + m->inputs.F_ext[1]));
+    v->late = true;
 }
 
 /* Cam 2 stops where its speed has vanished, or with a jump of its speed. The speed jumps where the torque is back in
  * the band while the damper loads other flanks than the spring, and where F_0 and with it the edge change their
  * signs. */
 static void pass_without_inertia(const Mechanism *m, EventKind event, double omega, Carried *v) {
-    const double slope = spring_rate(&m->params.spring, m->configuration.z) * m->configuration.geometry.dz_dtheta;
-    v->delay = 0.0;
-    if (event == EVENT_STOP) {
-        v->x.theta = 0.0;
-    } else if (event == EVENT_FLANK && !is_viscous(m)) {
-        v->delay = finite_or_zero(-slope * v->x.theta / (slope * omega + m->inputs.F_ext[1]));
-    } else if (event == EVENT_REST && is_viscous(m)) {
-        v->delay = delay_at_edge(m, direction_of(m->state.mode), v->x.theta, omega);
-    }
-    v->x.theta += omega * v->delay;
+    clear_delay(v);
+    if (event == EVENT_STOP) clear(v->x.theta);
+    else if (event == EVENT_FLANK && !is_viscous(m)) find_delay_at_mirror(m, omega, v);
+    else if (event == EVENT_REST && is_viscous(m)) find_delay_at_edge(m, direction_of(m->state.mode), omega, v);
+    for (int known = v->x.first; known < v->x.end; known++) v->x.theta[known] += omega * v->delay[known];
 }
 
 /* `omega`: the speed at the event, before the event changed it. */
@@ -218,22 +220,26 @@ static void pass_event(const Mechanism *m, EventKind event, double omega, Carrie
  * torque to reach the edge, or cam 2 just reaches the stop. `m` is in the new mode; omega and direction are those
  * before. */
 static void end_of_viscous_slip(const Mechanism *m, double omega, int direction, Carried *v) {
-    if (m->state.mode == MODE_LOWER_STOP || m->state.mode == MODE_UPPER_STOP) v->x.theta = 0.0;
-    if (m->state.mode == MODE_STICK) v->x.theta += omega * delay_at_edge(m, direction, v->x.theta, omega);
+    if (is_at_stop(m->state.mode)) clear(v->x.theta);
+    if (m->state.mode != MODE_STICK) return;
+    double delay[KNOWN_COUNT];
+    edge_delays(m, direction, omega, &v->x, delay);
+    for (int known = v->x.first; known < v->x.end; known++) v->x.theta[known] += omega * delay[known];
 }
 
 /* Back to a variation at a fixed time, by the motion that follows the event. */
 static void end_delay(const Mechanism *m, Carried *v) {
-    if (!is_slip(m->state.mode) || (v->delay == 0.0 && !v->rested)) return;
+    if (!is_slip(m->state.mode) || (!v->late && !v->rested)) return;
     const SlipMode slip = present_slip(m);
     const Balance after = balance_from_here(m, &slip);
     const bool bursts = slip.regime == REGIME_VISCOUS && fabs(after.omega) > SENSITIVITY_AT_REST * after.rhs.size;
-    if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT))
-        v->delay = delay_at_edge(m, slip.direction, v->x.theta, 0.0);
+    if (v->rested && (bursts || slip.regime == REGIME_RATE_INDEPENDENT)) find_delay_at_edge(m, slip.direction, 0.0, v);
     if (slip.regime == REGIME_RATE_INDEPENDENT) return; /* a jump that follows needs the delay */
-    v->x.theta -= after.omega * v->delay;
-    v->x.omega -= after.alpha * v->delay;
-    v->delay = 0.0;
+    for (int known = v->x.first; known < v->x.end; known++) {
+        v->x.theta[known] -= after.omega * v->delay[known];
+        v->x.omega[known] -= after.alpha * v->delay[known];
+    }
+    clear_delay(v);
 }
 
 /* ---- the step ---- */
@@ -273,20 +279,49 @@ COMPACT static bool after_segment(StepVisitor *visitor, const Mechanism *m, cons
     return true;
 }
 
-COMPACT void step_sensitivity(const Mechanism *m, StepSensitivity *out) {
+/* Sets what does not follow from the mechanism's motion: the ledger is not kept. The closed form knows no derivatives
+ * by parameters: the motion is then integrated. */
+static void prepare(bool by_parameters, Mechanism *again) {
+    mechanism_rewind(again);
+    again->params.ledger = false;
+    if (!by_parameters || !again->model.closed_form) return;
+    again->model.closed_form = false;
+    again->params.tolerance = TOLERANCE_MIN; /* the closed form has all digits */
+}
+
+/* Speed at the end: without inertia the speed follows from the angle. */
+static void find_speed(const Mechanism *m, Variation *x) {
+    const SlipMode slip = present_slip(m);
+    const double omega = m->state.omega.hi;
+    if (omega == 0.0) clear(x->omega);
+    else if (slip.regime == REGIME_RATE_INDEPENDENT) edge_speed_give(&slip, m->state.theta.hi, omega, x);
+}
+
+/* Where peak = 1, the variation has left out the peak. */
+static void leave_out_peaks(const Params *p, StepSensitivity *out) {
+    for (int i = 0; i < 2; i++)
+        if (p->cam[i].law.peak == 1.0) out->dtheta[KNOWN_PEAK_1 + i] = out->domega[KNOWN_PEAK_1 + i] = 0.0;
+}
+
+COMPACT void step_sensitivity(const Mechanism *m, bool by_parameters, StepSensitivity *out) {
     Mechanism again = *m; /* the transmission is m's own: not to be freed */
     Carrier c = {.visitor = {before_decision, after_decision, after_segment, .every_decision = true},
                  .left = m->state.step.h};
-    *out = (StepSensitivity){0.0, 0.0};
-    if (!(m->state.step.h > 0.0)) return;
-    mechanism_rewind(&again);
-    again.params.ledger = false;
-    if (!mechanism_go_through(&again, m->state.step.h, &c.visitor)) return;
     Variation *x = &c.carried.x;
-    const SlipMode slip = present_slip(&again);
-    if (again.state.omega.hi == 0.0) x->omega = 0.0;
-    else if (slip.regime == REGIME_RATE_INDEPENDENT) x->omega = speed_on_edge(&slip, again.state.theta.hi) * x->theta;
-    *out = (StepSensitivity){finite_or_zero(x->theta), finite_or_zero(x->omega)};
+    x->first = by_parameters ? KNOWN_FRICTION_1 : 0;
+    x->end = by_parameters ? KNOWN_COUNT : KNOWN_FRICTION_1;
+    x->theta[KNOWN_THETA] = 1.0;
+    x->omega[KNOWN_OMEGA] = has_inertia(&m->params) ? 1.0 : 0.0;
+    for (int known = x->first; known < x->end; known++) out->dtheta[known] = out->domega[known] = 0.0;
+    if (!(m->state.step.h > 0.0)) return;
+    prepare(by_parameters, &again);
+    if (!mechanism_go_through(&again, m->state.step.h, &c.visitor)) return;
+    find_speed(&again, x);
+    for (int known = x->first; known < x->end; known++) {
+        out->dtheta[known] = finite_or_zero(x->theta[known]);
+        out->domega[known] = finite_or_zero(x->omega[known]);
+    }
+    leave_out_peaks(&again.params, out);
 }
 
 COMPACT_END

@@ -1,0 +1,281 @@
+"""Runs of a fleet with the Jacobian of every step, and the chain rule backwards through them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualcam.errors import FmuError, UnknownVariableError
+from dualcam.fleet import Fleet
+from dualcam.fleet.arguments import numbers_of
+from dualcam.fleet.values import FleetValue
+from dualcam.handle import names_of
+from dualcam.library import source_path
+from dualcam.model_description import ModelDescription, read_model_description
+from dualcam.reals import Array, number_of
+
+STATES, INPUTS = ("theta", "omega"), ("tau", "F_ext")
+INITIAL = ("initial.theta", "initial.omega")
+STEP = "a finite number > 0, in s"
+
+
+@dataclass(frozen=True, eq=False)
+class Gradient:
+    """The gradient of a loss, of the shapes of the arguments of the run.
+
+    Attributes
+    ----------
+    start : ndarray, shape (count, 2)
+        By theta [1/rad] and omega [s/rad] at the start.
+    inputs : ndarray, shape (count, steps, n)
+        By the inputs of each step.
+    parameters : ndarray, shape (count, k)
+        By the parameters.
+    """
+
+    start: Array
+    inputs: Array
+    parameters: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """A run of all instances, with the Jacobian of each step.
+
+    Attributes
+    ----------
+    states : ndarray, shape (count, steps, 2)
+        theta [rad] and omega [rad/s] after each step.
+    jacobians : ndarray, shape (count, steps, 2, 2 + n + k)
+        Derivatives of theta and omega after a step by theta and omega before it, by the n inputs of the step,
+        and by the k parameters.
+    """
+
+    states: Array
+    jacobians: Array
+    input_count: int
+
+    def gradient(self, by_states: ArrayLike) -> Gradient:
+        """The gradient of a loss, by the chain rule from the last step to the first.
+
+        Parameters
+        ----------
+        by_states : array_like, shape (count, steps, 2)
+            The derivative of the loss by each element of `states`.
+
+        Returns
+        -------
+        Gradient
+            By the start, the inputs and the parameters.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam.gradient import DifferentiableFleet
+        >>> with DifferentiableFleet("forward", 1, 1e-3, parameters=["cam1.friction"]) as fleet:
+        ...     run = fleet.rollout([[0.4, 0.0]], np.full((1, 20, 1), 5.0), [[0.14]])
+        >>> by_states = np.zeros_like(run.states)
+        >>> by_states[0, -1, 0] = 1.0  # the loss is theta at the end
+        >>> run.gradient(by_states).parameters.round(3).tolist()  # rad per 1
+        [[-0.32]]
+        """
+        given = numbers_of(by_states, self.states.shape)
+        count, steps, _ = given.shape
+        first = 2 + self.input_count
+        adjoint = np.zeros((count, 2))
+        inputs = np.empty((count, steps, self.input_count))
+        parameters = np.zeros((count, self.jacobians.shape[3] - first))
+        for step in reversed(range(steps)):
+            pulled = np.einsum("ci,cij->cj", adjoint + given[:, step], self.jacobians[:, step])
+            adjoint, inputs[:, step] = pulled[:, :2], pulled[:, 2:first]
+            parameters += pulled[:, first:]
+        return Gradient(adjoint, inputs, parameters)
+
+
+class DifferentiableFleet:
+    """Runs of many instances of the forward FMU, with the Jacobian of every step.
+
+    The Jacobians are analytic: `step.dtheta_d...` and `step.domega_d...` of the FMU. They go through stick
+    and slip, through mode changes, bounces and changes of flanks inside a step.
+
+    A run depends on its arguments alone: each call begins a new run.
+
+    Parameters
+    ----------
+    fmu : str or Path
+        "forward", or the path of an FMU of FMI 2.0 that `export_fmu` has made.
+    count : int
+        Number of instances, > 0.
+    h : float
+        Length of each step [s], > 0.
+    inputs : sequence of str
+        Of "tau" and "F_ext". Inputs are constant over a step.
+    parameters : sequence of str
+        Tunable parameters by which a run is differentiated.
+    values : mapping of str to value, optional
+        Start values of other parameters: one value, or an array of shape (count,). Default: the FMU's.
+    threads : int
+        Threads that share the instances, 1 to 256.
+    tolerance : float, optional
+        Relative tolerance of the FMU's integrator. None: 1e-9.
+
+    Raises
+    ------
+    UnknownVariableError
+        The FMU has no derivatives by an input or a parameter.
+    FmuError
+        Another argument is wrong.
+
+    See Also
+    --------
+    dualcam.gradient.jax_rollout : The same runs in JAX.
+
+    Notes
+    -----
+    A loss has no derivative where a stop is touched without speed (grazing), where the torque of a step is
+    exactly on an edge of the stick band at rest, and where an event lies exactly at the end of a step. The
+    derivative of one side comes out: that of the run as it was made. A torque on the edge counts as inside
+    the band, an event at the end of a step as past. Near grazing a derivative is as large as 1 over the speed
+    at the stop.
+
+    At rest inside the stick band the angle does not depend on the torque: the derivative is 0. All
+    derivatives of a step are 0 if the contacts jam in it after they have moved, and those by a
+    `friction_peak` of 1.
+    """
+
+    def __init__(
+        self,
+        fmu: str | Path,
+        count: int,
+        h: float,
+        inputs: Sequence[str] = ("tau",),
+        parameters: Sequence[str] = (),
+        values: Mapping[str, FleetValue] | None = None,
+        threads: int = 1,
+        *,
+        tolerance: float | None = None,
+    ) -> None:
+        self.h = number_of(h, "h", STEP)
+        if self.h <= 0.0:
+            raise FmuError(f"h = {h!r}: allowed is {STEP}")
+        self.inputs = tuple(names_of(inputs, "inputs"))
+        self.parameters = tuple(names_of(parameters, "parameters"))
+        knowns = (*STATES, *self.inputs, *self.parameters)
+        description = read_model_description(source_path(fmu))
+        _require_derivatives(description, self.inputs, self.parameters)
+        derivatives = [f"step.d{state}_d{known}" for state in STATES for known in knowns]
+        others = dict(values or {})
+        _refuse_twice(self.parameters, others)
+        self._shape = (len(STATES), len(knowns))
+        self._lock = threading.Lock()  # JAX calls from threads of its own
+        others[INITIAL[0]] = _between_stops(description, others)
+        self._fleet = Fleet(
+            fmu, count, self.inputs, [*STATES, *derivatives], others, threads, tolerance=tolerance
+        )
+
+    def __enter__(self) -> Self:
+        self._fleet.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<Differentiable {self._fleet!r}>"
+
+    @property
+    def count(self) -> int:
+        """Number of instances."""
+        return self._fleet.count
+
+    def close(self) -> None:
+        """Free all instances. Any later run is an FmuError."""
+        self._fleet.close()
+
+    def rollout(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Rollout:
+        """A new run of all instances.
+
+        Parameters
+        ----------
+        start : array_like, shape (count, 2)
+            theta [rad] and omega [rad/s] at the start. Without inertia omega is not used.
+        u : array_like, shape (count, steps, n)
+            Inputs in the FMU's units, constant over each step.
+        p : array_like, shape (count, k), optional
+            The parameters of each instance. May be left out where there are none.
+
+        Returns
+        -------
+        Rollout
+            The states after each step, and the Jacobians.
+
+        Raises
+        ------
+        FleetError
+            The FMU refuses a start value or a step of an instance.
+        FmuError
+            A wrong shape or type.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam.gradient import DifferentiableFleet
+        >>> with DifferentiableFleet("forward", 2, 1e-3) as fleet:
+        ...     run = fleet.rollout([[0.4, 0.0], [0.4, 2.0]], np.full((2, 50, 1), 3.0))
+        >>> run.states[:, -1].round(4).tolist()  # rad, rad/s: the first instance sticks
+        [[0.4, 0.0], [0.4114, 0.0]]
+        """
+        columns = np.empty((self.count, 0)) if p is None else p
+        first = numbers_of(start, (self.count, 2))
+        tuned = numbers_of(columns, (self.count, len(self.parameters)))
+        values: dict[str, FleetValue] = dict(zip(INITIAL, first.T, strict=True))
+        values |= dict(zip(self.parameters, tuned.T, strict=True))
+        with self._lock:
+            self._fleet.reset(parameters=values)
+            found = self._fleet.rollout(u, self.h)
+        jacobians = found[:, :, 2:].reshape(*found.shape[:2], *self._shape)
+        return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
+
+
+def _require_derivatives(
+    description: ModelDescription, inputs: Sequence[str], parameters: Sequence[str]
+) -> None:
+    """UnknownVariableError where a step has no derivative by one of these."""
+    prefix = f"step.d{STATES[0]}_d"
+    variables = [variable.name for variable in description.variables]
+    known = [name.removeprefix(prefix) for name in variables if name.startswith(prefix)]
+    tunable = [name for name in known if name not in (*STATES, *INPUTS)]
+    for names, allowed in ((inputs, [name for name in INPUTS if name in known]), (parameters, tunable)):
+        for name in names:
+            if name not in allowed:
+                raise UnknownVariableError(
+                    f"{description.model_name} has no derivatives of a step by {name!r}: allowed here are "
+                    f"{', '.join(allowed) or 'none'}"
+                )
+
+
+def _between_stops(description: ModelDescription, values: Mapping[str, FleetValue]) -> FleetValue:
+    """An angle [rad] that every instance allows."""
+    starts = {variable.name: variable.start for variable in description.variables}
+    lower, upper = (
+        np.asarray(values.get(name, starts[name]), float) for name in ("stop.lower", "stop.upper")
+    )
+    return 0.5 * (lower + upper)
+
+
+def _refuse_twice(parameters: Sequence[str], values: Mapping[str, FleetValue]) -> None:
+    taken = {*parameters, *INITIAL}.intersection(values)
+    if taken:
+        raise FmuError(
+            f"values has {', '.join(sorted(taken))}: allowed are other parameters; these are arguments of "
+            "rollout"
+        )
