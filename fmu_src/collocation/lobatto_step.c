@@ -347,5 +347,5 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     out->domega = s.h * lobatto_sum(domega);
     out->omega = lobatto_system_is_inertial(&s) ? s.speed.at[LOBATTO_END] : lobatto_system_speed_at_end(&s);
     out->tau = s.tau.at[LOBATTO_END];
-    return isfinite(out->dtheta + out->omega);
+    return booking_is_in_range(&out->booking, out->dtheta + out->omega);
 }

@@ -1,6 +1,5 @@
 #include "forward/closed_form_slip.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "forward/decide.h"
@@ -40,16 +39,15 @@ static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *
 static inline bool propose(const Mechanism *m, const LinearSegment *s, const SegmentEnds *ends, Kernel *kernel,
                            Segment *segment) {
     const LinearMotion *motion = &ends->motion;
-    double all = motion->dtheta + motion->omega;
+    const double all = motion->dtheta + motion->omega;
     segment_begin(m, SEGMENT_CLOSED_FORM, segment);
     if (m->params.ledger) {
-        Booking *booking = &segment->booking;
-        linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, booking);
-        all += booking->work_in + booking->heat_cam[0] + booking->heat_cam[1] + booking->heat_damper;
+        linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, &segment->booking);
         segment->books = true;
+        if (!booking_is_in_range(&segment->booking, all)) return false;
+        raise_peaks(s, ends, &segment->peak);
     }
-    if (!(fabs(all) <= DBL_MAX)) return false;
-    if (m->params.ledger) raise_peaks(s, ends, &segment->peak);
+    if (!(fabs(all) <= LARGEST_ENERGY)) return false;
     segment->duration = motion->t;
     segment->dtheta = motion->dtheta;
     segment->omega_is_increment = s->linear->regime == REGIME_INERTIAL && !motion->settled;

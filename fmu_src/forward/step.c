@@ -189,6 +189,18 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
              (int)MAX_JAMS_PER_STEP, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 
+/* Do the inputs stay finite in the step? */
+COMPACT static bool check_inputs(const Inputs *in, double h, Fault *fault) {
+    const bool torque = input_stays_finite(in->tau, h);
+    if (torque && input_stays_finite(in->F_ext, h)) return true;
+    const double *u = torque ? in->F_ext : in->tau;
+    snprintf(fault->text, sizeof fault->text,
+             "step of %.17g s: %s = %g with the derivatives %g, %g, %g is not finite at its end; allowed are finite "
+             "values",
+             h, torque ? "F_ext" : "tau", u[0], u[1], u[2], u[3]);
+    return false;
+}
+
 static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
     m->state = *state;
     m->inputs = *inputs;
@@ -262,6 +274,7 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
         remember_step(m, h);
         return true;
     }
+    if (!constant && !check_inputs(&m->inputs, h, fault)) return false;
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
     if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;

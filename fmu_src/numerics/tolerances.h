@@ -15,11 +15,9 @@
 /* Halvings of [0, 1] at most: 2^-48 is 16 roundings of 1, and narrower intervals hold nothing. */
 enum { BERNSTEIN_MAX_DEPTH = 48 };
 
-/* Width, as a share of [0, 1], to which a zero of a polynomial is found: some roundings. */
-static const double BERNSTEIN_ZERO_WIDTH = 1e-15;
-
-/* Width, as a share of [0, 1], to which a maximum is found: the value there errs by the square of this share. */
-static const double BERNSTEIN_PEAK_WIDTH = 1e-10;
+/* Widths, as shares of [0, 1], to which a zero of a polynomial is found, some roundings, and a maximum: the value there
+ * errs by the square of this share. */
+static const double BERNSTEIN_ZERO_WIDTH = 1e-15, BERNSTEIN_PEAK_WIDTH = 1e-10;
 
 /* Steps of bisection and regula falsi at most; bisection alone needs 50. */
 enum { BERNSTEIN_MAX_ITERATIONS = 100 };
@@ -59,9 +57,10 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
 
-/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. */
+/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. LARGEST_ENERGY:
+ * J, of one segment; 2^63 segments add up to a finite number. */
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
-static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
+static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9, LARGEST_ENERGY = 1e288;
 
 /* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
  * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
