@@ -32,7 +32,7 @@ typedef struct {
     bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
     LobattoHint hint;      /* for the next segment */
-    int segments, jams;    /* so far; Lobatto steps and segments that end at a breakpoint do not count */
+    int segments, jams;    /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
     int next_check;        /* stall guard: the number of segments at which the progress is checked */
     double left_at_check;  /* s, time left at the latest check */
     double least_progress; /* s, between two checks */
@@ -120,7 +120,8 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
     run->hint = (LobattoHint){.refused = false};
-    const bool counts = segment->kind != SEGMENT_LOBATTO && !segment->ends_at_breakpoint;
+    const bool passes_breakpoint = segment->ends_at_breakpoint && segment->end == EVENT_NONE;
+    const bool counts = segment->kind != SEGMENT_LOBATTO && !passes_breakpoint;
     run->segments += counts;
     run->jams += segment->kind == SEGMENT_JAM;
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
