@@ -5,15 +5,8 @@
 #include "forward/decide.h"
 #include "forward/stick.h"
 
-/* Torque per F_0, m, at the edge of the stick band that motion in `direction` has passed. */
-static double band_edge(const Mechanism *m, int direction) {
-    const BandFactors edges = stick_edges(m, stick_axial_load(m));
-    return direction > 0 ? edges.load : edges.release;
-}
-
 /* Inlined into each method: a step takes no longer than the copy of the struct. */
 static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    const bool viscous = linear->regime == REGIME_VISCOUS;
     return (LinearSegment){
         .linear = linear,
         .params = &m->params,
@@ -21,7 +14,8 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .start = slip_start_of(m, linear),
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
-        .edge = viscous ? band_edge(m, linear->direction) : linear->transfer.rho,
+        .edge = {fmin(m->configuration.band.load, LINEAR_STEEPEST_EDGE),
+                 fmax(m->configuration.band.release, -LINEAR_STEEPEST_EDGE)},
     };
 }
 

@@ -163,6 +163,9 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
 
+/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign. */
+static const double LINEAR_STEEPEST_EDGE = 1e150;
+
 /* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
 static const double LINEAR_DECAYED = 1e-12;
 
@@ -222,11 +225,8 @@ enum { RADAU_NEWTON_ITERATIONS = 12 };
 
 /* Edge of the stick band */
 
-/* Share of theta below which a Newton step along the edge is rounding. */
-static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON;
-
-/* Share of the torques on the edge that is their rounding. */
-static const double EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
+/* Share of theta below which a Newton step along the edge is rounding; of the torques on the edge, their rounding. */
+static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON, EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* Iterations of the root finder; a bisection halves the bracket, so 60 reach two neighbouring numbers. */
 enum { EDGE_ITERATIONS = 100 };
@@ -431,10 +431,10 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step that needs more segments is refused. The limit bounds the work of a step; docs/performance.md has the
- * measured times. Bounces with a restitution near 1, vibrations of a tiny inertia, and long steps through stiff motion
- * reach it. */
-enum { MAX_SEGMENTS_PER_STEP = 200000 };
+/* A step that needs more segments is refused. The limit bounds the work of a step to about two seconds where friction
+ * varies, 15 us a segment. Bounces with a restitution near 1, whose number has no bound, vibrations of a tiny inertia,
+ * and long steps through stiff motion reach the limit. */
+enum { MAX_SEGMENTS_PER_STEP = 100000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
  * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */
