@@ -10,13 +10,16 @@ import pytest
 from driver import ERROR, OK, VARIABLES, Driver
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
+from law_strategies import decades, friction_laws, or_zero
 from reference import (
+    DOUBLE,
     LOADING,
     LOWER_STOP,
     RELEASING,
     STICK,
     UPPER_STOP,
     Grooves,
+    Mechanism,
     groove_of,
     write_table,
 )
@@ -32,14 +35,6 @@ TOLERANCE = 1e-9  # the FMU's, where none is given
 ENERGY_ERROR = 10 * TOLERANCE  # of what is turned over, where motion is integrated step by step
 FLOWS = [*HEATS, "energy.work_in", "energy.work_ext", "energy.spring", "energy.kinetic"]
 REALS = [v.name for v in VARIABLES.values() if v.type == "Real"]
-
-
-def decades(low, high):
-    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
-
-
-def or_zero(strategy):
-    return st.one_of(strategy, st.just(0.0))
 
 
 def signed(strategy):
@@ -91,19 +86,6 @@ NONLINEAR = st.fixed_dictionaries(
         "damper.q_release": or_zero(decades(0, 6)),
     }
 )
-
-
-def friction_laws(inertial: bool):
-    """Friction laws of both cams. Without inertia there is no motion where friction falls with the speed."""
-    viscous = {f"cam{i}.friction_viscous": or_zero(decades(-4, 1)) for i in (1, 2)}
-    if not inertial:
-        return st.fixed_dictionaries(viscous)
-    return st.fixed_dictionaries(
-        viscous
-        | {f"cam{i}.friction_peak": st.one_of(st.just(1.0), st.floats(1.0, 5.0)) for i in (1, 2)}
-        | {f"cam{i}.stribeck_velocity": decades(-6, 1) for i in (1, 2)}
-        | {f"cam{i}.stribeck_exponent": st.sampled_from([1, 2]) for i in (1, 2)}
-    )
 
 
 def grooved(parameters, shapes, folder):
@@ -170,9 +152,6 @@ def nothing_resists(parameters, shapes) -> bool:
     return dwells and not any(parameters[name] for name in acting)
 
 
-MASSES = ("inertia.shaft", "inertia.follower_mass", "inertia.follower")
-
-
 def general(scene, folder):
     """Parameters of a scene drawn from GENERAL."""
     linear, shapes, nonlinear = scene
@@ -185,8 +164,7 @@ def general_with_laws(data, scene, folder):
     parameters = general(scene, folder)
     if not data.draw(st.booleans(), label="friction laws"):
         return parameters
-    inertial = any(parameters[name] for name in MASSES)
-    return parameters | data.draw(friction_laws(inertial), label="laws")
+    return parameters | data.draw(friction_laws(parameters, folder), label="laws")
 
 
 @pytest.fixture(scope="module")
@@ -232,11 +210,12 @@ def step(fmu: Driver, torque_unit: float, h, tau, tau_rate, force, force_rate) -
 
 def refused_for_a_reason(fmu: Driver) -> bool:
     """Rigid bodies under Coulomb friction that jam for ever, endless vibrations, a dwell on which nothing
-    resists: docs/limits.md."""
+    resists, a torque that no speed balances: docs/limits.md, docs/mechanism.md section 9."""
     reasons = (
         "jam and let go without end",
         "the step needs too many segments",
         "nothing resists the motion on a dwell",
+        "no speed balances the torque",
     )
     return any(why in fmu.messages[-1].text for why in reasons)
 
@@ -373,6 +352,13 @@ def band(r, a, mu, force):
     return edges
 
 
+def loaded_band(mechanism, theta, force):
+    """The same where friction depends on the load, by the reference."""
+    kin, s = mechanism.groove.at(theta), 1 if force >= 0.0 else -1
+    ratios = [mechanism.static_ratio(kin, way * s, force) for way in (-1, 1)]
+    return [way * math.inf if x is None else x * force for way, x in zip((-1, 1), ratios, strict=True)]
+
+
 def rests(fmu: Driver, parameters, grooves) -> bool:
     """May it stand still there? The geometry is that of the reference."""
     tau, theta, mode, gamma = (fmu.get(name) for name in ("tau", "theta", "mode", "gamma"))
@@ -384,8 +370,13 @@ def rests(fmu: Driver, parameters, grooves) -> bool:
     terms = [fmu.get("F_ext"), *(c * z**i for i, c in enumerate(k))]
     force, size = math.fsum(terms), sum(map(abs, terms))
     r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
-    mu = [parameters[f"cam{i}.friction"] * parameters.get(f"cam{i}.friction_peak", 1.0) for i in (1, 2)]
-    release, load = band(r, a, mu, force)
+    mechanism = Mechanism(parameters, DOUBLE)
+    mu = [law.static for law in mechanism.laws]
+
+    def edges(force):
+        return loaded_band(mechanism, theta, force) if mechanism.is_loaded else band(r, a, mu, force)
+
+    release, load = edges(force)
     ratio = max((abs(edge) for edge in band(r, a, mu, size) if math.isfinite(edge)), default=0.0)
     rounding = TOLERANCE * (abs(tau) + ratio + a[0] * a[1] / (a[0] + a[1]) * size) + NOTHING
     rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
@@ -402,7 +393,7 @@ def rests(fmu: Driver, parameters, grooves) -> bool:
         return theta == parameters["stop.upper"] and tau >= load - rounding
     # without any force the pin wedges as under the smallest one, of either sign
     signs = [math.copysign(1.0, force)] if force else [1.0, -1.0]
-    return any(math.isinf(edge) for sign in signs for edge in band(r, a, mu, sign))
+    return any(math.isinf(edge) for sign in signs for edge in edges(abs(force or 1.0) * sign))
 
 
 @GENERAL_FIXTURE

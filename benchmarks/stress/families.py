@@ -14,6 +14,7 @@ FAMILIES: dict[str, Callable[[Tables], Iterator[Scene]]] = {
     "inertia": forces.inertia,
     "friction": forces.friction,
     "laws": laws.friction_laws,
+    "loads": laws.load_laws,
     "lead": grooves.lead_angles,
     "ellipse": grooves.slopes_of_ellipses,
     "steps": motions.step_sizes,
@@ -30,6 +31,7 @@ FAMILIES: dict[str, Callable[[Tables], Iterator[Scene]]] = {
 RANDOM: dict[str, Callable[[Tables, int, int], Iterator[Scene]]] = {
     "fuzz": fuzz,
     "fuzz_laws": laws.fuzz_laws,
+    "fuzz_loads": laws.fuzz_loads,
 }
 ROWS = (*FAMILIES, *RANDOM)
 

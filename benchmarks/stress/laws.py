@@ -1,6 +1,7 @@
-"""Scenes whose friction depends on the sliding speed: Stribeck's law and a lubricated branch.
+"""Scenes whose friction depends on the sliding speed and on the load: Stribeck's law, a lubricated branch,
+the load law, tables.
 
-Source of the law: docs/mechanism.md, section 9.
+Source of the laws: docs/mechanism.md, section 9.
 """
 
 from __future__ import annotations
@@ -53,6 +54,31 @@ def friction_laws(tables: Tables) -> Iterator[Scene]:
             yield Scene(row, p, intervals, judge, label, steps=2)
 
 
+def load_laws(tables: Tables) -> Iterator[Scene]:
+    """The reaction passes the reference load, and the load below which friction levels off."""
+    row = "load exponent -0.9 to 0.9, reference load 1e-3 to 1e3 times the spring's force"
+    for exponent, share, falls in product((-0.9, -1 / 3, 0.4, 0.9), (1e-3, 1.0, 1e3), (False, True)):
+        for shape, nonlinear in ((ellipses(), True), (helices(0.8, 0.9), False)):
+            p = shape | spring(3e4, 0.02, nonlinear=nonlinear) | damper(20.0)
+            p |= {"inertia.shaft": 0.002, "initial.theta": 0.3}
+            for i in (1, 2):
+                p[f"cam{i}.friction_load_exponent"] = exponent
+                p[f"cam{i}.friction_load"] = share * 600.0  # N, the force of the spring at 0.02 m
+                # the coefficient at the load of the scene stays about that of Coulomb's law
+                p[f"cam{i}.friction"] = 0.14 * share**exponent
+            if falls:
+                p |= law(1.5, 1e-2, 2, 0.0)
+            torque = Sizes.of(p).torque(0.7)
+            intervals = [
+                Interval(0.02, 1.6 * torque),
+                Interval(0.03, 0.0),
+                Interval(0.02, 0.0, -1.5 * torque / 0.02),
+                Interval(0.03, -0.3 * torque, 2.2 * torque / 0.03),
+            ]
+            label = f"exponent {exponent:g}, reference load {share:g}, {'Stribeck' if falls else 'Coulomb'}"
+            yield Scene(row, p, intervals, "simulate", label, steps=2)
+
+
 def with_law(rng: np.random.Generator, scene: Scene) -> Scene:
     """The scene with a friction law at one cam or at both."""
     drawn: Params = {}
@@ -71,3 +97,37 @@ def fuzz_laws(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
     for number in range(count):
         rng = np.random.default_rng([78, seed, number])
         yield replace(with_law(rng, draw(rng, tables)), row=row, label=f"law {number}")
+
+
+def force_of(params: Params) -> float:
+    """N: the spring's preload and the force of its stiffness over the larger radius."""
+    reach = max(params[f"cam{i}.radius"] for i in (1, 2))
+    return float(abs(params["spring.preload"]) + params["spring.stiffness"] * reach) or 1.0
+
+
+def with_load(rng: np.random.Generator, scene: Scene, tables: Tables) -> Scene:
+    """The scene with a load law at one cam or at both, or with a table over speed and load at one. Without
+    inertia friction does not fall with the load."""
+    drawn: Params = {}
+    force, inertia = force_of(scene.params), scene.params["inertia.shaft"]
+    for i in rng.choice([1, 2], int(rng.integers(1, 3)), replace=False).tolist():
+        drawn[f"cam{i}.friction_load_exponent"] = float(rng.uniform(-0.9 if inertia else 0.0, 0.9))
+        drawn[f"cam{i}.friction_load"] = force * decades(rng, -3, 2)
+    if inertia and rng.random() < 0.3:
+        speeds = np.concatenate([[0.0], np.cumsum(10.0 ** rng.uniform(-4, 0, int(rng.integers(2, 5))))])
+        loads = force * decades(rng, -2, 0) * np.cumprod(rng.uniform(1.5, 8.0, int(rng.integers(2, 5))))
+        power = rng.uniform(-0.5, 0.5)
+        mu = 0.1 * np.exp(rng.normal(0, 0.5, len(speeds)))[None, :] * (loads / loads[0])[:, None] ** power
+        mu *= np.exp(rng.normal(0, 0.05, mu.shape))
+        path = tables.write_law(speeds, loads, np.minimum(mu, 10.0))
+        drawn[f"cam{rng.integers(1, 3)}.friction_table"] = path
+    return replace(scene, params=scene.params | drawn)
+
+
+def fuzz_loads(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
+    """Everything at random, and friction laws over speed and load."""
+    row = f"everything, friction laws and load laws at random ({count} scenes of 0.1 to 1 s)"
+    for number in range(count):
+        rng = np.random.default_rng([79, seed, number])
+        scene = with_load(rng, with_law(rng, draw(rng, tables)), tables)
+        yield replace(scene, row=row, label=f"load law {number}")

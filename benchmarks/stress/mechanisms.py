@@ -106,6 +106,18 @@ class Tables:
         reference.write_table(path, psi, z)
         return str(path)
 
+    def write_law(self, speeds: np.ndarray, loads: np.ndarray, mu: np.ndarray) -> str:
+        """A friction table; `mu`: by load and speed."""
+        path = self.folder / f"{self.count}.csv"
+        self.count += 1
+        rows = [
+            f"{float(v)!r},{float(load)!r},{float(m)!r}"
+            for load, row in zip(loads, mu, strict=True)
+            for v, m in zip(speeds, row, strict=True)
+        ]
+        path.write_text("\n".join(["v_m_s,R_N,mu", *rows, ""]))
+        return str(path)
+
     def helix(self, radius: float, lead: float, lower: float, upper: float, count: int = 9) -> str:
         psi = np.linspace(min(lower, 0.0) - 0.1, upper + 0.1, count)
         return self.write(psi, radius * math.tan(lead) * psi)

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.oracles import reference
@@ -140,8 +141,10 @@ def describe(scene: Scene) -> str:
     """Parameters, tables and intervals, with which the scene can be run again."""
     tables = {n: reference.read_table(v) for n, v in scene.params.items() if n.endswith(".table") and v}
     params = {n: v for n, v in scene.params.items() if n not in tables}
+    laws = {n: Path(v).read_text() for n, v in params.items() if n.endswith(".friction_table") and v}
     return (
-        f"  params = {params}\n  tables = {tables}\n  intervals = {scene.intervals}\n"
+        f"  params = {params}\n  tables = {tables}\n  friction tables = {laws}\n"
+        f"  intervals = {scene.intervals}\n"
         f"  tolerance {scene.tolerance}, {scene.steps} steps per interval, "
         f"without closed forms: {scene.general}"
     )

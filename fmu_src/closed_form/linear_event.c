@@ -52,9 +52,13 @@ LinearEvent linear_event_first(const LinearSegment *s, LinearEvent last, Kernel 
         search_crossing(&search, EVENT_REST, QUANTITY_SPEED, direction);
     /* The segment now ends at the first velocity zero at the latest, so theta is monotone in it. */
     if (direction * ends->motion.dtheta >= s->to_stop) end_segment_at(&search, EVENT_STOP, time_to_stop(&search));
-    if (linear_segment_has_band_edge(s)) search_crossing(&search, EVENT_REST, QUANTITY_BAND_EDGE, direction);
-    for (int i = 0; s->flanks && i < 2; i++)
-        if (!linear_segment_keeps_flank(s, ends, i))
-            search_crossing(&search, EVENT_FLANK, linear_quantity_of_contact(i), s->linear->flank[i]);
+    for (int k = 0; s->flanks && k < 4; k++) { /* both edges of the band, then both contacts */
+        const int i = k % 2;
+        const bool edge = k < 2;
+        if (edge ? !linear_segment_has_band_edge(s, i) : linear_segment_keeps_flank(s, ends, i)) continue;
+        search_crossing(&search, edge ? EVENT_REST : EVENT_FLANK,
+                        edge ? linear_quantity_of_edge(i) : linear_quantity_of_contact(i),
+                        edge ? direction : s->linear->flank[i]);
+    }
     return search.event;
 }

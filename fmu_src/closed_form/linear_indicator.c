@@ -46,14 +46,14 @@ static IndicatorSample sample_contact(const LinearIndicator *indicator, const Li
     };
 }
 
-static IndicatorSample sample_band_edge(const LinearIndicator *indicator, const LinearMotion *motion) {
+static IndicatorSample sample_band_edge(const LinearIndicator *indicator, const LinearMotion *motion, double edge) {
     const LinearSegment *s = indicator->segment;
     const SlipStart *l = &s->start;
-    const double spring = s->edge * s->params->spring.stiffness * s->geometry->dz_dtheta;
-    const double rate = l->tau_rate - s->edge * l->F_ext_rate;
+    const double spring = edge * s->params->spring.stiffness * s->geometry->dz_dtheta;
+    const double rate = l->tau_rate - edge * l->F_ext_rate;
     return (IndicatorSample){
         .t = motion->t,
-        .value = indicator->sign * (l->tau - s->edge * l->force - spring * motion->dtheta + rate * motion->t),
+        .value = indicator->sign * (l->tau - edge * l->force - spring * motion->dtheta + rate * motion->t),
         .rate = indicator->sign * (rate - spring * motion->omega),
         .second = indicator->sign * -spring * motion->alpha,
         .third = indicator->sign * -spring * motion->jerk,
@@ -73,7 +73,9 @@ static IndicatorSample sample_to_stop(const LinearIndicator *indicator, const Li
 static IndicatorSample sample(const LinearIndicator *indicator, const LinearMotion *motion) {
     switch (indicator->quantity) {
         case QUANTITY_SPEED: return sample_speed(indicator, motion);
-        case QUANTITY_BAND_EDGE: return sample_band_edge(indicator, motion);
+        case QUANTITY_EDGE_1:
+        case QUANTITY_EDGE_2:
+            return sample_band_edge(indicator, motion, indicator->segment->edge[indicator->quantity - QUANTITY_EDGE_1]);
         case QUANTITY_TO_STOP: return sample_to_stop(indicator, motion);
         case QUANTITY_CONTACT_1: return sample_contact(indicator, motion, 0);
         default: return sample_contact(indicator, motion, 1);

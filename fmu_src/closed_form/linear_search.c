@@ -162,7 +162,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
         const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
         const double t = crossing_if_rate_monotone(indicator, &a, &b);
         if (t < INFINITY) return t;
-        if (next >= t_end) return INFINITY;
+        if (!(next < t_end)) return INFINITY;
         a = b;
         if (interval >= WITH_FIRST_MINIMUM) {
             const double skip = half_periods_to_skip(indicator, &a);
@@ -172,6 +172,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
                 a = linear_indicator_at(indicator, next);
             }
         }
+        if (next + osc->half_period == next) return INFINITY; /* the rounding of time hides the vibration */
         next += osc->half_period;
     }
 }

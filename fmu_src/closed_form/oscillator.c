@@ -292,8 +292,7 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
     const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
-    for (double x = osc->rate * t; x > QUADRATURE_RULES[1].reach; x *= 0.5) doublings++;
-    t = ldexp(t, -doublings);
+    for (; osc->rate * t > QUADRATURE_RULES[1].reach; t *= 0.5) doublings++; /* rate t itself may be infinite */
     square_by_quadrature(osc, lead, t, kernel->square);
     for (; doublings > 0; doublings--, t *= 2.0) {
         Kernel k;

@@ -164,6 +164,15 @@ static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
     return true;
 }
 
+/* Without inertia: does the spring's load stay on the flanks of the contacts? Else the torque can come back into the
+ * stick band while the mechanism moves. */
+static bool stays_on_spring_flanks(const LobattoSystem *s) {
+    bool stays = true;
+    for (int k = 0; k < LOBATTO_HALVES; k++)
+        for (int i = 0; i < 2; i++) stays &= s->slip->flank[0] * s->pair[k].force[i] > 0.0;
+    return stays || s->slip->regime != REGIME_VISCOUS;
+}
+
 /* ---- peaks ---- */
 
 /* True if |v| is largest at an end of the step, or does not exceed what is known. */
@@ -205,7 +214,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     loads.booking = (Booking){.work_in = 0.0};
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
     if (has_wear(slip->params)) find_wear(s, &loads);
-    if (has_friction(slip->params) && !stays_on_flanks(s, &loads)) return false;
+    if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (!keeps_energy(s, &loads.booking)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);
@@ -347,5 +356,5 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     out->domega = s.h * lobatto_sum(domega);
     out->omega = lobatto_system_is_inertial(&s) ? s.speed.at[LOBATTO_END] : lobatto_system_speed_at_end(&s);
     out->tau = s.tau.at[LOBATTO_END];
-    return isfinite(out->dtheta + out->omega);
+    return booking_is_in_range(&out->booking, out->dtheta + out->omega);
 }

@@ -64,8 +64,10 @@ SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, doub
         .has_jam = slip->friction_varies && slip->regime == REGIME_INERTIAL,
     };
     if (limits.has_jam) limits.jam_sign = jam_determinant(slip, start) < 0.0 ? -1.0 : 1.0;
-    if (slip->regime == REGIME_VISCOUS && limits.has_friction && !is_on_spring_flanks(slip, start))
-        limits.has_band_edge = differs_from_edge(slip, start);
+    if (slip->regime == REGIME_VISCOUS && limits.has_friction) {
+        limits.may_have_edge = is_on_spring_flanks(slip, start);
+        limits.has_band_edge = !limits.may_have_edge && differs_from_edge(slip, start);
+    }
     return limits;
 }
 
@@ -159,6 +161,14 @@ static inline double crossing_of(const SegmentLimits *limits, StepIndicator indi
     return polynomial_crossing(limits, indicator, step, v);
 }
 
+/* Can the torque come back into the stick band in the step while the mechanism moves? */
+COMPACT static bool reaches_band_edge(const SegmentLimits *limits, const RadauStep *step) {
+    bool reaches = limits->has_band_edge;
+    for (int j = 0; limits->may_have_edge && j < step->method->stages; j++)
+        reaches |= !is_on_spring_flanks(limits->slip, &step->node[j]);
+    return reaches;
+}
+
 /* Delta passes zero where the axial load does, with finite reactions; or the step has stepped over the infinite
  * reactions of a jam, which stop the motion. */
 static double jam_crossing(const SegmentLimits *limits, const RadauStep *step) {
@@ -191,7 +201,7 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
         if (!counts(k, ignored) || (rest == INFINITY && step_indicator_at_end(limits, k, step) > 0.0)) continue;
         keep_earlier(crossing_of(limits, k, step), k, &first);
     }
-    if (limits->has_band_edge && counts(STEP_BAND_EDGE, ignored))
+    if (reaches_band_edge(limits, step) && counts(STEP_BAND_EDGE, ignored))
         keep_earlier(crossing_of(limits, STEP_BAND_EDGE, step), STEP_BAND_EDGE, &first);
     if (limits->has_jam && counts(STEP_JAM, ignored)) keep_earlier(jam_crossing(limits, step), STEP_JAM, &first);
     for (StepIndicator k = STEP_FLANK_1; limits->has_friction && k <= STEP_FLANK_2; k++)

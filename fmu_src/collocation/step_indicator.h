@@ -32,6 +32,7 @@ typedef struct {
     double to_stop;        /* rad, to the end stop */
     Breakpoint breakpoint; /* ahead */
     bool has_band_edge;    /* viscous, with the damper's load on other flanks than the spring's */
+    bool may_have_edge;    /* viscous: has_band_edge once F_0 has changed its sign */
     bool has_friction;     /* else it does not matter on which flank a contact bears */
     bool has_jam;          /* friction varies, and the mechanism has inertia */
     double jam_sign;       /* of Delta at the start */

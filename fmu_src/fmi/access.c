@@ -58,10 +58,22 @@ static const void *address(const Instance *instance, ValueReference reference) {
     return (const char *)&instance->values + VARIABLES[reference].offset;
 }
 
+COLD static bool refuse_no_number(const Instance *instance, const char *function, ValueReference reference) {
+    return instance_refuse(instance, "%s: %s is no number: allowed are inputs for which it is finite", function,
+                           VARIABLES[reference].name);
+}
+
+bool access_are_numbers(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                        const double value[]) {
+    for (size_t i = 0; i < n; i++)
+        if (isnan(value[i])) return refuse_no_number(instance, function, vr[i]);
+    return true;
+}
+
 bool access_get_reals(Instance *instance, const char *function, const ValueReference vr[], size_t n, double value[]) {
     if (!can_read(instance, function, vr, n, value, TYPE_REAL)) return false;
     for (size_t i = 0; i < n; i++) value[i] = *(const double *)address(instance, vr[i]);
-    return true;
+    return access_are_numbers(instance, function, vr, n, value);
 }
 
 static int32_t integer_value(const Instance *instance, ValueReference reference) {

@@ -36,6 +36,10 @@ double *access_input(Instance *instance, ValueReference reference);
 /* The variable with this reference and type, or NULL, with the reason in the log. */
 const Variable *access_find(const Instance *instance, const char *function, ValueReference reference, Type type);
 
+/* Is none of the values read NaN? Extreme inputs can make one. */
+bool access_are_numbers(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
+                        const double value[]);
+
 /* Are the arrays of references and values there, if n > 0? */
 bool access_has_arrays(const Instance *instance, const char *function, size_t n, const ValueReference vr[],
                        const void *values);

@@ -70,7 +70,7 @@ bool derivatives_get_of_outputs(Instance *instance, const char *function, const 
     }
     if (!instance_provide(instance, function, groups)) return false;
     for (size_t i = 0; i < n; i++) value[i] = model_output_derivative(&instance->values.model, vr[i], order[i]);
-    return true;
+    return access_are_numbers(instance, function, vr, n, value);
 }
 
 /* ---- partial derivatives ---- */
@@ -149,7 +149,7 @@ bool derivatives_directional(Instance *instance, const char *function, const Jac
         product[i] = 0.0;
         for (size_t k = 0; k < j->knowns; k++) product[i] += entry(j, &partials, i, k) * seed[k];
     }
-    return true;
+    return access_are_numbers(instance, function, j->unknown, j->unknowns, product);
 }
 
 bool derivatives_adjoint(Instance *instance, const char *function, const Jacobian *j, const double seed[],
@@ -163,7 +163,7 @@ bool derivatives_adjoint(Instance *instance, const char *function, const Jacobia
         product[k] = 0.0;
         for (size_t i = 0; i < j->unknowns; i++) product[k] += seed[i] * entry(j, &partials, i, k);
     }
-    return true;
+    return access_are_numbers(instance, function, j->known, j->knowns, product);
 }
 
 COMPACT_END

@@ -1,20 +1,12 @@
 #include "forward/closed_form_slip.h"
 
-#include <float.h>
 #include <math.h>
 
 #include "forward/decide.h"
 #include "forward/stick.h"
 
-/* Torque per F_0, m, at the edge of the stick band that motion in `direction` has passed. */
-static double band_edge(const Mechanism *m, int direction) {
-    const BandFactors edges = stick_edges(m, stick_axial_load(m));
-    return direction > 0 ? edges.load : edges.release;
-}
-
 /* Inlined into each method: a step takes no longer than the copy of the struct. */
 static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSlipMode *linear) {
-    const bool viscous = linear->regime == REGIME_VISCOUS;
     return (LinearSegment){
         .linear = linear,
         .params = &m->params,
@@ -22,7 +14,8 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .start = slip_start_of(m, linear),
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
-        .edge = viscous ? band_edge(m, linear->direction) : linear->transfer.rho,
+        .edge = {fmin(m->configuration.band.load, LINEAR_STEEPEST_EDGE),
+                 fmax(m->configuration.band.release, -LINEAR_STEEPEST_EDGE)},
     };
 }
 
@@ -40,16 +33,15 @@ static void raise_peaks(const LinearSegment *s, const SegmentEnds *ends, Peaks *
 static inline bool propose(const Mechanism *m, const LinearSegment *s, const SegmentEnds *ends, Kernel *kernel,
                            Segment *segment) {
     const LinearMotion *motion = &ends->motion;
-    double all = motion->dtheta + motion->omega;
+    const double all = motion->dtheta + motion->omega;
     segment_begin(m, SEGMENT_CLOSED_FORM, segment);
     if (m->params.ledger) {
-        Booking *booking = &segment->booking;
-        linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, booking);
-        all += booking->work_in + booking->heat_cam[0] + booking->heat_cam[1] + booking->heat_damper;
+        linear_slip_book(s->linear, s->params, s->geometry, &s->start, motion, kernel, &segment->booking);
         segment->books = true;
+        if (!booking_is_in_range(&segment->booking, all)) return false;
+        raise_peaks(s, ends, &segment->peak);
     }
-    if (!(fabs(all) <= DBL_MAX)) return false;
-    if (m->params.ledger) raise_peaks(s, ends, &segment->peak);
+    if (!(fabs(all) <= LARGEST_ENERGY)) return false;
     segment->duration = motion->t;
     segment->dtheta = motion->dtheta;
     segment->omega_is_increment = s->linear->regime == REGIME_INERTIAL && !motion->settled;

@@ -44,12 +44,10 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
 static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
     const Balance *end = radau_step_end(step);
-    const Booking *b = &step->booking;
-    if (!isfinite(step->dtheta + end->omega + b->work_in + b->heat_cam[0] + b->heat_cam[1] + b->heat_damper))
-        return false;
+    if (!booking_is_in_range(&step->booking, step->dtheta + end->omega)) return false;
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
-    segment->booking = *b;
+    segment->booking = step->booking;
     if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
     segment->duration = step->h;

@@ -1,12 +1,14 @@
 #include "forward/lifecycle.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "contact/check.h"
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "model/friction_law.h"
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 /* ---- model ---- */
@@ -65,6 +67,16 @@ void mechanism_free(Mechanism *m) {
 
 /* ---- start ---- */
 
+COLD static bool check_energy(const Mechanism *m, Fault *fault) {
+    const double energy = stored_energy(m);
+    if (fabs(energy) <= LARGEST_ENERGY) return true;
+    const InitialParams *initial = &m->params.initial;
+    snprintf(fault->text, sizeof fault->text,
+             "initial.theta = %g, initial.omega = %g: spring and masses hold %g J; allowed are at most %g J",
+             initial->theta, initial->omega, energy, LARGEST_ENERGY);
+    return false;
+}
+
 bool mechanism_start(Mechanism *m, Fault *fault) {
     if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
@@ -74,6 +86,7 @@ bool mechanism_start(Mechanism *m, Fault *fault) {
         .flank = {1, 1},
     };
     update_configuration(m);
+    if (!check_energy(m, fault)) return false;
     ledger_open(&m->state.ledger, stored_energy(m));
     enter_decided_mode(m);
     m->state.events = 0;

@@ -32,7 +32,7 @@ typedef struct {
     bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
     LobattoHint hint;      /* for the next segment */
-    int segments, jams;    /* so far; Lobatto steps and segments that end at a breakpoint do not count */
+    int segments, jams;    /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
     int next_check;        /* stall guard: the number of segments at which the progress is checked */
     double left_at_check;  /* s, time left at the latest check */
     double least_progress; /* s, between two checks */
@@ -120,7 +120,8 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
     run->hint = (LobattoHint){.refused = false};
-    const bool counts = segment->kind != SEGMENT_LOBATTO && !segment->ends_at_breakpoint;
+    const bool passes_breakpoint = segment->ends_at_breakpoint && segment->end == EVENT_NONE;
+    const bool counts = segment->kind != SEGMENT_LOBATTO && !passes_breakpoint;
     run->segments += counts;
     run->jams += segment->kind == SEGMENT_JAM;
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
@@ -187,6 +188,18 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
              "at most %d segments and %d jams; any %d segments in a row must advance %g of the step",
              h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, (int)MAX_SEGMENTS_PER_STEP,
              (int)MAX_JAMS_PER_STEP, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
+}
+
+/* Do the inputs stay finite in the step? */
+COMPACT static bool check_inputs(const Inputs *in, double h, Fault *fault) {
+    const bool torque = input_stays_finite(in->tau, h);
+    if (torque && input_stays_finite(in->F_ext, h)) return true;
+    const double *u = torque ? in->F_ext : in->tau;
+    snprintf(fault->text, sizeof fault->text,
+             "step of %.17g s: %s = %g with the derivatives %g, %g, %g is not finite at its end; allowed are finite "
+             "values",
+             h, torque ? "F_ext" : "tau", u[0], u[1], u[2], u[3]);
+    return false;
 }
 
 static void undo(Mechanism *m, const State *state, const Inputs *inputs) {
@@ -262,6 +275,7 @@ bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *
         remember_step(m, h);
         return true;
     }
+    if (!constant && !check_inputs(&m->inputs, h, fault)) return false;
     const bool closed_form = constant ? m->model.closed_form : is_closed_form(m);
     if (closed_form && slips_in_closed_form(m, h)) return true;
     Segment segment;

@@ -43,6 +43,11 @@ static inline bool inputs_within(const Inputs *inputs, int degree) {
     return true;
 }
 
+/* Does u stay finite for h seconds? The sizes of the terms bound u and all that input_shift() adds up. */
+static inline bool input_stays_finite(const double u[INPUT_ORDER + 1], double h) {
+    return isfinite(fabs(u[0]) + h * (fabs(u[1]) + h * (fabs(u[2]) + h * fabs(u[3]))));
+}
+
 /* One comparison takes fewer instructions than one for each derivative. */
 static inline bool inputs_constant(const Inputs *inputs) {
     double size = 0.0;

@@ -3,7 +3,13 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "numerics/tolerances.h"
 #include "platform/attributes.h"
+
+bool booking_is_in_range(const Booking *b, double motion) {
+    const double heat = fabs(b->heat_cam[0]) + fabs(b->heat_cam[1]) + fabs(b->heat_damper) + fabs(b->heat_shaft);
+    return fabs(motion) + fabs(b->work_in) + fabs(b->work_ext) + heat <= LARGEST_ENERGY;
+}
 
 void ledger_open(Ledger *ledger, double stored) {
     *ledger = (Ledger){.start = stored};

@@ -2,6 +2,8 @@
 #ifndef DUALCAM_LEDGER_H
 #define DUALCAM_LEDGER_H
 
+#include <stdbool.h>
+
 #include "numerics/sum.h"
 
 typedef struct {
@@ -34,6 +36,9 @@ typedef struct {
     double heat_cam[2], heat_damper, heat_shaft;
     double wear[2]; /* only where has_wear() */
 } Booking;
+
+/* Is this amount of a size that 2^63 segments can add up? `motion`: a sum that must be finite too. */
+bool booking_is_in_range(const Booking *booking, double motion);
 
 /* An empty ledger of a mechanism that holds `stored` joules at the start. */
 void ledger_open(Ledger *ledger, double stored);

@@ -33,16 +33,22 @@ static void halve(const Bernstein *p, Bernstein *left, Bernstein *right) {
     }
 }
 
+/* False also where a coefficient is not a number: halving would go on for ever. */
 static bool has_negative(const Bernstein *p) {
-    for (int i = 0; i <= p->degree; i++)
-        if (p->c[i] < 0.0) return true;
-    return false;
+    bool negative = false;
+    for (int i = 0; i <= p->degree; i++) {
+        if (isnan(p->c[i])) return false;
+        negative |= p->c[i] < 0.0;
+    }
+    return negative;
 }
 
+/* 0 also where a coefficient is not a number. */
 static int sign_changes(const Bernstein *p) {
     int changes = 0;
     double last = 0.0;
     for (int i = 0; i <= p->degree; i++) {
+        if (isnan(p->c[i])) return 0;
         if (p->c[i] == 0.0) continue;
         if (last != 0.0 && (last > 0.0) != (p->c[i] > 0.0)) changes++;
         last = p->c[i];

@@ -15,11 +15,9 @@
 /* Halvings of [0, 1] at most: 2^-48 is 16 roundings of 1, and narrower intervals hold nothing. */
 enum { BERNSTEIN_MAX_DEPTH = 48 };
 
-/* Width, as a share of [0, 1], to which a zero of a polynomial is found: some roundings. */
-static const double BERNSTEIN_ZERO_WIDTH = 1e-15;
-
-/* Width, as a share of [0, 1], to which a maximum is found: the value there errs by the square of this share. */
-static const double BERNSTEIN_PEAK_WIDTH = 1e-10;
+/* Widths, as shares of [0, 1], to which a zero of a polynomial is found, some roundings, and a maximum: the value there
+ * errs by the square of this share. */
+static const double BERNSTEIN_ZERO_WIDTH = 1e-15, BERNSTEIN_PEAK_WIDTH = 1e-10;
 
 /* Steps of bisection and regula falsi at most; bisection alone needs 50. */
 enum { BERNSTEIN_MAX_ITERATIONS = 100 };
@@ -59,9 +57,10 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 
 /* ---- model ---- */
 
-/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. */
+/* Bytes of a file of numbers. Samples of a friction table: three give the curve a bend; steps end at each. LARGEST_ENERGY:
+ * J, of one segment; 2^63 segments add up to a finite number. */
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
-static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
+static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9, LARGEST_ENERGY = 1e288;
 
 /* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
  * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
@@ -164,6 +163,9 @@ static const double OSCILLATOR_SERIES_CUT = 1e-19;
  * square. An excursion above rounding grows past any end stop in that time. */
 static const double OSCILLATOR_MAX_GROWTH = 300.0;
 
+/* m, an edge of the stick band per F_0 that stands for an infinite one: no torque is beyond it, once F_0 has its sign. */
+static const double LINEAR_STEEPEST_EDGE = 1e150;
+
 /* Share of its value at the start below which a derivative at the end of a segment has died away: sign of rounding. */
 static const double LINEAR_DECAYED = 1e-12;
 
@@ -223,11 +225,8 @@ enum { RADAU_NEWTON_ITERATIONS = 12 };
 
 /* Edge of the stick band */
 
-/* Share of theta below which a Newton step along the edge is rounding. */
-static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON;
-
-/* Share of the torques on the edge that is their rounding. */
-static const double EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
+/* Share of theta below which a Newton step along the edge is rounding; of the torques on the edge, their rounding. */
+static const double EDGE_ROUNDING = 2.0 * DBL_EPSILON, EDGE_TORQUE_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* Iterations of the root finder; a bisection halves the bracket, so 60 reach two neighbouring numbers. */
 enum { EDGE_ITERATIONS = 100 };
@@ -432,10 +431,10 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step that needs more segments is refused. The limit bounds the work of a step; docs/performance.md has the
- * measured times. Bounces with a restitution near 1, vibrations of a tiny inertia, and long steps through stiff motion
- * reach it. */
-enum { MAX_SEGMENTS_PER_STEP = 200000 };
+/* A step that needs more segments is refused. The limit bounds the work of a step to about two seconds where friction
+ * varies, 15 us a segment. Bounces with a restitution near 1, whose number has no bound, vibrations of a tiny inertia,
+ * and long steps through stiff motion reach the limit. */
+enum { MAX_SEGMENTS_PER_STEP = 100000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
  * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */

@@ -1,0 +1,95 @@
+"""Friction laws for hypothesis, over many decades: Stribeck's law, lubricated branches, load laws, and tables
+over speed and load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+from hypothesis.strategies import SearchStrategy
+
+MASSES = ("inertia.shaft", "inertia.follower_mass", "inertia.follower")
+DAMPING = ("damper.c_load", "damper.c_release", "damper.q_load", "damper.q_release", "shaft.damping")
+LARGEST_POWER = 0.9  # of the load
+
+
+def decades(low: float, high: float) -> SearchStrategy[float]:
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+def or_zero(strategy: SearchStrategy[float]) -> SearchStrategy[float]:
+    return st.one_of(strategy, st.just(0.0))
+
+
+def is_inertial(parameters: Mapping[str, Any]) -> bool:
+    return any(parameters[name] for name in MASSES)
+
+
+def speed_laws(inertial: bool) -> SearchStrategy[dict[str, Any]]:
+    """Without inertia there is no motion where friction falls with the speed."""
+    viscous = {f"cam{i}.friction_viscous": or_zero(decades(-4, 1)) for i in (1, 2)}
+    if not inertial:
+        return st.fixed_dictionaries(viscous)
+    return st.fixed_dictionaries(
+        viscous
+        | {f"cam{i}.friction_peak": st.one_of(st.just(1.0), st.floats(1.0, 5.0)) for i in (1, 2)}
+        | {f"cam{i}.stribeck_velocity": decades(-6, 1) for i in (1, 2)}
+        | {f"cam{i}.stribeck_exponent": st.sampled_from([1, 2]) for i in (1, 2)}
+    )
+
+
+def load_laws(falling: bool) -> SearchStrategy[dict[str, Any]]:
+    """`falling`: friction may fall with the load, which damping without inertia does not allow."""
+    least = -LARGEST_POWER if falling else 0.0
+    return st.fixed_dictionaries(
+        {f"cam{i}.friction_load_exponent": or_zero(st.floats(least, LARGEST_POWER)) for i in (1, 2)}
+        | {f"cam{i}.friction_load": decades(-1, 5) for i in (1, 2)}
+    )
+
+
+def table_files(folder: Path) -> SearchStrategy[str]:
+    """Files v_m_s,R_N,mu: three to five speeds, two to four loads. From load to load mu goes with a power of
+    the load, which the FMU limits."""
+
+    def write(drawn: tuple[list[float], float, list[float], list[float], list[float]]) -> str:
+        gaps, load, ratios, logs, powers = drawn
+        speeds = [0.0, *np.cumsum(gaps)]
+        rows, at_load = [], [0.1 * math.exp(x) for x in logs[: len(speeds)]]
+        for ratio, power in zip([1.0, *ratios], [0.0, *powers], strict=False):
+            load *= ratio
+            at_load = [min(mu * ratio**power, 10.0) for mu in at_load]
+            rows += [f"{v!r},{load!r},{mu!r}" for v, mu in zip(map(float, speeds), at_load, strict=True)]
+        path = folder / f"law-{abs(hash(tuple(rows))):x}.csv"
+        path.write_text("\n".join(["v_m_s,R_N,mu", *rows, ""]))
+        return str(path)
+
+    return st.tuples(
+        st.lists(decades(-3, 1), min_size=2, max_size=4),
+        decades(0, 3),
+        st.lists(st.floats(1.2, 10.0), min_size=1, max_size=3),
+        st.lists(st.floats(-2.0, 1.0), min_size=5, max_size=5),
+        st.lists(st.floats(-0.5, 0.5), min_size=3, max_size=3),
+    ).map(write)
+
+
+def friction_laws(parameters: Mapping[str, Any], folder: Path) -> SearchStrategy[dict[str, Any]]:
+    """The laws of both cams: over the speed, and in every second draw over the load too."""
+    inertial = is_inertial(parameters)
+    by_speed = speed_laws(inertial)
+    loads = load_laws(inertial or not any(parameters.get(name) for name in DAMPING))
+    both = st.tuples(by_speed, loads).map(lambda pair: pair[0] | pair[1])
+    if not inertial:
+        return st.one_of(by_speed, both.map(without_contradiction))
+    tables = st.fixed_dictionaries({"cam1.friction_table": st.one_of(table_files(folder), st.just(""))})
+    return st.one_of(by_speed, both, st.tuples(both, tables).map(lambda pair: pair[0] | pair[1]))
+
+
+def without_contradiction(laws: dict[str, Any]) -> dict[str, Any]:
+    """A lubricated branch is damping: without inertia friction must not fall with the load then."""
+    if not any(laws[f"cam{i}.friction_viscous"] for i in (1, 2)):
+        return laws
+    return {n: abs(v) if n.endswith("load_exponent") else v for n, v in laws.items()}

@@ -1,0 +1,25 @@
+"""Steps and inputs near the end of the range of numbers: a step ends, and gives numbers or a reason."""
+
+import subprocess
+import sys
+
+import pytest
+from driver import ROOT, models
+
+PROGRAM = ROOT / "tests" / "support" / "extreme_scenes.py"
+PATIENCE = 240.0  # s, for all scenes of an FMU; each takes milliseconds
+
+
+@pytest.mark.parametrize("identifier", models)
+def test_extreme_steps_end(binaries, identifier):
+    """In a process of its own, which is killed where a step does not end."""
+    command = [sys.executable, PROGRAM, binaries[identifier], identifier]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    except subprocess.TimeoutExpired as late:
+        lines = (late.stdout or b"").decode().splitlines()
+        pytest.fail(f"no end in {PATIENCE} s: {lines[-1:]}")
+    assert done.returncode == 0, (done.stdout.splitlines()[-1:], done.stderr[-2000:])
+    lines = done.stdout.splitlines()
+    assert not [line for line in lines if line.startswith("wrong")]
+    assert int(lines[-1].removeprefix("scenes ")) > 500
