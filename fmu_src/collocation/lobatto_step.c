@@ -38,19 +38,15 @@ static bool is_accurate(const LobattoSystem *s) {
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
 }
 
-/* m: sliding distance at contact i per angle of cam 2, at a node. */
-static double sliding_at(const LobattoSystem *s, int i, int node) {
-    const NodePair *n = &s->pair[node / 2];
-    const double r = s->slip->params->cam[i].radius, slope = n->slope[i][node % 2];
-    return n->dpsi_dtheta[i][node % 2] * sqrt(r * r + slope * slope);
-}
-
-/* Does the sliding speed of contact i pass no sample of its friction table? */
-NOINLINE static bool stays_between_samples(const LobattoSystem *s, int i) {
-    const double sigma = s->slip->direction, start = sigma * s->speed.at[0] * sliding_at(s, i, 0);
-    for (int k = 1; k < LOBATTO_NODES; k++)
-        if (friction_share(&s->slip->fall[i], start, sigma * s->speed.at[k] * sliding_at(s, i, k)) < 1.0) return false;
-    return true;
+/* Does the sliding speed of contact i stay on its piece of the friction table? */
+static bool stays_on_piece(const LobattoSystem *s, int i) {
+    const FrictionReach *reach = &s->law[i].reach;
+    bool stays = true;
+    for (int k = 1; k < LOBATTO_NODES; k++) {
+        const double v = s->slip->direction * s->speed.at[k] * lobatto_sliding(s, i, k);
+        stays &= v >= reach->low && v <= reach->high;
+    }
+    return stays;
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
@@ -60,9 +56,11 @@ static bool resolves_friction(const LobattoSystem *s) {
     const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &s->slip->fall[i];
-        const double sliding = sliding_at(s, i, 0);
-        if (fall->table && !stays_between_samples(s, i)) return false;
-        if (fall->table) continue;
+        if (s->law[i].has_table) {
+            if (!stays_on_piece(s, i)) return false;
+            continue;
+        }
+        const double sliding = lobatto_sliding(s, i, 0);
         if (!friction_is_resolved(fall, start * sliding, low * sliding, high * sliding)) return false;
     }
     return true;
@@ -244,6 +242,7 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
         if (slip->direction * s->dtheta.at[LOBATTO_END] > limit) {
             const double alpha = lobatto_system_is_inertial(s) ? slip->direction * rhs : 0.0;
             end.given = true;
+            s->end_speed.given = false;
             s->h = ballistic_time(slip->direction * s->omega, alpha, end.distance);
             lobatto_system_guess(s, rhs);
         }
@@ -258,15 +257,16 @@ typedef struct {
     bool falls;                  /* at a contact */
 } StartFriction;
 
-static StartFriction start_friction(const LobattoSystem *s, const LobattoStart *from) {
+static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) {
-        const FrictionNearby *law = &s->law[i];
+        FrictionNearby *law = &s->law[i];
         const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
         out.value[i] = out.kinetic[i] = kinetic;
-        if (!law->table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
+        if (law->has_table) friction_table_begin(s->slip->fall[i].table, v, &law->reach);
+        if (!law->has_table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
         out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
         const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
         const bool falls = shows && v < s->slip->fall[i].end;
@@ -297,6 +297,22 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
 }
 
+/* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
+NOINLINE static void approach_samples(LobattoSystem *s, const LobattoStart *from, double rhs) {
+    const double longest = s->h;
+    for (int i = 0; i < 2; i++) {
+        if (!s->law[i].has_table) continue;
+        const FrictionFall *fall = &s->slip->fall[i];
+        FrictionReach *reach = &s->law[i].reach;
+        const double sliding = s->slip->direction * cam_sliding(from->geometry, i), v = sliding * from->omega;
+        const double change = sliding * rhs * s->h;
+        friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
+        if (v + change >= reach->low && v + change <= reach->high) continue;
+        s->h *= fmin(reach->aim / fabs(change), 1.0);
+        s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
+    }
+}
+
 /* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
 COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2], double alpha) {
     const SlipMode *slip = s->slip;
@@ -318,18 +334,19 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
     const double rhs = guess_rhs(s->slip, from, friction.value);
     if (s->slip->friction_is_loaded) guess_loads(s, from, friction.value, rhs);
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, from, rhs);
     return rhs;
 }
 
 /* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
  * where the whole is not. */
-static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, LobattoStep *out) {
-    double longest = s->h;
+static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, double longest, LobattoStep *out) {
     for (int n = 0;; n++) {
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
         if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
-        s->h = longest *= 0.5;
+        s->h = longest = 0.5 * fmin(s->h, longest);
+        s->end_speed.given = false;
     }
 }
 
@@ -340,7 +357,7 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
-    if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, out)) return false;
+    if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, left, out)) return false;
     const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
     out->h = s.h;
     out->dtheta = s.dtheta.at[LOBATTO_END];

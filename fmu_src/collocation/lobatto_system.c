@@ -88,6 +88,7 @@ static void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0};
     s->sigma = none + slip->direction;
+    s->end_speed.given = false;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
@@ -352,6 +353,19 @@ static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
     return missed;
 }
 
+/* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before. The
+ * groove's part of the acceleration is taken to be constant over the step. */
+NOINLINE static bool aim_at_sample(LobattoSystem *s) {
+    const EndSpeed *end = &s->end_speed;
+    const double omega = s->speed.at[LOBATTO_END], sliding = lobatto_sliding(s, end->contact, LOBATTO_END);
+    const double v = s->slip->direction * omega * sliding, missed = end->speed - v;
+    if (fabs(missed) <= end->slack || s->h >= end->longest) return true;
+    const double bend = s->h * s->y.at[LOBATTO_END] - (omega - s->omega); /* of the speed, over the step */
+    s->h = fmin(s->h * (1.0 + missed / (v - end->start + s->slip->direction * sliding * bend)), end->longest);
+    place_nodes(s);
+    return false;
+}
+
 /* One evaluation at the nodes; returns the change of y. */
 ALWAYS_INLINE static inline LobattoValues sweep(LobattoSystem *s, bool varies, bool first) {
     LobattoValues change = s->y;
@@ -393,9 +407,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);
+        const bool at_sample = !varies || !s->end_speed.given || aim_at_sample(s);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
-        if (converged && at_end && (!varies || is_placed(s))) {
+        if (converged && at_end && at_sample && (!varies || is_placed(s))) {
             if (varies) follow_speeds(s);
             return is_possible(s, varies);
         }

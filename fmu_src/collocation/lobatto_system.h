@@ -29,12 +29,21 @@ typedef struct {
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
+/* A sliding speed at which the step is to end, a sample of a friction table. Its length is then an unknown too. */
+typedef struct {
+    bool given;
+    int contact;
+    double start, speed, slack; /* m/s: at the start; the aim, and by how much the step may miss it */
+    double longest;             /* s, the length that the step may have */
+} EndSpeed;
+
 typedef struct {
     const SlipMode *slip;
     bool has_damper, is_resisted; /* is_resisted: alpha depends on the speed */
     double theta, omega, h;       /* rad, rad/s at the start; s */
     FrictionNearby law[2];        /* only where friction varies, times sigma e_i */
     Vector2 sigma, radius2[2];
+    EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
@@ -43,7 +52,7 @@ typedef struct {
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 
-/* An angle at which the step must end. Its length is then an unknown too. */
+/* An angle at which the step must end, likewise. */
 typedef struct {
     bool given;
     double distance, slack; /* rad, from the start on; the step may miss the distance by the slack */
@@ -65,6 +74,13 @@ static inline LoadShift lobatto_load_shift(const SlipMode *slip, const NodePair 
     const CamParams *cam = slip->params->cam;
     const Vector2 torque[2] = {cam[0].radius * cam[0].radius * n->rest[0], cam[1].radius * cam[1].radius * n->rest[1]};
     return (LoadShift){-(n->slope[0] * n->rest[0] + n->slope[1] * n->rest[1]), torque[1] - torque[0], torque[1]};
+}
+
+/* m: sliding distance at contact i per angle of cam 2, at a node. */
+static inline double lobatto_sliding(const LobattoSystem *system, int i, int node) {
+    const NodePair *n = &system->pair[node / 2];
+    const double r = system->slip->params->cam[i].radius, slope = n->slope[i][node % 2];
+    return n->dpsi_dtheta[i][node % 2] * sqrt(r * r + slope * slope);
 }
 
 /* A first iterate under constant acceleration. `rhs`: alpha, or without inertia omega, at the start. */

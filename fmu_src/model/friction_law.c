@@ -81,18 +81,33 @@ FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
         .gone = cam->law.table ? INFINITY : speed_without_excess(cam),
         .is_gauss = cam->law.stribeck_exponent == 2,
         .sign = sign,
-        .table = cam->law.table,
+        .has_table = cam->law.table != NULL,
     };
 }
 
-NOINLINE VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
-    const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
-    return (VectorFriction){sign * (Vector2){a.value, b.value}, sign * (Vector2){a.by_speed, b.by_speed}};
+/* An iteration may look a quarter of the piece beyond its ends. */
+NOINLINE VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v) {
+    const FrictionReach *p = &near->reach;
+    Vector2 t = (v - p->v) * p->per_width, slope = p->c[4], u = p->c[4];
+    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
+    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
+    for (int n = 3; n >= 0; n--) {
+        u = u * t + p->c[n];
+        slope = slope * t + u;
+    }
+    const Vector2 mu = near->sign * p->mu * vector2_exp(u * t);
+    return (VectorFriction){mu, mu * slope * p->per_width};
+}
+
+/* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
+static double friction_overshoot(double tolerance) {
+    const double quarter = sqrt(sqrt(tolerance));
+    return FRICTION_OVERSHOOT * quarter * sqrt(quarter);
 }
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return (FrictionFall){.table = law->table, .overshoot = FRICTION_OVERSHOOT * cbrt(tolerance)};
+    if (law->table) return (FrictionFall){.table = law->table, .overshoot = friction_overshoot(tolerance)};
     if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
     const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     const bool gauss = law->stribeck_exponent == 2;

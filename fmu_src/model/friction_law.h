@@ -102,7 +102,8 @@ typedef struct {
     double gone;                /* m/s, above which the excess is below all rounding; infinity for a table */
     double sign;                /* of all values */
     bool is_gauss;              /* the Stribeck exponent is 2 */
-    const FrictionTable *table;
+    bool has_table;
+    FrictionReach reach; /* only of a table; see friction_table_begin() */
 } FrictionNearby;
 
 /* `sign`: +1 or -1, on all values of friction_nearby_at(). */
@@ -113,13 +114,13 @@ typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v);
+VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v);
 
 /* friction_at() at two speeds, times the sign, to some roundings. */
 static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
     VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
     if (v[0] > near->gone && v[1] > near->gone) return mu;
-    if (near->table) return friction_table_at_both(near->table, near->sign, v);
+    if (near->has_table) return friction_on_piece(near, v);
     const Vector2 ratio = v * near->minus_by_v;
     if (near->is_gauss) {
         const Vector2 share = near->excess * vector2_exp(-ratio * ratio), slope = near->minus_by_v * ratio;

@@ -63,9 +63,12 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
 static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9;
 
-/* A step may pass a sample by a share of a piece, times the third root of the tolerance: the error of the jump grows
- * with the cube. In a step the speed may change by a share of a piece; with a whole one, errors reach 20 tolerances. */
-static const double FRICTION_OVERSHOOT = 0.3, FRICTION_SPAN = 0.5;
+/* A step may pass a sample by a share of a piece, times tolerance^(3/8): the error of the jump grows with the cube.
+ * REACHED: share of this overshoot before a sample that counts as reached. In a step the speed may change by the share
+ * SPAN of a piece; with a whole one, errors reach 20 tolerances; factor on it for a step that aims at less. AIM_SHARE:
+ * of what is left beyond the aim, by which a step may miss the aim. */
+static const double FRICTION_OVERSHOOT = 0.6, FRICTION_REACHED = 0.25, FRICTION_SPAN = 0.5, FRICTION_SPAN_SLACK = 1.1,
+                    FRICTION_AIM_SHARE = 0.8;
 
 /* ---- geometry ---- */
 
