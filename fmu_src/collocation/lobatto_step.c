@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "collocation/breakpoint.h"
+#include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "numerics/tolerances.h"
@@ -79,22 +80,11 @@ typedef struct {
  * node's weight times h omega and h v. */
 static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
     const SlipMode *slip = s->slip;
-    const InertiaParams *in = &slip->params->inertia;
     const NodePair *n = &s->pair[k];
-    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->factors.delta;
+    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega;
     const Vector2 dtheta = s->h * LOBATTO.weight.half[k] * omega;
     const Vector2 dz = s->h * LOBATTO.weight.half[k] * v;
-    Vector2 axial = n->force + n->damper, moment = {0.0, 0.0};
-    if (slip->follower_has_inertia) {
-        const Vector2 alpha = s->y.half[k], omega2 = omega * omega;
-        axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
-        moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
-    }
-    if (slip->friction_varies && slip->friction_is_loaded) {
-        const LoadShift shift = lobatto_load_shift(slip, n);
-        axial += shift.axial;
-        moment += shift.moment;
-    }
+    const NodeForces forces = lobatto_node_forces(s, k);
     Booking *b = &out->booking;
     b->work_in += lobatto_sum(s->tau.half[k] * dtheta);
     b->work_ext += lobatto_sum(s->F_ext.half[k] * dz);
@@ -103,8 +93,7 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
-        const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
+        const Vector2 x = lobatto_node_contact(n, &forces, i);
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
@@ -186,6 +175,12 @@ static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Pea
         const LobattoValues *reaction = &loads->reaction[i];
         out->peaks_inside = out->peaks_inside || !peaks_at_end(reaction, known->reaction[i] * contacts);
         out->peak_reaction[i] = larger_end(reaction) / contacts;
+    }
+    if (out->peaks_inside && s->slip->friction_varies) {
+        LobattoPeaks peaks = {out->peak_omega, {out->peak_reaction[0], out->peak_reaction[1]}};
+        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &peaks);
+        out->peak_omega = peaks.omega;
+        for (int i = 0; i < 2; i++) out->peak_reaction[i] = peaks.reaction[i];
     }
 }
 

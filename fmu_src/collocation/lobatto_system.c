@@ -423,10 +423,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
     return false;
 }
 
-NOINLINE static bool solve_varying(LobattoSystem *s, const EndAngle *end) {
+NOINLINE bool lobatto_system_solve_varying(LobattoSystem *s, const EndAngle *end) {
     return solve_with(s, end, true);
 }
 
 bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
-    return s->slip->friction_varies ? solve_varying(s, end) : solve_with(s, end, false);
+    return s->slip->friction_varies ? lobatto_system_solve_varying(s, end) : solve_with(s, end, false);
 }

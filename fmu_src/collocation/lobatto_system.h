@@ -76,6 +76,35 @@ static inline LoadShift lobatto_load_shift(const SlipMode *slip, const NodePair 
     return (LoadShift){-(n->slope[0] * n->rest[0] + n->slope[1] * n->rest[1]), torque[1] - torque[0], torque[1]};
 }
 
+/* N, N.m; 1/m^3: A and W at two nodes of a solution, with the shift of the rests; 1/Delta. */
+typedef struct {
+    Vector2 axial, moment, inverse;
+} NodeForces;
+
+static inline NodeForces lobatto_node_forces(const LobattoSystem *system, int k) {
+    const SlipMode *slip = system->slip;
+    const InertiaParams *in = &slip->params->inertia;
+    const NodePair *n = &system->pair[k];
+    NodeForces out = {n->force + n->damper, {0.0, 0.0}, 1.0 / n->factors.delta};
+    if (slip->follower_has_inertia) {
+        const Vector2 omega = system->speed.half[k], alpha = system->y.half[k], omega2 = omega * omega;
+        out.axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
+        out.moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
+    }
+    if (slip->friction_varies && slip->friction_is_loaded) {
+        const LoadShift shift = lobatto_load_shift(slip, n);
+        out.axial += shift.axial;
+        out.moment += shift.moment;
+    }
+    return out;
+}
+
+/* N/m: x_i = R_i/hypot(r_i, a_i), R_i total. */
+static inline Vector2 lobatto_node_contact(const NodePair *n, const NodeForces *forces, int i) {
+    const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
+    return (n->factors.rn[1 - i] * forces->axial + arm * forces->moment) * forces->inverse;
+}
+
 /* m: sliding distance at contact i per angle of cam 2, at a node. */
 static inline double lobatto_sliding(const LobattoSystem *system, int i, int node) {
     const NodePair *n = &system->pair[node / 2];
@@ -89,6 +118,9 @@ void lobatto_system_guess(LobattoSystem *system, double rhs);
 /* Sweeps from the first iterate until the equations hold to a share of the tolerance. False if the iteration converges
  * too slowly, or if the slip mode is not possible at a node. */
 bool lobatto_system_solve(LobattoSystem *system, const EndAngle *end);
+
+/* The same where friction varies. */
+bool lobatto_system_solve_varying(LobattoSystem *system, const EndAngle *end);
 
 /* Without inertia: omega by the balance at the end of the step, rad/s. */
 double lobatto_system_speed_at_end(const LobattoSystem *system);

@@ -336,6 +336,10 @@ static const double LOBATTO_SHIFT_SHARE = 0.3;
  * square term, and of that to the linear one, in a motion that four nodes resolve. */
 static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
 
+/* A peak lies where a cubic has its turning point. Relative error of the peak, in squares of the cubic's error there over
+ * peak and second derivative. */
+static const double LOBATTO_PEAK_SHARE = 10.0;
+
 /* Variation of a step */
 
 /* Mobility at the last node over that at the node before, above which the last node is a pole. */
