@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "collocation/breakpoint.h"
+#include "collocation/lobatto_loads.h"
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
@@ -308,26 +309,14 @@ NOINLINE static void approach_samples(LobattoSystem *s, const LobattoStart *from
     }
 }
 
-/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
-COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2], double alpha) {
-    const SlipMode *slip = s->slip;
-    const Params *p = slip->params;
-    const Geometry *g = from->geometry;
-    const double v = g->dz_dtheta * from->omega;
-    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
-                         p->inertia.follower_mass * g->dz_dtheta * alpha;
-    ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
-    contact_factors_multiply(&f);
-    for (int k = 0; k < LOBATTO_NODES; k++)
-        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
-}
-
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
-    const StartFriction friction = start_friction(s, from);
-    const double rhs = guess_rhs(s->slip, from, friction.value);
-    if (s->slip->friction_is_loaded) guess_loads(s, from, friction.value, rhs);
+    StartFriction friction = start_friction(s, from);
+    double rhs = guess_rhs(s->slip, from, friction.value);
+    if (s->slip->friction_is_loaded) {
+        lobatto_loads_guess(s, from, rhs, friction.value, friction.kinetic);
+        rhs = guess_rhs(s->slip, from, friction.value);
+    }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
     if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, from, rhs);
     return rhs;

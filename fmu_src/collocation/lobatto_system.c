@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "collocation/lobatto_loads.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -68,22 +69,6 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* Turns f_i at R_ref into the tangent coefficient under the load x_i of the sweep before. */
-COMPACT static void put_under_load(const LobattoSystem *s, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
-    const SlipMode *slip = s->slip;
-    const CamParams *cam = &slip->params->cam[i];
-    n->rest[i] = (Vector2){0.0, 0.0};
-    if (!friction_depends_on_load(cam)) return;
-    const Vector2 square = n->x[i] * n->x[i] * length2;
-    const Vector2 R = (Vector2){sqrt(square[0]), sqrt(square[1])} * (1.0 / slip->params->contacts);
-    const VectorLoadPower power = friction_load_power(cam, R);
-    const Vector2 viscous = s->law[i].viscous * sliding; /* the part of df_i/domega that has no R */
-    const Vector2 dry = n->friction[i] - viscous * n->omega, more = dry * power.by_log_load;
-    n->friction[i] = dry * power.value + viscous * n->omega + more;
-    n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
-    n->rest[i] = more * n->x[i];
-}
-
 static void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0};
@@ -94,6 +79,7 @@ static void set_law(LobattoSystem *s) {
         s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
         s->radius2[i] = none + r * r;
     }
+    if (slip->friction_is_loaded) lobatto_loads_begin(s);
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -112,7 +98,7 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
         const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
-        if (s->slip->friction_is_loaded) put_under_load(s, i, sliding, length2, n);
+        n->sliding[i] = sliding;
     }
 }
 
@@ -131,12 +117,13 @@ static void follow_speeds(LobattoSystem *s) {
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+ALWAYS_INLINE static inline void find_factors(LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
                                               bool varies, NodePair *n) {
     const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
     if (varies) find_friction(s, omega, n);
+    if (varies && slip->friction_is_loaded) lobatto_loads_linearise(s, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
@@ -153,33 +140,6 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
     return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
-}
-
-/* Where friction depends on the load: x_i under the forces, and 1/s, minus the derivative of alpha by the speed through
- * the friction coefficients: a change df_i at constant x_i adds to the balance as minus a rest does. */
-COMPACT static void find_loads(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
-    const SlipMode *slip = s->slip;
-    const InertiaParams *in = &slip->params->inertia;
-    const CamParams *cam = slip->params->cam;
-    const VectorContactFactors *f = &n->factors;
-    const LoadShift shift = lobatto_load_shift(slip, n);
-    Vector2 axial = n->force + n->damper + shift.axial, moment = shift.moment, inverse = 1.0 / f->delta;
-    if (slip->follower_has_inertia) {
-        axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega * omega);
-        moment += in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega * omega);
-    }
-    const Vector2 x[2] = {(f->rn[1] * axial - f->d[1] * moment) * inverse,
-                          (f->rn[0] * axial + f->d[0] * moment) * inverse};
-    Vector2 torque[2], net = {0.0, 0.0};
-    for (int i = 0; i < 2; i++) {
-        const Vector2 change = x[i] - n->x[i], square = change * change, whole = x[i] * x[i];
-        s->load_change = fmax(s->load_change, fmax(square[0] / whole[0], square[1] / whole[1]));
-        n->x[i] = x[i];
-        const Vector2 force = x[i] * n->dfriction_domega[i];
-        torque[i] = cam[i].radius * cam[i].radius * force;
-        net += f->p * n->slope[i] * force;
-    }
-    n->friction_damping = (f->delta * torque[1] + net - f->q * (torque[1] - torque[0])) / n->mass;
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
@@ -226,8 +186,8 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         const LoadShift shift = lobatto_load_shift(slip, n);
         net += f->delta * shift.torque - f->p * shift.axial - f->q * shift.moment;
     }
-    const Vector2 alpha = net / n->mass;
-    if (loaded) find_loads(s, omega, alpha, n);
+    Vector2 alpha = net / n->mass;
+    if (loaded) alpha = lobatto_loads_find(s, omega, alpha, n);
     if (varies) {
         if (first && !loaded) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
@@ -253,7 +213,7 @@ static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair 
 
 /* The balances at the nodes. */
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
-    if (varies) s->load_change = 0.0;
+    if (varies) s->load_error = 0.0;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
         find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
@@ -263,7 +223,7 @@ ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool fi
     }
 }
 
-double lobatto_system_speed_at_end(const LobattoSystem *s) {
+double lobatto_system_speed_at_end(LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
     find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
@@ -403,7 +363,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
         bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
         if (varies && slip->friction_is_loaded)
-            converged &= LOBATTO_LOAD_SHARE * s->load_change <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
+            converged &= s->load_error <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s);
         if (end->given) missed = aim_at_end(s, end);

@@ -22,10 +22,11 @@ typedef struct {
     Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
     Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
     /* Only where friction varies: */
-    Vector2 omega;                            /* rad/s, at which the balance was taken last */
+    Vector2 omega, sliding[2];                /* rad/s, m: at which the balance was taken last; v_i per omega */
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
     /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
     Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
+    Vector2 curve[2];         /* x_i F''/(2 (F' - f)), of the friction force F */
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
@@ -47,8 +48,9 @@ typedef struct {
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    double load_change; /* only where friction depends on the load: the largest change of x_i by a sweep, squared */
-    double end_shift;   /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    Vector2 per_load[2], load_exponent[2]; /* only where friction depends on the load: 1/N, 1/(n R_ref); nu */
+    double load_error;                     /* likewise: relative error of a force by the change of x_i in a sweep */
+    double end_shift;                      /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 
@@ -123,6 +125,6 @@ bool lobatto_system_solve(LobattoSystem *system, const EndAngle *end);
 bool lobatto_system_solve_varying(LobattoSystem *system, const EndAngle *end);
 
 /* Without inertia: omega by the balance at the end of the step, rad/s. */
-double lobatto_system_speed_at_end(const LobattoSystem *system);
+double lobatto_system_speed_at_end(LobattoSystem *system);
 
 #endif

@@ -55,18 +55,17 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     };
 }
 
-COMPACT VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
-    const FrictionParams *law = &cam->law;
-    const Vector2 none = {0.0, 0.0}, q = R * (1.0 / law->load);
+NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
+    const Vector2 none = {0.0, 0.0};
     if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) {
-        const Vector2 power = vector2_exp(law->load_exponent * vector2_log(q));
-        return (VectorLoadPower){power, law->load_exponent * power};
+        const Vector2 power = vector2_exp(exponent * vector2_log(q));
+        return (VectorLoadPower){power, exponent * power, true};
     }
-    VectorLoadPower out = {none, none};
+    VectorLoadPower out = {none, none, false};
     for (int j = 0; j < 2; j++) {
         const Dual l = level_log(q[j]);
-        out.value[j] = exp(law->load_exponent * l.value);
-        out.by_log_load[j] = law->load_exponent * l.slope * q[j] * out.value[j];
+        out.value[j] = exp(exponent[j] * l.value);
+        out.by_log_load[j] = exponent[j] * l.slope * q[j] * out.value[j];
     }
     return out;
 }

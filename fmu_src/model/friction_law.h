@@ -135,12 +135,13 @@ static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vect
     return mu;
 }
 
-/* (R/R_ref)^nu at two reactions R >= 0 of one contact, as level_log.h has the logarithm, and R times its derivative. */
+/* q^nu, as level_log() has the logarithm, and q times its derivative; q = R/R_ref >= 0. */
 typedef struct {
     Vector2 value, by_log_load;
+    bool is_power; /* by_log_load is nu q^nu */
 } VectorLoadPower;
 
-VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R);
+VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q);
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is
  * not used where the law does not depend on the load. */

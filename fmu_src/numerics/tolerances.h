@@ -319,8 +319,9 @@ static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
-/* Relative error of a force per square of the last change of a load. */
-static const double LOBATTO_LOAD_SHARE = 0.1;
+/* Relative error of a force per third power of the last change of a load; iterations of the loads at the start. */
+static const double LOBATTO_LOAD_SHARE = 0.3;
+enum { LOBATTO_LOAD_GUESSES = 2 };
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
