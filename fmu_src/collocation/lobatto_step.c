@@ -293,6 +293,17 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
 }
 
+/* A motion that slows down: the share of the step up to which the nodes see the fall ahead. */
+COMPACT static double share_to_fall(const LobattoSystem *s, const LobattoStart *from, double rhs) {
+    double share = 1.0;
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &s->slip->fall[i];
+        const double sliding = s->slip->direction * cam_sliding(from->geometry, i), v = sliding * from->omega;
+        if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
+    }
+    return share < 1.0 ? STEP_SAFETY * share : 1.0;
+}
+
 /* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
 NOINLINE static void approach_samples(LobattoSystem *s, const LobattoStart *from, double rhs) {
     const double longest = s->h;
@@ -318,6 +329,7 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
         rhs = guess_rhs(s->slip, from, friction.value);
     }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, from, rhs);
     if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, from, rhs);
     return rhs;
 }

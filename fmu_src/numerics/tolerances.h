@@ -321,11 +321,11 @@ enum { LOBATTO_SWEEPS = 8 };
 
 /* Relative error of a force per third power of the last change of a load; iterations of the loads at the start. */
 static const double LOBATTO_LOAD_SHARE = 0.3;
-enum { LOBATTO_LOAD_GUESSES = 2 };
+enum { LOBATTO_LOAD_GUESSES = 1 };
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 1 };
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
 static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
