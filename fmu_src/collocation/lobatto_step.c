@@ -45,7 +45,7 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
     const FrictionReach *reach = &s->law[i].reach;
     bool stays = true;
     for (int k = 1; k < LOBATTO_NODES; k++) {
-        const double v = s->slip->direction * s->speed.at[k] * lobatto_sliding(s, i, k);
+        const double v = s->speed.at[k] * s->pair[k / 2].sliding[i][k % 2];
         stays &= v >= reach->low && v <= reach->high;
     }
     return stays;
@@ -54,16 +54,14 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
-    const double sigma = s->slip->direction, start = sigma * s->speed.at[0];
-    const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
     for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
         if (s->law[i].has_table) {
             if (!stays_on_piece(s, i)) return false;
             continue;
         }
-        const double sliding = lobatto_sliding(s, i, 0);
-        if (!friction_is_resolved(fall, start * sliding, low * sliding, high * sliding)) return false;
+        const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
+        const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
+        if (!friction_is_resolved(&s->slip->fall[i], s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -249,6 +247,7 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
 
 /* Friction at the start, where it varies. */
 typedef struct {
+    double sliding[2];           /* m, v_i per omega */
     double value[2], kinetic[2]; /* f_i, f_i without an excess that falls */
     bool falls;                  /* at a contact */
 } StartFriction;
@@ -258,7 +257,8 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
     StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) {
         FrictionNearby *law = &s->law[i];
-        const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
+        out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+        const double v = from->omega * out.sliding[i];
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
         out.value[i] = out.kinetic[i] = kinetic;
         if (law->has_table) friction_table_begin(s->slip->fall[i].table, v, &law->reach);
@@ -283,7 +283,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
         if (friction->value[i] == friction->kinetic[i]) continue;
-        const double per_angle = cam_sliding(from->geometry, i) * fabs(s->law[i].minus_by_v[0]);
+        const double per_angle = fabs(friction->sliding[i] * s->law[i].minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
         const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
         most = fmax(most, steepness * x * x * x / 6.0);
@@ -294,24 +294,24 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
 }
 
 /* A motion that slows down: the share of the step up to which the nodes see the fall ahead. */
-COMPACT static double share_to_fall(const LobattoSystem *s, const LobattoStart *from, double rhs) {
+COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &s->slip->fall[i];
-        const double sliding = s->slip->direction * cam_sliding(from->geometry, i), v = sliding * from->omega;
+        const double sliding = friction->sliding[i], v = sliding * omega;
         if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
     }
     return share < 1.0 ? STEP_SAFETY * share : 1.0;
 }
 
 /* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
-NOINLINE static void approach_samples(LobattoSystem *s, const LobattoStart *from, double rhs) {
+COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     const double longest = s->h;
     for (int i = 0; i < 2; i++) {
         if (!s->law[i].has_table) continue;
         const FrictionFall *fall = &s->slip->fall[i];
         FrictionReach *reach = &s->law[i].reach;
-        const double sliding = s->slip->direction * cam_sliding(from->geometry, i), v = sliding * from->omega;
+        const double sliding = friction->sliding[i], v = sliding * omega;
         const double change = sliding * rhs * s->h;
         friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
         if (v + change >= reach->low && v + change <= reach->high) continue;
@@ -329,8 +329,8 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
         rhs = guess_rhs(s->slip, from, friction.value);
     }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
-    if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, from, rhs);
-    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, from, rhs);
+    if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
+    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
 }
 

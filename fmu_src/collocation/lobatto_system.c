@@ -76,7 +76,8 @@ static void set_law(LobattoSystem *s) {
     s->end_speed.given = false;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+        friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i], &s->law[i]);
+        s->radius[i] = none + r;
         s->radius2[i] = none + r * r;
     }
     if (slip->friction_is_loaded) lobatto_loads_begin(s);
@@ -102,6 +103,10 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
     }
 }
 
+static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
+    vector_contact_factors_set_varying(&n->factors, i, s->radius[i], s->radius2[i], n->friction[i], n->slope[i]);
+}
+
 /* Where friction varies: the friction at the speeds of the solution, to first order. The last sweep has changed the
  * speeds by more than the next one would; reactions and heat follow friction. */
 static void follow_speeds(LobattoSystem *s) {
@@ -109,8 +114,7 @@ static void follow_speeds(LobattoSystem *s) {
         NodePair *n = &s->pair[k];
         for (int i = 0; i < 2; i++) {
             n->friction[i] += n->dfriction_domega[i] * (s->speed.half[k] - n->omega);
-            const double r = s->slip->params->cam[i].radius;
-            vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+            set_varying_factors(s, i, n);
         }
         vector_contact_factors_multiply(&n->factors);
     }
@@ -126,7 +130,7 @@ ALWAYS_INLINE static inline void find_factors(LobattoSystem *s, Vector2 theta, V
     if (varies && slip->friction_is_loaded) lobatto_loads_linearise(s, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+        if (varies) set_varying_factors(s, i, n);
         else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
@@ -211,15 +215,30 @@ static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair 
     return omega;
 }
 
-/* The balances at the nodes. */
+/* With inertia: the balance at pair k of nodes. */
+ALWAYS_INLINE static inline void evaluate_inertial(LobattoSystem *s, int k, bool varies, bool first) {
+    NodePair *n = &s->pair[k];
+    find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+    s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
+}
+
+NOINLINE static void evaluate_varying(LobattoSystem *s, int k, bool first) {
+    evaluate_inertial(s, k, true, first);
+}
+
+/* The balances at the nodes. Friction varies with inertia only. */
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
     if (varies) s->load_error = 0.0;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
-        if (lobatto_system_is_inertial(s))
-            s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
-        else s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
+        if (varies) {
+            evaluate_varying(s, k, first);
+        } else if (lobatto_system_is_inertial(s)) {
+            evaluate_inertial(s, k, false, first);
+        } else {
+            find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], false, n);
+            s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
+        }
     }
 }
 
@@ -240,7 +259,7 @@ static inline bool is_possible(const LobattoSystem *s, bool varies) {
         if (varies && s->slip->friction_is_loaded) /* then each contact has one answer */
             possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
         if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
-        possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
+        possible &= varies || lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
     return possible;
@@ -258,10 +277,10 @@ void lobatto_system_guess(LobattoSystem *s, double rhs) {
     }
 }
 
-static inline void place_nodes(LobattoSystem *s) {
+ALWAYS_INLINE static inline void place_nodes(LobattoSystem *s, bool varies) {
     const double h = s->h;
     const LobattoValues once = lobatto_combine(LOBATTO.once, &s->y);
-    if (!lobatto_system_is_inertial(s)) {
+    if (!varies && !lobatto_system_is_inertial(s)) {
         for (int k = 0; k < LOBATTO_HALVES; k++) s->dtheta.half[k] = h * once.half[k];
         return;
     }
@@ -278,7 +297,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
     const double h = s->h, per_angle = 1.0 / s->dtheta.at[LOBATTO_END];
     double growth = (s->y.at[LOBATTO_END] - s->y.at[0]) * per_angle;
     LobattoValues next = lobatto_combine(LOBATTO.once, change);
-    if (!lobatto_system_is_inertial(s)) {
+    if (!varies && !lobatto_system_is_inertial(s)) {
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
@@ -304,25 +323,29 @@ static inline void find_inputs(LobattoSystem *s) {
     }
 }
 
+NOINLINE static void place_nodes_again(LobattoSystem *s) {
+    place_nodes(s, false);
+}
+
 /* Corrects h so that the step ends at the angle; returns by how much the step missed the angle, rad. */
 static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
     const int direction = s->slip->direction;
     const double missed = end->distance - direction * s->dtheta.at[LOBATTO_END];
     s->h += direction * missed / s->speed.at[LOBATTO_END];
-    place_nodes(s);
+    place_nodes_again(s);
     return missed;
 }
 
 /* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before. The
  * groove's part of the acceleration is taken to be constant over the step. */
-NOINLINE static bool aim_at_sample(LobattoSystem *s) {
+COMPACT static bool aim_at_sample(LobattoSystem *s) {
     const EndSpeed *end = &s->end_speed;
-    const double omega = s->speed.at[LOBATTO_END], sliding = lobatto_sliding(s, end->contact, LOBATTO_END);
-    const double v = s->slip->direction * omega * sliding, missed = end->speed - v;
+    const double omega = s->speed.at[LOBATTO_END], sliding = s->pair[LOBATTO_HALVES - 1].sliding[end->contact][1];
+    const double v = omega * sliding, missed = end->speed - v;
     if (fabs(missed) <= end->slack || s->h >= end->longest) return true;
     const double bend = s->h * s->y.at[LOBATTO_END] - (omega - s->omega); /* of the speed, over the step */
-    s->h = fmin(s->h * (1.0 + missed / (v - end->start + s->slip->direction * sliding * bend)), end->longest);
-    place_nodes(s);
+    s->h = fmin(s->h * (1.0 + missed / (v - end->start + sliding * bend)), end->longest);
+    place_nodes_again(s);
     return false;
 }
 
@@ -346,7 +369,7 @@ static inline bool is_placed(const LobattoSystem *s) {
  * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
-    const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
+    const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
     const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
@@ -365,7 +388,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         if (varies && slip->friction_is_loaded)
             converged &= s->load_error <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
-        place_nodes(s);
+        place_nodes(s, varies);
         if (end->given) missed = aim_at_end(s, end);
         const bool at_sample = !varies || !s->end_speed.given || aim_at_sample(s);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;

@@ -43,7 +43,7 @@ typedef struct {
     bool has_damper, is_resisted; /* is_resisted: alpha depends on the speed */
     double theta, omega, h;       /* rad, rad/s at the start; s */
     FrictionNearby law[2];        /* only where friction varies, times sigma e_i */
-    Vector2 sigma, radius2[2];
+    Vector2 sigma, radius[2], radius2[2];
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
@@ -105,13 +105,6 @@ static inline NodeForces lobatto_node_forces(const LobattoSystem *system, int k)
 static inline Vector2 lobatto_node_contact(const NodePair *n, const NodeForces *forces, int i) {
     const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
     return (n->factors.rn[1 - i] * forces->axial + arm * forces->moment) * forces->inverse;
-}
-
-/* m: sliding distance at contact i per angle of cam 2, at a node. */
-static inline double lobatto_sliding(const LobattoSystem *system, int i, int node) {
-    const NodePair *n = &system->pair[node / 2];
-    const double r = system->slip->params->cam[i].radius, slope = n->slope[i][node % 2];
-    return n->dpsi_dtheta[i][node % 2] * sqrt(r * r + slope * slope);
 }
 
 /* A first iterate under constant acceleration. `rhs`: alpha, or without inertia omega, at the start. */

@@ -70,18 +70,16 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
-FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
+void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near) {
     const Vector2 none = {0.0, 0.0};
-    return (FrictionNearby){
-        .kinetic = none + sign * cam->friction,
-        .viscous = none + sign * cam->law.viscous,
-        .excess = none + sign * excess_of(cam),
-        .minus_by_v = none - 1.0 / cam->law.stribeck_velocity,
-        .gone = cam->law.table ? INFINITY : speed_without_excess(cam),
-        .is_gauss = cam->law.stribeck_exponent == 2,
-        .sign = sign,
-        .has_table = cam->law.table != NULL,
-    };
+    near->kinetic = none + sign * cam->friction;
+    near->viscous = none + sign * cam->law.viscous;
+    near->excess = none + sign * excess_of(cam);
+    near->minus_by_v = none - 1.0 / cam->law.stribeck_velocity;
+    near->gone = cam->law.table ? INFINITY : speed_without_excess(cam);
+    near->is_gauss = cam->law.stribeck_exponent == 2;
+    near->sign = sign;
+    near->has_table = cam->law.table != NULL;
 }
 
 /* An iteration may look a quarter of the piece beyond its ends. */
@@ -108,8 +106,8 @@ FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
     if (law->table) return (FrictionFall){.table = law->table, .overshoot = friction_overshoot(tolerance)};
     if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
-    const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
-    const bool gauss = law->stribeck_exponent == 2;
+    const bool gauss = law->stribeck_exponent == 2, tight = tolerance < STRIBECK_TIGHT;
+    const double fallen = tight ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     return (FrictionFall){
         .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
         .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),

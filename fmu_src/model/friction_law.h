@@ -107,7 +107,7 @@ typedef struct {
 } FrictionNearby;
 
 /* `sign`: +1 or -1, on all values of friction_nearby_at(). */
-FrictionNearby friction_nearby_of(const CamParams *cam, double sign);
+void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near);
 
 /* mu and dmu/dv at two speeds v. */
 typedef struct {
@@ -116,7 +116,7 @@ typedef struct {
 
 VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v);
 
-/* friction_at() at two speeds, times the sign, to some roundings. */
+/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0. */
 static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
     VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
     if (v[0] > near->gone && v[1] > near->gone) return mu;
@@ -128,9 +128,9 @@ static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vect
         mu.by_speed -= share * (slope + slope);
     } else {
         const Vector2 inside = {ratio[0] > 1.0 ? 1.0 : ratio[0], ratio[1] > 1.0 ? 1.0 : ratio[1]}; /* see Exponent */
-        const Vector2 share = near->excess * vector2_exp(inside), slope = near->minus_by_v * share;
+        const Vector2 share = near->excess * vector2_exp(inside);
         mu.value += share;
-        mu.by_speed += (Vector2){ratio[0] < 1.0 ? slope[0] : 0.0, ratio[1] < 1.0 ? slope[1] : 0.0};
+        mu.by_speed += near->minus_by_v * share;
     }
     return mu;
 }
