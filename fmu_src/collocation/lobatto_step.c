@@ -4,6 +4,8 @@
 #include <math.h>
 
 #include "collocation/breakpoint.h"
+#include "collocation/lobatto_loads.h"
+#include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "numerics/tolerances.h"
@@ -38,32 +40,28 @@ static bool is_accurate(const LobattoSystem *s) {
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
 }
 
-/* m: sliding distance at contact i per angle of cam 2, at a node. */
-static double sliding_at(const LobattoSystem *s, int i, int node) {
-    const NodePair *n = &s->pair[node / 2];
-    const double r = s->slip->params->cam[i].radius, slope = n->slope[i][node % 2];
-    return n->dpsi_dtheta[i][node % 2] * sqrt(r * r + slope * slope);
-}
-
-/* Does the sliding speed of contact i pass no sample of its friction table? */
-NOINLINE static bool stays_between_samples(const LobattoSystem *s, int i) {
-    const double sigma = s->slip->direction, start = sigma * s->speed.at[0] * sliding_at(s, i, 0);
-    for (int k = 1; k < LOBATTO_NODES; k++)
-        if (friction_share(&s->slip->fall[i], start, sigma * s->speed.at[k] * sliding_at(s, i, k)) < 1.0) return false;
-    return true;
+/* Does the sliding speed of contact i stay on its piece of the friction table? */
+static bool stays_on_piece(const LobattoSystem *s, int i) {
+    const FrictionReach *reach = &s->law[i].reach;
+    bool stays = true;
+    for (int k = 1; k < LOBATTO_NODES; k++) {
+        const double v = s->speed.at[k] * s->pair[k / 2].sliding[i][k % 2];
+        stays &= v >= reach->low && v <= reach->high;
+    }
+    return stays;
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
-    const double sigma = s->slip->direction, start = sigma * s->speed.at[0];
-    const double low = fmin(sigma * range.low, sigma * range.high), high = fmax(sigma * range.low, sigma * range.high);
     for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
-        const double sliding = sliding_at(s, i, 0);
-        if (fall->table && !stays_between_samples(s, i)) return false;
-        if (fall->table) continue;
-        if (!friction_is_resolved(fall, start * sliding, low * sliding, high * sliding)) return false;
+        if (s->law[i].has_table) {
+            if (!stays_on_piece(s, i)) return false;
+            continue;
+        }
+        const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
+        const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
+        if (!friction_is_resolved(&s->slip->fall[i], s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -81,22 +79,11 @@ typedef struct {
  * node's weight times h omega and h v. */
 static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
     const SlipMode *slip = s->slip;
-    const InertiaParams *in = &slip->params->inertia;
     const NodePair *n = &s->pair[k];
-    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega, inverse = 1.0 / n->factors.delta;
+    const Vector2 omega = s->speed.half[k], v = n->dz_dtheta * omega;
     const Vector2 dtheta = s->h * LOBATTO.weight.half[k] * omega;
     const Vector2 dz = s->h * LOBATTO.weight.half[k] * v;
-    Vector2 axial = n->force + n->damper, moment = {0.0, 0.0};
-    if (slip->follower_has_inertia) {
-        const Vector2 alpha = s->y.half[k], omega2 = omega * omega;
-        axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
-        moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
-    }
-    if (slip->friction_varies && slip->friction_is_loaded) {
-        const LoadShift shift = lobatto_load_shift(slip, n);
-        axial += shift.axial;
-        moment += shift.moment;
-    }
+    const NodeForces forces = lobatto_node_forces(s, k);
     Booking *b = &out->booking;
     b->work_in += lobatto_sum(s->tau.half[k] * dtheta);
     b->work_ext += lobatto_sum(s->F_ext.half[k] * dz);
@@ -105,8 +92,7 @@ static void add_node_loads(const LobattoSystem *s, int k, NodeLoads *out) {
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
         const Vector2 length2 = r * r + n->slope[i] * n->slope[i];
-        const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
-        const Vector2 x = (n->factors.rn[1 - i] * axial + arm * moment) * inverse;
+        const Vector2 x = lobatto_node_contact(n, &forces, i);
         out->x[i].half[k] = x;
         out->reaction[i].half[k] = x * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         const Vector2 sliding = x * length2 * n->dpsi_dtheta[i] * dtheta; /* times the sign of x_i */
@@ -198,6 +184,12 @@ static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Pea
         out->peaks_inside = out->peaks_inside || !peaks_at_end(reaction, known->reaction[i] * contacts);
         out->peak_reaction[i] = larger_end(reaction) / contacts;
     }
+    if (out->peaks_inside && s->slip->friction_varies) {
+        LobattoPeaks peaks = {out->peak_omega, {out->peak_reaction[0], out->peak_reaction[1]}};
+        out->peaks_inside = !lobatto_peaks_inside(s, loads->reaction, &peaks);
+        out->peak_omega = peaks.omega;
+        for (int i = 0; i < 2; i++) out->peak_reaction[i] = peaks.reaction[i];
+    }
 }
 
 /* ---- the step ---- */
@@ -253,6 +245,7 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
         if (slip->direction * s->dtheta.at[LOBATTO_END] > limit) {
             const double alpha = lobatto_system_is_inertial(s) ? slip->direction * rhs : 0.0;
             end.given = true;
+            s->end_speed.given = false;
             s->h = ballistic_time(slip->direction * s->omega, alpha, end.distance);
             lobatto_system_guess(s, rhs);
         }
@@ -263,19 +256,22 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
 
 /* Friction at the start, where it varies. */
 typedef struct {
+    double sliding[2];           /* m, v_i per omega */
     double value[2], kinetic[2]; /* f_i, f_i without an excess that falls */
     bool falls;                  /* at a contact */
 } StartFriction;
 
-static StartFriction start_friction(const LobattoSystem *s, const LobattoStart *from) {
+static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) {
-        const FrictionNearby *law = &s->law[i];
-        const double v = s->slip->direction * from->omega * cam_sliding(from->geometry, i);
+        FrictionNearby *law = &s->law[i];
+        out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+        const double v = from->omega * out.sliding[i];
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
         out.value[i] = out.kinetic[i] = kinetic;
-        if (!law->table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
+        if (law->has_table) friction_table_begin(s->slip->fall[i].table, v, &law->reach);
+        if (!law->has_table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
         out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
         const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
         const bool falls = shows && v < s->slip->fall[i].end;
@@ -296,7 +292,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
         if (friction->value[i] == friction->kinetic[i]) continue;
-        const double per_angle = cam_sliding(from->geometry, i) * fabs(s->law[i].minus_by_v[0]);
+        const double per_angle = fabs(friction->sliding[i] * s->law[i].minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
         const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
         most = fmax(most, steepness * x * x * x / 6.0);
@@ -306,39 +302,56 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     return parts <= 1.0 ? 1.0 : parts <= (double)LOBATTO_FALL_PARTS ? 1.0 / parts : 0.0;
 }
 
-/* A first guess of x_i at all nodes: those at the start, with friction at R_ref. */
-COMPACT static void guess_loads(LobattoSystem *s, const LobattoStart *from, const double friction[2], double alpha) {
-    const SlipMode *slip = s->slip;
-    const Params *p = slip->params;
-    const Geometry *g = from->geometry;
-    const double v = g->dz_dtheta * from->omega;
-    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
-                         p->inertia.follower_mass * g->dz_dtheta * alpha;
-    ContactFactors f;
-    for (int i = 0; i < 2; i++) contact_factors_set(&f, i, g->radius[i], friction[i], g->slope[i]);
-    contact_factors_multiply(&f);
-    for (int k = 0; k < LOBATTO_NODES; k++)
-        for (int i = 0; i < 2; i++) s->pair[k / 2].x[i][k % 2] = f.rn[1 - i] * axial / f.delta;
+/* A motion that slows down: the share of the step up to which the nodes see the fall ahead. */
+COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+    double share = 1.0;
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &s->slip->fall[i];
+        const double sliding = friction->sliding[i], v = sliding * omega;
+        if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
+    }
+    return share < 1.0 ? STEP_SAFETY * share : 1.0;
+}
+
+/* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
+COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+    const double longest = s->h;
+    for (int i = 0; i < 2; i++) {
+        if (!s->law[i].has_table) continue;
+        const FrictionFall *fall = &s->slip->fall[i];
+        FrictionReach *reach = &s->law[i].reach;
+        const double sliding = friction->sliding[i], v = sliding * omega;
+        const double change = sliding * rhs * s->h;
+        friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
+        if (v + change >= reach->low && v + change <= reach->high) continue;
+        s->h *= fmin(reach->aim / fabs(change), 1.0);
+        s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
+    }
 }
 
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
-    const StartFriction friction = start_friction(s, from);
-    const double rhs = guess_rhs(s->slip, from, friction.value);
-    if (s->slip->friction_is_loaded) guess_loads(s, from, friction.value, rhs);
+    StartFriction friction = start_friction(s, from);
+    double rhs = guess_rhs(s->slip, from, friction.value);
+    if (s->slip->friction_is_loaded) {
+        lobatto_loads_guess(s, from, rhs, friction.value, friction.kinetic);
+        rhs = guess_rhs(s->slip, from, friction.value);
+    }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
+    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
 }
 
 /* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
  * where the whole is not. */
-static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, LobattoStep *out) {
-    double longest = s->h;
+static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, double longest, LobattoStep *out) {
     for (int n = 0;; n++) {
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
         if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
-        s->h = longest *= 0.5;
+        s->h = longest = 0.5 * fmin(s->h, longest);
+        s->end_speed.given = false;
     }
 }
 
@@ -349,7 +362,7 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
-    if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, out)) return false;
+    if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, left, out)) return false;
     const Vector2 domega = LOBATTO.weight.half[0] * s.y.half[0] + LOBATTO.weight.half[1] * s.y.half[1];
     out->h = s.h;
     out->dtheta = s.dtheta.at[LOBATTO_END];

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "collocation/lobatto_loads.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -68,31 +69,18 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-/* Turns f_i at R_ref into the tangent coefficient under the load x_i of the sweep before. */
-COMPACT static void put_under_load(const LobattoSystem *s, int i, Vector2 sliding, Vector2 length2, NodePair *n) {
-    const SlipMode *slip = s->slip;
-    const CamParams *cam = &slip->params->cam[i];
-    n->rest[i] = (Vector2){0.0, 0.0};
-    if (!friction_depends_on_load(cam)) return;
-    const Vector2 square = n->x[i] * n->x[i] * length2;
-    const Vector2 R = (Vector2){sqrt(square[0]), sqrt(square[1])} * (1.0 / slip->params->contacts);
-    const VectorLoadPower power = friction_load_power(cam, R);
-    const Vector2 viscous = s->law[i].viscous * sliding; /* the part of df_i/domega that has no R */
-    const Vector2 dry = n->friction[i] - viscous * n->omega, more = dry * power.by_log_load;
-    n->friction[i] = dry * power.value + viscous * n->omega + more;
-    n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
-    n->rest[i] = more * n->x[i];
-}
-
 static void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0};
     s->sigma = none + slip->direction;
+    s->end_speed.given = false;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        s->law[i] = friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i]);
+        friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i], &s->law[i]);
+        s->radius[i] = none + r;
         s->radius2[i] = none + r * r;
     }
+    if (slip->friction_is_loaded) lobatto_loads_begin(s);
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -111,8 +99,12 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
         const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
-        if (s->slip->friction_is_loaded) put_under_load(s, i, sliding, length2, n);
+        n->sliding[i] = sliding;
     }
+}
+
+static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
+    vector_contact_factors_set_varying(&n->factors, i, s->radius[i], s->radius2[i], n->friction[i], n->slope[i]);
 }
 
 /* Where friction varies: the friction at the speeds of the solution, to first order. The last sweep has changed the
@@ -122,23 +114,23 @@ static void follow_speeds(LobattoSystem *s) {
         NodePair *n = &s->pair[k];
         for (int i = 0; i < 2; i++) {
             n->friction[i] += n->dfriction_domega[i] * (s->speed.half[k] - n->omega);
-            const double r = s->slip->params->cam[i].radius;
-            vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+            set_varying_factors(s, i, n);
         }
         vector_contact_factors_multiply(&n->factors);
     }
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
-ALWAYS_INLINE static inline void find_factors(const LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
+ALWAYS_INLINE static inline void find_factors(LobattoSystem *s, Vector2 theta, Vector2 F_ext, Vector2 omega,
                                               bool varies, NodePair *n) {
     const SlipMode *slip = s->slip;
     const SpringParams *spring = &slip->params->spring;
     find_kinematics(slip, theta, n);
     if (varies) find_friction(s, omega, n);
+    if (varies && slip->friction_is_loaded) lobatto_loads_linearise(s, n);
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        if (varies) vector_contact_factors_set_varying(&n->factors, i, r, n->friction[i], n->slope[i]);
+        if (varies) set_varying_factors(s, i, n);
         else vector_contact_factors_set(&n->factors, i, r, slip->signed_friction[i], n->slope[i]);
     }
     vector_contact_factors_multiply(&n->factors);
@@ -152,33 +144,6 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
     const SlipMode *slip = s->slip;
     const Vector2 none = {0.0, 0.0}, v = dz_dtheta * omega;
     return s->has_damper ? v * (slip->c + slip->q * slip->direction * v) : none;
-}
-
-/* Where friction depends on the load: x_i under the forces, and 1/s, minus the derivative of alpha by the speed through
- * the friction coefficients: a change df_i at constant x_i adds to the balance as minus a rest does. */
-COMPACT static void find_loads(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
-    const SlipMode *slip = s->slip;
-    const InertiaParams *in = &slip->params->inertia;
-    const CamParams *cam = slip->params->cam;
-    const VectorContactFactors *f = &n->factors;
-    const LoadShift shift = lobatto_load_shift(slip, n);
-    Vector2 axial = n->force + n->damper + shift.axial, moment = shift.moment, inverse = 1.0 / f->delta;
-    if (slip->follower_has_inertia) {
-        axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega * omega);
-        moment += in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega * omega);
-    }
-    const Vector2 x[2] = {(f->rn[1] * axial - f->d[1] * moment) * inverse,
-                          (f->rn[0] * axial + f->d[0] * moment) * inverse};
-    Vector2 torque[2], net = {0.0, 0.0};
-    for (int i = 0; i < 2; i++) {
-        const Vector2 change = x[i] - n->x[i], square = change * change, whole = x[i] * x[i];
-        s->load_change = fmax(s->load_change, fmax(square[0] / whole[0], square[1] / whole[1]));
-        n->x[i] = x[i];
-        const Vector2 force = x[i] * n->dfriction_domega[i];
-        torque[i] = cam[i].radius * cam[i].radius * force;
-        net += f->p * n->slope[i] * force;
-    }
-    n->friction_damping = (f->delta * torque[1] + net - f->q * (torque[1] - torque[0])) / n->mass;
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
@@ -225,8 +190,8 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         const LoadShift shift = lobatto_load_shift(slip, n);
         net += f->delta * shift.torque - f->p * shift.axial - f->q * shift.moment;
     }
-    const Vector2 alpha = net / n->mass;
-    if (loaded) find_loads(s, omega, alpha, n);
+    Vector2 alpha = net / n->mass;
+    if (loaded) alpha = lobatto_loads_find(s, omega, alpha, n);
     if (varies) {
         if (first && !loaded) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
@@ -250,19 +215,34 @@ static inline Vector2 viscous_rhs(const LobattoSystem *s, Vector2 tau, NodePair 
     return omega;
 }
 
-/* The balances at the nodes. */
+/* With inertia: the balance at pair k of nodes. */
+ALWAYS_INLINE static inline void evaluate_inertial(LobattoSystem *s, int k, bool varies, bool first) {
+    NodePair *n = &s->pair[k];
+    find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
+    s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
+}
+
+NOINLINE static void evaluate_varying(LobattoSystem *s, int k, bool first) {
+    evaluate_inertial(s, k, true, first);
+}
+
+/* The balances at the nodes. Friction varies with inertia only. */
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
-    if (varies) s->load_change = 0.0;
+    if (varies) s->load_error = 0.0;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
-        find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], varies, n);
-        if (lobatto_system_is_inertial(s))
-            s->y.half[k] = inertial_rhs(s, s->tau.half[k], s->speed.half[k], varies, first, n);
-        else s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
+        if (varies) {
+            evaluate_varying(s, k, first);
+        } else if (lobatto_system_is_inertial(s)) {
+            evaluate_inertial(s, k, false, first);
+        } else {
+            find_factors(s, s->theta + s->dtheta.half[k], s->F_ext.half[k], s->speed.half[k], false, n);
+            s->y.half[k] = s->speed.half[k] = viscous_rhs(s, s->tau.half[k], n);
+        }
     }
 }
 
-double lobatto_system_speed_at_end(const LobattoSystem *s) {
+double lobatto_system_speed_at_end(LobattoSystem *s) {
     const int last = LOBATTO_HALVES - 1;
     NodePair pair;
     find_factors(s, s->theta + s->dtheta.half[last], s->F_ext.half[last], s->speed.half[last], false, &pair);
@@ -279,7 +259,7 @@ static inline bool is_possible(const LobattoSystem *s, bool varies) {
         if (varies && s->slip->friction_is_loaded) /* then each contact has one answer */
             possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
         if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
-        possible &= lobatto_system_is_inertial(s) ? mass * delta > 0.0
+        possible &= varies || lobatto_system_is_inertial(s) ? mass * delta > 0.0
                                                   : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
     return possible;
@@ -297,10 +277,10 @@ void lobatto_system_guess(LobattoSystem *s, double rhs) {
     }
 }
 
-static inline void place_nodes(LobattoSystem *s) {
+ALWAYS_INLINE static inline void place_nodes(LobattoSystem *s, bool varies) {
     const double h = s->h;
     const LobattoValues once = lobatto_combine(LOBATTO.once, &s->y);
-    if (!lobatto_system_is_inertial(s)) {
+    if (!varies && !lobatto_system_is_inertial(s)) {
         for (int k = 0; k < LOBATTO_HALVES; k++) s->dtheta.half[k] = h * once.half[k];
         return;
     }
@@ -317,7 +297,7 @@ static inline LobattoValues predict_change(const LobattoSystem *s, const Lobatto
     const double h = s->h, per_angle = 1.0 / s->dtheta.at[LOBATTO_END];
     double growth = (s->y.at[LOBATTO_END] - s->y.at[0]) * per_angle;
     LobattoValues next = lobatto_combine(LOBATTO.once, change);
-    if (!lobatto_system_is_inertial(s)) {
+    if (!varies && !lobatto_system_is_inertial(s)) {
         for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] *= growth * h;
         return next;
     }
@@ -343,13 +323,30 @@ static inline void find_inputs(LobattoSystem *s) {
     }
 }
 
+NOINLINE static void place_nodes_again(LobattoSystem *s) {
+    place_nodes(s, false);
+}
+
 /* Corrects h so that the step ends at the angle; returns by how much the step missed the angle, rad. */
 static inline double aim_at_end(LobattoSystem *s, const EndAngle *end) {
     const int direction = s->slip->direction;
     const double missed = end->distance - direction * s->dtheta.at[LOBATTO_END];
     s->h += direction * missed / s->speed.at[LOBATTO_END];
-    place_nodes(s);
+    place_nodes_again(s);
     return missed;
+}
+
+/* Corrects h so that the sliding speed of a contact ends at the sample; false if the speed missed the sample before. The
+ * groove's part of the acceleration is taken to be constant over the step. */
+COMPACT static bool aim_at_sample(LobattoSystem *s) {
+    const EndSpeed *end = &s->end_speed;
+    const double omega = s->speed.at[LOBATTO_END], sliding = s->pair[LOBATTO_HALVES - 1].sliding[end->contact][1];
+    const double v = omega * sliding, missed = end->speed - v;
+    if (fabs(missed) <= end->slack || s->h >= end->longest) return true;
+    const double bend = s->h * s->y.at[LOBATTO_END] - (omega - s->omega); /* of the speed, over the step */
+    s->h = fmin(s->h * (1.0 + missed / (v - end->start + sliding * bend)), end->longest);
+    place_nodes_again(s);
+    return false;
 }
 
 /* One evaluation at the nodes; returns the change of y. */
@@ -372,7 +369,7 @@ static inline bool is_placed(const LobattoSystem *s) {
  * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
-    const double per_y = lobatto_system_is_inertial(s) ? s->h : 1.0;
+    const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
     const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
@@ -389,13 +386,14 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
         bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
         if (varies && slip->friction_is_loaded)
-            converged &= LOBATTO_LOAD_SHARE * s->load_change <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
+            converged &= s->load_error <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
-        place_nodes(s);
+        place_nodes(s, varies);
         if (end->given) missed = aim_at_end(s, end);
+        const bool at_sample = !varies || !s->end_speed.given || aim_at_sample(s);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
-        if (converged && at_end && (!varies || is_placed(s))) {
+        if (converged && at_end && at_sample && (!varies || is_placed(s))) {
             if (varies) follow_speeds(s);
             return is_possible(s, varies);
         }
@@ -408,10 +406,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
     return false;
 }
 
-NOINLINE static bool solve_varying(LobattoSystem *s, const EndAngle *end) {
+NOINLINE bool lobatto_system_solve_varying(LobattoSystem *s, const EndAngle *end) {
     return solve_with(s, end, true);
 }
 
 bool lobatto_system_solve(LobattoSystem *s, const EndAngle *end) {
-    return s->slip->friction_varies ? solve_varying(s, end) : solve_with(s, end, false);
+    return s->slip->friction_varies ? lobatto_system_solve_varying(s, end) : solve_with(s, end, false);
 }

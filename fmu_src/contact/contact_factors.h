@@ -49,10 +49,10 @@ static inline void vector_contact_factors_set(VectorContactFactors *f, int i, do
     f->d[i] = r - signed_friction * a;
 }
 
-/* With signed friction coefficients f of both angles. */
-static inline void vector_contact_factors_set_varying(VectorContactFactors *factors, int i, double r, Vector2 f,
-                                                      Vector2 a) {
-    factors->rn[i] = r * (a + f * r);
+/* With signed friction coefficients f of both angles; r2: r^2. */
+static inline void vector_contact_factors_set_varying(VectorContactFactors *factors, int i, Vector2 r, Vector2 r2,
+                                                      Vector2 f, Vector2 a) {
+    factors->rn[i] = r * a + f * r2;
     factors->d[i] = r - f * a;
 }
 

@@ -55,47 +55,59 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     };
 }
 
-COMPACT VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R) {
-    const FrictionParams *law = &cam->law;
-    const Vector2 none = {0.0, 0.0}, q = R * (1.0 / law->load);
+NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
+    const Vector2 none = {0.0, 0.0};
     if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) {
-        const Vector2 power = vector2_exp(law->load_exponent * vector2_log(q));
-        return (VectorLoadPower){power, law->load_exponent * power};
+        const Vector2 power = vector2_exp(exponent * vector2_log(q));
+        return (VectorLoadPower){power, exponent * power, true};
     }
-    VectorLoadPower out = {none, none};
+    VectorLoadPower out = {none, none, false};
     for (int j = 0; j < 2; j++) {
         const Dual l = level_log(q[j]);
-        out.value[j] = exp(law->load_exponent * l.value);
-        out.by_log_load[j] = law->load_exponent * l.slope * q[j] * out.value[j];
+        out.value[j] = exp(exponent[j] * l.value);
+        out.by_log_load[j] = exponent[j] * l.slope * q[j] * out.value[j];
     }
     return out;
 }
 
-FrictionNearby friction_nearby_of(const CamParams *cam, double sign) {
+void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near) {
     const Vector2 none = {0.0, 0.0};
-    return (FrictionNearby){
-        .kinetic = none + sign * cam->friction,
-        .viscous = none + sign * cam->law.viscous,
-        .excess = none + sign * excess_of(cam),
-        .minus_by_v = none - 1.0 / cam->law.stribeck_velocity,
-        .gone = cam->law.table ? INFINITY : speed_without_excess(cam),
-        .is_gauss = cam->law.stribeck_exponent == 2,
-        .sign = sign,
-        .table = cam->law.table,
-    };
+    near->kinetic = none + sign * cam->friction;
+    near->viscous = none + sign * cam->law.viscous;
+    near->excess = none + sign * excess_of(cam);
+    near->minus_by_v = none - 1.0 / cam->law.stribeck_velocity;
+    near->gone = cam->law.table ? INFINITY : speed_without_excess(cam);
+    near->is_gauss = cam->law.stribeck_exponent == 2;
+    near->sign = sign;
+    near->has_table = cam->law.table != NULL;
 }
 
-NOINLINE VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v) {
-    const FrictionCoefficient a = friction_table_at(table, v[0]), b = friction_table_at(table, v[1]);
-    return (VectorFriction){sign * (Vector2){a.value, b.value}, sign * (Vector2){a.by_speed, b.by_speed}};
+/* An iteration may look a quarter of the piece beyond its ends. */
+NOINLINE VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v) {
+    const FrictionReach *p = &near->reach;
+    Vector2 t = (v - p->v) * p->per_width, slope = p->c[4], u = p->c[4];
+    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
+    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
+    for (int n = 3; n >= 0; n--) {
+        u = u * t + p->c[n];
+        slope = slope * t + u;
+    }
+    const Vector2 mu = near->sign * p->mu * vector2_exp(u * t);
+    return (VectorFriction){mu, mu * slope * p->per_width};
+}
+
+/* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
+static double friction_overshoot(double tolerance) {
+    const double quarter = sqrt(sqrt(tolerance));
+    return FRICTION_OVERSHOOT * quarter * sqrt(quarter);
 }
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return (FrictionFall){.table = law->table, .overshoot = FRICTION_OVERSHOOT * cbrt(tolerance)};
+    if (law->table) return (FrictionFall){.table = law->table, .overshoot = friction_overshoot(tolerance)};
     if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
-    const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
-    const bool gauss = law->stribeck_exponent == 2;
+    const bool gauss = law->stribeck_exponent == 2, tight = tolerance < STRIBECK_TIGHT;
+    const double fallen = tight ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     return (FrictionFall){
         .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
         .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),

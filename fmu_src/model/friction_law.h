@@ -102,24 +102,25 @@ typedef struct {
     double gone;                /* m/s, above which the excess is below all rounding; infinity for a table */
     double sign;                /* of all values */
     bool is_gauss;              /* the Stribeck exponent is 2 */
-    const FrictionTable *table;
+    bool has_table;
+    FrictionReach reach; /* only of a table; see friction_table_begin() */
 } FrictionNearby;
 
 /* `sign`: +1 or -1, on all values of friction_nearby_at(). */
-FrictionNearby friction_nearby_of(const CamParams *cam, double sign);
+void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near);
 
 /* mu and dmu/dv at two speeds v. */
 typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-VectorFriction friction_table_at_both(const FrictionTable *table, double sign, Vector2 v);
+VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v);
 
-/* friction_at() at two speeds, times the sign, to some roundings. */
+/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0. */
 static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
     VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
     if (v[0] > near->gone && v[1] > near->gone) return mu;
-    if (near->table) return friction_table_at_both(near->table, near->sign, v);
+    if (near->has_table) return friction_on_piece(near, v);
     const Vector2 ratio = v * near->minus_by_v;
     if (near->is_gauss) {
         const Vector2 share = near->excess * vector2_exp(-ratio * ratio), slope = near->minus_by_v * ratio;
@@ -127,19 +128,20 @@ static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vect
         mu.by_speed -= share * (slope + slope);
     } else {
         const Vector2 inside = {ratio[0] > 1.0 ? 1.0 : ratio[0], ratio[1] > 1.0 ? 1.0 : ratio[1]}; /* see Exponent */
-        const Vector2 share = near->excess * vector2_exp(inside), slope = near->minus_by_v * share;
+        const Vector2 share = near->excess * vector2_exp(inside);
         mu.value += share;
-        mu.by_speed += (Vector2){ratio[0] < 1.0 ? slope[0] : 0.0, ratio[1] < 1.0 ? slope[1] : 0.0};
+        mu.by_speed += near->minus_by_v * share;
     }
     return mu;
 }
 
-/* (R/R_ref)^nu at two reactions R >= 0 of one contact, as level_log.h has the logarithm, and R times its derivative. */
+/* q^nu, as level_log() has the logarithm, and q times its derivative; q = R/R_ref >= 0. */
 typedef struct {
     Vector2 value, by_log_load;
+    bool is_power; /* by_log_load is nu q^nu */
 } VectorLoadPower;
 
-VectorLoadPower friction_load_power(const CamParams *cam, Vector2 R);
+VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q);
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is
  * not used where the law does not depend on the load. */

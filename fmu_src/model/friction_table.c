@@ -26,10 +26,12 @@ static FrictionCoefficient curve_at(const FrictionPiece *p, double v) {
                                  t < x ? 0.0 : slope * p->per_width};
 }
 
+static const FrictionPiece *piece_of(const FrictionTable *table, size_t load, size_t j) {
+    return &table->piece[load * (table->count + 1) + j];
+}
+
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
-    const size_t j = find(table->speed, table->count, v), k = table->loads / 2;
-    if (j == table->count) return (FrictionCoefficient){table->end[k], 0.0};
-    const FrictionPiece *p = &table->piece[k * table->count + j];
+    const FrictionPiece *p = piece_of(table, table->loads / 2, find(table->speed, table->count, v));
     const FrictionCoefficient u = curve_at(p, v);
     const double value = p->mu * exp(u.value);
     return (FrictionCoefficient){value, value * u.by_speed};
@@ -37,10 +39,7 @@ FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
 
 /* u_k(v) along a motion. */
 COMPACT static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
-    const Dual none = {0.0, 0.0};
-    const size_t j = find(table->speed, table->count, v->c[0].value);
-    if (j == table->count) return jet_line((Dual){logarithm(table->end[k]), 0.0}, none, v);
-    const FrictionPiece *p = &table->piece[k * table->count + j];
+    const FrictionPiece *p = piece_of(table, k, find(table->speed, table->count, v->c[0].value));
     const double c[6] = {p->log_mu, p->c[0], p->c[1], p->c[2], p->c[3], p->c[4]};
     const Jet t = jet_line((Dual){-p->v * p->per_width, 0.0}, (Dual){p->per_width, 0.0}, v);
     return jet_polynomial(c, 5, &t);
@@ -78,10 +77,10 @@ COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v
     const size_t j = find(table->speed, table->count, v);
     double u[FRICTION_LOADS_MAX], slope[FRICTION_LOADS_MAX];
     for (size_t k = 0; k < table->loads; k++) {
-        const FrictionPiece *p = &table->piece[k * table->count + (j < table->count ? j : 0)];
+        const FrictionPiece *p = piece_of(table, k, j);
         const FrictionCoefficient curve = curve_at(p, v);
-        u[k] = j < table->count ? p->log_mu + curve.value : logarithm(table->end[k]);
-        slope[k] = j < table->count ? curve.by_speed : 0.0;
+        u[k] = p->log_mu + curve.value;
+        slope[k] = curve.by_speed;
     }
     const FrictionCoefficient spline = spline_at(table, &at, u);
     const double mu = exp(spline.value);
@@ -128,21 +127,47 @@ COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v, const
 
 /* ---- steps ---- */
 
-/* A step ends at the next of the knots, or after a part of the piece. A step aims at the middle of the overshoot; a step
- * that starts close to a knot has reached that knot before. knot[0] is 0, where no step ends. */
-COMPACT static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
-    const bool up = to > from;
-    const double change = fabs(to - from);
-    size_t k = find(knot, last, from);
-    for (k += up; up ? k <= last : k > 0; k += up ? 1 : (size_t)-1) {
-        const double below = knot[k] - knot[k - 1], above = k < last ? knot[k + 1] - knot[k] : INFINITY;
-        const double beyond = overshoot * fmin(below, above), distance = up ? knot[k] - from : from - knot[k];
-        if (distance < 0.25 * beyond) continue;
-        const double part = FRICTION_SPAN * (up ? below : above);
-        if (part < distance) return change <= part ? 1.0 : STEP_SAFETY * part / change;
-        return change <= distance + beyond ? 1.0 : (distance + 0.5 * beyond) / change;
+/* By how much a step may pass knot k. knot[0] is 0, where no step ends. */
+static inline double passing(const double *knot, size_t last, double overshoot, size_t k) {
+    if (k == 0 || k > last) return INFINITY;
+    const double below = knot[k] - knot[k - 1];
+    return overshoot * (k < last ? fmin(below, knot[k + 1] - knot[k]) : below);
+}
+
+/* The way of a step from x, up or down. */
+typedef struct {
+    size_t piece;        /* on which the step lies; `last`: beyond the last knot */
+    double aim, longest; /* the distance at which the step is to end, if it gets that far; that which it may reach */
+    double back;         /* the distance that it may go the other way */
+} KnotStep;
+
+/* A step ends at the next of the knots, or halfway where it is far. At the knot the step aims at the middle of the
+ * overshoot; a step that starts close to a knot has reached that knot before. x lies between knots k and k + 1. */
+NOINLINE static KnotStep knot_step(const double *knot, size_t last, double overshoot, double x, bool up, size_t k) {
+    k += up;
+    double beyond = passing(knot, last, overshoot, k);
+    while (fabs(knot[k] - x) < FRICTION_REACHED * beyond && beyond < INFINITY) {
+        k = up ? k + 1 : k - 1;
+        beyond = passing(knot, last, overshoot, k);
     }
-    return 1.0;
+    const size_t piece = up ? k - 1 : k, behind = up ? piece : piece + 1;
+    const double most = piece < last ? FRICTION_SPAN * (knot[piece + 1] - knot[piece]) : INFINITY;
+    KnotStep step = {.piece = piece, .aim = INFINITY, .longest = INFINITY, .back = most};
+    if (beyond < INFINITY) {
+        const double distance = fabs(knot[k] - x);
+        const bool is_far = distance > FRICTION_SPAN_SLACK * most;
+        step.aim = is_far ? 0.5 * distance : distance + 0.5 * beyond;
+        step.longest = is_far ? FRICTION_SPAN_SLACK * step.aim : distance + beyond;
+    }
+    if (behind > 0 && behind <= last)
+        step.back = fmin(most, fabs(x - knot[behind]) + passing(knot, last, overshoot, behind));
+    return step;
+}
+
+static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
+    const KnotStep step = knot_step(knot, last, overshoot, from, to > from, find(knot, last, from));
+    const double change = fabs(to - from);
+    return change <= step.longest ? 1.0 : step.aim / change;
 }
 
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to) {
@@ -151,4 +176,27 @@ double friction_table_share(const FrictionTable *table, double overshoot, double
 
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to) {
     return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
+}
+
+static void take_piece(const FrictionTable *table, size_t j, FrictionReach *reach) {
+    const FrictionPiece *p = piece_of(table, table->loads / 2, j);
+    const Vector2 none = {0.0, 0.0};
+    reach->index = j;
+    reach->v = none + p->v;
+    reach->per_width = none + p->per_width;
+    reach->mu = none + p->mu;
+    for (int n = 0; n < 5; n++) reach->c[n] = none + p->c[n];
+}
+
+void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach) {
+    take_piece(table, find(table->speed, table->count, v), reach);
+}
+
+void friction_table_reach(const FrictionTable *table, double overshoot, double v, bool up, FrictionReach *reach) {
+    const KnotStep step = knot_step(table->speed, table->count, overshoot, v, up, reach->index);
+    if (step.piece != reach->index) take_piece(table, step.piece, reach);
+    reach->low = v - (up ? step.back : step.longest);
+    reach->high = v + (up ? step.longest : step.back);
+    reach->aim = step.aim;
+    reach->slack = FRICTION_AIM_SHARE * (step.longest - step.aim);
 }

@@ -17,10 +17,11 @@
 
 #include "model/params.h"
 #include "numerics/jet.h"
+#include "numerics/vector2.h"
 
 enum { FRICTION_LOADS_MAX = 16 };
 
-/* The curve from one sample to the next. */
+/* The curve from one sample to the next. Beyond the last sample it is constant, and per_width is 0. */
 typedef struct {
     double v;          /* m/s, where it starts */
     double per_width;  /* s/m */
@@ -29,10 +30,9 @@ typedef struct {
 } FrictionPiece;
 
 struct FrictionTable {
-    size_t count, loads;                 /* of pieces per load; of loads */
-    FrictionPiece *piece;                /* owned: all of the first load, then of the next */
+    size_t count, loads;                 /* of the last speed, the first being 0; number of loads */
+    FrictionPiece *piece;                /* owned: count + 1 of the first load, then of the next */
     double *speed;                       /* owned: m/s, count + 1 of them */
-    double end[FRICTION_LOADS_MAX];      /* mu at the last speed and beyond */
     double load[FRICTION_LOADS_MAX + 1]; /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
@@ -53,7 +53,7 @@ typedef struct {
 
 /* mu(0+), at the middle one of the loads */
 static inline double friction_table_at_rest(const FrictionTable *table) {
-    return table->piece[table->loads / 2 * table->count].mu;
+    return table->piece[table->loads / 2 * (table->count + 1)].mu;
 }
 
 /* At the middle one of the loads. Below v = 0, at which an iteration may look, the first piece continues for a quarter
@@ -70,5 +70,20 @@ Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R)
  * between both; 1: the step may reach `to`. `overshoot`: share of a piece's width by which a step may pass a sample. */
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to);
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to);
+
+/* The piece on which a step lies, in both halves of vectors, and the speeds up to which the step may use it. */
+typedef struct {
+    size_t index;
+    Vector2 v, per_width, mu, c[5];
+    double low, high; /* m/s */
+    double aim;       /* m/s, the change of speed at which a longer step is to end; infinity: none */
+    double slack;     /* m/s, by which the step may miss the aim */
+} FrictionReach;
+
+/* The piece at the speed v; at the middle one of the loads. */
+void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach);
+
+/* The piece of a step from the speed v, and how far the step reaches. `up`: the speed grows. */
+void friction_table_reach(const FrictionTable *table, double overshoot, double v, bool up, FrictionReach *reach);
 
 #endif

@@ -137,13 +137,14 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
     const CurveSamples curve = {&sample->v, &sample->log_mu, s->speeds, sizeof *sample / sizeof(double)};
     curve_knots(&curve, true, &s->knot[first]);
     double sum = 0.0;
+    FrictionPiece *const pieces = &table->piece[k * (table->count + 1)];
     for (size_t j = 0; j < table->count; j++) {
-        const FrictionPiece piece = piece_of(s, first + j);
-        table->piece[k * table->count + j] = piece;
+        const FrictionPiece piece = pieces[j] = piece_of(s, first + j);
         for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
         if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
-    table->end[k] = sample[table->count].mu;
+    const FrictionSample *end = &sample[table->count];
+    pieces[table->count] = (FrictionPiece){.v = end->v, .mu = end->mu, .log_mu = end->log_mu};
     return isfinite(sum);
 }
 
@@ -213,7 +214,7 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
         *table = (FrictionTable){
             .count = count,
             .loads = s->loads,
-            .piece = malloc(s->loads * count * sizeof(FrictionPiece)),
+            .piece = malloc(s->count * sizeof(FrictionPiece)),
             .speed = malloc(s->speeds * sizeof(double)),
             .falls_at = NAN,
         };

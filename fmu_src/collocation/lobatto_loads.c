@@ -1,0 +1,120 @@
+#include "collocation/lobatto_loads.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "model/elements.h"
+#include "numerics/tolerances.h"
+#include "platform/attributes.h"
+
+COMPACT void lobatto_loads_begin(LobattoSystem *s) {
+    const Params *p = s->slip->params;
+    const Vector2 none = {0.0, 0.0};
+    for (int i = 0; i < 2; i++) {
+        const FrictionParams *law = &p->cam[i].law;
+        s->per_load[i] = none + 1.0 / (p->contacts * law->load);
+        s->load_exponent[i] = none + (friction_depends_on_load(&p->cam[i]) ? law->load_exponent : 0.0);
+    }
+}
+
+/* ---- the start ---- */
+
+/* Both contacts in one vector. */
+COMPACT void lobatto_loads_guess(LobattoSystem *s, const LobattoStart *from, double alpha, double value[2],
+                                 double kinetic[2]) {
+    const SlipMode *slip = s->slip;
+    const Params *p = slip->params;
+    const Geometry *g = from->geometry;
+    const double v = g->dz_dtheta * from->omega, a[2] = {g->slope[0], g->slope[1]};
+    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
+                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+    double dry[2], viscous[2], more[2] = {0.0, 0.0}, power[2] = {1.0, 1.0}, x[2] = {0.0, 0.0}, torque[2];
+    for (int i = 0; i < 2; i++) {
+        viscous[i] = s->law[i].viscous[0] * slip->direction * from->omega * cam_sliding(g, i);
+        dry[i] = value[i] - viscous[i];
+    }
+    const Vector2 exponent = {s->load_exponent[0][0], s->load_exponent[1][0]};
+    for (int n = 0;; n++) {
+        ContactFactors f;
+        double load = axial;
+        for (int i = 0; i < 2; i++) {
+            const double r = g->radius[i];
+            contact_factors_set(&f, i, r, dry[i] * power[i] + viscous[i] + more[i], a[i]);
+            load -= a[i] * more[i] * x[i];
+            torque[i] = r * r * more[i] * x[i];
+        }
+        contact_factors_multiply(&f);
+        x[0] = (f.rn[1] * load - f.d[1] * (torque[1] - torque[0])) / f.delta;
+        x[1] = (f.rn[0] * load + f.d[0] * (torque[1] - torque[0])) / f.delta;
+        if (n == LOBATTO_LOAD_GUESSES) break;
+        const Vector2 q = {fabs(x[0]) * cam_length(g, 0) * s->per_load[0][0],
+                           fabs(x[1]) * cam_length(g, 1) * s->per_load[1][0]};
+        const VectorLoadPower at = friction_load_power(exponent, q);
+        for (int i = 0; i < 2; i++) {
+            power[i] = at.value[i];
+            more[i] = dry[i] * at.by_log_load[i];
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        kinetic[i] = (kinetic[i] - viscous[i]) * power[i] + viscous[i];
+        value[i] = dry[i] * power[i] + viscous[i];
+        for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = (Vector2){x[i], x[i]};
+    }
+}
+
+/* ---- a sweep ---- */
+
+NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const Vector2 exponent = s->load_exponent[i], none = {0.0, 0.0};
+        n->rest[i] = n->curve[i] = none;
+        if (exponent[0] == 0.0) continue;
+        const Vector2 square = n->x[i] * n->x[i] * (s->radius2[i] + n->slope[i] * n->slope[i]);
+        const Vector2 q = (Vector2){sqrt(square[0]), sqrt(square[1])} * s->per_load[i];
+        const VectorLoadPower power = friction_load_power(exponent, q);
+        const Vector2 viscous = s->law[i].viscous * n->sliding[i]; /* the part of df_i/domega that has no R */
+        const Vector2 dry = n->friction[i] - viscous * n->omega, more = dry * power.by_log_load;
+        n->friction[i] = dry * power.value + viscous * n->omega + more;
+        n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
+        n->rest[i] = more * n->x[i];
+        if (power.is_power) n->curve[i] = 0.5 + 0.5 * exponent;
+    }
+}
+
+/* The change of net torque, N.m m^3, by changes of the friction forces f_i x_i, N/m: as minus rests of that size. */
+static inline Vector2 torque_by_friction(const LobattoSystem *s, const NodePair *n, const Vector2 force[2]) {
+    const VectorContactFactors *f = &n->factors;
+    const Vector2 torque[2] = {s->radius2[0] * force[0], s->radius2[1] * force[1]};
+    return f->delta * torque[1] + f->p * (n->slope[0] * force[0] + n->slope[1] * force[1]) -
+           f->q * (torque[1] - torque[0]);
+}
+
+NOINLINE Vector2 lobatto_loads_find(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
+    const SlipMode *slip = s->slip;
+    const InertiaParams *in = &slip->params->inertia;
+    const VectorContactFactors *f = &n->factors;
+    const LoadShift shift = lobatto_load_shift(slip, n);
+    const Vector2 inverse = 1.0 / f->delta, inertia = 1.0 / n->mass;
+    Vector2 axial = n->force + n->damper + shift.axial, moment = shift.moment;
+    if (slip->follower_has_inertia) {
+        axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega * omega);
+        moment += in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega * omega);
+    }
+    const Vector2 x[2] = {(f->rn[1] * axial - f->d[1] * moment) * inverse,
+                          (f->rn[0] * axial + f->d[0] * moment) * inverse};
+    Vector2 by_speed[2], bent[2];
+    for (int i = 0; i < 2; i++) {
+        const Vector2 change = x[i] - n->x[i];
+        Vector2 square = change * change / (n->x[i] * n->x[i] + DBL_MIN);
+        square = (Vector2){square[0] < 0.1 ? square[0] : 0.1, square[1] < 0.1 ? square[1] : 0.1};
+        const double most = square[0] > square[1] ? square[0] : square[1];
+        const double error = LOBATTO_LOAD_SHARE * (n->curve[i][0] > 0.0 ? most * sqrt(most) : most);
+        s->load_error = error > s->load_error ? error : s->load_error;
+        bent[i] = -n->curve[i] * n->rest[i] * square;
+        n->rest[i] += bent[i];
+        n->x[i] = x[i];
+        by_speed[i] = x[i] * n->dfriction_domega[i];
+    }
+    n->friction_damping = torque_by_friction(s, n, by_speed) * inertia;
+    return alpha + torque_by_friction(s, n, bent) * inertia;
+}
