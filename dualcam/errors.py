@@ -58,6 +58,10 @@ class TaskError(DualcamError):
     """A task of `dualcam.gym` cannot be made or stepped as asked. The message says what is allowed."""
 
 
+class MujocoError(DualcamError):
+    """A cam cannot be put on a joint of a MuJoCo model, or stepped, as asked. The message says what would work."""
+
+
 class IdentificationError(DualcamError):
     """A recording, or the wish what to fit to the recording, is refused. The message says what is allowed."""
 

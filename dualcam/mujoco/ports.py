@@ -1,0 +1,180 @@
+"""The cams of one joint in all instances: a fleet of FMUs, and the law of their shaft over a step."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.errors import DualcamWarning, MujocoError
+from dualcam.fleet import Fleet, FleetState
+from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
+from dualcam.mujoco.torques import ShaftLaw
+from dualcam.reals import Array
+
+# Parameters that do not act in the inverse FMU behind an elastic shaft.
+WITHOUT_EFFECT = (
+    *("damper.c_load", "damper.q_load", "damper.c_release", "damper.q_release", "shaft.damping"),
+    *("inertia.follower_mass", "inertia.follower"),
+)
+
+
+class PortState(NamedTuple):
+    """What a port needs to go on from a point in time."""
+
+    fleet: FleetState
+    arrays: tuple[Array, ...]
+
+
+class Port(Protocol):
+    """The cams of one joint in all instances."""
+
+    cam: CamJoint
+    fleet: Fleet
+
+    def start(self, chosen: NDArray[np.bool_], theta: Array, omega: Array) -> None:
+        """Begin anew at these angles and speeds, where chosen."""
+        ...
+
+    def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
+        """The law of the shaft over the coming step, whose end at the joint would reach `angle` and `speed`
+        without the shaft's torque."""
+        ...
+
+    def advance(self, theta: Array, torque: Array, step: float) -> None:
+        """The step is made: the joint is at `theta`, the shaft gave `torque` to the cam."""
+        ...
+
+    def save(self) -> PortState:
+        """The present state."""
+        ...
+
+    def restore(self, state: PortState) -> None:
+        """Go back to a saved state."""
+        ...
+
+
+def port_of(cam: CamJoint, theta: Array, omega: Array) -> Port:
+    """The port of a cam, at the start of a run."""
+    return DrivePort(cam, theta, omega) if isinstance(cam, DriveTrain) else CamPort(cam, theta)
+
+
+class CamPort:
+    """The inverse FMU behind an elastic shaft.
+
+    The FMU carries the cam's angle x along as the joint moves, and gives the edges of the stick band at x. In
+    the next step the shaft's torque is K (theta - x), inside the band: while the torque is at an edge the cam
+    slips. A cam at a stop carries any torque into that stop."""
+
+    INPUTS = ("theta",)
+    OUTPUTS = ("theta_cam", "torque_release", "torque_load")
+
+    def __init__(self, cam: CamJoint, theta: Array) -> None:
+        self.cam = cam
+        values = cam.values()
+        _warn_of_no_effect(cam, values)
+        start = {"shaft.stiffness": float(cam.stiffness), "theta": theta}
+        self.fleet = Fleet("inverse", len(theta), self.INPUTS, self.OUTPUTS, values | start)
+        self._stops = (self.fleet.get("stop.lower"), self.fleet.get("stop.upper"))
+        self._outputs = np.empty((len(theta), len(self.OUTPUTS)))
+        self._read()
+
+    def _read(self) -> None:
+        for i, name in enumerate(self.OUTPUTS):
+            self._outputs[:, i] = self.fleet.get(name)
+
+    def start(self, chosen: NDArray[np.bool_], theta: Array, omega: Array) -> None:
+        self.fleet.reset(chosen, {"theta": theta})
+        self._read()
+
+    def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
+        x, release, load = self._outputs.T
+        stiffness = float(self.cam.stiffness)
+        lower = np.where(x <= self._stops[0], -math.inf, release)
+        upper = np.where(x >= self._stops[1], math.inf, load)
+        return ShaftLaw(stiffness * (angle - x), stiffness * step**2, 0.0, lower, upper)
+
+    def advance(self, theta: Array, torque: Array, step: float) -> None:
+        # Only the angle is given, and the speed stays 0: the FMU's path from angle to angle is then monotone,
+        # as is the motion of MuJoCo within a step.
+        self.fleet.step(theta[:, None], step, self._outputs)
+
+    def save(self) -> PortState:
+        return PortState(self.fleet.save(), (self._outputs.copy(),))
+
+    def restore(self, state: PortState) -> None:
+        self.fleet.restore(state.fleet)
+        self._outputs[:] = state.arrays[0]
+
+
+def _warn_of_no_effect(cam: CamJoint, values: dict) -> None:
+    found = [name for name in WITHOUT_EFFECT if np.any(np.asarray(values.get(name, 0.0)) != 0.0)]
+    if found:
+        warnings.warn(
+            f"joint {cam.joint!r}: {', '.join(found)} of the cam do not act behind an elastic shaft: use"
+            " DriveTrain, where they act, or damping and armature of the joint",
+            DualcamWarning,
+            stacklevel=6,
+        )
+
+
+class DrivePort:
+    """The forward FMU behind an elastic shaft.
+
+    The FMU gets the torques of motor and shaft, constant over a step. The shaft's law takes the cam's motion
+    over the coming step from its present angle, speed and acceleration. While the cam slides, a change of
+    torque changes that motion by the cam's inertia J: the law has h^2/(2 J) and h/J in `compliance`."""
+
+    INPUTS = ("tau",)
+    OUTPUTS = ("theta", "omega", "alpha")
+
+    def __init__(self, cam: DriveTrain, theta: Array, omega: Array) -> None:
+        self.cam: CamJoint = cam
+        self._damping = float(cam.damping)
+        count = len(theta)
+        start = {"initial.theta": theta, "initial.omega": omega}
+        self.fleet = Fleet("forward", count, self.INPUTS, self.OUTPUTS, cam.values() | start)
+        self._inertia = self.fleet.get("inertia.shaft")
+        if not np.all(self._inertia > 0.0):
+            self.fleet.close()
+            raise MujocoError(
+                f"joint {cam.joint!r}: inertia.shaft = {self._inertia.min()} kg.m2: allowed is a number > 0, the"
+                " inertia of the cam and of the motor's rotor behind its gear"
+            )
+        self.motor = np.zeros(count)  # N.m on the cam
+        self._given = np.zeros(count)  # N.m, motor and shaft in the last step
+        self._outputs = np.empty((count, len(self.OUTPUTS)))
+        self._read()
+
+    def _read(self) -> None:
+        for i, name in enumerate(self.OUTPUTS):
+            self._outputs[:, i] = self.fleet.get(name)
+
+    def start(self, chosen: NDArray[np.bool_], theta: Array, omega: Array) -> None:
+        self.fleet.reset(chosen, {"initial.theta": theta, "initial.omega": omega})
+        self.motor[chosen] = self._given[chosen] = 0.0
+        self._read()
+
+    def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
+        theta, omega, alpha = self._outputs.T
+        slides = ((omega != 0.0) | (alpha != 0.0)) / self._inertia
+        alpha = alpha + slides * (self.motor - self._given)  # without the shaft's torque
+        stiffness, damping = float(self.cam.stiffness), self._damping
+        compliance = slides * (stiffness * step**2 / 2.0 + damping * step)
+        source = stiffness * (angle - theta - step * omega - step**2 / 2.0 * alpha)
+        source += damping * (speed - omega - step * alpha)
+        return ShaftLaw(source, stiffness * step**2 + damping * step, compliance, -math.inf, math.inf)
+
+    def advance(self, theta: Array, torque: Array, step: float) -> None:
+        self._given = torque + self.motor
+        self.fleet.step(self._given[:, None], step, self._outputs)
+
+    def save(self) -> PortState:
+        return PortState(self.fleet.save(), (self._outputs.copy(), self.motor.copy(), self._given.copy()))
+
+    def restore(self, state: PortState) -> None:
+        self.fleet.restore(state.fleet)
+        self._outputs[:], self.motor[:], self._given[:] = state.arrays

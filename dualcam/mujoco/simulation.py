@@ -1,0 +1,327 @@
+"""MuJoCo's step with cams on its joints, for one mjData or many."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dualcam.errors import MujocoError
+from dualcam.fleet import Fleet
+from dualcam.fleet.arguments import chosen_instances
+from dualcam.mujoco.cam_joint import CamJoint
+from dualcam.mujoco.model_joint import checked_cams, checked_data, checked_model, check_range, hinge_joint
+from dualcam.mujoco.ports import DrivePort, Port, PortState, port_of
+from dualcam.mujoco.torques import FreeMotion, shaft_torques
+from dualcam.reals import Array
+
+WHOLE_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+class Views(NamedTuple):
+    """Arrays of one mjData, looked up once."""
+
+    qpos: Array
+    qvel: Array
+    free_acceleration: Array  # without constraints and cams
+    applied: Array
+    constraint: Array
+
+
+class SimulationState(NamedTuple):
+    """The whole state of a CamSimulation, from `CamSimulation.save`.
+
+    Attributes
+    ----------
+    physics : ndarray, shape (count, size)
+        State of each mjData, as `mujoco.mj_getState` gives it for mjSTATE_INTEGRATION.
+    ports : tuple of PortState
+        States of the cams.
+    arrays : tuple of ndarray
+        Torques of the last step.
+    """
+
+    physics: Array
+    ports: tuple[PortState, ...]
+    arrays: tuple[Array, ...]
+
+
+class CamSimulation:
+    """A MuJoCo model with cams on its hinge joints: one mjData, or many.
+
+    `step` takes the place of `mujoco.mj_step`. The torques of the cams are found together with the motion at
+    the end of the step, so that no stiffness of a shaft is too large for the model's time step. Each mjData
+    moves bit for bit as if it were alone.
+
+    Parameters
+    ----------
+    model : mujoco.MjModel
+        The model. Its integrator is Euler, implicit or implicitfast.
+    data : mujoco.MjData, or sequence of them
+        The data that are stepped. The cams start at their joints' present angles.
+    cams : CamJoint, or sequence of them
+        The cams, each on a joint of its own. A `DriveTrain` is a CamJoint.
+
+    Attributes
+    ----------
+    data : list of mujoco.MjData
+        The data.
+    torque : ndarray, shape (count, n)
+        Torques of the shafts on the cams in the last step [N.m]. A joint has the torque -ratio times that.
+
+    Raises
+    ------
+    MujocoError
+        A joint, a model or data that do not suit. The message says what would.
+
+    Examples
+    --------
+    >>> import mujoco
+    >>> from dualcam.mujoco import CamJoint, CamSimulation
+    >>> arm = '<geom type="capsule" fromto="0 0 0 0 0 0.3" size="0.02" mass="2"/>'
+    >>> hinge = '<joint name="elbow" type="hinge" axis="0 1 0" limited="true" range="0 79"/>'
+    >>> text = f"<mujoco><worldbody><body>{hinge}{arm}</body></worldbody></mujoco>"
+    >>> model = mujoco.MjModel.from_xml_string(text)
+    >>> data = mujoco.MjData(model)
+    >>> data.qpos[0] = 1.0  # rad
+    >>> with CamSimulation(model, data, CamJoint("elbow", stiffness=4000.0)) as simulation:
+    ...     for _ in range(1000):
+    ...         simulation.step()
+    >>> round(simulation.torque[0, 0], 3)  # N.m: gravity, 2 kg at 0.15 m
+    2.476
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData | Sequence[mujoco.MjData],
+        cams: CamJoint | Sequence[CamJoint],
+    ) -> None:
+        self.model = checked_model(model)
+        self.data = checked_data(model, data)
+        self.cams = checked_cams(cams)
+        joints = [hinge_joint(model, cam) for cam in self.cams]
+        self._qpos = np.array([joint.qpos for joint in joints])
+        self._dofs = np.array([joint.dof for joint in joints])
+        self._ratio = np.array([float(cam.ratio) for cam in self.cams])
+        self._offset = np.array([float(cam.offset) for cam in self.cams])
+        self._units = np.zeros((len(joints), model.nv))
+        self._units[range(len(joints)), self._dofs] = 1.0
+        self._ratios = np.outer(self._ratio, self._ratio)
+        self._views = [
+            Views(one.qpos, one.qvel, one.qacc_smooth, one.qfrc_applied, one.qfrc_constraint)
+            for one in self.data
+        ]
+        count, n = len(self.data), len(joints)
+        self.torque = np.zeros((count, n))
+        self._angle, self._speed, self._acceleration = np.zeros((3, count, n))  # of the joints
+        self._response = np.zeros((count, n, n))  # rad/s2 per N.m, at the joints
+        self._rows = np.zeros((n, model.nv))
+        self._constraint = np.zeros((count, model.nv))  # generalised forces of the last step
+        self._times = np.zeros(count)
+        self._ports: list[Port] = []
+        try:
+            self._read_joints(np.ones(count, bool))
+            theta, omega = self._cam_motion()
+            for i, (cam, joint) in enumerate(zip(self.cams, joints, strict=True)):
+                self._ports.append(port_of(cam, theta[:, i], omega[:, i]))
+                check_range(model, joint, self._ports[-1])
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the cams. Any later call is an error."""
+        for port in self._ports:
+            port.fleet.close()
+
+    # ---- steps ----
+
+    def step(self) -> None:
+        """One step of all mjData with their cams, in place of `mujoco.mj_step`.
+
+        Raises
+        ------
+        MujocoError
+            The time of an mjData is not that after the last step: the cams do not know what happened since.
+        FleetError
+            The FMU refuses the step of an instance: `restore` a state, or `reset`.
+        FmuError
+            An angle of a joint is not finite.
+        """
+        step = float(self.model.opt.timestep)
+        for i in range(len(self.data)):
+            self._predict(i)
+        free = self._free_motion(step)
+        laws = [port.law(free.angle[:, i], free.speed[:, i], step) for i, port in enumerate(self._ports)]
+        self.torque = shaft_torques(laws, free.mobility, self.torque)
+        on_joints = -self._ratio * self.torque
+        for i in range(len(self.data)):
+            self._finish(i, on_joints[i])
+        theta, _ = self._cam_motion()
+        for i, port in enumerate(self._ports):
+            port.advance(theta[:, i], self.torque[:, i], step)
+
+    def _predict(self, i: int) -> None:
+        """The joints of one mjData as they would move over the step without the cams.
+
+        The forces of constraints (contacts, limits, equalities) are those of the last step."""
+        model, data, views = self.model, self.data[i], self._views[i]
+        if data.time != self._times[i]:
+            raise MujocoError(
+                f"time of mjData {i} = {data.time:.9g} s, after the last step it was {self._times[i]:.9g} s: allowed"
+                " is to step and go back with CamSimulation alone. After mj_resetData or a change of the state"
+                " call reset"
+            )
+        mujoco.mj_step1(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        mujoco.mj_fwdAcceleration(model, data)
+        mujoco.mj_solveM(model, data, self._rows, self._units)
+        self._angle[i] = views.qpos[self._qpos]
+        self._speed[i] = views.qvel[self._dofs]
+        self._acceleration[i] = views.free_acceleration[self._dofs] + self._rows @ self._constraint[i]
+        self._response[i] = self._rows[:, self._dofs]
+
+    def _free_motion(self, step: float) -> FreeMotion:
+        """MuJoCo's integrators are semi-implicit: the end's speed makes the end's angle."""
+        speed = self._speed + step * self._acceleration
+        angle = self._angle + step * speed
+        return FreeMotion(
+            self._ratio * (angle - self._offset), self._ratio * speed, self._ratios * self._response
+        )
+
+    def _finish(self, i: int, torque: Array) -> None:
+        """The step of one mjData with these torques on its joints, beside those that the user applied."""
+        data, views = self.data[i], self._views[i]
+        applied = views.applied[self._dofs]
+        views.applied[self._dofs] = applied + torque
+        mujoco.mj_step2(self.model, data)
+        views.applied[self._dofs] = applied
+        self._constraint[i] = views.constraint
+        self._angle[i] = views.qpos[self._qpos]
+        self._times[i] = data.time
+
+    def _cam_motion(self) -> tuple[Array, Array]:
+        return self._ratio * (self._angle - self._offset), self._ratio * self._speed
+
+    # ---- runs, values, states ----
+
+    def reset(self, instances: ArrayLike | None = None) -> None:
+        """Begin anew with the cams at their joints' present angles, each with the torque nearest to 0 in its
+        stick band. Call this after `mujoco.mj_resetData`, or after another change of the state.
+
+        Parameters
+        ----------
+        instances : array_like of int or of bool with shape (count,), optional
+            Numbers of the mjData, or which of them. Default: all.
+        """
+        chosen = chosen_instances(instances, len(self.data)).astype(bool)
+        self._read_joints(chosen)
+        theta, omega = self._cam_motion()
+        for i, port in enumerate(self._ports):
+            port.start(chosen, theta[:, i], omega[:, i])
+
+    def _read_joints(self, chosen: NDArray[np.bool_]) -> None:
+        self.torque[chosen] = self._constraint[chosen] = 0.0
+        for i in np.flatnonzero(chosen):
+            self._angle[i] = self._views[i].qpos[self._qpos]
+            self._speed[i] = self._views[i].qvel[self._dofs]
+            self._times[i] = self.data[i].time
+
+    def fleet(self, joint: str) -> Fleet:
+        """The FMUs of the cam on a joint, one instance per mjData.
+
+        Parameters
+        ----------
+        joint : str
+            Name of the joint.
+
+        Returns
+        -------
+        Fleet
+            For `get`, as in `simulation.fleet("elbow").get("energy.heat_cam1")`, and `set`. Do not step it.
+
+        Raises
+        ------
+        MujocoError
+            The joint has no cam.
+        """
+        return self._port(joint).fleet
+
+    def set_motor(self, joint: str, torque: ArrayLike) -> None:
+        """The torque of the motor of a DriveTrain, from the next step on.
+
+        Parameters
+        ----------
+        joint : str
+            Name of the joint.
+        torque : float, or array_like of shape (count,)
+            Torque on the cam [N.m].
+
+        Raises
+        ------
+        MujocoError
+            The joint has no DriveTrain, or a torque is not finite.
+        """
+        port = self._port(joint)
+        if not isinstance(port, DrivePort):
+            raise MujocoError(
+                f"joint {joint!r} has a CamJoint, which has no motor: give the joint an actuator in the model, or"
+                " use DriveTrain"
+            )
+        given = np.asarray(torque, dtype=float)
+        if given.shape not in ((), port.motor.shape) or not np.isfinite(given).all():
+            raise MujocoError(
+                f"torque of joint {joint!r} = {torque!r}: allowed is a finite number, or {len(self.data)} of them"
+                " [N.m]"
+            )
+        port.motor[:] = given
+
+    def _port(self, joint: str) -> Port:
+        found = {port.cam.joint: port for port in self._ports}
+        if joint not in found:
+            raise MujocoError(f"joint {joint!r} has no cam: allowed are {', '.join(map(repr, found))}")
+        return found[joint]
+
+    def save(self) -> SimulationState:
+        """The whole state of all mjData and their cams now.
+
+        Returns
+        -------
+        SimulationState
+            For `restore`.
+        """
+        physics = np.empty((len(self.data), mujoco.mj_stateSize(self.model, WHOLE_STATE)))
+        for row, data in zip(physics, self.data, strict=True):
+            mujoco.mj_getState(self.model, data, row, WHOLE_STATE)
+        ports = tuple(port.save() for port in self._ports)
+        return SimulationState(physics, ports, (self.torque.copy(), self._constraint.copy()))
+
+    def restore(self, state: SimulationState) -> None:
+        """Go back to a saved state. The run from there on repeats bit for bit.
+
+        Parameters
+        ----------
+        state : SimulationState
+            From `save` of this simulation.
+
+        Raises
+        ------
+        FmuError
+            The state is of another simulation.
+        """
+        for port, saved in zip(self._ports, state.ports, strict=True):
+            port.restore(saved)
+        for row, data in zip(state.physics, self.data, strict=True):
+            mujoco.mj_setState(self.model, data, row, WHOLE_STATE)
+        self.torque[:], self._constraint[:] = state.arrays
+        self._times[:] = [data.time for data in self.data]
