@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dualcam.errors import DualcamWarning, MujocoError
 from dualcam.fleet import Fleet, FleetState
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
-from dualcam.mujoco.torques import ShaftLaw
+from dualcam.mujoco.torques import CamLaw, DriveLaw, ShaftLaw
 from dualcam.reals import Array
 
 # Parameters that do not act in the inverse FMU behind an elastic shaft.
@@ -95,7 +95,7 @@ class CamPort:
         stiffness = float(self.cam.stiffness)
         lower = np.where(x <= self._stops[0], -math.inf, release)
         upper = np.where(x >= self._stops[1], math.inf, load)
-        return ShaftLaw(stiffness * (angle - x), stiffness * step**2, 0.0, lower, upper)
+        return CamLaw(stiffness * (angle - x), stiffness * step**2, lower, upper)
 
     def advance(self, theta: Array, torque: Array, step: float) -> None:
         # Only the angle is given, and the speed stays 0: the FMU's path from angle to angle is then monotone,
@@ -125,11 +125,10 @@ class DrivePort:
     """The forward FMU behind an elastic shaft.
 
     The FMU gets the torques of motor and shaft, constant over a step. The shaft's law takes the cam's motion
-    over the coming step from its present angle, speed and acceleration. While the cam slides, a change of
-    torque changes that motion by the cam's inertia J: the law has h^2/(2 J) and h/J in `compliance`."""
+    over the coming step from its present angle, speed and acceleration, and from the stick band."""
 
     INPUTS = ("tau",)
-    OUTPUTS = ("theta", "omega", "alpha")
+    OUTPUTS = ("theta", "omega", "alpha", "torque_release", "torque_load")
 
     def __init__(self, cam: DriveTrain, theta: Array, omega: Array) -> None:
         self.cam: CamJoint = cam
@@ -144,6 +143,7 @@ class DrivePort:
                 f"joint {cam.joint!r}: inertia.shaft = {self._inertia.min()} kg.m2: allowed is a number > 0, the"
                 " inertia of the cam and of the motor's rotor behind its gear"
             )
+        self._stops = (self.fleet.get("stop.lower"), self.fleet.get("stop.upper"))
         self.motor = np.zeros(count)  # N.m on the cam
         self._given = np.zeros(count)  # N.m, motor and shaft in the last step
         self._outputs = np.empty((count, len(self.OUTPUTS)))
@@ -159,14 +159,13 @@ class DrivePort:
         self._read()
 
     def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
-        theta, omega, alpha = self._outputs.T
-        slides = ((omega != 0.0) | (alpha != 0.0)) / self._inertia
-        alpha = alpha + slides * (self.motor - self._given)  # without the shaft's torque
-        stiffness, damping = float(self.cam.stiffness), self._damping
-        compliance = slides * (stiffness * step**2 / 2.0 + damping * step)
-        source = stiffness * (angle - theta - step * omega - step**2 / 2.0 * alpha)
-        source += damping * (speed - omega - step * alpha)
-        return ShaftLaw(source, stiffness * step**2 + damping * step, compliance, -math.inf, math.inf)
+        theta, omega, alpha, release, load = self._outputs.T
+        lower = np.where(theta <= self._stops[0], -math.inf, release)
+        upper = np.where(theta >= self._stops[1], math.inf, load)
+        alpha = alpha + (self.motor - self._given) / self._inertia  # without the shaft's torque
+        motion = (angle - theta, speed - omega, omega, alpha)
+        shaft = (float(self.cam.stiffness), self._damping, step)
+        return DriveLaw(*shaft, *motion, self._inertia, self.motor, lower, upper)
 
     def advance(self, theta: Array, torque: Array, step: float) -> None:
         self._given = torque + self.motor
