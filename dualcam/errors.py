@@ -59,7 +59,7 @@ class TaskError(DualcamError):
 
 
 class MujocoError(DualcamError):
-    """A cam cannot be put on a joint of a MuJoCo model, or stepped, as asked. The message says what would work."""
+    """A cam cannot sit on a joint of a MuJoCo model, or be stepped, as asked. The message says what works."""
 
 
 class IdentificationError(DualcamError):

@@ -68,7 +68,7 @@ class CamJoint:
             raise MujocoError(f"joint = {self.joint!r}: allowed is the name of a hinge joint")
         if not isinstance(self.parameters, Mapping):
             raise MujocoError(
-                f"joint {self.joint!r}: parameters = {self.parameters!r}: allowed is a dict of names and values"
+                f"joint {self.joint!r}: parameters = {self.parameters!r}: allowed is a dict of values by name"
             )
         self._check("stiffness", lambda value: value > 0.0, "a finite number > 0, in N.m/rad")
         self._check("ratio", lambda value: value != 0.0, "a finite number, not 0")

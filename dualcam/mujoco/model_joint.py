@@ -24,7 +24,7 @@ ROUNDING = 1e-9  # rad, of a joint's range beyond the cam's stops
 class HingeJoint(NamedTuple):
     """Where the model has a hinge joint."""
 
-    index: int  # in the model's list of joints
+    number: int  # in the model's list of joints
     qpos: int  # index of its angle
     dof: int  # index of its speed
 
@@ -35,7 +35,7 @@ def checked_model(model: object) -> mujoco.MjModel:
         raise MujocoError(f"model = {model!r}: allowed is a mujoco.MjModel")
     if model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4:
         raise MujocoError(
-            "the model's integrator is RK4, whose stages are not exposed to a torque that depends on the step:"
+            "the model's integrator is RK4, which takes no torque that depends on the end of the step:"
             ' allowed are Euler, implicit and implicitfast, as in <option integrator="implicitfast"/>'
         )
     return model
@@ -56,9 +56,9 @@ def checked_data(model: mujoco.MjModel, data: object) -> list[mujoco.MjData]:
 
 def checked_cams(cams: object) -> list[CamJoint]:
     """`cams` as a list of cams on different joints."""
-    listed = list(cams) if isinstance(cams, Sequence) else [cams]
-    wrong = [cam for cam in listed if not isinstance(cam, CamJoint)]
-    if wrong or not listed:
+    given = list(cams) if isinstance(cams, Sequence) else [cams]
+    listed = [cam for cam in given if isinstance(cam, CamJoint)]
+    if len(listed) < len(given) or not listed:
         raise MujocoError(f"cams = {cams!r}: allowed are one or more CamJoint or DriveTrain")
     names = [cam.joint for cam in listed]
     twice = sorted({name for name in names if names.count(name) > 1})
@@ -72,12 +72,14 @@ def hinge_joint(model: mujoco.MjModel, cam: CamJoint) -> HingeJoint:
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, cam.joint)
     if index < 0:
         names = [model.joint(k).name for k in range(model.njnt)]
-        hinges = [name for name, kind in zip(names, model.jnt_type, strict=True) if name and int(kind) not in TYPES]
+        hinges = [
+            name for name, kind in zip(names, model.jnt_type, strict=True) if name and int(kind) not in TYPES
+        ]
         raise MujocoError(unknown_variable(cam.joint, hinges, "the model").replace("variable", "hinge joint"))
     kind = TYPES.get(int(model.jnt_type[index]))
     if kind:
         raise MujocoError(
-            f'joint {cam.joint!r} is of type "{kind}": allowed is "hinge", as the cam gives a torque about an axis'
+            f'joint {cam.joint!r} is of type "{kind}": allowed is "hinge", as the cam turns about an axis'
         )
     return HingeJoint(index, int(model.jnt_qposadr[index]), int(model.jnt_dofadr[index]))
 
@@ -94,8 +96,10 @@ def check_range(model: mujoco.MjModel, joint: HingeJoint, port: Port) -> None:
         " cam_stops=True, with which the stops of the cam carry the joint"
     )
     stops_text = f"The stops of the cam, {stops[0]:.6g} and {stops[1]:.6g} rad, allow"
-    if not model.jnt_limited[joint.index]:
+    if not model.jnt_limited[joint.number]:
         raise MujocoError(f"joint {cam.joint!r} has no limits. {stops_text} {works}")
-    low, high = model.jnt_range[joint.index]
+    low, high = model.jnt_range[joint.number]
     if low < allowed[0] - ROUNDING or high > allowed[1] + ROUNDING:
-        raise MujocoError(f"joint {cam.joint!r} has the range {low:.6g} to {high:.6g} rad. {stops_text} {works}")
+        raise MujocoError(
+            f"joint {cam.joint!r} has the range {low:.6g} to {high:.6g} rad. {stops_text} {works}"
+        )

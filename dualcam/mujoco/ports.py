@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from dualcam.errors import DualcamWarning, MujocoError
 from dualcam.fleet import Fleet, FleetState
+from dualcam.fleet.values import FleetValue
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
 from dualcam.mujoco.torques import CamLaw, DriveLaw, ShaftLaw
 from dualcam.reals import Array
@@ -76,8 +77,8 @@ class CamPort:
         self.cam = cam
         values = cam.values()
         _warn_of_no_effect(cam, values)
-        start = {"shaft.stiffness": float(cam.stiffness), "theta": theta}
-        self.fleet = Fleet("inverse", len(theta), self.INPUTS, self.OUTPUTS, values | start)
+        values |= {"shaft.stiffness": float(cam.stiffness), "theta": theta}
+        self.fleet = Fleet("inverse", len(theta), self.INPUTS, self.OUTPUTS, values)
         self._stops = (self.fleet.get("stop.lower"), self.fleet.get("stop.upper"))
         self._outputs = np.empty((len(theta), len(self.OUTPUTS)))
         self._read()
@@ -110,7 +111,7 @@ class CamPort:
         self._outputs[:] = state.arrays[0]
 
 
-def _warn_of_no_effect(cam: CamJoint, values: dict) -> None:
+def _warn_of_no_effect(cam: CamJoint, values: dict[str, FleetValue]) -> None:
     found = [name for name in WITHOUT_EFFECT if np.any(np.asarray(values.get(name, 0.0)) != 0.0)]
     if found:
         warnings.warn(
@@ -134,14 +135,14 @@ class DrivePort:
         self.cam: CamJoint = cam
         self._damping = float(cam.damping)
         count = len(theta)
-        start = {"initial.theta": theta, "initial.omega": omega}
-        self.fleet = Fleet("forward", count, self.INPUTS, self.OUTPUTS, cam.values() | start)
+        values = cam.values() | {"initial.theta": theta, "initial.omega": omega}
+        self.fleet = Fleet("forward", count, self.INPUTS, self.OUTPUTS, values)
         self._inertia = self.fleet.get("inertia.shaft")
         if not np.all(self._inertia > 0.0):
             self.fleet.close()
             raise MujocoError(
-                f"joint {cam.joint!r}: inertia.shaft = {self._inertia.min()} kg.m2: allowed is a number > 0, the"
-                " inertia of the cam and of the motor's rotor behind its gear"
+                f"joint {cam.joint!r}: inertia.shaft = {self._inertia.min()} kg.m2: allowed is a number > 0,"
+                " the inertia of the cam and of the motor's rotor behind its gear"
             )
         self._stops = (self.fleet.get("stop.lower"), self.fleet.get("stop.upper"))
         self.motor = np.zeros(count)  # N.m on the cam

@@ -13,7 +13,7 @@ from dualcam.errors import MujocoError
 from dualcam.fleet import Fleet
 from dualcam.fleet.arguments import chosen_instances
 from dualcam.mujoco.cam_joint import CamJoint
-from dualcam.mujoco.model_joint import checked_cams, checked_data, checked_model, check_range, hinge_joint
+from dualcam.mujoco.model_joint import check_range, checked_cams, checked_data, checked_model, hinge_joint
 from dualcam.mujoco.ports import DrivePort, Port, PortState, port_of
 from dualcam.mujoco.torques import FreeMotion, shaft_torques
 from dualcam.reals import Array
@@ -178,9 +178,9 @@ class CamSimulation:
         model, data, views = self.model, self.data[i], self._views[i]
         if data.time != self._times[i]:
             raise MujocoError(
-                f"time of mjData {i} = {data.time:.9g} s, after the last step it was {self._times[i]:.9g} s: allowed"
-                " is to step and go back with CamSimulation alone. After mj_resetData or a change of the state"
-                " call reset"
+                f"time of mjData {i} = {data.time:.9g} s, but the cams are at {self._times[i]:.9g} s: allowed are"
+                " step and restore of CamSimulation and, after mj_resetData, mj_step or another change of the"
+                " state, reset"
             )
         mujoco.mj_step1(model, data)
         mujoco.mj_fwdActuation(model, data)
@@ -275,14 +275,14 @@ class CamSimulation:
         port = self._port(joint)
         if not isinstance(port, DrivePort):
             raise MujocoError(
-                f"joint {joint!r} has a CamJoint, which has no motor: give the joint an actuator in the model, or"
-                " use DriveTrain"
+                f"joint {joint!r} has a CamJoint, which has no motor: give the joint an actuator in the"
+                " model, or use DriveTrain"
             )
         given = np.asarray(torque, dtype=float)
         if given.shape not in ((), port.motor.shape) or not np.isfinite(given).all():
             raise MujocoError(
-                f"torque of joint {joint!r} = {torque!r}: allowed is a finite number, or {len(self.data)} of them"
-                " [N.m]"
+                f"torque of joint {joint!r} = {torque!r}: allowed is a finite number, or"
+                f" {len(self.data)} of them [N.m]"
             )
         port.motor[:] = given
 

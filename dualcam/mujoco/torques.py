@@ -146,7 +146,9 @@ class DriveLaw(NamedTuple):
         slides_on = self.omega * (self.omega + h * (self.alpha + sliding / self.inertia)) > 0.0
         resting = at_rest / held
         edge = np.minimum(np.maximum(resting, self.lower - self.motor), self.upper - self.motor)
-        breaking_away = (at_rest + yields * edge) / (held + yields)  # as `resting` where that is inside the band
+        breaking_away = (at_rest + yields * edge) / (
+            held + yields
+        )  # as `resting` where that is inside the band
         return np.where(slides_on, sliding, breaking_away)
 
 
