@@ -34,9 +34,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from dualcam.mujoco import CamJoint, CamSimulation
+from dualcam.mujoco.ur3e_elbow import elbow_mjcf
 from dualcam.reals import Array
 from dualcam.systems import elbow
-from dualcam.systems.motor import AK80_6
 
 BUILD = Path(__file__).resolve().parent.parent / "build"
 STEP = 2e-3  # s, MuJoCo's default
@@ -56,37 +56,6 @@ STYLES: dict[str, dict[str, Any]] = {
 LEAST_SHOWN = 1e-16  # rad
 ARMS, LET_GO = 100, 3.0  # arms side by side, s
 
-# The forearm of a UR3e upwards from its elbow, and what hangs on it. The upper arm stands still.
-# Source of all masses, centres, inertias and distances: UniversalRobots/Universal_Robots_ROS2_Description,
-# config/ur3e (physical_parameters.yaml, default_kinematics.yaml), BSD-3-Clause. Axes here: y is the axis of
-# the elbow, z points along the forearm, x to where the arm falls. The constraint keeps the wrist level. The
-# rotor is that of dualcam.systems.motor.AK80_6, the range of the joint that of the cam, 10 to 90 deg.
-MJCF = """
-<mujoco model="elbow of a UR3e">
-  <compiler angle="radian"/>
-  <option timestep="{step}" {option}/>
-  <worldbody>
-    <body name="forearm">
-      <joint name="elbow" axis="0 1 0" limited="true" range="{low} {high}" armature="{armature}" {joint}/>
-      <inertial pos="0 0.0238 0.1632" mass="1.437" diaginertia="0.0065445702 0.0065445702 0.00354375"/>
-      <body name="wrist_1" pos="0 0.13105 0.2132">
-        <joint name="wrist_1" axis="0 1 0"/>
-        <inertial pos="0 0 -0.01" mass="0.871" diaginertia="0.002085 0.00225 0.002085"/>
-        <body name="wrist_2" pos="0 0 -0.08535">
-          <inertial pos="0 0.01 0" mass="0.805" diaginertia="0.002085 0.002085 0.00225"/>
-          <body name="wrist_3" pos="0 0.0921 0">
-            <inertial pos="0 -0.02 0" mass="0.261" diaginertia="0.00013626667 0.0001792 0.00013626667"/>
-            <body><geom type="sphere" size="0.03" mass="{payload}" contype="0" conaffinity="0"/></body>
-          </body>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-  <equality><joint joint1="wrist_1" joint2="elbow" polycoef="0 -1 0 0 0"/></equality>
-  <actuator><motor joint="elbow" ctrlrange="-{peak} {peak}" ctrllimited="true"/></actuator>
-</mujoco>
-"""
-
 
 class Run(NamedTuple):
     """One way to hold the arm."""
@@ -103,9 +72,8 @@ class Run(NamedTuple):
 
 def arm(joint: str = "", option: str = "") -> mujoco.MjModel:
     """The model, with further attributes of the elbow's joint and of the options."""
-    values = {"step": STEP, "joint": joint, "option": option, "payload": PAYLOAD, "peak": AK80_6.peak_torque}
-    low, high = elbow.LEAN, elbow.LEAN + elbow.RANGE
-    return mujoco.MjModel.from_xml_string(MJCF.format(**values, low=low, high=high, armature=AK80_6.inertia))
+    limits = (elbow.LEAN, elbow.LEAN + elbow.RANGE)
+    return mujoco.MjModel.from_xml_string(elbow_mjcf(PAYLOAD, limits, STEP, joint, option))
 
 
 def elbow_cam(**parameters: Array) -> CamJoint:
@@ -158,7 +126,8 @@ def run(data: mujoco.MjData, step: Callable[[], None]) -> Run:
     cost = (time.process_time() - begun) * STEP / HOLD
     settled, half = round((MOVE + SETTLE) / STEP), round((MOVE + HOLD / 2.0) / STEP)
     creep = (angles[-1] - angles[half]) / (HOLD / 2.0)
-    return Run(STEP * np.arange(len(angles)), np.array(angles), creep, angles[-1] - angles[settled], cost)
+    times: Array = STEP * np.arange(len(angles), dtype=np.float64)
+    return Run(times, np.array(angles), creep, angles[-1] - angles[settled], cost)
 
 
 def run_all() -> dict[str, Run]:

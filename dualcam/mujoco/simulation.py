@@ -178,9 +178,9 @@ class CamSimulation:
         model, data, views = self.model, self.data[i], self._views[i]
         if data.time != self._times[i]:
             raise MujocoError(
-                f"time of mjData {i} = {data.time:.9g} s, but the cams are at {self._times[i]:.9g} s: allowed are"
-                " step and restore of CamSimulation and, after mj_resetData, mj_step or another change of the"
-                " state, reset"
+                f"time of mjData {i} = {data.time:.9g} s, but its cams are at {self._times[i]:.9g} s: allowed"
+                " are step and restore of CamSimulation and, after mj_resetData, mj_step or another change of"
+                " the state, reset"
             )
         mujoco.mj_step1(model, data)
         mujoco.mj_fwdActuation(model, data)
