@@ -118,7 +118,7 @@ def _warn_of_no_effect(cam: CamJoint, values: dict[str, FleetValue]) -> None:
             f"joint {cam.joint!r}: {', '.join(found)} of the cam do not act behind an elastic shaft: use"
             " DriveTrain, where they act, or damping and armature of the joint",
             DualcamWarning,
-            stacklevel=6,
+            stacklevel=5,
         )
 
 

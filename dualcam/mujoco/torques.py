@@ -172,12 +172,15 @@ def shaft_torques(laws: Sequence[ShaftLaw], mobility: Array, start: Array) -> Ar
     if len(laws) == 1:
         return laws[0].torque(mobility[:, 0, 0], 0.0)[:, None]
     torques = start.copy()
+    going = np.ones(len(torques), bool)  # each instance stops by itself, so that it moves as if it were alone
     for _ in range(SWEEPS):
-        before = torques.copy()
+        swept = torques.copy()
         for i, law in enumerate(laws):
-            own = mobility[:, i, i]
-            others = np.einsum("nj,nj->n", mobility[:, i], torques) - own * torques[:, i]
-            torques[:, i] = law.torque(own, law.coupling * others)
-        if np.abs(torques - before).max() <= TOLERANCE * np.abs(torques).max():
+            others = sum((mobility[:, i, j] * swept[:, j] for j in range(len(laws)) if j != i), np.zeros(1))
+            swept[:, i] = law.torque(mobility[:, i, i], law.coupling * others)
+        change = np.abs(swept - torques).max(axis=1)
+        torques[going] = swept[going]
+        going &= change > TOLERANCE * np.abs(swept).max(axis=1)
+        if not going.any():
             break
     return torques
