@@ -13,6 +13,7 @@ usage: ./build.sh [command] [arguments]
   plan     build, then run system_examples/planned_elbow.py (seconds; CasADi); arguments go to it
   gains    build, then run system_examples/controller_gains.py (some minutes): 10^5 closed loops over a fleet, draws
            build/controller_gains.png; arguments go to it
+  mujoco   build, then run system_examples/mujoco_elbow.py (seconds; MuJoCo); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -151,6 +152,7 @@ case $command in
     door) run_program '.[build]' system_examples/car_door.py "$@" ;;
     clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     plan) run_program '.[build,casadi]' system_examples/planned_elbow.py "$@" ;;
+    mujoco) run_program '.[build,mujoco]' system_examples/mujoco_elbow.py "$@" ;;
     gains) run_program '.[build]' system_examples/controller_gains.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;

@@ -21,7 +21,7 @@ from dualcam.reals import Array
 WHOLE_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
-class Views(NamedTuple):
+class _Views(NamedTuple):
     """Arrays of one mjData, looked up once."""
 
     qpos: Array
@@ -81,17 +81,16 @@ class CamSimulation:
     --------
     >>> import mujoco
     >>> from dualcam.mujoco import CamJoint, CamSimulation
-    >>> arm = '<geom type="capsule" fromto="0 0 0 0 0 0.3" size="0.02" mass="2"/>'
-    >>> hinge = '<joint name="elbow" type="hinge" axis="0 1 0" limited="true" range="0 79"/>'
-    >>> text = f"<mujoco><worldbody><body>{hinge}{arm}</body></worldbody></mujoco>"
-    >>> model = mujoco.MjModel.from_xml_string(text)
+    >>> from dualcam.mujoco.ur3e_elbow import elbow_mjcf
+    >>> model = mujoco.MjModel.from_xml_string(elbow_mjcf(payload=1.5, limits=(0.0, 1.3963)))
     >>> data = mujoco.MjData(model)
-    >>> data.qpos[0] = 1.0  # rad
-    >>> with CamSimulation(model, data, CamJoint("elbow", stiffness=4000.0)) as simulation:
+    >>> data.qpos[:] = 1.0, -1.0  # rad
+    >>> cam = CamJoint("elbow", stiffness=4000.0, parameters={"spring.stiffness": 70e3})
+    >>> with CamSimulation(model, data, cam) as simulation:
     ...     for _ in range(1000):
     ...         simulation.step()
-    >>> round(simulation.torque[0, 0], 3)  # N.m: gravity, 2 kg at 0.15 m
-    2.476
+    >>> [round(float(x), 2) for x in (data.qpos[0], simulation.torque[0, 0])]  # rad, N.m of gravity
+    [1.0, 7.99]
     """
 
     def __init__(
@@ -112,7 +111,7 @@ class CamSimulation:
         self._units[range(len(joints)), self._dofs] = 1.0
         self._ratios = np.outer(self._ratio, self._ratio)
         self._views = [
-            Views(one.qpos, one.qvel, one.qacc_smooth, one.qfrc_applied, one.qfrc_constraint)
+            _Views(one.qpos, one.qvel, one.qacc_smooth, one.qfrc_applied, one.qfrc_constraint)
             for one in self.data
         ]
         count, n = len(self.data), len(joints)
