@@ -30,6 +30,8 @@ usage: ./build.sh [command] [arguments]
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
   fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
   gym      build, then run benchmarks.gym_rate (a minute): steps per second of the environments of dualcam.gym
+  creep    build, then run benchmarks.mujoco_creep (half a minute): creep and cost of a joint held in MuJoCo, by its
+           own friction and by the cam
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -180,6 +182,7 @@ case $command in
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
     fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     gym) run_program '.[build,gym]' -m benchmarks.gym_rate "$@" ;;
+    creep) run_program '.[build,mujoco]' -m benchmarks.mujoco_creep "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;

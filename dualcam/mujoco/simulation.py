@@ -117,14 +117,14 @@ class CamSimulation:
         count, n = len(self.data), len(joints)
         self.torque = np.zeros((count, n))
         self._angle, self._speed, self._acceleration = np.zeros((3, count, n))  # of the joints
-        self._response = np.zeros((count, n, n))  # rad/s2 per N.m, at the joints
-        self._rows = np.zeros((n, model.nv))
+        self._responses = np.zeros((count, n, model.nv))  # accelerations per torque on each of the joints
+        self._rows = list(self._responses)
         self._constraint = np.zeros((count, model.nv))  # generalised forces of the last step
         self._times = np.zeros(count)
         self._ports: list[Port] = []
         try:
             self._read_joints(np.ones(count, bool))
-            theta, omega = self._cam_motion()
+            theta, omega = self._theta(), self._ratio * self._speed
             for i, (cam, joint) in enumerate(zip(self.cams, joints, strict=True)):
                 self._ports.append(port_of(cam, theta[:, i], omega[:, i]))
                 check_range(model, joint, self._ports[-1])
@@ -166,14 +166,13 @@ class CamSimulation:
         on_joints = -self._ratio * self.torque
         for i in range(len(self.data)):
             self._finish(i, on_joints[i])
-        theta, _ = self._cam_motion()
+        theta = self._theta()
         for i, port in enumerate(self._ports):
             port.advance(theta[:, i], self.torque[:, i], step)
 
     def _predict(self, i: int) -> None:
-        """The joints of one mjData as they would move over the step without the cams.
-
-        The forces of constraints (contacts, limits, equalities) are those of the last step."""
+        """The first half of the step of one mjData, up to the accelerations of its joints without cams and
+        constraints."""
         model, data, views = self.model, self.data[i], self._views[i]
         if data.time != self._times[i]:
             raise MujocoError(
@@ -184,19 +183,21 @@ class CamSimulation:
         mujoco.mj_step1(model, data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
-        mujoco.mj_solveM(model, data, self._rows, self._units)
+        mujoco.mj_solveM(model, data, self._rows[i], self._units)
         self._angle[i] = views.qpos[self._qpos]
         self._speed[i] = views.qvel[self._dofs]
-        self._acceleration[i] = views.free_acceleration[self._dofs] + self._rows @ self._constraint[i]
-        self._response[i] = self._rows[:, self._dofs]
+        self._acceleration[i] = views.free_acceleration[self._dofs]
 
     def _free_motion(self, step: float) -> FreeMotion:
-        """MuJoCo's integrators are semi-implicit: the end's speed makes the end's angle."""
-        speed = self._speed + step * self._acceleration
+        """The joints as they would move over the step without the cams.
+
+        MuJoCo's integrators are semi-implicit: the speed at the end makes the angle at the end. The forces of
+        constraints (contacts, limits, equalities) are those of the last step."""
+        by_constraints = np.matmul(self._responses, self._constraint[:, :, None])[:, :, 0]
+        speed = self._speed + step * (self._acceleration + by_constraints)
         angle = self._angle + step * speed
-        return FreeMotion(
-            self._ratio * (angle - self._offset), self._ratio * speed, self._ratios * self._response
-        )
+        mobility = self._ratios * self._responses[:, :, self._dofs]
+        return FreeMotion(self._ratio * (angle - self._offset), self._ratio * speed, mobility)
 
     def _finish(self, i: int, torque: Array) -> None:
         """The step of one mjData with these torques on its joints, beside those that the user applied."""
@@ -209,8 +210,9 @@ class CamSimulation:
         self._angle[i] = views.qpos[self._qpos]
         self._times[i] = data.time
 
-    def _cam_motion(self) -> tuple[Array, Array]:
-        return self._ratio * (self._angle - self._offset), self._ratio * self._speed
+    def _theta(self) -> Array:
+        """Angles of the shafts' ends at the joints, as the cams count them."""
+        return self._ratio * (self._angle - self._offset)
 
     # ---- runs, values, states ----
 
@@ -225,7 +227,7 @@ class CamSimulation:
         """
         chosen = chosen_instances(instances, len(self.data)).astype(bool)
         self._read_joints(chosen)
-        theta, omega = self._cam_motion()
+        theta, omega = self._theta(), self._ratio * self._speed
         for i, port in enumerate(self._ports):
             port.start(chosen, theta[:, i], omega[:, i])
 
