@@ -1,4 +1,4 @@
-"""Does a robot's elbow in MuJoCo stay where it is with the motor off, and what does that cost per step?
+"""Does a robot's elbow in MuJoCo stay where it is with the motor off?
 
 The elbow of a UR3e carries 1.5 kg. A motor lowers the arm from 15 to 60 deg from upright in 2 s. Then the
 motor is off for 60 s. The same spring torque and the same friction hold the arm in several ways:
@@ -15,6 +15,8 @@ and coefficients.
 
 Then 100 arms with different friction in the cams are stepped side by side: which of them hold?
 
+Costs of a step, and all settings of MuJoCo's friction: benchmarks/mujoco_creep.py (`./build.sh creep`).
+
 Copy this file for an own robot: the model is MJCF text, the cam is one `CamJoint`.
 """
 
@@ -22,7 +24,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -64,7 +65,6 @@ class Run(NamedTuple):
     angle: Array  # rad
     creep: float  # rad/s, mean over the last 30 s
     drift: float  # rad, from SETTLE after the motor is off
-    step_cost: float  # s of processor time per step of the hold, all calls in Python
 
 
 # ---- the arm and its joint ----
@@ -119,15 +119,13 @@ def run(data: mujoco.MjData, step: Callable[[], None]) -> Run:
         step()
         angles.append(data.qpos[0])
     data.ctrl[0] = 0.0
-    begun = time.process_time()
     for _ in range(round(HOLD / STEP)):
         step()
         angles.append(data.qpos[0])
-    cost = (time.process_time() - begun) * STEP / HOLD
     settled, half = round((MOVE + SETTLE) / STEP), round((MOVE + HOLD / 2.0) / STEP)
     creep = (angles[-1] - angles[half]) / (HOLD / 2.0)
     times: Array = STEP * np.arange(len(angles), dtype=np.float64)
-    return Run(times, np.array(angles), creep, angles[-1] - angles[settled], cost)
+    return Run(times, np.array(angles), creep, angles[-1] - angles[settled])
 
 
 def run_all() -> dict[str, Run]:
@@ -158,7 +156,6 @@ class Arms(NamedTuple):
 
     friction: Array  # of both contacts
     sag: Array  # rad
-    step_cost: float  # s of processor time per step of one arm
 
 
 def let_go(count: int = ARMS) -> Arms:
@@ -166,14 +163,11 @@ def let_go(count: int = ARMS) -> Arms:
     friction = np.linspace(0.02, 0.06, count)
     model = arm()
     data = [arm_at(END, model) for _ in range(count)]
-    steps = round(LET_GO / STEP)
     cam = elbow_cam(**{"cam1.friction": friction, "cam2.friction": friction})
     with CamSimulation(model, data, cam) as simulation:
-        begun = time.process_time()
-        for _ in range(steps):
+        for _ in range(round(LET_GO / STEP)):
             simulation.step()
-        cost = (time.process_time() - begun) / steps / count
-    return Arms(friction, np.array([one.qpos[0] for one in data]) - END, cost)
+    return Arms(friction, np.array([one.qpos[0] for one in data]) - END)
 
 
 def is_held(friction: float) -> bool:
@@ -187,11 +181,9 @@ def is_held(friction: float) -> bool:
 
 
 def table(runs: dict[str, Run]) -> list[str]:
-    """Creep, drift and cost of each way."""
-    lines = ["way to hold       creep [rad/s]  drift in 58 s [mrad]  cost of a step [us]"]
-    for name, found in runs.items():
-        drift, cost = f"{1e3 * found.drift:.2g}", f"{1e6 * found.step_cost:.1f}"
-        lines.append(f"{name:14s} {found.creep:16.1e} {drift:>21s} {cost:>20s}")
+    """Creep and drift of each way."""
+    lines = ["way to hold       creep [rad/s]  drift in 58 s [rad]"]
+    lines += [f"{name:14s} {found.creep:16.1e} {found.drift:20.1e}" for name, found in runs.items()]
     return lines
 
 
@@ -234,7 +226,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         f"\n{ARMS} arms let go at 60 deg: gravity is inside the stick band from a friction of {least:.4f} on."
     )
     print(f"These sag by at most {math.degrees(arms.sag[arms.friction >= least].max()):.2f} deg.")
-    print(f"Cost of a step of one of {ARMS} arms: {1e6 * arms.step_cost:.1f} us")
     picture(runs, arms, options.output)
     print(f"\nPicture: {options.output}")
 

@@ -1,7 +1,9 @@
 """dualcam.mujoco. The oracles are SciPy at 1e-13 on the equations, the matrix of the backward Euler method,
 the energies of MuJoCo and of the FMU, the FMU with one handle, closed forms, and the law of the shafts."""
 
+import csv
 import math
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,6 +12,7 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 import pytest
+from driver import ROOT
 from reference.elastic_joint import ElasticJoint, solve
 
 from dualcam import Fmu
@@ -21,6 +24,7 @@ from dualcam.systems import elbow, robot_arm
 from dualcam.systems.helical_cam import HelicalCam
 from system_examples import mujoco_elbow as example
 
+PAGE = (ROOT / "docs/use-mujoco.md").read_text(encoding="utf-8")
 CAM = HelicalCam((0.02, 0.02), (math.pi / 4, math.pi / 4), (0.14, 0.14), 50.0, 5e4)  # the FMU's defaults
 MASS, CENTRE, OWN_INERTIA = 6.0, 0.15, 0.05  # kg, m, kg.m2
 INERTIA = OWN_INERTIA + MASS * CENTRE**2
@@ -228,6 +232,26 @@ def test_at_rest_nothing_moves_but_rounding(stiffness, option):
         held = GRAVITY * math.sin(angle)
         assert simulation.torque[0, 0] == pytest.approx(held, rel=1e-9)
         assert angle - cam == pytest.approx(held / stiffness, rel=1e-6)
+
+
+def test_the_table_of_the_page_is_that_of_the_example(runs):
+    shown = dict(re.findall(r"^\| ([\w ]+) \| ([-+.e\d]+ \| [-+.e\d]+) \|$", PAGE, re.MULTILINE))
+    assert set(shown) == set(runs)
+    for name, found in runs.items():
+        creep, drift = (float(number) for number in shown[name].split(" | "))
+        rounding = 1e-11 if name == example.CAM else 1e-15  # of MuJoCo's solver, which differs by processor
+        assert creep == pytest.approx(found.creep, rel=0.05, abs=rounding)
+        assert drift == pytest.approx(found.drift, rel=0.05, abs=rounding)
+
+
+def test_the_table_of_costs_is_the_measured_one():
+    """The table of the page is that of `./build.sh creep`."""
+    with (ROOT / "benchmarks/results/mujoco_creep.csv").open(newline="", encoding="utf-8") as file:
+        measured = [
+            (row["held_by"], row["creep"], row["us_per_step"], row["ratio"]) for row in csv.DictReader(file)
+        ]
+    shown = re.findall(r"^\| (.+) \| ([-+.e\d]+) \| ([.\d]+) \| ([.\d]+) \|$", PAGE, re.MULTILINE)
+    assert shown == measured
 
 
 def test_arms_hold_where_statics_say_so():
