@@ -372,7 +372,9 @@ def test_reset_begins_anew():
         for one in data[:1]:
             mujoco.mj_resetData(model, one)
             one.qpos[:] = 0.9, 0.4
-        with pytest.raises(MujocoError, match=r"time of mjData 0 = 0 s, but its cams are at 0.34 s.*reset"):
+        with pytest.raises(
+            MujocoError, match=r"time of mjData 0 = 0 s, but its cams are at 0.34 s.*and reset after"
+        ):
             simulation.step()
         simulation.reset([0])
         for _ in range(100):
@@ -478,6 +480,30 @@ def test_the_fmus_own_refusals_come_through():
         pass
     with pytest.raises(FmuError, match="closed"):
         simulation.step()
+
+
+@pytest.mark.parametrize("cam", [CamJoint("elbow", 1e3), DriveTrain("elbow", 1e3)])
+def test_a_state_that_is_not_finite_is_no_step(cam, tmp_path, monkeypatch):
+    """MuJoCo resets such data with a warning. Nothing that is not finite gets into the cams."""
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes the warning into a file
+    model = pendulum()
+    data = data_at(model, 0.5)
+    with CamSimulation(model, data, cam) as simulation:
+        for _ in range(10):
+            simulation.step()
+        state = simulation.save()
+        data.qvel[0] = math.nan
+        with pytest.raises(MujocoError, match=r"time of mjData 0 = 0 s, but its cams are at 0.02 s"):
+            simulation.step()
+        simulation.restore(state)
+        data.qfrc_applied[0] = math.nan
+        with pytest.raises(MujocoError, match=r"mjData 0 was reset by MuJoCo.*not finite"):
+            simulation.step()
+        with pytest.raises(MujocoError, match="the last step failed: allowed are restore"):
+            simulation.step()
+        simulation.restore(state)
+        simulation.step()
+        assert math.isfinite(data.qpos[0]) and np.isfinite(simulation.torque).all()
 
 
 def test_what_has_no_effect_is_named():

@@ -89,7 +89,7 @@ def check_range(model: mujoco.MjModel, joint: HingeJoint, port: Port) -> None:
     cam = port.cam
     if cam.cam_stops:
         return
-    stops = np.array([port.fleet.get("stop.lower").max(), port.fleet.get("stop.upper").min()])
+    stops = np.array([port.stops[0].max(), port.stops[1].min()])
     allowed = np.sort(cam.gear.angle(stops))
     works = (
         f'range="{allowed[0]:.6g} {allowed[1]:.6g}" in radians or a smaller one, another offset or ratio, or'

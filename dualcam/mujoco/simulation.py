@@ -121,6 +121,7 @@ class CamSimulation:
         self._rows = list(self._responses)
         self._constraint = np.zeros((count, model.nv))  # generalised forces of the last step
         self._times = np.zeros(count)
+        self._is_whole = True  # no step has been left half done
         self._ports: list[Port] = []
         try:
             self._read_joints(np.ones(count, bool))
@@ -152,14 +153,18 @@ class CamSimulation:
         ------
         MujocoError
             The time of an mjData is not that after the last step: the cams do not know what happened since.
+            Or the last step failed, and neither `restore` nor `reset` was called since.
         FleetError
-            The FMU refuses the step of an instance: `restore` a state, or `reset`.
+            The FMU refuses the step of an instance.
         FmuError
             An angle of a joint is not finite.
         """
+        if not self._is_whole:
+            raise MujocoError("the last step failed: allowed are restore of a state, and reset of all mjData")
         step = float(self.model.opt.timestep)
         for i in range(len(self.data)):
             self._predict(i)
+        self._is_whole = False
         free = self._free_motion(step)
         laws = [port.law(free.angle[:, i], free.speed[:, i], step) for i, port in enumerate(self._ports)]
         self.torque = shaft_torques(laws, free.mobility, self.torque)
@@ -169,18 +174,19 @@ class CamSimulation:
         theta = self._theta()
         for i, port in enumerate(self._ports):
             port.advance(theta[:, i], self.torque[:, i], step)
+        self._is_whole = True
 
     def _predict(self, i: int) -> None:
         """The first half of the step of one mjData, up to the accelerations of its joints without cams and
         constraints."""
         model, data, views = self.model, self.data[i], self._views[i]
+        mujoco.mj_step1(model, data)
         if data.time != self._times[i]:
             raise MujocoError(
                 f"time of mjData {i} = {data.time:.9g} s, but its cams are at {self._times[i]:.9g} s: allowed"
-                " are step and restore of CamSimulation and, after mj_resetData, mj_step or another change of"
-                " the state, reset"
+                " are step and restore of CamSimulation, and reset after mj_step, another change of the state,"
+                " or mj_resetData, which MuJoCo also calls where a state is not finite"
             )
-        mujoco.mj_step1(model, data)
         mujoco.mj_fwdActuation(model, data)
         mujoco.mj_fwdAcceleration(model, data)
         mujoco.mj_solveM(model, data, self._rows[i], self._units)
@@ -206,6 +212,11 @@ class CamSimulation:
         views.applied[self._dofs] = applied + torque
         mujoco.mj_step2(self.model, data)
         views.applied[self._dofs] = applied
+        if not data.time > self._times[i]:
+            raise MujocoError(
+                f"mjData {i} was reset by MuJoCo, since its accelerations at {self._times[i]:.9g} s were not"
+                " finite: allowed are smaller time steps and torques; restore a state, or reset, goes on"
+            )
         self._constraint[i] = views.constraint
         self._angle[i] = views.qpos[self._qpos]
         self._times[i] = data.time
@@ -230,6 +241,7 @@ class CamSimulation:
         theta, omega = self._theta(), self._ratio * self._speed
         for i, port in enumerate(self._ports):
             port.start(chosen, theta[:, i], omega[:, i])
+        self._is_whole |= bool(chosen.all())
 
     def _read_joints(self, chosen: NDArray[np.bool_]) -> None:
         self.torque[chosen] = self._constraint[chosen] = 0.0
@@ -326,3 +338,4 @@ class CamSimulation:
             mujoco.mj_setState(self.model, data, row, WHOLE_STATE)
         self.torque[:], self._constraint[:] = state.arrays
         self._times[:] = [data.time for data in self.data]
+        self._is_whole = True
