@@ -6,6 +6,7 @@ import math
 import re
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 from itertools import pairwise
 
@@ -16,7 +17,14 @@ from driver import ROOT
 from reference.elastic_joint import ElasticJoint, solve
 
 from dualcam import Fmu
-from dualcam.errors import DualcamError, DualcamWarning, FleetError, FmuError, MujocoError
+from dualcam.errors import (
+    DualcamError,
+    DualcamWarning,
+    FleetError,
+    FmuError,
+    MujocoError,
+    UnstableCouplingWarning,
+)
 from dualcam.mujoco import CamJoint, CamSimulation, DriveTrain
 from dualcam.mujoco.torques import CamLaw, shaft_torques
 from dualcam.mujoco.ur3e_elbow import elbow_mjcf
@@ -311,7 +319,7 @@ def test_the_torques_satisfy_all_laws():
 def two_cams():
     return [
         CamJoint("a", 4e3, parameters={"spring.stiffness": 7e4}),
-        DriveTrain("b", 2e3, parameters={"spring.stiffness": 3e4}, damping=0.2),
+        DriveTrain("b", 2e3, parameters={"spring.stiffness": 3e4, "inertia.shaft": 0.01}, damping=0.2),
     ]
 
 
@@ -459,7 +467,7 @@ def test_messages_of_drive_trains():
     still = DriveTrain("elbow", 1e3, parameters={"inertia.shaft": 0.0})
     refused(r"inertia.shaft = 0.0 kg.m2: allowed is a number > 0, the inertia of the cam", cams=still)
     model = pendulum()
-    with CamSimulation(model, mujoco.MjData(model), DriveTrain("elbow", 1e3)) as simulation:
+    with CamSimulation(model, mujoco.MjData(model), DriveTrain("elbow", 400.0)) as simulation:
         for torque in (math.nan, [1.0, 2.0]):
             with pytest.raises(MujocoError, match=r"torque of joint 'elbow'.*allowed is a finite number"):
                 simulation.set_motor("elbow", torque)
@@ -482,7 +490,7 @@ def test_the_fmus_own_refusals_come_through():
         simulation.step()
 
 
-@pytest.mark.parametrize("cam", [CamJoint("elbow", 1e3), DriveTrain("elbow", 1e3)])
+@pytest.mark.parametrize("cam", [CamJoint("elbow", 1e3), DriveTrain("elbow", 400.0)])
 def test_a_state_that_is_not_finite_is_no_step(cam, tmp_path, monkeypatch):
     """MuJoCo resets such data with a warning. Nothing that is not finite gets into the cams."""
     monkeypatch.chdir(tmp_path)  # MuJoCo writes the warning into a file
@@ -514,6 +522,38 @@ def test_what_has_no_effect_is_named():
     ) as caught:
         CamSimulation(model, mujoco.MjData(model), cam).close()
     assert caught[0].filename == __file__
+
+
+def test_a_step_that_is_too_long_for_a_drive_train_is_named():
+    """The bound is K h^2 = J."""
+    model = pendulum()
+    long, short = (DriveTrain("elbow", k, parameters={"inertia.shaft": 0.002}) for k in (4e3, 499.0))
+    with pytest.warns(UnstableCouplingWarning, match=r"0.016 kg.m2.*0.000707 s.*500 N.m/rad") as caught:
+        CamSimulation(model, mujoco.MjData(model), long).close()
+    assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        CamSimulation(model, mujoco.MjData(model), short).close()
+
+
+@pytest.mark.parametrize("peak, stiffness", [(1.0, 400.0), (1.0, 2500.0), (1.5, 2500.0)])
+def test_a_drive_train_comes_to_rest_without_gaining_energy(peak, stiffness):
+    """From a fall to rest in the stick band: the energies of pendulum, shaft and cam never grow by more than
+    the error of a step."""
+    inertia, step = 0.01, 2e-3
+    model = pendulum(step)
+    data = data_at(model, 0.5, 1.0)
+    values = {"inertia.shaft": inertia, "cam1.friction_peak": peak, "cam2.friction_peak": peak}
+    with CamSimulation(model, data, DriveTrain("elbow", stiffness, parameters=values)) as simulation:
+        fleet, energies = simulation.fleet("elbow"), []
+        for _ in range(1500):
+            simulation.step()
+            theta, omega, spring = (fleet.get(name)[0] for name in ("theta", "omega", "energy.spring"))
+            moving = 0.5 * INERTIA * data.qvel[0] ** 2 + 0.5 * inertia * omega**2
+            height = GRAVITY * math.cos(data.qpos[0])
+            energies.append(moving + height + spring + 0.5 * stiffness * (data.qpos[0] - theta) ** 2)
+    assert np.diff(energies).max() < 0.02
+    assert energies[-1] < energies[0] and abs(data.qvel[0]) < 1e-6
 
 
 def test_the_extra_is_named_where_mujoco_is_absent():

@@ -104,7 +104,8 @@ class DriveTrain(CamJoint):
     """A motor and the cam behind an elastic shaft that drives a hinge joint.
 
     The forward FMU gets the torques of the motor and of the shaft and gives the motion of the cam. Its
-    `inertia.shaft` is that of cam and rotor. All friction laws, dampers and inertias of the cam act.
+    `inertia.shaft` is that of cam and rotor. All friction laws, dampers and inertias of the cam act. The time
+    step h should satisfy K h^2 <= `inertia.shaft`; beyond comes an UnstableCouplingWarning.
 
     Parameters
     ----------

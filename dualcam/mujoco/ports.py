@@ -11,7 +11,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualcam.errors import DualcamWarning, MujocoError
+from dualcam.errors import DualcamWarning, MujocoError, UnstableCouplingWarning
 from dualcam.fleet import Fleet, FleetState
 from dualcam.fleet.values import FleetValue
 from dualcam.mujoco.cam_joint import CamJoint, DriveTrain
@@ -85,9 +85,13 @@ class Port(ABC):
             array[:] = saved
 
 
-def port_of(cam: CamJoint, theta: Array, omega: Array) -> Port:
-    """The port of a cam, at the start of a run."""
-    return DrivePort(cam, theta, omega) if isinstance(cam, DriveTrain) else CamPort(cam, theta)
+def port_of(cam: CamJoint, theta: Array, omega: Array, step: float) -> Port:
+    """The port of a cam, at the start of a run with that time step."""
+    if not isinstance(cam, DriveTrain):
+        return CamPort(cam, theta)
+    port = DrivePort(cam, theta, omega)
+    _warn_of_step(port, step)
+    return port
 
 
 class CamPort(Port):
@@ -119,7 +123,7 @@ class CamPort(Port):
         self.fleet.step(theta[:, None], step, self._outputs)
 
 
-def _warn_of_no_effect(cam: CamJoint, values: dict[str, FleetValue]) -> None:
+def _warn_of_no_effect(cam: CamJoint, values: Mapping[str, FleetValue]) -> None:
     found = [name for name in WITHOUT_EFFECT if np.any(np.asarray(values.get(name, 0.0)) != 0.0)]
     if found:
         warnings.warn(
@@ -143,11 +147,11 @@ class DrivePort(Port):
         values = cam.values() | {"initial.theta": theta, "initial.omega": omega}
         super().__init__(cam, len(theta), values)
         self._damping = float(cam.damping)
-        self._inertia = self.fleet.get("inertia.shaft")
-        if not np.all(self._inertia > 0.0):
+        self.inertia = self.fleet.get("inertia.shaft")
+        if not np.all(self.inertia > 0.0):
             self.fleet.close()
             raise MujocoError(
-                f"joint {cam.joint!r}: inertia.shaft = {self._inertia.min()} kg.m2: allowed is a number > 0,"
+                f"joint {cam.joint!r}: inertia.shaft = {self.inertia.min()} kg.m2: allowed is a number > 0,"
                 " the inertia of the cam and of the motor's rotor behind its gear"
             )
         self.motor = np.zeros(len(theta))  # N.m on the cam
@@ -161,10 +165,10 @@ class DrivePort(Port):
 
     def law(self, angle: Array, speed: Array, step: float) -> ShaftLaw:
         theta, omega, alpha = self._outputs[:, :3].T
-        alpha = alpha + (self.motor - self._given) / self._inertia  # without the shaft's torque
+        alpha = alpha + (self.motor - self._given) / self.inertia  # without the shaft's torque
         motion = (angle - theta, speed - omega, omega, alpha)
         shaft = (float(self.cam.stiffness), self._damping, step)
-        return DriveLaw(*shaft, *motion, self._inertia, self.motor, *self._band())
+        return DriveLaw(*shaft, *motion, self.inertia, self.motor, *self._band())
 
     def advance(self, theta: Array, torque: Array, step: float) -> None:
         self._given[:] = torque + self.motor
@@ -172,3 +176,18 @@ class DrivePort(Port):
 
     def arrays(self) -> tuple[Array, ...]:
         return (self._outputs, self.motor, self._given)
+
+
+def _warn_of_step(port: DrivePort, step: float) -> None:
+    """In a step in which the cam breaks away or comes to rest, the law of the shaft has an error. That error
+    stays small if the step is short beside the swing of the cam on the shaft: K h^2 <= J."""
+    cam, inertia = port.cam, float(port.inertia.min())
+    if cam.stiffness * step**2 > inertia:
+        warnings.warn(
+            f"joint {cam.joint!r}: the drive train may tremble where it breaks away or comes to rest, since"
+            f" K h^2 = {cam.stiffness * step**2:.3g} kg.m2 is above inertia.shaft = {inertia:.3g} kg.m2: what"
+            f" works is a time step up to {math.sqrt(inertia / cam.stiffness):.3g} s, a stiffness up to"
+            f" {inertia / step**2:.3g} N.m/rad, or CamJoint",
+            UnstableCouplingWarning,
+            stacklevel=4,
+        )

@@ -127,7 +127,7 @@ class CamSimulation:
             self._read_joints(np.ones(count, bool))
             theta, omega = self._theta(), self._ratio * self._speed
             for i, (cam, joint) in enumerate(zip(self.cams, joints, strict=True)):
-                self._ports.append(port_of(cam, theta[:, i], omega[:, i]))
+                self._ports.append(port_of(cam, theta[:, i], omega[:, i], float(model.opt.timestep)))
                 check_range(model, joint, self._ports[-1])
         except BaseException:
             self.close()
@@ -184,7 +184,7 @@ class CamSimulation:
         if data.time != self._times[i]:
             raise MujocoError(
                 f"time of mjData {i} = {data.time:.9g} s, but its cams are at {self._times[i]:.9g} s: allowed"
-                " are step and restore of CamSimulation, and reset after mj_step, another change of the state,"
+                " are step and restore of CamSimulation, and reset after mj_step, another change of the state"
                 " or mj_resetData, which MuJoCo also calls where a state is not finite"
             )
         mujoco.mj_fwdActuation(model, data)

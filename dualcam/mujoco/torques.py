@@ -102,6 +102,9 @@ class DriveLaw(NamedTuple):
     """A cam with the inertia J slides on, or rests while the torques of shaft and motor are inside its stick
     band, or breaks away from rest. All arrays have the shape (count,).
 
+    Within a step the law takes one of the three. A cam that comes to rest during a step moves a little
+    beyond what the law says, up to h omega/2.
+
     Parameters
     ----------
     stiffness, damping : float
