@@ -13,6 +13,8 @@ usage: ./build.sh [command] [arguments]
   plan     build, then run system_examples/planned_elbow.py (seconds; CasADi); arguments go to it
   gains    build, then run system_examples/controller_gains.py (some minutes): 10^5 closed loops over a fleet, draws
            build/controller_gains.png; arguments go to it
+  sampling build, then run system_examples/sampling_elbow.py (ten minutes): a sampling controller (MPPI) beside the LQI
+           over 200 payloads and frictions; draws build/sampling_elbow.png; arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -152,6 +154,7 @@ case $command in
     clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     plan) run_program '.[build,casadi]' system_examples/planned_elbow.py "$@" ;;
     gains) run_program '.[build]' system_examples/controller_gains.py "$@" ;;
+    sampling) run_program '.[build]' system_examples/sampling_elbow.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
     report)
