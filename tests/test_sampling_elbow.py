@@ -3,6 +3,7 @@
 import csv
 import re
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.special import softmax
 from scipy.stats import binom
 
 from dualcam import Fmu
+from dualcam.errors import DualcamError
 from dualcam.systems import elbow
 from dualcam.systems import elbow_controllers as controllers
 from dualcam.systems.axis import CamAxis
@@ -152,6 +154,40 @@ def test_plans_come_in_pairs_and_within_the_limit():
     assert planner.plan.tolist() == [1.0, 2.0, 3.0, 3.0]
 
 
+def test_costs_and_readings_that_are_no_numbers_are_refused_and_change_nothing():
+    planner = PathIntegralPlanner([Noise(np.eye(2), np.ones(1))], 2.0, 2.0, np.random.default_rng(1))
+    planner.plan = np.array([1.0, 2.0])
+    with pytest.raises(DualcamError, match=r"costs\[1\] = nan: allowed are finite numbers"):
+        planner.update(planner.candidates(), np.array([1.0, np.nan, 2.0]))
+    with pytest.raises(DualcamError, match=r"costs has shape \(2,\): allowed is \(3,\), one per plan"):
+        planner.update(planner.candidates(), np.zeros(2))
+    assert planner.plan.tolist() == [1.0, 2.0]
+    for limit, size, message in (
+        (0.0, 3.0, "limit = 0.0"),
+        (np.nan, 3.0, "limit = nan"),
+        (1.0, 1.0, "size = 1.0"),
+    ):
+        with pytest.raises(DualcamError, match=f"{message}: allowed is a finite number >"):
+            PathIntegralPlanner([Noise(np.eye(2), np.ones(1))], limit, size, np.random.default_rng(1))
+    belief = informed(1.5, 0.14)
+    before = belief.mean()
+    with pytest.raises(DualcamError, match="measured = inf: allowed is a finite number"):
+        belief.update(0.0, np.inf)
+    assert belief.mean() == before
+
+
+def test_a_reading_far_from_all_particles_does_no_harm():
+    """An encoder that jumps by a radian: all numbers stay finite, and the filter goes on."""
+    belief = estimator(np.random.default_rng(8))
+    for angle in (0.02, 1.2, 0.02, 2.5, -1.0, 0.02):
+        belief.update(3.0, angle)
+        mean = belief.mean()
+        assert all(np.all(np.isfinite(values)) for values in mean) and belief.weights.sum() == pytest.approx(
+            1.0
+        )
+        assert 0.5 <= mean.payload[0] <= 2.5 and 0.10 <= mean.friction[0] <= 0.18
+
+
 def test_the_cost_of_the_plan_falls_where_model_and_state_are_exact():
     """From a plan of no torque: out of stick at the bottom, and amid the motion upwards."""
     for angle, speed, period in ((elbow.MOTION.end, 0.0, 290), (0.75, -2.3, 350)):
@@ -239,6 +275,34 @@ def test_an_informed_plan_follows_the_cycle_and_rests_without_current(monkeypatc
         assert shown is not None
         assert float(shown[1]) == pytest.approx(runs.figures[0, 1], abs=0.15)
         assert float(shown[2]) == pytest.approx(heat_of_the_last_approach(runs), abs=0.15)
+
+
+def test_the_estimate_costs_its_error_at_the_beginning_of_the_way_down():
+    """As the page says: several times that of the informed plans in the first half, alike in the second."""
+    draws = np.array([[1.52, 0.176], [0.79, 0.176]])
+    error = {}
+    for name in ("MPPI, estimate", "MPPI, informed"):
+        angles = example.run_block(name, draws, 0, periods=2000).angles
+        square = (angles - controllers.ANGLES[1:2001])[:, 1000:].reshape(2, 2, 500) ** 2
+        error[name] = np.sqrt(square.mean(axis=(0, 2)))  # rad, of both halves
+    first, second = error["MPPI, estimate"] / error["MPPI, informed"]
+    assert first > 2.0 and 0.5 < second < 2.0
+
+
+def test_plans_find_the_edge_of_the_stick_band_where_gravity_lies_outside():
+    """With the arm horizontal; the numbers are those of the page."""
+    payload, friction = 0.6, 0.11
+    edge, _ = replace(CAM, friction=(friction, friction)).band(elbow.MOTION.end)
+    least = edge - elbow.weight(payload).torque(elbow.MOTION.end)  # N.m that keep the arm from sliding back
+    page = PAGE.read_text(encoding="utf-8")
+    assert f"{payload} kg with a friction of {friction} need {least:.2f} N.m" in page.replace("\n", " ")
+    for name, most in (("MPPI, informed", 1.1), ("LQI, informed", 1.6)):
+        held = example.run_block(name, np.array([[payload, friction]]), 0).torques[0, 2500:3000]
+        shown = re.search(
+            rf"informed {name[:4].strip(',')} (?:holds )?with ([\d.]+) N\.m", page.replace("\n", " ")
+        )
+        assert shown is not None and np.median(held) == pytest.approx(float(shown[1]), abs=0.02)
+        assert least - 1e-3 < np.median(held) < most
 
 
 def test_seeds_and_blocks_reproduce_the_loops_bit_for_bit():

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from dualcam.design.statics import Array
+from dualcam.errors import DualcamError
 
 TEMPERATURES = (1e-9, 1e9)  # of the range of the costs, between which the temperature lies
 
@@ -210,6 +211,11 @@ class PathIntegralPlanner:
     plan : ndarray, shape (horizon,)
         The inputs by period.
 
+    Raises
+    ------
+    DualcamError
+        A limit or a size that is not allowed.
+
     Examples
     --------
     >>> import numpy as np
@@ -226,6 +232,10 @@ class PathIntegralPlanner:
     def __init__(
         self, noises: Sequence[Noise], limit: float, size: float, random: np.random.Generator
     ) -> None:
+        if not (0.0 < limit < np.inf):
+            raise DualcamError(f"limit = {limit}: allowed is a finite number > 0")
+        if not (1.0 < size < np.inf):
+            raise DualcamError(f"size = {size}: allowed is a finite number > 1")
         self.plan = np.zeros(len(noises[0].basis))
         self._noises, self._limit, self._size, self._random = tuple(noises), limit, size, random
 
@@ -259,5 +269,17 @@ class PathIntegralPlanner:
             Plans.
         costs : ndarray, shape (count,)
             Their costs.
+
+        Raises
+        ------
+        DualcamError
+            A cost is missing or not finite: the plan stays.
         """
+        if costs.shape != (len(candidates),):
+            raise DualcamError(
+                f"costs has shape {costs.shape}: allowed is ({len(candidates)},), one per plan"
+            )
+        wrong = np.flatnonzero(~np.isfinite(costs))
+        if wrong.size:
+            raise DualcamError(f"costs[{wrong[0]}] = {costs[wrong[0]]}: allowed are finite numbers")
         self.plan = path_integral_weights(costs, temperature_of(costs, self._size)) @ candidates

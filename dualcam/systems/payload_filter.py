@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.design.statics import Array
+from dualcam.errors import DualcamError
 from dualcam.systems import elbow
 from dualcam.systems.axis_bank import AxisBank
 from dualcam.systems.helical_cam import HelicalCam
@@ -167,7 +168,15 @@ class PayloadFilter:
             Mean torque of the motor since the last reading [N.m].
         measured : float
             Angle that the encoder shows [rad].
+
+        Raises
+        ------
+        DualcamError
+            A value is not finite: the filter stays as it is.
         """
+        for name, value in (("torque", torque), ("measured", measured)):
+            if not math.isfinite(value):
+                raise DualcamError(f"{name} = {value}: allowed is a finite number")
         bank, particles = self._bank, Belief(*self._state, *self._values)
         inside = np.clip(particles.angle, 0.0, elbow.RANGE)
         bank.start(inside, particles.speed, particles.start_values())
