@@ -15,6 +15,8 @@ usage: ./build.sh [command] [arguments]
   gains    build, then run system_examples/controller_gains.py (some minutes): 10^5 closed loops over a fleet, draws
            build/controller_gains.png; arguments go to it
   mujoco   build, then run system_examples/mujoco_elbow.py (seconds; MuJoCo); arguments go to it
+  sampling build, then run system_examples/sampling_elbow.py (ten minutes): a sampling controller (MPPI) beside the LQI
+           over 200 payloads and frictions; draws build/sampling_elbow.png; arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -158,6 +160,7 @@ case $command in
     mujoco) run_program '.[build,mujoco]' system_examples/mujoco_elbow.py "$@" ;;
     elbow) run_program '.[build,jax]' system_examples/elbow_torque.py "$@" ;;
     gains) run_program '.[build]' system_examples/controller_gains.py "$@" ;;
+    sampling) run_program '.[build]' system_examples/sampling_elbow.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
     report)
