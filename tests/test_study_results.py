@@ -30,6 +30,7 @@ RESULTS = [
     "lost = 1 - energy.spring@0.03 / energy.work_in@0.03",
     "both = 2 * top + sqrt(cam1.friction) - `omega@0.03`",
     "over = max(theta, every=0.01) - max(0.1, mean(theta, every=0.02))",
+    "larger = max(theta, -2 * omega@0.03)",  # of two values, not of samples
 ]
 RAMP = Scenario(0.055, {"tau": History([0.0, 0.055], [2.0, 9.0])})
 GRID = (0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.055)  # every 0.01 s, and the end
@@ -65,6 +66,7 @@ def by_hand(friction, preload):
         "way": float(np.sum(steps * (np.array(speed[1:]) + speed[:-1]) / 2.0)),
         "lost": 1.0 - spring[0.03] / work[0.03],
         "over": max(theta) - max(0.1, middle / 0.055),
+        "larger": max(seen[0.055], -2.0 * omega[0.03]),
         "both": 2.0 * max(speed) + math.sqrt(friction) - omega[0.03],
     }
 
@@ -93,6 +95,8 @@ def test_a_failed_run_has_no_results_at_all(tmp_path):
 @pytest.mark.parametrize("text, mentions", [
     ("", ["empty"]),
     ("max(theta)", ["every=SECONDS", "at="]),
+    ("max(theta, 0.01)", ["every=SECONDS", "at="]),
+    ("top = max(theta, 1e-2)", ["every=SECONDS", "at="]),
     ("max(theta, every=0)", ["every=SECONDS"]),
     ("max(theta, every=1e-9)", ["4e-07"]),
     ("max(theta, each=0.1)", ["every=SECONDS"]),

@@ -18,11 +18,11 @@ plan.toml` is the same on the command line.
 """
 
 from dualcam.module_calls import explain_call_of
-from dualcam.study.description import read_study
 from dualcam.study.evaluator import Evaluator
 from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import Results, read_results
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.vary import Vary
