@@ -123,11 +123,11 @@ def test_processes_write_their_files_and_the_study_the_record(tmp_path, monkeypa
 def test_random_numbers_travel_while_they_are_few(tmp_path, monkeypatch):
     """Workers make many of them by themselves, and the same ones."""
     for sent, is_there in ((1_000_000, True), (1000, False)):
-        monkeypatch.setattr("dualcam.study.chunk.SENT", sent)
+        monkeypatch.setattr("dualcam.study.sampling.sampler.SENT", sent)
         one = study()
         one.plan.rows(0, 1)
         files = pickle.loads(pickle.dumps(Files(None, "csv", one.plan, one.readings, {}, "mark")))
-        assert ("_shares" in vars(files.plan)) == is_there
+        assert ("_shares" in vars(files.plan._sampler)) == is_there
         assert np.array_equal(files.plan.rows(0, 64), one.plan.rows(0, 64))
 
 

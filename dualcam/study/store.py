@@ -1,7 +1,7 @@
 """The folder of a study: a file for each chunk of runs, what study they are of, and which files are finished.
 
     study.json          the study, written at its begin
-    finished.json       the files of runs that are there, with their sizes and checksums
+    finished.json       the files of runs that are there, with their sizes, checksums and times of change
     runs/runs-N.parquet the runs from number N on
 
 The workers write the files of runs, each of which appears whole or not at all. The study keeps the record of

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 TRIES = 1000  # draws of a run that violates a constraint
 AT_ONCE = 20  # of them
+SENT = 1_000_000  # bytes of random numbers that travel with a study to each worker
 
 
 class Sampler:
@@ -37,6 +38,12 @@ class Sampler:
         if plan.kind == "table":
             return plan.table_rows[numbers]
         return self._at(self._mixed(numbers) if plan.kind == "indices" else self._shares[numbers])
+
+    def take_few_numbers(self, other: Sampler) -> None:
+        """The random numbers that the sampler of an equal plan has made, where they are few."""
+        shares = vars(other).get("_shares")
+        if shares is not None and shares.nbytes <= SENT:
+            self._shares = shares
 
     def redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
         """Puts values that keep the constraints in place of others; random numbers by the run's number."""
