@@ -94,6 +94,7 @@ MISTAKES = [
     mistake("rank", '["cam1.friction",', '["cam1.frction",', "cam1.frction does not", "mean cam1.friction"),
     mistake("pearson", "pearson = 0.3", "pearson = 0.9999", "these distributions allow"),
     mistake("same", '"cam1.friction_peak" }}', '"cam1.frction_peak" }}', "cam1.frction_peak does not vary"),
+    mistake("same", '{{ from = 1.0, to = 1.2 }}', '{{ from = 1.3, to = 1.2 }}', "_peak: from 1.3"),
     # formulas
     mistake("derived", "/ (8 *", "/ (8 + *", "derived: spring.stiffness", "is no formula"),
     mistake("derived", "'79 GPa'", "-'79 GPa'", "derived, is -", "100 %", needs=["wire", "weights"]),
