@@ -127,7 +127,7 @@ def _may_be_used(name: str, known: Collection[str], findings: Findings) -> bool:
     name, unless the name is near that of a variable."""
     if is_meant(name, findings):
         return True
-    is_whole = all(findings.is_sound(*place) for place in WITH_FORMULAS)
+    is_whole = all(findings.is_sound(*place) for place in WITH_FORMULAS) and findings.is_told("scenario")
     return not is_whole and not get_close_matches(name, known, n=1, cutoff=0.6)
 
 
