@@ -16,6 +16,7 @@
     dualcam.systems             motor, loads, motions and controllers for closed loops with the cam
     dualcam.study               parameter studies
     dualcam.gym                 elbow, knee and car door as environments of gymnasium
+    dualcam.mujoco              the cam on joints of a MuJoCo model
 
 All errors are DualcamErrors, which are ValueErrors. Every name is loaded at its first use: `import dualcam`
 alone loads no other package.
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
         FmuError,
         IdentificationError,
         LimitCycleWarning,
+        MujocoError,
         TaskError,
         UnitWarning,
         UnknownVariableError,
@@ -105,6 +107,7 @@ __all__ = [
     "LimitCycles",
     "LoopMotion",
     "ModelDescription",
+    "MujocoError",
     "OperatingPoint",
     "OperatingPointError",
     "PlantCoupling",
@@ -169,6 +172,7 @@ _MODULE_OF = {
     "LimitCycles": "limit_cycles",
     "LoopMotion": "sampled_loop",
     "ModelDescription": "model_description",
+    "MujocoError": "errors",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",
     "PlantCoupling": "coupling",

@@ -11,6 +11,7 @@ import pytest
 import dualcam
 import dualcam.design.tolerances
 import dualcam.gym
+import dualcam.mujoco
 import dualcam.study
 import dualcam.systems
 
@@ -27,6 +28,7 @@ WHOLE = (
     *("dualcam.design.spring_steel", "dualcam.design.spring_search", "dualcam.design.wear"),
     *SYSTEMS,
     *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
+    *("dualcam.mujoco.cam_joint", "dualcam.mujoco.simulation", "dualcam.mujoco.ur3e_elbow"),
 )
 # Results of functions: users make none.
 RETURNED = (

@@ -389,7 +389,7 @@ def test_one_plan_here_on_processes_and_on_a_cluster(whole, tmp_path):
     one.run(tmp_path / "processes", workers=2, runs_per_file=40)
     folders = ["processes"]
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
         one.run(tmp_path / "cluster", scheduler=cluster.scheduler_address, runs_per_file=40)
     for name in [*folders, "cluster"]:
         table = read_results(tmp_path / name)

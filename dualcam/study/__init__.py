@@ -1,4 +1,4 @@
-"""Parameter studies: many runs of one co-simulation FMU, tens of thousands per second and core.
+"""Parameter studies: many runs of one co-simulation FMU, hundreds of thousands per second and core.
 
 A study is a plan (which values), a scenario (what is done to the mechanism) and results (what is read, and
 when):

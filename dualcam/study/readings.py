@@ -32,6 +32,8 @@ SERIES, FORMULA, VALUE = "series", "formula", "value"
 SAMPLED = (SERIES, "max", "min", "mean", "integral")
 SAMPLES_MAX = 1_000_000  # of one result in a run
 CALL = re.compile(rf"({'|'.join(SAMPLED)})\s*\(([^=]+?)(?:,\s*(\w+)\s*=\s*([^()]*?))?\s*\)")
+OF_VALUES = re.compile(r"(max|min)\s*\([^=]*,[^=]*\)")  # of values at the end; a formula
+ONE_AND_NUMBER = re.compile(r"\w+\s*\(\s*[A-Za-z_][\w.]*\s*,\s*[\d.eE+-]+\s*\)")  # `every=` is forgotten
 INNER = re.compile(  # one that stands in a formula
     r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
 )
@@ -136,7 +138,7 @@ class Readings:
     # ---- texts ----
 
     def _reading(self, text: str, stop: float | str) -> Reading:
-        if call := CALL.fullmatch(text):
+        if call := _sampling(text):
             return _sampled(text, call, stop)
         named = NAMED.fullmatch(text)
         if named is None:
@@ -146,7 +148,7 @@ class Readings:
         column, body = named[1].strip(), named[2].strip()
         if column in (*self._varied, *RESERVED):
             raise StudyError(f"{column} is the name of another column: give another name")
-        if call := CALL.fullmatch(body):
+        if call := _sampling(body):
             return _sampled(column, call, stop)
         return self._of_formula(column, body, stop)
 
@@ -233,6 +235,13 @@ _REDUCED: dict[str, Any] = {
     "mean": lambda samples, times: np.trapezoid(samples, times, axis=1) / (times[-1] - times[0]),
     "integral": lambda samples, times: np.trapezoid(samples, times, axis=1),
 }
+
+
+def _sampling(text: str) -> re.Match[str] | None:
+    """The parts of a text such as max(theta, every=0.01); None for max(theta, omega), which is a formula."""
+    if OF_VALUES.fullmatch(text) and not ONE_AND_NUMBER.fullmatch(text):
+        return None
+    return CALL.fullmatch(text)
 
 
 def _longest(text: str) -> float:
