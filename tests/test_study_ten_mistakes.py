@@ -94,6 +94,7 @@ MISTAKES = [
     mistake("rank", '["cam1.friction",', '["cam1.frction",', "cam1.frction does not", "mean cam1.friction"),
     mistake("pearson", "pearson = 0.3", "pearson = 0.9999", "these distributions allow"),
     mistake("same", '"cam1.friction_peak" }}', '"cam1.frction_peak" }}', "cam1.frction_peak does not vary"),
+    mistake("same", '{{ from = 1.0, to = 1.2 }}', '{{ from = 1.3, to = 1.2 }}', "_peak: from 1.3"),
     # formulas
     mistake("derived", "/ (8 *", "/ (8 + *", "derived: spring.stiffness", "is no formula"),
     mistake("derived", "'79 GPa'", "-'79 GPa'", "derived, is -", "100 %", needs=["wire", "weights"]),
@@ -166,6 +167,42 @@ def test_the_plan_without_a_mistake_is_sound(folder):
 @pytest.mark.parametrize("one", MISTAKES, ids=lambda one: one.told[0])
 def test_one_mistake_gets_one_message(folder, one):
     assert_told_once_each(problems(folder, [one]), [one])
+
+
+REFUSED = [  # tables and keys on which much depends
+    ("[scenario]", "[scenarix]", "the file has scenarix: did you mean scenario?"),
+    ("[scenario]\nstop", "[scenario]\nstopp", "scenario has stopp: did you mean stop"),
+    ("[plan.vary]", "[plan.varx]", "plan has varx: did you mean vary?"),
+    ("[plan.derived]", "[plan.derivedd]", "plan has derivedd: did you mean derived?"),
+    ('time = [0.0, "push", "push"]', "time = 1.0", "tau: time = 1.0: allowed is a list of one or more of"),
+    ('value = ["peak", "peak", 0.0]', 'valu = ["peak", "peak", 0.0]', "tau has valu: did you mean value?"),
+    ('inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}', "inputs.tau = true",
+     "scenario: inputs: tau = True: allowed is a table"),
+    ('peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}', "peak = 3",
+     "plan: vary: peak = 3: allowed is a table"),
+    ('kind = "latin"', "kind = 3", "plan: kind = 3: allowed is a text"),
+    ('fmu = "{fmu}"', 'fmu = "forwrd"', "forwrd"),
+    ('"efficiency", "top', '"thetta@0.1", "efficiency", "top', "no variable 'thetta'"),
+    ('x = "efficiency"', 'xx = "efficiency"', "plot pareto has xx: did you mean x?"),
+    ("rank = 0.8", 'rank = "much"', "correlation 1: rank = 'much': allowed is a number"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("old, new, words", REFUSED, ids=[new for _, new, _ in REFUSED])
+def test_what_follows_from_a_refused_table_is_not_told(folder, old, new, words):
+    found = problems(folder, [mistake("", old, new, words)])
+    assert len(found) == 1 and words in found[0], found
+
+
+@pytest.mark.parametrize("old, new, words", [
+    ("[optimise]", "[optimisy]", "the file has optimisy: did you mean optimise?"),
+    ("[plan.vary]", "[plan.varx]", "plan has varx: did you mean vary?"),
+    ('"cam1.lead_angle" = {{ from', '"cam1.lead_angel" = {{ from', "cam1.lead_angel is no variable"),
+    ('objectives."torque_load@0.0005" = "maximise"', "objectives = 3", "objectives = 3: allowed is a table"),
+])  # fmt: skip
+def test_what_follows_from_a_refused_table_of_a_search_is_not_told(folder, old, new, words):
+    found = problems(folder, [mistake("", old, new, words)], SEARCH, read_optimisation)
+    assert len(found) == 1 and words in found[0], found
 
 
 def chosen(*words):

@@ -264,6 +264,7 @@ def test_a_table_as_spreadsheets_write_it(tmp_path):
     (lambda: Plan("grid", {n: Vary(0, 1, count=1000) for n in "abcd"}), ["1000000000000", "1,000,000,000"]),
     (lambda: Scenario(1.0, controller=Controller("law", 0.1, ["theta"], ["tau"])), ["'law'", "function"]),
     (lambda: runs_of(study(scenario=closed(slow, 1.0, 1e-9))), ["1e-09", "1,000,000 steps"]),
+    (lambda: runs_of(study(scenario=Scenario(1e20), results=["theta@0.5"])), ["theta@0.5", "same as 0 s"]),
 ])  # fmt: skip
 def test_slips_in_python(wrong, mentions):
     with refused(*mentions):

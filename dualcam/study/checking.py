@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 
 from dualcam.errors import FmuError
@@ -14,13 +15,21 @@ from dualcam.library import source_path
 from dualcam.model_description import Kind, Scalar, Variable, read_model_description
 from dualcam.study.entries import hint
 from dualcam.study.plan import Plan
-from dualcam.study.problem import Findings
+from dualcam.study.problem import Findings, Place
 from dualcam.study.sampling.formula import CONSTANTS, formula, is_formula
 from dualcam.study.scenario import Scenario, instants
-from dualcam.study.sound_plan import is_sound_name, place_of, sound_plan
+from dualcam.study.sound_plan import names_known, place_of, sound_plan
 
 NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 RUNS_REFUSED = 0.01  # expected number of them, from which on a distribution is refused
+WITH_FORMULAS: tuple[Place, ...] = (
+    ("plan", "derived"),
+    ("plan", "constraints"),
+    ("scenario", "stop"),
+    ("scenario", "step"),
+    ("scenario", "inputs"),
+    ("scenario", "controller"),
+)
 LOOKED_AT = 10_000  # runs, for the range of a derived value
 
 
@@ -95,17 +104,15 @@ def check_names(parts: Parts, known: Collection[str] | None, findings: Findings)
         return
     used = {*parts.used, *names_used(plan, scenario), *CONSTANTS}
     for name in plan.names:
-        if known is not None and name not in known and name not in used and not is_meant(name, findings):
-            missing = [
-                other
-                for other in names_used(plan, scenario, with_references=True)
-                if is_meant(other, findings)
-            ]
-            findings.note(
-                place_of(plan, name),
-                f"plan: {name} is no variable of the FMU, and no formula uses {name}"
-                f"{hint(name, [*missing, *known])}",
-            )
+        if known is None or name in known or name in used or _may_be_used(name, known, findings):
+            continue
+        referred = names_used(plan, scenario, with_references=True)
+        nearest = [other for other in referred if is_meant(other, findings)]
+        findings.note(
+            place_of(plan, name),
+            f"plan: {name} is no variable of the FMU, and no formula uses {name}"
+            f"{hint(name, [*nearest, *known])}",
+        )
     for name in scenario.names if scenario else ():
         if name not in plan.names:
             text = f"scenario: a formula uses {name}, which does not vary{hint(name, plan.names)}"
@@ -113,6 +120,15 @@ def check_names(parts: Parts, known: Collection[str] | None, findings: Findings)
         elif name in plan.texts and name not in _law_texts(scenario, plan):
             text = f"scenario: a formula uses {name}, which is a text: allowed are numbers"
             findings.note(("scenario", "formulas", name), text)
+
+
+def _may_be_used(name: str, known: Collection[str], findings: Findings) -> bool:
+    """Whether a name stands for another one; or where something with formulas is refused, which may use the
+    name, unless the name is near that of a variable."""
+    if is_meant(name, findings):
+        return True
+    is_whole = all(findings.is_sound(*place) for place in WITH_FORMULAS) and findings.is_told("scenario")
+    return not is_whole and not get_close_matches(name, known, n=1, cutoff=0.6)
 
 
 def is_meant(name: str, findings: Findings) -> bool:
@@ -144,7 +160,7 @@ def _law_texts(scenario: Scenario | None, plan: Plan) -> set[str]:
 def _check_start_values(variables: Variables, plan: Plan, findings: Findings) -> None:
     rest = sound_plan(plan, findings)
     for name in plan.names:
-        if name not in variables.by_name or not is_sound_name(plan, name, findings) or rest is None:
+        if name not in variables.by_name or rest is None or not names_known(plan, [name], findings):
             continue
         variable = variables.by_name[name]
         if not _is_start_value(variable):

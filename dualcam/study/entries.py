@@ -19,8 +19,12 @@ class Kind:
 
     def listed(self) -> Kind:
         """A list of one or more of these."""
+        is_short = "," not in self.words
+        each = (
+            f"{self.words.removeprefix('a ')}s, at least one" if is_short else f"one or more of: {self.words}"
+        )
         return Kind(
-            f"a list of {self.words.removeprefix('a ')}s, at least one",
+            f"a list of {each}",
             lambda value: isinstance(value, list | tuple) and len(value) > 0 and all(map(self.suits, value)),
         )
 
@@ -31,7 +35,7 @@ def is_whole(value: object) -> bool:
 
 def hint(name: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown name: what could be meant, or what is allowed."""
-    allowed = list(known)
+    allowed = list(dict.fromkeys(known))
     if close := get_close_matches(str(name), allowed, n=2, cutoff=0.6):
         return f": did you mean {' or '.join(close)}?"
     more = f" and {len(allowed) - LISTED} more" if len(allowed) > LISTED else ""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from dualcam.study.sampling.vary import Vary
 
 ON_VIOLATION = ("redraw", "mark")
+VARIES_NOTHING = "the plan varies nothing: name at least one variable in vary"
 ROWS_NAMED = 10  # of a table with numbers that are not finite
 RUNS_MAX = 10**9  # the names of the files of results are in order up to there
 
@@ -44,7 +45,7 @@ def _check_numbers(plan: Plan, findings: Findings) -> None:
     if findings.is_sound("plan", "kind") and plan.kind not in designs.KINDS:
         findings.note(("plan", "kind"), f"plan: kind = {plan.kind!r}{hint(plan.kind, designs.KINDS)}")
     if not plan.vary and findings.is_sound("plan", "vary"):
-        findings.note(("plan", "vary"), "the plan varies nothing: name at least one variable in vary")
+        findings.note(("plan", "vary"), VARIES_NOTHING)
     for key, number, least in (
         ("runs", plan.runs, None),
         ("seed", plan.seed, 0),

@@ -69,6 +69,11 @@ class Findings:
             broken[: len(place)] == place[: len(broken)] for broken in self._broken if broken or not place
         )
 
+    def is_told(self, *place: str | int) -> bool:
+        """Whether the file says what is at a place: neither the whole of it is refused, nor the table around
+        it, nor stands another key, with a slip, in place of its key."""
+        return self.is_sound(*place, "given")
+
     def attempt(self, place: Place, function: Callable[..., Made], *arguments: Any) -> Made | None:  # noqa: ANN401
         """What the function gives; None, and its problems, if the call is refused."""
         try:

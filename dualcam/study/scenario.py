@@ -378,6 +378,11 @@ def instants(results: Sequence[str], stop: float) -> list[tuple[str, float]]:
             raise StudyError(
                 f"result {result!r}: allowed is a name, or name@time with a time from 0 to {stop:g} s"
             )
+        if 0.0 < time <= SAME_TIME * stop < math.inf:
+            raise StudyError(
+                f"result {result!r}: in a run of {stop:g} s that time is the same as 0 s: allowed are 0 and "
+                f"more than {SAME_TIME * stop:g} s"
+            )
         found.append((name, time))
     return found
 

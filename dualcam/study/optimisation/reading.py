@@ -100,7 +100,7 @@ def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
     table = validated(search_model(), content, "the file", findings)
     context = context_of(path.parent, table.get("fmu"), findings)
     scenario = scenario_of(context, table.get("scenario"))
-    task = _task(context, table, scenario, parameters_of(context, table.get("parameters", {})))
+    task = _task(context, table, content, scenario, parameters_of(context, table.get("parameters", {})))
     findings.refuse(str(path))
     assert task is not None
     return task
@@ -132,25 +132,30 @@ def _task_of_design(context: Context, design: DesignFile) -> Optimisation | None
     table = validated(search_section_model(), design.study or {}, "study", context.findings)
     scenario = scenario_of(context, table.get("scenario"))
     scenario = scenario or scenario_of_design(context, design, "an optimisation")
-    return _task(context, table, scenario, design.parameters_for())
+    return _task(context, table, design.study or {}, scenario, design.parameters_for())
 
 
 def _task(
     context: Context,
     table: Mapping[str, Any],
+    content: Mapping[str, Any],
     scenario: Scenario | None,
     parameters: Mapping[str, Scalar],
 ) -> Optimisation | None:
-    """The optimisation of all parts, checked. None without a plan."""
+    """The optimisation of all parts, checked. None without a plan.
+
+    `content` is the table with what the schema refuses."""
     plan = _plan_of(context, table.get("plan"))
     goals = _Goals(context, table.get("optimise", {}))
     results = list(table.get("results", ()))
     others = {name: value for name, value in parameters.items() if plan is None or name not in plan.names}
     read = dict.fromkeys([*_results_in(goals, plan), *results])
     parts = Parts(plan, scenario, list(read), others)
-    check_together(context, parts, table, references=goals.start)
+    plan = check_together(context, parts, content, references=goals.start)
     if plan is None or context.fmu is None:
         return None
+    if "optimise" not in table:
+        context.findings.spoil("optimise", "objectives")
     _check_tolerances(context, goals, plan)
     task = unchecked(
         Optimisation,

@@ -14,16 +14,16 @@ from dualcam.study.checking import Parts, check_names, check_parts, names_used
 from dualcam.study.first_runs import check_first_runs
 from dualcam.study.history import History
 from dualcam.study.plan import Plan
-from dualcam.study.plan_check import check_plan
+from dualcam.study.plan_check import VARIES_NOTHING, check_plan
 from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
 from dualcam.study.problem import unchecked
 from dualcam.study.reading.context import Context
 from dualcam.study.reading.quantities import STRING, in_unit
 from dualcam.study.readings import Readings
-from dualcam.study.sampling.formula import is_formula
+from dualcam.study.sampling.formula import formula, is_formula
 from dualcam.study.scenario import Scenario
 from dualcam.study.scenario_check import check_scenario
-from dualcam.study.sound_plan import STAND_IN
+from dualcam.study.sound_plan import STAND_IN, place_of
 
 FORMULAS = ("derived", "constraints")  # tables of formulas in [plan]
 
@@ -43,13 +43,14 @@ def parameters_of(context: Context, content: Mapping[str, Scalar]) -> dict[str, 
 
 
 def check_together(
-    context: Context, parts: Parts, table: Mapping[str, Any], references: Collection[str] = ()
-) -> None:
-    """Notes all that is wrong with the parts of a study, unchecked, that stand in a table.
+    context: Context, parts: Parts, content: Mapping[str, Any], references: Collection[str] = ()
+) -> Plan | None:
+    """Notes all that is wrong with the parts of a study, unchecked, that stand in a file of this content.
 
-    `references`: further names of the plan that the table names elsewhere."""
+    `references`: further names of the plan that the file has elsewhere. Gives the plan of the parts, with
+    the names that others are meant to be."""
     findings = context.findings
-    used = {*parts.used, *_names_in_refused(table)}
+    used = {*parts.used, *_names_in_refused(content)}
     plan = _with_meant_names(context, parts, used, references)
     if plan is not None:
         check_plan(plan, findings)
@@ -57,11 +58,12 @@ def check_together(
         check_scenario(_with_meant_inputs(context, parts.scenario), findings)
     if context.variables is None:
         check_names(replace(parts, plan=plan, used=used), None, findings)
-        return
+        return plan
     whole = replace(parts, plan=plan, used=used)
     check_parts(context.variables, whole, findings)
     if context.tries_runs and findings.problems and context.fmu is not None:
         check_first_runs(str(source_path(context.fmu)), whole, findings)
+    return plan
 
 
 def readings_of(
@@ -73,6 +75,7 @@ def readings_of(
     refused: dict[int, str] = {}
     is_known = scenario is not None and context.findings.is_sound("scenario", "stop")
     stop = scenario.stop if scenario is not None and is_known else None
+    stop = stop if is_formula(stop) or not isinstance(stop, str) else None
     readings = Readings(results, stop, plan.names if plan else (), refused)
     for place, text in refused.items():
         context.findings.note(("results", place), text)
@@ -86,7 +89,8 @@ def check_plots(
     if plan is None or readings is None:
         return
     known = [*columns_to_draw(plan, readings), *readings.refused_columns]
-    drawn = {name for plot in plots for name in columns_of(plot) if isinstance(name, str)} - {*known}
+    tables = [plot for plot in plots if isinstance(plot, Mapping)]
+    drawn = {name for plot in tables for name in columns_of(plot) if isinstance(name, str)} - {*known}
     doubtful = _doubtful_columns(context, plan, readings)
     known += [name for name in drawn if get_close_matches(name, doubtful, n=1, cutoff=0.6)]
     kind = plan.kind if context.findings.is_sound("plan", "kind") else None
@@ -100,16 +104,24 @@ def _doubtful_columns(context: Context, plan: Plan, readings: Readings) -> list[
     """Columns whose names may have a slip: of a picture that has the right name no message is needed."""
     if context.variables is None:
         return []
-    names = [*plan.names, *(name for name in readings.columns if name in readings.raw)]
+    refused = [name for name in plan.names if not context.findings.is_sound(*place_of(plan, name))]
+    names = [*refused, *(name for name in readings.columns if name in readings.raw)]
     return [name for name in names if name.partition("@")[0] not in context.variables.by_name]
 
 
-def _names_in_refused(table: Mapping[str, Any]) -> set[str]:
-    """What looks like a name in texts that are no formulas: such a name is not unused."""
-    plan = table.get("plan") or {}
-    texts = _texts_in([*(plan.get(key, {}) for key in FORMULAS), table.get("scenario") or {}])
-    texts += [text.partition("=")[2] for text in table.get("results") or () if "=" in text]
-    return {name for text in texts if not is_formula(text) for name in re.findall(r"[A-Za-z_][\w.]*", text)}
+def _names_in_refused(content: Mapping[str, Any]) -> set[str]:
+    """What looks like a name in texts that are no formulas, or in tables that are refused: such a name is
+    not unused."""
+    plan = content.get("plan")
+    tables = [plan.get(key) for key in FORMULAS] if isinstance(plan, Mapping) else []
+    texts = _texts_in([*tables, content.get("scenario")])
+    results = content.get("results")
+    texts += [text.partition("=")[2] for text in _texts_in(results) if "=" in text]
+    return {name for text in texts for name in _names_of(text)}
+
+
+def _names_of(text: str) -> set[str]:
+    return {*formula(text).names} if is_formula(text) else {*re.findall(r"[A-Za-z_][\w.]*", text)}
 
 
 def _texts_in(content: Any) -> list[str]:  # noqa: ANN401
@@ -125,12 +137,18 @@ def _with_meant_names(
 ) -> Plan | None:
     """The plan with the names that formulas, `same_as` and correlations use, and that one of its names is
     meant to be: a name with a slip is told once."""
-    plan, scenario = parts.plan, parts.scenario
-    if plan is None or context.variables is None:
+    plan, scenario, findings = parts.plan, parts.scenario, context.findings
+    if plan is None:
+        return plan
+    missing = {*names_used(plan, scenario, with_references=True), *references} - {*plan.names, ""}
+    if not plan.vary and findings.is_told("plan", "vary"):
+        findings.note(("plan", "vary"), VARIES_NOTHING)
+    if not (findings.is_told("plan", "vary") and findings.is_told("plan", "derived")):
+        return _with_names(context, plan, sorted(missing))
+    if context.variables is None:
         return plan
     known = {*context.variables.by_name, *names_used(plan, scenario), *used}
     unknown = [name for name in plan.names if name not in known]
-    missing = {*names_used(plan, scenario, with_references=True), *references} - {*plan.names, ""}
     meant = {name for one in unknown for name in get_close_matches(one, missing, n=1, cutoff=0.6)}
     return _with_names(context, plan, sorted(meant))
 
@@ -149,7 +167,8 @@ def _fields(made: Any) -> dict[str, Any]:  # noqa: ANN401
 
 
 def _with_meant_inputs(context: Context, scenario: Scenario) -> Scenario:
-    """Likewise inputs whose derivatives other inputs are."""
+    """The scenario with the inputs of which others are derivatives, and that one of its inputs is meant to
+    be."""
     if context.variables is None:
         return scenario
     unknown = [name for name in scenario.inputs if name not in context.variables.by_name]

@@ -11,7 +11,6 @@ from dualcam.study.problem import StudyError, unchecked
 from dualcam.study.reading.context import Context
 from dualcam.study.reading.files import missing_file
 from dualcam.study.reading.quantities import STRING
-from dualcam.study.reading.tables import is_lacking
 from dualcam.study.reading.values import ValuesReader, note_missing_files
 from dualcam.study.sampling import tables
 from dualcam.study.sampling.correlation import Correlation
@@ -25,16 +24,17 @@ def plan_of(context: Context, content: Mapping[str, Any] | None) -> Plan | None:
         return None
     if "table" in content:
         return _plan_of_file(context, content)
-    if "kind" not in content and is_lacking(("plan", "kind"), context.findings):
+    if "kind" not in content and context.findings.is_told("plan", "kind"):
         context.findings.note(("plan", "kind"), "plan lacks kind")
     same_as, vary = {}, {}
+    seed = content.get("seed", 0)
     for name, each in content.get("vary", {}).items():
         reader = ValuesReader(context, name, each)
         if "same_as" in each:
             reader.check_keys()
             same_as[name] = each["same_as"]
         else:
-            vary[name] = reader.values(content.get("seed", 0))
+            vary[name] = reader.values(max(seed, 0))
     correlations = [
         _correlation(context, number, each) for number, each in enumerate(content.get("correlation", ()))
     ]
@@ -43,7 +43,7 @@ def plan_of(context: Context, content: Mapping[str, Any] | None) -> Plan | None:
         kind=content.get("kind", "random"),
         vary=vary,
         runs=content.get("runs", 0),
-        seed=content.get("seed", 0),
+        seed=seed,
         same_as=same_as,
         derived={name: str(text) for name, text in content.get("derived", {}).items()},
         constraints={name: str(text) for name, text in content.get("constraints", {}).items()},

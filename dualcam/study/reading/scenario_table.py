@@ -58,10 +58,11 @@ def _history(context: Context, name: str, content: Any) -> History:  # noqa: ANN
 
 def _stand_ins(context: Context, place: Place, found: Mapping[str, Any]) -> dict[str, Any]:
     """In place of keys that are refused, so that the others can be checked."""
+    is_strange = not context.findings.is_sound(*place) and not {*LISTED} & {*found}
     refused = [
         key
         for key in (*LISTED, *SINGLE, "shape")
-        if key not in found and not context.findings.is_sound(*place, key)
+        if key not in found and (not context.findings.is_sound(*place, key) or (is_strange and key in LISTED))
     ]
     length = max([len(found[key]) for key in LISTED if key in found], default=1)
     instead = {**dict.fromkeys(LISTED, [None] * length), **dict.fromkeys(SINGLE)}

@@ -118,7 +118,7 @@ def _study_of_plan(path: Path, content: Mapping[str, Any]) -> Study:
     findings = Findings()
     table = validated(plan_model(), content, "the file", findings)
     context = context_of(path.parent, table.get("fmu"), findings)
-    parts = _parts(context, table, None, parameters_of(context, table.get("parameters", {})))
+    parts = _parts(context, table, content, None, parameters_of(context, table.get("parameters", {})))
     findings.refuse(str(path))
     return _study(context, table, parts)
 
@@ -133,16 +133,19 @@ def _study(context: Context, table: Mapping[str, Any], parts: Parts) -> Study:
 def _parts(
     context: Context,
     table: Mapping[str, Any],
+    content: Mapping[str, Any],
     scenario: Scenario | None,
     parameters: Mapping[str, Scalar],
 ) -> Parts:
-    """Plan, scenario and results of a table, checked; `scenario` where the table has none."""
+    """Plan, scenario and results of a table, checked; `scenario` where the table has none.
+
+    `content` is the table with what the schema refuses."""
     plan = plan_of(context, table.get("plan"))
     scenario = scenario_of(context, table.get("scenario")) or scenario
     readings = readings_of(context, table.get("results"), plan, scenario)
     used = readings.used if readings else ()
     parts = Parts(plan, scenario, readings.raw if readings else None, parameters, used)
-    check_together(context, parts, table)
+    check_together(context, parts, content)
     check_plots(context, table.get("plots", ()), plan, readings)
     return parts
 
@@ -166,7 +169,7 @@ def _parts_of_section(context: Context, design: DesignFile) -> Parts:
     section = design.study or {}
     table = validated(section_model(), section, "study", context.findings)
     scenario = scenario_of_design(context, design, "the study")
-    return _parts(context, table, scenario, _fixed_of(design, table))
+    return _parts(context, table, section, scenario, _fixed_of(design, table))
 
 
 def scenario_of_design(context: Context, design: DesignFile, whose: str) -> Scenario | None:

@@ -76,15 +76,10 @@ def _spoil_meant(place: Place, fields: Collection[str], findings: Findings) -> N
         findings.spoil(*place[:-1], key, "given")
 
 
-def is_lacking(place: Place, findings: Findings) -> bool:
-    """Whether a key that is not there lacks, rather than that another key stands for it."""
-    return findings.is_sound(*place, "given")
-
-
 def _note_lacking(places: Collection[Place], where: str, findings: Findings) -> None:
     lacking: dict[Place, list[str]] = {}
     for place in places:
-        if place[0] != "plots" and is_lacking(place, findings):
+        if place[0] != "plots" and findings.is_told(*place):
             lacking.setdefault(place[:-1], []).append(str(place[-1]))
     for table, keys in lacking.items():
         findings.note((*table, keys[0]), f"{_where(table, where)} lacks {', '.join(sorted(keys))}")
