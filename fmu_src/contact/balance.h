@@ -79,8 +79,9 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
 /* The partial derivatives of alpha, or without inertia of omega, by the other knowns. */
 void balance_response(const SlipMode *slip, const Balance *balance, Partials *out);
 
-/* N per unit of the known: how F_0 + D grows with the known, at the height z, m, and the axial speed v, m/s. */
-double balance_force_by(const SlipMode *slip, Known known, double z, double v);
+/* N per unit of the known, times `factor`: how F_0 + D grows with the known, at the height z, m, and the axial speed v,
+ * m/s. */
+double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v);
 
 /* A change of the state and, besides, of the axial force and of f_i. */
 typedef struct {

@@ -73,18 +73,18 @@ static double contact_load(const SlipMode *slip, const SlipCoefficients *k, cons
     return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
 }
 
-double balance_force_by(const SlipMode *slip, Known known, double z, double v) {
-    const double rising = slip->direction > 0 ? v : 0.0, falling = v - rising;
+double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v) {
+    const bool rises = slip->direction > 0;
     switch (known) {
         case KNOWN_F_EXT:
-        case KNOWN_PRELOAD: return 1.0;
-        case KNOWN_STIFFNESS: return z;
-        case KNOWN_STIFFNESS2: return z * z;
-        case KNOWN_STIFFNESS3: return z * z * z;
-        case KNOWN_C_LOAD: return rising;
-        case KNOWN_Q_LOAD: return rising * fabs(rising);
-        case KNOWN_C_RELEASE: return falling;
-        case KNOWN_Q_RELEASE: return falling * fabs(falling);
+        case KNOWN_PRELOAD: return factor;
+        case KNOWN_STIFFNESS: return factor * z;
+        case KNOWN_STIFFNESS2: return factor * z * z;
+        case KNOWN_STIFFNESS3: return factor * z * z * z;
+        case KNOWN_C_LOAD: return rises ? factor * v : 0.0;
+        case KNOWN_Q_LOAD: return rises ? factor * v * fabs(v) : 0.0;
+        case KNOWN_C_RELEASE: return rises ? 0.0 : factor * v;
+        case KNOWN_Q_RELEASE: return rises ? 0.0 : factor * v * fabs(v);
         default: return 0.0;
     }
 }
@@ -115,7 +115,7 @@ void balance_partials(const SlipMode *slip, const Balance *balance, Partials *ou
     by[KNOWN_ALPHA] = loaded ? -loaded_slip_inertia(slip, k, &terms) : -inertia.value;
     by[KNOWN_TAU] = f->delta.value;
     for (int known = KNOWN_F_EXT; known < KNOWN_COUNT; known++)
-        by[known] -= lever * balance_force_by(slip, (Known)known, z, v);
+        by[known] = balance_force_by(slip, (Known)known, -lever, z, v);
     for (int i = 0; i < 2; i++) {
         by[KNOWN_FRICTION_1 + i] = partial_by_friction(slip, k, balance, i);
         const double x = contact_load(slip, k, balance, i);
@@ -186,7 +186,7 @@ COLD BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Kno
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, &storage, &z);
-    BalanceChange change = {.axial = balance_force_by(slip, known, z, k->dz_dtheta.value * b->omega)};
+    BalanceChange change = {.axial = balance_force_by(slip, known, 1.0, z, k->dz_dtheta.value * b->omega)};
     for (int i = 0; i < 2; i++) {
         const LawArguments at = law_arguments(slip, k, b->omega, i, b->x[i]);
         change.friction[i] = slip->direction * slip->flank[i] * friction_by(slip, &at, i, known);

@@ -2,7 +2,7 @@
  * that follows.
  *
  * The room sensitivity/ holds derivatives: partial derivatives of outputs by inputs, states and tunable parameters,
- * time derivatives of the inverse outputs, and how a whole step depends on the torque.
+ * time derivatives of the inverse outputs, and the Jacobian of a whole step.
  *
  * May include: platform, numerics, model, geometry, contact, closed_form, collocation, forward, inverse. */
 #ifndef DUALCAM_SENSITIVITY_H

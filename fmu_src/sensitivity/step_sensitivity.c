@@ -193,8 +193,9 @@ static void find_delay_at_mirror(const Mechanism *m, double omega, Carried *v) {
     const double z = m->configuration.z;
     const double slope = spring_rate(&m->params.spring, z) * m->configuration.geometry.dz_dtheta;
     for (int known = v->x.first; known < v->x.end; known++)
-        v->delay[known] = finite_or_zero(-(slope * v->x.theta[known] + balance_force_by(&slip, (Known)known, z, 0.0)) /
-                                         (slope * omega + m->inputs.F_ext[1]));
+        v->delay[known] =
+            finite_or_zero(-(slope * v->x.theta[known] + balance_force_by(&slip, (Known)known, 1.0, z, 0.0)) /
+                           (slope * omega + m->inputs.F_ext[1]));
     v->late = true;
 }
 
