@@ -92,14 +92,15 @@ NOINLINE VectorFriction friction_table_at_both(const FrictionTable *table, doubl
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return (FrictionFall){.table = law->table, .overshoot = FRICTION_OVERSHOOT * cbrt(tolerance)};
-    if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
+    FrictionFall fall = {.table = law->table, .overshoot = FRICTION_OVERSHOOT * cbrt(tolerance), .end = -INFINITY};
+    if (law->table) return fall;
+    if (friction_depends_on_load(cam)) fall.level = LEVEL_LOG_FROM * law->load;
+    if (excess_of(cam) == 0.0) return fall;
     const double fallen = tolerance < STRIBECK_TIGHT ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
     const bool gauss = law->stribeck_exponent == 2;
-    return (FrictionFall){
-        .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
-        .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),
-    };
+    fall.end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen);
+    fall.span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN);
+    return fall;
 }
 
 /* ---- jets ---- */

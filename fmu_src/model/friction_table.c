@@ -152,3 +152,8 @@ double friction_table_share(const FrictionTable *table, double overshoot, double
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to) {
     return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
 }
+
+double friction_level_share(double level, double overshoot, double from, double to) {
+    const double knot[2] = {0.0, level};
+    return share_of(knot, 1, overshoot, from, to);
+}

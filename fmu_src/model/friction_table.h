@@ -71,4 +71,7 @@ Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R)
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to);
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to);
 
+/* The same for the load, N, below which a law without a table levels off. */
+double friction_level_share(double level, double overshoot, double from, double to);
+
 #endif
