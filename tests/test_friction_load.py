@@ -465,5 +465,5 @@ def test_random_scenes(tolerance, make_model, scenes):
 
 def test_random_scenes_are_varied(scenes):
     exponents = [s.params.get(f"cam{i}.friction_load_exponent", 0.0) for s in scenes for i in (1, 2)]
-    assert len(scenes) == 30 and min(exponents) < -0.3 and max(exponents) > 0.3
+    assert len(scenes) == 39 and min(exponents) < -0.3 and max(exponents) > 0.3
     assert {s.params.get("cam1.profile", 1) for s in scenes} == {1, 2, 3}

@@ -150,6 +150,19 @@ static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
     return true;
 }
 
+/* Does no reaction pass the load below which friction levels off? */
+COMPACT static bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
+    const double per_contact = 1.0 / s->slip->params->contacts;
+    bool stays = true;
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &s->slip->fall[i];
+        const double *reaction = loads->reaction[i].at, from = fabs(reaction[0]) * per_contact;
+        for (int k = 1; fall->level > 0.0 && k < LOBATTO_NODES; k++)
+            stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction[k]) * per_contact) < 1.0);
+    }
+    return stays;
+}
+
 /* Without inertia: does the spring's load stay on the flanks of the contacts? Else the torque can come back into the
  * stick band while the mechanism moves. */
 static bool stays_on_spring_flanks(const LobattoSystem *s) {
@@ -207,6 +220,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
+    if (slip->friction_varies && slip->friction_is_loaded && !stays_beside_level(s, &loads)) return false;
     if (!keeps_energy(s, &loads.booking)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);

@@ -57,7 +57,7 @@ static int first_stages(const SlipMode *slip, const Balance *start, double h, co
 }
 
 /* The share of the step over which friction changes little enough to be seen by the nodes, or after which a sliding
- * speed reaches a sample of a table. */
+ * speed reaches a sample of a table, or a reaction the load below which friction levels off. */
 static double resolved_share(const SlipMode *slip, const RadauStep *step) {
     double share = 1.0;
     for (int j = 0; slip->friction_varies && j < step->method->stages; j++) {
@@ -72,7 +72,8 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
                         RadauStep *step) {
     double h = longest, energy_before = INFINITY;
-    const bool has_table = slip->friction_varies && (slip->fall[0].table || slip->fall[1].table);
+    const bool has_samples =
+        slip->friction_varies && (slip->friction_is_loaded || slip->fall[0].table || slip->fall[1].table);
     bool at_sample = false;
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS; n++) {
@@ -82,8 +83,10 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         }
         const double share = resolved_share(slip, step);
         if (share < 1.0) {
-            h *= fmin(fmax(share, STEP_MOST_SHORTENING), has_table ? 1.0 : STEP_LEAST_SHORTENING);
-            at_sample = has_table;
+            const bool aims = has_samples && n < STEP_SAMPLE_TRIALS; /* a step that does not get there may end before */
+            const double most = aims && step->error <= 1.0 ? 1.0 : STEP_LEAST_SHORTENING;
+            h *= fmin(fmax(share, STEP_MOST_SHORTENING), most);
+            at_sample = has_samples;
             continue;
         }
         const bool stalled = step->energy_error > 0.5 * energy_before;

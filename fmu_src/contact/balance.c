@@ -393,9 +393,10 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
         const FrictionFall *fall = &slip->fall[i];
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
         if (part < 1.0) share = fmin(share, fall->table ? part : STEP_SAFETY * part);
-        if (!fall->table) continue;
+        if (!fall->table && fall->level == 0.0) continue;
         const double from_load = reaction_of(slip, from, i), to_load = reaction_of(slip, to, i);
-        share = fmin(share, friction_table_load_share(fall->table, fall->overshoot, from_load, to_load));
+        share = fmin(share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, from_load, to_load)
+                                        : friction_level_share(fall->level, fall->overshoot, from_load, to_load));
     }
     return share;
 }

@@ -45,10 +45,14 @@ static StepRun run_of(double h, StepVisitor *visitor) {
 
 /* ---- limits ---- */
 
+static int most_segments(const Mechanism *m) {
+    return m->model.friction_is_loaded ? MAX_LOADED_SEGMENTS_PER_STEP : MAX_SEGMENTS_PER_STEP;
+}
+
 /* Bounds the work of a step, and finds a step in which time does not advance. */
-static Outcome check_limits(StepRun *run) {
+static Outcome check_limits(const Mechanism *m, StepRun *run) {
     if (run->jams >= MAX_JAMS_PER_STEP) return OUTCOME_TOO_MANY_JAMS;
-    if (run->segments >= MAX_SEGMENTS_PER_STEP) return OUTCOME_TOO_MANY_SEGMENTS;
+    if (run->segments >= most_segments(m)) return OUTCOME_TOO_MANY_SEGMENTS;
     if (run->segments < run->next_check) return OUTCOME_GOES_ON;
     if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_SEGMENTS;
     run->left_at_check = run->left;
@@ -151,7 +155,7 @@ NOINLINE static Outcome go_through(Mechanism *m, StepRun *run) {
     Segment segment;
     for (;;) {
         if (is_mode_known(run)) return OUTCOME_DONE;
-        const Outcome limits = run->left > 0.0 || run->settles ? check_limits(run) : OUTCOME_GOES_ON;
+        const Outcome limits = run->left > 0.0 || run->settles ? check_limits(m, run) : OUTCOME_GOES_ON;
         if (limits != OUTCOME_GOES_ON) return limits;
         const SlipProposal same_mode = go_on(m, run, &location, &segment);
         if (same_mode == SLIP_NOT_FINITE) return OUTCOME_NOT_FINITE;
@@ -186,7 +190,7 @@ static void describe_failure(Fault *fault, const Mechanism *m, double h, const c
     snprintf(fault->text, sizeof fault->text,
              "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values and "
              "at most %d segments and %d jams; any %d segments in a row must advance %g of the step",
-             h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, (int)MAX_SEGMENTS_PER_STEP,
+             h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, most_segments(m),
              (int)MAX_JAMS_PER_STEP, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 

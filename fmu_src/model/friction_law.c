@@ -104,14 +104,16 @@ static double friction_overshoot(double tolerance) {
 
 FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
-    if (law->table) return (FrictionFall){.table = law->table, .overshoot = friction_overshoot(tolerance)};
-    if (excess_of(cam) == 0.0) return (FrictionFall){.end = -INFINITY, .span = 0.0};
+    const double overshoot = friction_overshoot(tolerance);
+    if (law->table) return (FrictionFall){.table = law->table, .overshoot = overshoot};
+    FrictionFall fall = {.overshoot = overshoot, .end = -INFINITY};
+    if (friction_depends_on_load(cam)) fall.level = LEVEL_LOG_FROM * law->load;
+    if (excess_of(cam) == 0.0) return fall;
     const bool gauss = law->stribeck_exponent == 2, tight = tolerance < STRIBECK_TIGHT;
     const double fallen = tight ? STRIBECK_FALLEN_TIGHT : STRIBECK_FALLEN;
-    return (FrictionFall){
-        .end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen),
-        .span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN),
-    };
+    fall.end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen);
+    fall.span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN);
+    return fall;
 }
 
 /* ---- jets ---- */

@@ -74,7 +74,8 @@ typedef struct {
     double end;  /* m/s, above which the law is smooth; -infinity: everywhere */
     double span; /* m/s, the change of speed in one step below the end */
     const FrictionTable *table;
-    double overshoot; /* share of a piece of the table */
+    double overshoot; /* share of a piece of the table, or of the level */
+    double level;     /* N, below which the law levels off: its fifth derivative jumps there; 0: no load law */
 } FrictionFall;
 
 /* `tolerance`: relative, of the motion. */

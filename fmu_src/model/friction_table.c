@@ -200,3 +200,8 @@ void friction_table_reach(const FrictionTable *table, double overshoot, double v
     reach->aim = step.aim;
     reach->slack = FRICTION_AIM_SHARE * (step.longest - step.aim);
 }
+
+double friction_level_share(double level, double overshoot, double from, double to) {
+    const double knot[2] = {0.0, level};
+    return share_of(knot, 1, overshoot, from, to);
+}

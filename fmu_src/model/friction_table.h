@@ -70,6 +70,8 @@ Jet friction_table_along(const FrictionTable *table, const Jet *v, const Jet *R)
  * between both; 1: the step may reach `to`. `overshoot`: share of a piece's width by which a step may pass a sample. */
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to);
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to);
+/* The same for the load, N, below which a law without a table levels off. */
+double friction_level_share(double level, double overshoot, double from, double to);
 
 /* The piece on which a step lies, in both halves of vectors, and the speeds up to which the step may use it. */
 typedef struct {

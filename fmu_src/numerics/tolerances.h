@@ -277,7 +277,7 @@ static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
 /* Share of the proposed length above which a step takes over the proposed number of stages. */
 static const double STEP_SIMILAR = 0.5;
 
-enum { STEP_TRIALS = 60 }; /* of one step */
+enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8 }; /* of one step; to end the step at a sample of friction */
 
 /* Event location */
 
@@ -439,10 +439,10 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step that needs more segments is refused. The limit bounds the work of a step to about two seconds where friction
- * varies, 15 us a segment. Bounces with a restitution near 1, whose number has no bound, vibrations of a tiny inertia,
- * and long steps through stiff motion reach the limit. */
-enum { MAX_SEGMENTS_PER_STEP = 100000 };
+/* A step that needs more segments is refused. The limit bounds the work of a step to about two seconds: a segment takes
+ * 15 us where friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, whose
+ * number has no bound, vibrations of a tiny inertia, and long steps through stiff motion reach the limit. */
+enum { MAX_SEGMENTS_PER_STEP = 100000, MAX_LOADED_SEGMENTS_PER_STEP = 20000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
  * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */

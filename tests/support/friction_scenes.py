@@ -39,7 +39,7 @@ from reference import Refused, random_friction_scene, read_table, simulate
 
 FILE = Path(__file__).resolve().parents[1] / "data" / "friction_scenes.json.gz"
 LOADED_FILE = FILE.with_name("friction_load_scenes.json.gz")  # friction depends on the reaction as well
-WANTED, LOADED_WANTED = 200, 30
+WANTED, LOADED_WANTED = 200, 39
 SEED = 18
 
 
