@@ -69,12 +69,13 @@ def friction_cost(folder: Path) -> str:
             table(head, cells),
             prose(
                 """With exponent 1 the excess falls as exp(-v/v_s), so that the exponential counts at most
-                speeds of these scenes: four of them in each sweep. With the law at cam 1 alone the cubic
-                spring has a step at which the speed is largest, and a step of seven nodes finds the peak. A
-                friction table has samples. A step ends at each sample, and between two samples the curve is
-                of order five, for which four nodes do not suffice: such steps are made by seven nodes.
-                Where friction depends on the load, each sweep finds reactions and coefficients by Newton's
-                method."""
+                speeds of these scenes: four of them in each sweep. Coulomb's law on the cubic spring has a
+                step with the largest speed inside, where seven nodes find the peak. Where friction varies, a
+                second step of four nodes ends at the peak. A friction table has samples. A step ends at each
+                sample, and halfway between two samples that are far apart: the length is an unknown of the
+                step. Where friction depends on the load, each sweep makes one iteration of Newton's method
+                for reactions and coefficients. With load law and Stribeck curve at both cams the cubic spring
+                moves fastest: many steps of 1 ms are tried and halved."""
             ),
         ]
     )

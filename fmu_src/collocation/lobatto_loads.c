@@ -20,17 +20,16 @@ COMPACT void lobatto_loads_begin(LobattoSystem *s) {
 /* ---- the start ---- */
 
 /* Both contacts in one vector. */
-COMPACT void lobatto_loads_guess(LobattoSystem *s, const LobattoStart *from, double alpha, double value[2],
+COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, double alpha, double value[2],
                                  double kinetic[2]) {
     const SlipMode *slip = s->slip;
     const Params *p = slip->params;
-    const Geometry *g = from->geometry;
-    const double v = g->dz_dtheta * from->omega, a[2] = {g->slope[0], g->slope[1]};
-    const double axial = spring_force(&p->spring, from->z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
+    const double v = g->dz_dtheta * s->omega, a[2] = {g->slope[0], g->slope[1]};
+    const double axial = spring_force(&p->spring, z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
                          p->inertia.follower_mass * g->dz_dtheta * alpha;
     double dry[2], viscous[2], more[2] = {0.0, 0.0}, power[2] = {1.0, 1.0}, x[2] = {0.0, 0.0}, torque[2];
     for (int i = 0; i < 2; i++) {
-        viscous[i] = s->law[i].viscous[0] * slip->direction * from->omega * cam_sliding(g, i);
+        viscous[i] = s->law[i].viscous[0] * slip->direction * s->omega * cam_sliding(g, i);
         dry[i] = value[i] - viscous[i];
     }
     const Vector2 exponent = {s->load_exponent[0][0], s->load_exponent[1][0]};

@@ -7,14 +7,14 @@
 #ifndef DUALCAM_LOBATTO_LOADS_H
 #define DUALCAM_LOBATTO_LOADS_H
 
-#include "collocation/lobatto_step.h"
-#include "collocation/lobatto_system.h"
+#include "collocation/lobatto_nodes.h"
+#include "geometry/cam.h"
 
 void lobatto_loads_begin(LobattoSystem *system);
 
-/* A first guess of x_i at all nodes: that at the start. `alpha`: a first guess. Turns the coefficients f_i at R_ref, in
- * pairs, into those under the loads. */
-void lobatto_loads_guess(LobattoSystem *system, const LobattoStart *from, double alpha, double value[2],
+/* A first guess of x_i at all nodes: that at the start, at the height z. `alpha`: a first guess. Turns the coefficients
+ * f_i at R_ref into those under the loads. */
+void lobatto_loads_guess(LobattoSystem *system, const Geometry *geometry, double z, double alpha, double value[2],
                          double kinetic[2]);
 
 /* Turns f_i at R_ref into the tangent coefficients f'_i under the loads x_i of the sweep before. */

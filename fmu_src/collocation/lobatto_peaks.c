@@ -47,7 +47,8 @@ static bool raise(const LobattoSystem *s, PeakQuantity quantity, const LobattoVa
         const double size = fabs(y * low + x[k] * high);
         if (!(size > *peak * unit)) continue;
         const double found = value_after(s, quantity, x[k]), error = found - size;
-        const double bend = 6.0 * fabs(y * (c.at[0] - 2.0 * c.at[1] + c.at[2]) + x[k] * (c.at[1] - 2.0 * c.at[2] + c.at[3]));
+        const double bend =
+            6.0 * fabs(y * (c.at[0] - 2.0 * c.at[1] + c.at[2]) + x[k] * (c.at[1] - 2.0 * c.at[2] + c.at[3]));
         if (!(LOBATTO_PEAK_SHARE * error * error <= s->slip->params->tolerance * size * bend)) return false;
         *peak = fmax(*peak, found / unit);
     }

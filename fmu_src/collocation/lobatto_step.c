@@ -346,10 +346,12 @@ COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *fric
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
     StartFriction friction = start_friction(s, from);
-    double rhs = guess_rhs(s->slip, from, friction.value);
-    if (s->slip->friction_is_loaded) {
-        lobatto_loads_guess(s, from, rhs, friction.value, friction.kinetic);
+    double rhs;
+    s->omega = from->omega;
+    for (int n = 0;; n++) {
         rhs = guess_rhs(s->slip, from, friction.value);
+        if (n > 0 || !s->slip->friction_is_loaded) break;
+        lobatto_loads_guess(s, from->geometry, from->z, rhs, friction.value, friction.kinetic);
     }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);

@@ -260,7 +260,7 @@ static inline bool is_possible(const LobattoSystem *s, bool varies) {
             possible &= n->factors.rn[0][k % 2] > 0.0 && n->factors.rn[1][k % 2] > 0.0 && delta > 0.0;
         if (varies) possible &= delta * s->pair[0].factors.delta[0] > 0.0;
         possible &= varies || lobatto_system_is_inertial(s) ? mass * delta > 0.0
-                                                  : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
+                                                            : delta > 0.0 && mass >= 0.0 && n->factors.p[k % 2] > 0.0;
     }
     return possible;
 }
@@ -370,7 +370,7 @@ static inline bool is_placed(const LobattoSystem *s) {
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
-    const double wanted = LOBATTO_SWEEP_SHARE * slip->params->tolerance * fabs(s->omega) / per_y;
+    const double share = LOBATTO_SWEEP_SHARE * slip->params->tolerance, speed = fabs(s->omega);
     double before = INFINITY, missed = 0.0;
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
@@ -379,14 +379,14 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double size = lobatto_largest(lobatto_range(&change));
         LobattoValues next = predict_change(s, &change, varies);
         if (varies && n == 0) {
-            const LobattoValues speed = lobatto_combine(LOBATTO.once, &next);
-            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * speed.half[k]);
+            const LobattoValues faster = lobatto_combine(LOBATTO.once, &next);
+            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * faster.half[k]);
         }
         /* Where the motion slows down, friction needs the lower speed to the same share. */
-        const double slowed = varies ? fmin(1.0, fabs(s->speed.at[LOBATTO_END] / s->omega)) : 1.0;
-        bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= wanted * slowed;
-        if (varies && slip->friction_is_loaded)
-            converged &= s->load_error <= LOBATTO_SWEEP_SHARE * slip->params->tolerance;
+        const double end_speed = fabs(s->speed.at[LOBATTO_END]);
+        const double slowed = varies && end_speed < speed ? end_speed : speed;
+        bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= share * slowed / per_y;
+        if (varies && slip->friction_is_loaded) converged &= s->load_error <= share;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
         if (end->given) missed = aim_at_end(s, end);

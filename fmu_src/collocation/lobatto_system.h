@@ -9,50 +9,7 @@
 #ifndef DUALCAM_LOBATTO_SYSTEM_H
 #define DUALCAM_LOBATTO_SYSTEM_H
 
-#include "contact/balance.h"
-#include "contact/contact_factors.h"
-#include "numerics/lobatto.h"
-
-/* The balance of forces at two nodes, see balance.h. */
-typedef struct {
-    Vector2 slope[2], dpsi_dtheta[2], dz_dtheta;
-    Vector2 d2z_dtheta2, d2gamma_dtheta2; /* only if the follower has mass or inertia */
-    VectorContactFactors factors;         /* r_i n_i, d_i, Delta, P, Q */
-    Vector2 z, force, damper;             /* m, N, N: z, F_0, D */
-    Vector2 mass;                         /* J Delta + P m z' + Q I gamma', or without inertia Delta b + P c z' */
-    Vector2 damping_rate;                 /* 1/s, -d alpha/d omega; only if a force depends on the speed */
-    /* Only where friction varies: */
-    Vector2 omega, sliding[2];                /* rad/s, m: at which the balance was taken last; v_i per omega */
-    Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
-    /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
-    Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
-    Vector2 curve[2];         /* x_i F''/(2 (F' - f)), of the friction force F */
-    Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
-} NodePair;
-
-/* A sliding speed at which the step is to end, a sample of a friction table. Its length is then an unknown too. */
-typedef struct {
-    bool given;
-    int contact;
-    double start, speed, slack; /* m/s: at the start; the aim, and by how much the step may miss it */
-    double longest;             /* s, the length that the step may have */
-} EndSpeed;
-
-typedef struct {
-    const SlipMode *slip;
-    bool has_damper, is_resisted; /* is_resisted: alpha depends on the speed */
-    double theta, omega, h;       /* rad, rad/s at the start; s */
-    FrictionNearby law[2];        /* only where friction varies, times sigma e_i */
-    Vector2 sigma, radius[2], radius2[2];
-    EndSpeed end_speed;
-    LobattoValues tau, F_ext;
-    LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
-    LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    Vector2 per_load[2], load_exponent[2]; /* only where friction depends on the load: 1/N, 1/(n R_ref); nu */
-    double load_error;                     /* likewise: relative error of a force by the change of x_i in a sweep */
-    double end_shift;                      /* rad, dtheta at the end less the dtheta at which the balance was taken last */
-    NodePair pair[LOBATTO_HALVES];
-} LobattoSystem;
+#include "collocation/lobatto_nodes.h"
 
 /* An angle at which the step must end, likewise. */
 typedef struct {
@@ -66,46 +23,6 @@ static inline bool lobatto_system_is_inertial(const LobattoSystem *system) {
 
 /* Sets what all sweeps have in common: slip mode, forces that are there, friction law. */
 void lobatto_system_begin(LobattoSystem *system, const SlipMode *slip);
-
-/* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
-typedef struct {
-    Vector2 axial, moment, torque;
-} LoadShift;
-
-static inline LoadShift lobatto_load_shift(const SlipMode *slip, const NodePair *n) {
-    const CamParams *cam = slip->params->cam;
-    const Vector2 torque[2] = {cam[0].radius * cam[0].radius * n->rest[0], cam[1].radius * cam[1].radius * n->rest[1]};
-    return (LoadShift){-(n->slope[0] * n->rest[0] + n->slope[1] * n->rest[1]), torque[1] - torque[0], torque[1]};
-}
-
-/* N, N.m; 1/m^3: A and W at two nodes of a solution, with the shift of the rests; 1/Delta. */
-typedef struct {
-    Vector2 axial, moment, inverse;
-} NodeForces;
-
-static inline NodeForces lobatto_node_forces(const LobattoSystem *system, int k) {
-    const SlipMode *slip = system->slip;
-    const InertiaParams *in = &slip->params->inertia;
-    const NodePair *n = &system->pair[k];
-    NodeForces out = {n->force + n->damper, {0.0, 0.0}, 1.0 / n->factors.delta};
-    if (slip->follower_has_inertia) {
-        const Vector2 omega = system->speed.half[k], alpha = system->y.half[k], omega2 = omega * omega;
-        out.axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega2);
-        out.moment = in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega2);
-    }
-    if (slip->friction_varies && slip->friction_is_loaded) {
-        const LoadShift shift = lobatto_load_shift(slip, n);
-        out.axial += shift.axial;
-        out.moment += shift.moment;
-    }
-    return out;
-}
-
-/* N/m: x_i = R_i/hypot(r_i, a_i), R_i total. */
-static inline Vector2 lobatto_node_contact(const NodePair *n, const NodeForces *forces, int i) {
-    const Vector2 arm = i == 0 ? -n->factors.d[1] : n->factors.d[0];
-    return (n->factors.rn[1 - i] * forces->axial + arm * forces->moment) * forces->inverse;
-}
 
 /* A first iterate under constant acceleration. `rhs`: alpha, or without inertia omega, at the start. */
 void lobatto_system_guess(LobattoSystem *system, double rhs);

@@ -9,8 +9,8 @@
  * so that rho = P/Delta and rho kappa_1 = Q/Delta.
  *
  * The same two functions stand here for each arithmetic: `set` writes r_i n_i and d_i of one contact, then `multiply`
- * writes Q, Delta and P. Numbers and vectors compute r (a + f r); arithmetic with derivatives computes r a + f r^2,
- * in which a derivative of a needs no further operation. */
+ * writes Q, Delta and P. Numbers and vectors compute r (a + f r); arithmetic with derivatives, and vectors with an f of
+ * their own at each angle, compute r a + f r^2, in which a derivative of a needs no further operation. */
 #ifndef DUALCAM_CONTACT_FACTORS_H
 #define DUALCAM_CONTACT_FACTORS_H
 

@@ -11,8 +11,8 @@ static double excess_of(const CamParams *cam) {
 }
 
 /* m/s, above which the excess is below all rounding; -infinity without an excess. */
-static double speed_without_excess(const CamParams *cam) {
-    if (excess_of(cam) == 0.0) return -INFINITY;
+static double speed_without_excess(const CamParams *cam, double excess) {
+    if (excess == 0.0) return -INFINITY;
     return cam->law.stribeck_velocity * (cam->law.stribeck_exponent == 2 ? STRIBECK_GONE_GAUSS : STRIBECK_GONE_TUSTIN);
 }
 
@@ -31,10 +31,11 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     const FrictionParams *law = &cam->law;
     if (law->table) return friction_table_at(law->table, v);
     FrictionCoefficient mu = {cam->friction + law->viscous * v, law->viscous};
-    if (v > speed_without_excess(cam)) return mu;
+    const double excess = excess_of(cam);
+    if (v > speed_without_excess(cam, excess)) return mu;
     const double per_speed = 1.0 / law->stribeck_velocity;
     const Exponent exponent = stribeck_exponent(law, v * per_speed);
-    const double share = excess_of(cam) * exp(exponent.value);
+    const double share = excess * exp(exponent.value);
     mu.value += share;
     mu.by_speed += share * exponent.slope * per_speed;
     return mu;
@@ -70,13 +71,14 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
-void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near) {
+NOINLINE void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near) {
     const Vector2 none = {0.0, 0.0};
+    const double excess = excess_of(cam);
     near->kinetic = none + sign * cam->friction;
     near->viscous = none + sign * cam->law.viscous;
-    near->excess = none + sign * excess_of(cam);
+    near->excess = none + sign * excess;
     near->minus_by_v = none - 1.0 / cam->law.stribeck_velocity;
-    near->gone = cam->law.table ? INFINITY : speed_without_excess(cam);
+    near->gone = cam->law.table ? INFINITY : speed_without_excess(cam, excess);
     near->is_gauss = cam->law.stribeck_exponent == 2;
     near->sign = sign;
     near->has_table = cam->law.table != NULL;

@@ -123,16 +123,16 @@ static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vect
     if (v[0] > near->gone && v[1] > near->gone) return mu;
     if (near->has_table) return friction_on_piece(near, v);
     const Vector2 ratio = v * near->minus_by_v;
+    Vector2 exponent, slope = near->minus_by_v;
     if (near->is_gauss) {
-        const Vector2 share = near->excess * vector2_exp(-ratio * ratio), slope = near->minus_by_v * ratio;
-        mu.value += share;
-        mu.by_speed -= share * (slope + slope);
+        exponent = -ratio * ratio;
+        slope *= -2.0 * ratio;
     } else {
-        const Vector2 inside = {ratio[0] > 1.0 ? 1.0 : ratio[0], ratio[1] > 1.0 ? 1.0 : ratio[1]}; /* see Exponent */
-        const Vector2 share = near->excess * vector2_exp(inside);
-        mu.value += share;
-        mu.by_speed += near->minus_by_v * share;
+        exponent = (Vector2){ratio[0] > 1.0 ? 1.0 : ratio[0], ratio[1] > 1.0 ? 1.0 : ratio[1]}; /* see Exponent */
     }
+    const Vector2 share = near->excess * vector2_exp(exponent);
+    mu.value += share;
+    mu.by_speed += share * slope;
     return mu;
 }
 

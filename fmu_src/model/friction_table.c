@@ -164,7 +164,7 @@ NOINLINE static KnotStep knot_step(const double *knot, size_t last, double overs
     return step;
 }
 
-static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
+COMPACT static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
     const KnotStep step = knot_step(knot, last, overshoot, from, to > from, find(knot, last, from));
     const double change = fabs(to - from);
     return change <= step.longest ? 1.0 : step.aim / change;
@@ -178,7 +178,7 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
     return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
 }
 
-static void take_piece(const FrictionTable *table, size_t j, FrictionReach *reach) {
+COMPACT static void take_piece(const FrictionTable *table, size_t j, FrictionReach *reach) {
     const FrictionPiece *p = piece_of(table, table->loads / 2, j);
     const Vector2 none = {0.0, 0.0};
     reach->index = j;

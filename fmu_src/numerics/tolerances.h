@@ -62,12 +62,11 @@ static const double QUADRATURE_PEAK_ROUNDING = 4.0 * DBL_EPSILON;
 enum { CSV_MAX_BYTES = 16 * 1024 * 1024, FRICTION_SAMPLES_MIN = 3, FRICTION_SAMPLES_MAX = 2000 };
 static const double FRICTION_MAX = 10.0, FRICTION_LOAD_POWER = 0.9, LARGEST_ENERGY = 1e288;
 
-/* A step may pass a sample by a share of a piece, times tolerance^(3/8): the error of the jump grows with the cube.
- * REACHED: share of this overshoot before a sample that counts as reached. In a step the speed may change by the share
- * SPAN of a piece; with a whole one, errors reach 20 tolerances; factor on it for a step that aims at less. AIM_SHARE:
- * of what is left beyond the aim, by which a step may miss the aim. */
-static const double FRICTION_OVERSHOOT = 0.6, FRICTION_REACHED = 0.25, FRICTION_SPAN = 0.5, FRICTION_SPAN_SLACK = 1.1,
-                    FRICTION_AIM_SHARE = 0.8;
+/* A step may pass a sample by a share of a piece, times tolerance^(3/8): the error of the jump grows with the cube; share
+ * of that before a sample that counts as reached. In a step the speed may change by the share SPAN of a piece, times SLACK
+ * beyond an aim: with a whole piece, errors reach 20 tolerances. Share of the way left by which a step misses its aim. */
+static const double FRICTION_OVERSHOOT = 0.6, FRICTION_REACHED = 0.25, FRICTION_AIM_SHARE = 0.8;
+static const double FRICTION_SPAN = 0.5, FRICTION_SPAN_SLACK = 1.1;
 
 /* ---- geometry ---- */
 
@@ -190,7 +189,6 @@ enum { LINEAR_ROOT_ITERATIONS = 200 };
 /* ---- collocation ---- */
 
 /* Radau step */
-
 /* Newton's method ends when a correction is this share of what the tolerance allows. */
 static const double RADAU_NEWTON_SHARE = 0.05;
 
@@ -254,7 +252,6 @@ static const double BREAKPOINT_EDGE_OVERSHOOT = 1e-10;
 static const double BREAKPOINT_TIME_CHANGE = 0.1;
 
 /* Step control */
-
 /* h over the time scale of the motion below which three, or five, stages suffice; and the tolerance above which a step
  * never starts with seven stages. */
 static const double STEP_FOR_3_STAGES = 0.06, STEP_FOR_5_STAGES = 0.5, STEP_7_STAGES_TOLERANCE = 1e-6;
@@ -280,7 +277,6 @@ static const double STEP_SIMILAR = 0.5;
 enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8 }; /* of one step; to end the step at a sample of friction */
 
 /* Event location */
-
 /* Share of the step before which a crossing of an indicator that starts from zero is rounding: the mode decision has
  * found the indicator to rise. */
 static const double CROSSING_AT_ONCE = 1e-9;
@@ -312,19 +308,15 @@ enum { LOCATION_EXTENSIONS = 11 };
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 
 /* Lobatto step */
-
 /* Share of what the tolerance allows that the next sweep may change. Factor by which a sweep must reduce the change of
  * the sweep before: else Newton's method is faster. Sweeps of one step. */
 static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
-/* Relative error of a force per third power of the last change of a load; iterations of the loads at the start. */
-static const double LOBATTO_LOAD_SHARE = 0.3;
-enum { LOBATTO_LOAD_GUESSES = 1 };
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2, LOBATTO_LOAD_GUESSES = 1 /* of the loads at the start */ };
 static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
@@ -335,10 +327,9 @@ static const double LOBATTO_SHIFT_SHARE = 0.3;
 /* Share of the distance to a breakpoint by which a step that aims at it may miss it. Ratio of the cubic term to the
  * square term, and of that to the linear one, in a motion that four nodes resolve. */
 static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
-
-/* A peak lies where a cubic has its turning point. Relative error of the peak, in squares of the cubic's error there over
- * peak and second derivative. */
-static const double LOBATTO_PEAK_SHARE = 10.0;
+/* Relative errors: of a force per third power of the last change of a load; of a peak per square of the error of its
+ * cubic over peak and second derivative. */
+static const double LOBATTO_LOAD_SHARE = 0.3, LOBATTO_PEAK_SHARE = 10.0;
 
 /* Variation of a step */
 
