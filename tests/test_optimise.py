@@ -70,6 +70,23 @@ def test_best_lead_angles_of_unequal_friction(method):
     assert found.feasible and not found.active and not found.violated
 
 
+def test_objectives_take_the_named_results():
+    """The same as formulas of variables, and as a plan without the section: results are formulas there, too."""
+    one = {"cam1.lead_angle": Vary(0.3, 1.2)}
+    results = ["twice = 2 * efficiency", "shown = max(twice, torque_load)"]
+    best = optimise(task({"twice": "maximise"}, one, same_as=SAME, results=results, method="slsqp"))
+    plain = optimise(task({"2 * efficiency": "maximise"}, one, same_as=SAME, method="slsqp"))
+    assert best.design == plain.design
+    lead = best.design["cam1.lead_angle"]
+    assert best.results["twice"] == pytest.approx(2.0 * efficiency(lead), rel=1e-10)
+    assert best.results["shown"] == pytest.approx(max(2.0 * efficiency(lead), loading(lead)), rel=1e-10)
+
+
+def test_a_series_is_no_result_of_an_optimum():
+    with refused("series(theta, every=0.001)", "one value"):
+        task({"efficiency": "maximise"}, results=["series(theta, every=0.001)"])
+
+
 def loading(lead):
     """Torque of two equal helices at theta = 0 [N.m]: F r tan(lambda + phi)/2."""
     return PRELOAD * RADIUS * np.tan(lead + PHI) / 2.0

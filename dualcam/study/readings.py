@@ -237,6 +237,20 @@ _REDUCED: dict[str, Any] = {
 }
 
 
+def column_of(text: str) -> str:
+    """The name of the column of a result."""
+    named = NAMED.fullmatch(text.strip())
+    return text.strip() if named is None or _sampling(text.strip()) else named[1].strip()
+
+
+def is_series(text: str) -> bool:
+    """Whether a result has several values in a run."""
+    text = text.strip()
+    named = NAMED.fullmatch(text)
+    call = _sampling(text) or (_sampling(named[2].strip()) if named else None)
+    return call is not None and call[1] == SERIES
+
+
 def _sampling(text: str) -> re.Match[str] | None:
     """The parts of a text such as max(theta, every=0.01); None for max(theta, omega), which is a formula."""
     if OF_VALUES.fullmatch(text) and not ONE_AND_NUMBER.fullmatch(text):

@@ -130,7 +130,7 @@ class Evaluator:
         block = self._model(made.reshape(count * copies, width))
         results = block.values.reshape(count, copies, -1)
         known = {name: made[:, :, k] for k, name in enumerate(self.plan.names)}
-        known |= {name: results[:, :, k] for k, name in enumerate(self.task.read)}
+        known |= {name: results[:, :, k] for k, name in enumerate(self.task.columns)}
         ways = self.task.objectives.items()
         objectives = np.column_stack(
             [self._value(text, known, 1.0 if way == "minimise" else -1.0) for text, way in ways]

@@ -16,7 +16,7 @@ from dualcam.study.optimisation.task_check import check_task
 from dualcam.study.plan import Plan
 from dualcam.study.problem import Findings, Place, unchecked
 from dualcam.study.reading.context import Context
-from dualcam.study.reading.parts import check_together, parameters_of
+from dualcam.study.reading.parts import check_together, parameters_of, readings_of
 from dualcam.study.reading.plan_table import plan_of
 from dualcam.study.reading.quantities import number, unit_in
 from dualcam.study.reading.scenario_table import scenario_of
@@ -28,6 +28,7 @@ from dualcam.study.reading.study_file import (
     scenario_of_design,
 )
 from dualcam.study.reading.tables import validated
+from dualcam.study.readings import column_of
 from dualcam.study.sampling.formula import formula, is_formula
 from dualcam.study.scenario import Scenario
 
@@ -149,8 +150,11 @@ def _task(
     goals = _Goals(context, table.get("optimise", {}))
     results = list(table.get("results", ()))
     others = {name: value for name, value in parameters.items() if plan is None or name not in plan.names}
-    read = dict.fromkeys([*_results_in(goals, plan), *results])
-    parts = Parts(plan, scenario, list(read), others)
+    named = _names_in(goals)
+    read = [name for name in named if name not in {*(plan.names if plan else ()), *map(column_of, results)}]
+    readings = readings_of(context, list(dict.fromkeys([*read, *results])), plan, scenario)
+    assert readings is not None
+    parts = Parts(plan, scenario, readings.raw, others, {*readings.used, *named})
     plan = check_together(context, parts, content, references=goals.start)
     if plan is None or context.fmu is None:
         return None
@@ -233,11 +237,10 @@ class _Goals:
         return value if found is None else found
 
 
-def _results_in(goals: _Goals, plan: Plan | None) -> list[str]:
-    """Results in formulas, of which those that are none are told elsewhere."""
-    names = plan.names if plan else ()
+def _names_in(goals: _Goals) -> list[str]:
+    """Names in the formulas of objectives and constraints; those that are no formulas are told elsewhere."""
     sound = [formula(text) for text in [*goals.objectives, *goals.constraints] if is_formula(text)]
-    return [name for each in sound for name in each.names if name not in names]
+    return [name for each in sound for name in each.names]
 
 
 def _check_tolerances(context: Context, goals: _Goals, plan: Plan) -> None:

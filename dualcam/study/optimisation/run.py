@@ -149,7 +149,7 @@ def _optimum(search: Search, folder: Path | None) -> Optimum:
     return Optimum(
         task=task,
         design=design,
-        results=dict(zip(task.read, results[best].tolist(), strict=True)),
+        results=dict(zip(task.columns, results[best].tolist(), strict=True)),
         objectives=dict(zip(task.objectives, objectives[best].tolist(), strict=True)),
         constraints=_nearer(search, constraints[best], search.excess[best]),
         feasible=len(fit) > 0,
@@ -191,7 +191,7 @@ def _designs(search: Search, shares: Array, results: Array, objectives: Array) -
     columns: dict[str, Any] = {name: rows[:, plan.names.index(name)] for name in search.evaluator.chosen}
     for name, texts in plan.texts.items():
         columns[name] = np.array([texts[int(place)] for place in columns[name]], dtype=object)
-    columns |= {name: results[:, k] for k, name in enumerate(task.read)}
+    columns |= {name: results[:, k] for k, name in enumerate(task.columns)}
     columns |= {text: objectives[:, k] for k, text in enumerate(task.objectives)}
     columns[STATE[0]] = np.array([int(search.feasible(place)) for place in range(search.count)])
     messages = (batch.messages.get(k, "") for batch in search.batches for k in range(len(batch.shares)))

@@ -11,6 +11,7 @@ from pathlib import Path
 from dualcam.model_description import Scalar
 from dualcam.study.entries import hint
 from dualcam.study.problem import Findings
+from dualcam.study.readings import column_of
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.formula import Formula, formula
 from dualcam.study.sampling.vary import Vary
@@ -157,7 +158,8 @@ class Optimisation:
     correlations : sequence of Correlation
         Of what has a distribution.
     results : sequence of str
-        Results to be shown beside those in objectives and constraints.
+        Results to be shown beside those in objectives and constraints, as those of `Study` but for series;
+        objectives and constraints may use their names.
     units : mapping of str to str
         Units in which the command and its messages show values, by the name or by the text of a constraint;
         without one the FMU's unit.
@@ -234,11 +236,16 @@ class Optimisation:
 
     @cached_property
     def read(self) -> list[str]:
-        """What is read of the model: results in formulas, then those that are shown."""
+        """What is read of the model: variables in formulas, then the results that are shown."""
         derived = self.model.derived if isinstance(self.model, FmuRuns) else {}
-        given = {*self.vary, *self.same_as, *derived}
-        wanted = [name for each in self.formulas.values() for name in each.names if name not in given]
+        known = {*self.vary, *self.same_as, *derived, *map(column_of, self.results)}
+        wanted = [name for each in self.formulas.values() for name in each.names if name not in known]
         return list(dict.fromkeys([*wanted, *self.results]))
+
+    @property
+    def columns(self) -> list[str]:
+        """The names of what is read."""
+        return [column_of(text) for text in self.read]
 
 
 def choices(vary: Vary) -> list[float | str]:

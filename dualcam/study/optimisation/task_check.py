@@ -9,6 +9,7 @@ from dualcam.study.checking import is_meant
 from dualcam.study.entries import hint, is_whole
 from dualcam.study.plan_check import problem_of_same
 from dualcam.study.problem import Findings, StudyError
+from dualcam.study.readings import is_series
 from dualcam.study.sampling.formula import formula
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ def check_task(task: Optimisation, findings: Findings) -> None:
     _check_objectives(task, findings)
     _check_limits(task, findings)
     _check_formulas(task, findings)
+    _check_results(task, findings)
 
 
 def _note(findings: Findings, key: str, text: str, *within: str) -> None:
@@ -170,3 +172,10 @@ def _check_formulas(task: Optimisation, findings: Findings) -> None:
         findings.note(
             place, *(f"optimise: {text!r} uses {name}, which is a text" for name in names if name in texts)
         )
+
+
+def _check_results(task: Optimisation, findings: Findings) -> None:
+    for text in task.results:
+        if is_series(text):
+            problem = "a series is not shown: allowed are results with one value"
+            findings.note(("results", text), f"optimise: result {text!r}: {problem}")
