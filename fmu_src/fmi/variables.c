@@ -73,11 +73,21 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .kind = KIND_##kind_,                                                                     \
                              .causality = CAUSALITY_##causality_,                                                      \
                              .variability = VARIABILITY_##variability_,                                                \
-                             .min = min_,                                                                              \
-                             .max = max_,                                                                              \
-                             .nominal = nominal_,                                                                      \
                              .name = name_,                                                                            \
                              .unit = UNIT_##unit_}, )
+#include "variables.def"
+};
+
+/* What each causality contributes to the limits. */
+#define LIMITS_PARAMETER(id, min, max, nominal) [VR_##id] = {min, max, nominal},
+#define LIMITS_INPUT LIMITS_PARAMETER
+#define LIMITS_OUTPUT LIMITS_PARAMETER
+#define LIMITS_LOCAL(id, min, max, nominal)
+#define LIMITS_INDEPENDENT LIMITS_LOCAL
+
+const Limits LIMITS[] = {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+    IN_##model(LIMITS_##causality(id, min, max, nominal))
 #include "variables.def"
 };
 
@@ -157,7 +167,8 @@ static void write_start(unsigned reference, void *address) {
 }
 
 void variables_start(Values *values) {
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+    /* the locals, which are most of the variables, come after all inputs and parameters */
+    for (unsigned i = 0; i < VARIABLE_COUNT && VARIABLES[i].causality != CAUSALITY_LOCAL; i++)
         if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
             write_start(i, (char *)values + VARIABLES[i].offset);
 }
@@ -174,7 +185,8 @@ const char *type_name(Type type) {
 
 bool variable_allows(const Variable *variable, double value) {
     if (variable->kind == KIND_SIGN && value == 0.0) return false;
-    return isfinite(value) && value >= variable->min && value <= variable->max;
+    const Limits *limits = &LIMITS[variable - VARIABLES];
+    return isfinite(value) && value >= limits->min && value <= limits->max;
 }
 
 COLD ShortestDecimal shortest_decimal(double value) {
@@ -192,14 +204,15 @@ COLD ShortestDecimal shortest_decimal(double value) {
 
 COLD RangeText variable_range(const Variable *variable) {
     RangeText range;
-    const ShortestDecimal min = shortest_decimal(variable->min), max = shortest_decimal(variable->max);
+    const Limits *limits = &LIMITS[variable - VARIABLES];
+    const ShortestDecimal min = shortest_decimal(limits->min), max = shortest_decimal(limits->max);
     if (variable->kind == KIND_TEXT)
         snprintf(range.text, sizeof range.text, "\"\" or a text of at most %s bytes", max.text);
     else if (variable->kind == KIND_SIGN) snprintf(range.text, sizeof range.text, "-1 or +1");
-    else if (variable->min == variable->max) snprintf(range.text, sizeof range.text, "only %s", min.text);
-    else if (isfinite(variable->min) && isfinite(variable->max))
+    else if (limits->min == limits->max) snprintf(range.text, sizeof range.text, "only %s", min.text);
+    else if (isfinite(limits->min) && isfinite(limits->max))
         snprintf(range.text, sizeof range.text, "%s to %s", min.text, max.text);
-    else if (isfinite(variable->min)) snprintf(range.text, sizeof range.text, "any finite number from %s", min.text);
+    else if (isfinite(limits->min)) snprintf(range.text, sizeof range.text, "any finite number from %s", min.text);
     else snprintf(range.text, sizeof range.text, "any finite number");
     return range;
 }

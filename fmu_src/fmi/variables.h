@@ -85,7 +85,6 @@ typedef struct {
 
 /* Small types: the table is a large part of the binary. */
 typedef struct {
-    double min, max, nominal; /* as in variables.def */
     const char *name;
     uint32_t offset;   /* bytes, in Values */
     uint16_t group;    /* Group */
@@ -95,6 +94,11 @@ typedef struct {
     uint8_t variability;
     uint8_t unit; /* UnitId */
 } Variable;       /* the description stands only in the XML */
+
+/* Range and order of magnitude of a value, as in variables.def. */
+typedef struct {
+    double min, max, nominal;
+} Limits;
 
 /* All values that variables have. */
 typedef struct {
@@ -140,6 +144,7 @@ typedef struct {
 
 extern const Unit UNITS[UNIT_COUNT];
 extern const Variable VARIABLES[VARIABLE_COUNT];
+extern const Limits LIMITS[]; /* by value reference; without the locals, which come last and are never set */
 
 /* The variable with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {
