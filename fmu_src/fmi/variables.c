@@ -85,7 +85,7 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
 #define LIMITS_LOCAL(id, min, max, nominal)
 #define LIMITS_INDEPENDENT LIMITS_LOCAL
 
-const Limits LIMITS[] = {
+const Limits LIMITS[LISTED_COUNT] = {
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
     IN_##model(LIMITS_##causality(id, min, max, nominal))
 #include "variables.def"
@@ -105,6 +105,11 @@ _Static_assert(sizeof MODEL_GUID <= GUID_SIZE, "GUID_SIZE");
 #define NUMBER_COUNT(id, start) start
 #define NUMBER_BOOLEAN(id, start) start
 #define NUMBER_TEXT(id, start) TEXT_##id
+#define NUMBER_OF_PARAMETER(id, number) [VR_##id] = number,
+#define NUMBER_OF_INPUT NUMBER_OF_PARAMETER
+#define NUMBER_OF_OUTPUT NUMBER_OF_PARAMETER
+#define NUMBER_OF_LOCAL(id, number)
+#define NUMBER_OF_INDEPENDENT NUMBER_OF_LOCAL
 #define START_TEXT_REAL(id, start)
 #define START_TEXT_INTEGER(id, start)
 #define START_TEXT_SIGN(id, start)
@@ -116,14 +121,14 @@ _Static_assert(sizeof MODEL_GUID <= GUID_SIZE, "GUID_SIZE");
 __attribute__((used)) static const volatile StartBlock START_BLOCK = {
     .mark = "dualcam start values, layout 1\n",
     .size = sizeof(StartBlock),
-    .number_count = VARIABLE_COUNT,
+    .number_count = LISTED_COUNT,
     .text_count = TEXT_COUNT,
     .text_size = START_TEXT_SIZE,
     .guid = MODEL_GUID,
     .number =
         {
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
-    IN_##model([VR_##id] = NUMBER_##kind(id, start), )
+    IN_##model(NUMBER_OF_##causality(id, NUMBER_##kind(id, start)))
 #include "variables.def"
         },
     .text =
@@ -134,8 +139,9 @@ __attribute__((used)) static const volatile StartBlock START_BLOCK = {
 #include "variables.def"
         },
 };
+_Static_assert((int)LISTED_LEDGER == (int)VR_LEDGER, "locals come after all inputs, outputs and parameters");
 _Static_assert(sizeof(StartBlock) ==
-                   48 + GUID_SIZE + VARIABLE_COUNT * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
+                   48 + GUID_SIZE + LISTED_COUNT * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
                "padding in StartBlock");
 _Static_assert((int)START_TEXT_SIZE <= (int)TABLE_PATH_SIZE, "a start value of a text must fit into the parameter");
 
@@ -167,8 +173,7 @@ static void write_start(unsigned reference, void *address) {
 }
 
 void variables_start(Values *values) {
-    /* the locals, which are most of the variables, come after all inputs and parameters */
-    for (unsigned i = 0; i < VARIABLE_COUNT && VARIABLES[i].causality != CAUSALITY_LOCAL; i++)
+    for (unsigned i = 0; i < LISTED_COUNT; i++)
         if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
             write_start(i, (char *)values + VARIABLES[i].offset);
 }
