@@ -34,7 +34,8 @@ typedef struct {
 } LawArguments;
 
 /* Of contact i, which carries x. */
-static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *k, double omega, int i, double x) {
+COMPACT static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *k, double omega, int i,
+                                          double x) {
     const CamParams *cam = &slip->params->cam[i];
     const double length = sqrt(cam->radius * cam->radius + k->slope[i].value * k->slope[i].value);
     const double v =
@@ -44,7 +45,7 @@ static LawArguments law_arguments(const SlipMode *slip, const SlipCoefficients *
 }
 
 /* d mu_i/d known, at constant speed and reaction. */
-static double friction_by(const SlipMode *slip, const LawArguments *at, int i, Known known) {
+COMPACT static double friction_by(const SlipMode *slip, const LawArguments *at, int i, Known known) {
     return friction_along(&slip->params->cam[i], i, &at->speed, &at->reaction, known).c[0].slope;
 }
 
@@ -73,7 +74,7 @@ static double contact_load(const SlipMode *slip, const SlipCoefficients *k, cons
     return (f->rn[1 - i].value * axial + sign * f->d[1 - i].value * moment) / f->delta.value;
 }
 
-double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v) {
+COMPACT double balance_force_by(const SlipMode *slip, Known known, double factor, double z, double v) {
     const bool rises = slip->direction > 0;
     switch (known) {
         case KNOWN_F_EXT:
@@ -89,7 +90,7 @@ double balance_force_by(const SlipMode *slip, Known known, double factor, double
     }
 }
 
-void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
+COMPACT void balance_partials(const SlipMode *slip, const Balance *balance, Partials *out) {
     const Params *p = slip->params;
     const double b = p->shaft.damping, omega = balance->omega, torque = balance->tau - b * omega;
     SlipCoefficients storage;
@@ -173,7 +174,7 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
     }
 }
 
-void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
+COMPACT void balance_response(const SlipMode *slip, const Balance *balance, Partials *out) {
     const Known own = slip->regime == REGIME_INERTIAL ? KNOWN_ALPHA : KNOWN_OMEGA;
     Partials residual;
     balance_partials(slip, balance, &residual);
@@ -182,7 +183,7 @@ void balance_response(const SlipMode *slip, const Balance *balance, Partials *ou
         if (known != (int)own) out->by[known] = -residual.by[known] / residual.by[own];
 }
 
-COLD BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Known known) {
+COMPACT BalanceChange balance_change_by(const SlipMode *slip, const Balance *b, Known known) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, b->theta, b->omega, &storage, &z);
@@ -202,7 +203,7 @@ static double acceleration_change(const Balance *b, Dual k, Dual k_rate, const B
 }
 
 /* x_i = (r n A -+ d W)/Delta with n and d of the other contact, see balance.h. */
-COLD double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
+COMPACT double balance_contact_change(const SlipMode *slip, const Balance *balance, int i, const BalanceChange *c) {
     const Params *p = slip->params;
     const double m = p->inertia.follower_mass, I = p->inertia.follower, omega = balance->omega, alpha = balance->alpha;
     SlipCoefficients storage;

@@ -299,7 +299,7 @@ bool access_set_texts(Instance *instance, const char *function, const ValueRefer
     }
     for (size_t i = 0; i < n; i++)
         strncpy(address_in(&instance->values, vr[i]), value[i],
-                (size_t)VARIABLES[vr[i]].max + 1); /* fills the rest with zeros */
+                (size_t)LIMITS[vr[i]].max + 1); /* fills the rest with zeros */
     instance_invalidate(instance);
     return true;
 }

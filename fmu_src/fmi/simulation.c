@@ -225,7 +225,7 @@ bool simulation_get_indicators(Instance *instance, const char *function, double 
 
 bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n) {
     if (!is_vector(instance, function, ~0u, nominal, n, CONTINUOUS_STATES)) return false;
-    for (size_t i = 0; i < n; i++) nominal[i] = VARIABLES[model_state_reference((int)i)].nominal;
+    for (size_t i = 0; i < n; i++) nominal[i] = LIMITS[model_state_reference((int)i)].nominal;
     return true;
 }
 

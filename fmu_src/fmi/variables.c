@@ -73,11 +73,21 @@ const Variable VARIABLES[VARIABLE_COUNT] = {
                              .kind = KIND_##kind_,                                                                     \
                              .causality = CAUSALITY_##causality_,                                                      \
                              .variability = VARIABILITY_##variability_,                                                \
-                             .min = min_,                                                                              \
-                             .max = max_,                                                                              \
-                             .nominal = nominal_,                                                                      \
                              .name = name_,                                                                            \
                              .unit = UNIT_##unit_}, )
+#include "variables.def"
+};
+
+/* What each causality contributes to the limits. */
+#define LIMITS_PARAMETER(id, min, max, nominal) [VR_##id] = {min, max, nominal},
+#define LIMITS_INPUT LIMITS_PARAMETER
+#define LIMITS_OUTPUT LIMITS_PARAMETER
+#define LIMITS_LOCAL(id, min, max, nominal)
+#define LIMITS_INDEPENDENT LIMITS_LOCAL
+
+const Limits LIMITS[LISTED_COUNT] = {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+    IN_##model(LIMITS_##causality(id, min, max, nominal))
 #include "variables.def"
 };
 
@@ -95,6 +105,11 @@ _Static_assert(sizeof MODEL_GUID <= GUID_SIZE, "GUID_SIZE");
 #define NUMBER_COUNT(id, start) start
 #define NUMBER_BOOLEAN(id, start) start
 #define NUMBER_TEXT(id, start) TEXT_##id
+#define NUMBER_OF_PARAMETER(id, number) [VR_##id] = number,
+#define NUMBER_OF_INPUT NUMBER_OF_PARAMETER
+#define NUMBER_OF_OUTPUT NUMBER_OF_PARAMETER
+#define NUMBER_OF_LOCAL(id, number)
+#define NUMBER_OF_INDEPENDENT NUMBER_OF_LOCAL
 #define START_TEXT_REAL(id, start)
 #define START_TEXT_INTEGER(id, start)
 #define START_TEXT_SIGN(id, start)
@@ -106,14 +121,14 @@ _Static_assert(sizeof MODEL_GUID <= GUID_SIZE, "GUID_SIZE");
 __attribute__((used)) static const volatile StartBlock START_BLOCK = {
     .mark = "dualcam start values, layout 1\n",
     .size = sizeof(StartBlock),
-    .number_count = VARIABLE_COUNT,
+    .number_count = LISTED_COUNT,
     .text_count = TEXT_COUNT,
     .text_size = START_TEXT_SIZE,
     .guid = MODEL_GUID,
     .number =
         {
 #define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, ...)                        \
-    IN_##model([VR_##id] = NUMBER_##kind(id, start), )
+    IN_##model(NUMBER_OF_##causality(id, NUMBER_##kind(id, start)))
 #include "variables.def"
         },
     .text =
@@ -124,8 +139,9 @@ __attribute__((used)) static const volatile StartBlock START_BLOCK = {
 #include "variables.def"
         },
 };
+_Static_assert((int)LISTED_LEDGER == (int)VR_LEDGER, "locals come after all inputs, outputs and parameters");
 _Static_assert(sizeof(StartBlock) ==
-                   48 + GUID_SIZE + VARIABLE_COUNT * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
+                   48 + GUID_SIZE + LISTED_COUNT * sizeof(double) + (size_t)TEXT_COUNT * START_TEXT_SIZE,
                "padding in StartBlock");
 _Static_assert((int)START_TEXT_SIZE <= (int)TABLE_PATH_SIZE, "a start value of a text must fit into the parameter");
 
@@ -157,7 +173,7 @@ static void write_start(unsigned reference, void *address) {
 }
 
 void variables_start(Values *values) {
-    for (unsigned i = 0; i < VARIABLE_COUNT; i++)
+    for (unsigned i = 0; i < LISTED_COUNT; i++)
         if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0)
             write_start(i, (char *)values + VARIABLES[i].offset);
 }
@@ -174,7 +190,8 @@ const char *type_name(Type type) {
 
 bool variable_allows(const Variable *variable, double value) {
     if (variable->kind == KIND_SIGN && value == 0.0) return false;
-    return isfinite(value) && value >= variable->min && value <= variable->max;
+    const Limits *limits = &LIMITS[variable - VARIABLES];
+    return isfinite(value) && value >= limits->min && value <= limits->max;
 }
 
 COLD ShortestDecimal shortest_decimal(double value) {
@@ -192,14 +209,15 @@ COLD ShortestDecimal shortest_decimal(double value) {
 
 COLD RangeText variable_range(const Variable *variable) {
     RangeText range;
-    const ShortestDecimal min = shortest_decimal(variable->min), max = shortest_decimal(variable->max);
+    const Limits *limits = &LIMITS[variable - VARIABLES];
+    const ShortestDecimal min = shortest_decimal(limits->min), max = shortest_decimal(limits->max);
     if (variable->kind == KIND_TEXT)
         snprintf(range.text, sizeof range.text, "\"\" or a text of at most %s bytes", max.text);
     else if (variable->kind == KIND_SIGN) snprintf(range.text, sizeof range.text, "-1 or +1");
-    else if (variable->min == variable->max) snprintf(range.text, sizeof range.text, "only %s", min.text);
-    else if (isfinite(variable->min) && isfinite(variable->max))
+    else if (limits->min == limits->max) snprintf(range.text, sizeof range.text, "only %s", min.text);
+    else if (isfinite(limits->min) && isfinite(limits->max))
         snprintf(range.text, sizeof range.text, "%s to %s", min.text, max.text);
-    else if (isfinite(variable->min)) snprintf(range.text, sizeof range.text, "any finite number from %s", min.text);
+    else if (isfinite(limits->min)) snprintf(range.text, sizeof range.text, "any finite number from %s", min.text);
     else snprintf(range.text, sizeof range.text, "any finite number");
     return range;
 }

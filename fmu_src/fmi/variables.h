@@ -85,7 +85,6 @@ typedef struct {
 
 /* Small types: the table is a large part of the binary. */
 typedef struct {
-    double min, max, nominal; /* as in variables.def */
     const char *name;
     uint32_t offset;   /* bytes, in Values */
     uint16_t group;    /* Group */
@@ -95,6 +94,11 @@ typedef struct {
     uint8_t variability;
     uint8_t unit; /* UnitId */
 } Variable;       /* the description stands only in the XML */
+
+/* Range and order of magnitude of a value, as in variables.def. */
+typedef struct {
+    double min, max, nominal;
+} Limits;
 
 /* All values that variables have. */
 typedef struct {
@@ -125,12 +129,24 @@ typedef enum {
     TEXT_COUNT
 } TextId;
 
+/* The variables that are no locals: 0, 1, 2, ... as their value references, for the locals come last. */
+#define LISTED_PARAMETER(id) LISTED_##id,
+#define LISTED_INPUT LISTED_PARAMETER
+#define LISTED_OUTPUT LISTED_PARAMETER
+#define LISTED_LOCAL(id)
+#define LISTED_INDEPENDENT LISTED_LOCAL
+typedef enum {
+#define VARIABLE(model, kind, id, group, field, name, causality, ...) IN_##model(LISTED_##causality(id))
+#include "variables.def"
+    LISTED_COUNT
+} ListedId;
+
 typedef struct {
     char mark[32];
     uint32_t size; /* bytes of the block */
     uint32_t number_count, text_count, text_size;
     char guid[GUID_SIZE];
-    double number[VARIABLE_COUNT]; /* by value reference; of a text its TextId; NAN: no start value */
+    double number[LISTED_COUNT]; /* by value reference; of a text its TextId; NAN: no start value */
     char text[TEXT_COUNT][START_TEXT_SIZE];
 } StartBlock;
 
@@ -140,6 +156,7 @@ typedef struct {
 
 extern const Unit UNITS[UNIT_COUNT];
 extern const Variable VARIABLES[VARIABLE_COUNT];
+extern const Limits LIMITS[LISTED_COUNT]; /* by value reference; locals are never set */
 
 /* The variable with that value reference, or NULL. */
 static inline const Variable *variable_find(unsigned reference) {

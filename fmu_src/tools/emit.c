@@ -134,6 +134,12 @@ static const char *const DESCRIPTIONS[] = {
 #include "variables.def"
 };
 
+static const Limits LIMITS_OF_ALL[] = {
+#define VARIABLE(model, kind, id, group, field, name, causality, variability, unit, start, min, max, nominal, text)    \
+    IN_##model([VR_##id] = {min, max, nominal}, )
+#include "variables.def"
+};
+
 static const char *const CAUSALITIES[] = {[CAUSALITY_PARAMETER] = "parameter",
                                           [CAUSALITY_INPUT] = "input",
                                           [CAUSALITY_OUTPUT] = "output",
@@ -157,10 +163,11 @@ const char *start_of(unsigned reference, ShortestDecimal *text) {
 
 static void put_range(Sink *sink, const Variable *variable) {
     if (variable->type != TYPE_REAL && variable->type != TYPE_INTEGER) return;
-    if (isfinite(variable->min)) put_number(sink, "min", variable->min);
-    if (isfinite(variable->max)) put_number(sink, "max", variable->max);
+    const Limits *limits = &LIMITS_OF_ALL[variable - VARIABLES];
+    if (isfinite(limits->min)) put_number(sink, "min", limits->min);
+    if (isfinite(limits->max)) put_number(sink, "max", limits->max);
     if (variable->type == TYPE_REAL && variable->causality != CAUSALITY_PARAMETER)
-        put_number(sink, "nominal", variable->nominal);
+        put_number(sink, "nominal", limits->nominal);
 }
 
 void put_unit_and_range(Sink *sink, const Variable *variable) {
