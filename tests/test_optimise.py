@@ -71,7 +71,7 @@ def test_best_lead_angles_of_unequal_friction(method):
 
 
 def test_objectives_take_the_named_results():
-    """The same as formulas of variables, and as a plan without the section: results are formulas there, too."""
+    """A result by its name is the formula that the result stands for."""
     one = {"cam1.lead_angle": Vary(0.3, 1.2)}
     results = ["twice = 2 * efficiency", "shown = max(twice, torque_load)"]
     best = optimise(task({"twice": "maximise"}, one, same_as=SAME, results=results, method="slsqp"))
@@ -83,7 +83,7 @@ def test_objectives_take_the_named_results():
 
 
 def test_a_series_is_no_result_of_an_optimum():
-    with refused("series(theta, every=0.001)", "one value"):
+    with refused("a series is not shown", "one value"):
         task({"efficiency": "maximise"}, results=["series(theta, every=0.001)"])
 
 
