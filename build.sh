@@ -14,6 +14,7 @@ usage: ./build.sh [command] [arguments]
   elbow    build, then run system_examples/elbow_torque.py (half a minute; JAX); arguments go to it
   gains    build, then run system_examples/controller_gains.py (some minutes): 10^5 closed loops over a fleet, draws
            build/controller_gains.png; arguments go to it
+  mujoco   build, then run system_examples/mujoco_elbow.py (seconds; MuJoCo); arguments go to it
   design   build, then run system_examples/designed_groove.py (seconds); arguments go to it
   report   build, then write a long report: robot_joint, prosthetic_knee or car_door of case_studies/ (seconds);
            further arguments go to it
@@ -30,6 +31,8 @@ usage: ./build.sh [command] [arguments]
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python
   fleet    build, then run benchmarks.fleet (two minutes): a step of a fleet beside loops in C and in Python
   gym      build, then run benchmarks.gym_rate (a minute): steps per second of the environments of dualcam.gym
+  creep    build, then run benchmarks.mujoco_creep (half a minute): creep and cost of a joint held in MuJoCo, by its
+           own friction and by the cam
   skipping build, then run benchmarks.skipping (seconds): the cost of each part where it is absent
   worst    build, then run benchmarks.worst_step (two minutes): the worst of a million steps
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
@@ -153,6 +156,7 @@ case $command in
     clamp) run_program '.[build]' system_examples/spring_clamp.py "$@" ;;
     plan) run_program '.[build,casadi]' system_examples/planned_elbow.py "$@" ;;
     elbow) run_program '.[build,jax]' system_examples/elbow_torque.py "$@" ;;
+    mujoco) run_program '.[build,mujoco]' system_examples/mujoco_elbow.py "$@" ;;
     gains) run_program '.[build]' system_examples/controller_gains.py "$@" ;;
     design) run_program '.[build]' system_examples/designed_groove.py "$@" ;;
     ssp) run_program '.[build]' -m system_examples.ssp "$@" ;;
@@ -180,6 +184,7 @@ case $command in
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
     fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     gym) run_program '.[build,gym]' -m benchmarks.gym_rate "$@" ;;
+    creep) run_program '.[build,mujoco]' -m benchmarks.mujoco_creep "$@" ;;
     loop) run_program '.[build]' -m benchmarks.loop_cost "$@" ;;
     paper) run_program '.[build]' -m case_studies.paper "$@" ;;
     coupling) run_program '.[build]' -m benchmarks.coupling "$@" ;;

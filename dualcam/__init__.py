@@ -17,6 +17,7 @@
     dualcam.study               parameter studies
     dualcam.gradient            gradients of runs through stick and slip, in JAX, PyTorch or NumPy
     dualcam.gym                 elbow, knee and car door as environments of gymnasium
+    dualcam.mujoco              the cam on joints of a MuJoCo model
 
 All errors are DualcamErrors, which are ValueErrors. Every name is loaded at its first use: `import dualcam`
 alone loads no other package.
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
         FmuError,
         IdentificationError,
         LimitCycleWarning,
+        MujocoError,
         TaskError,
         UnitWarning,
         UnknownVariableError,
@@ -106,6 +108,7 @@ __all__ = [
     "LimitCycles",
     "LoopMotion",
     "ModelDescription",
+    "MujocoError",
     "OperatingPoint",
     "OperatingPointError",
     "PlantCoupling",
@@ -170,6 +173,7 @@ _MODULE_OF = {
     "LimitCycles": "limit_cycles",
     "LoopMotion": "sampled_loop",
     "ModelDescription": "model_description",
+    "MujocoError": "errors",
     "OperatingPoint": "linear",
     "OperatingPointError": "linear",
     "PlantCoupling": "coupling",

@@ -58,6 +58,10 @@ class TaskError(DualcamError):
     """A task of `dualcam.gym` cannot be made or stepped as asked. The message says what is allowed."""
 
 
+class MujocoError(DualcamError):
+    """A cam cannot sit on a joint of a MuJoCo model, or be stepped, as asked. The message says what works."""
+
+
 class IdentificationError(DualcamError):
     """A recording, or the wish what to fit to the recording, is refused. The message says what is allowed."""
 

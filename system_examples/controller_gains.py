@@ -21,15 +21,18 @@ from __future__ import annotations
 
 import argparse
 import math
+import multiprocessing
+import os
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from rich.progress import track
 
 from dualcam import Fleet
 from dualcam.design.statics import Array
@@ -106,45 +109,38 @@ class Controllers:
         return torque
 
 
-def run_block(fleet: Fleet, loops: Loops) -> tuple[Array, Array]:
-    """RMS error [rad] and heat of the motor [J] of each loop over the cycle."""
-    count = fleet.count
-    fleet.reset(
-        parameters={
-            "inertia.shaft": elbow.inertia(loops.payload),
-            "cam1.friction": loops.friction,
-            "cam2.friction": loops.friction,
-            "initial.theta": ANGLES[0],
-        }
-    )
+def run_block(loops: Loops, periods: int) -> tuple[Array, Array]:
+    """RMS error [rad] and heat of the motor [J] of each loop."""
+    count = loops.payload.size
+    parameters = elbow.plant_parameters(CAM, elbow.DESIGN_PAYLOAD) | {
+        "inertia.shaft": elbow.inertia(loops.payload),
+        "cam1.friction": loops.friction,
+        "cam2.friction": loops.friction,
+        "initial.theta": ANGLES[0],
+        "ledger": False,
+    }
     controllers, weight = Controllers(loops), elbow.weight(loops.payload)
     motors = MotorBank(AK80_6, count)
     angle, speed = np.full(count, ANGLES[0]), np.zeros(count)
     square, total, state = np.zeros(count), np.zeros(count), np.empty((count, 2))
     tau = np.empty((count, 1))
-    for k in range(PERIODS):
-        motor = motors.run(controllers.torque(angle, k), speed)
-        tau[:, 0] = motor.torque + weight.torque(angle_amid(angle, speed, CONTROL_PERIOD))
-        angle, speed = fleet.step(tau, CONTROL_PERIOD, state).T.copy()
-        square += (angle - ANGLES[k + 1]) ** 2
-        total += motor.heat
-    return np.sqrt(square / (PERIODS)), total
+    with Fleet("forward", count, parameters=parameters) as fleet:
+        for k in range(periods):
+            motor = motors.run(controllers.torque(angle, k), speed)
+            tau[:, 0] = motor.torque + weight.torque(angle_amid(angle, speed, CONTROL_PERIOD))
+            angle, speed = fleet.step(tau, CONTROL_PERIOD, state).T.copy()
+            square += (angle - ANGLES[k + 1]) ** 2
+            total += motor.heat
+    return np.sqrt(square / periods), total
 
 
-def run(loops: Loops, block: int, workers: int) -> tuple[Array, Array]:
-    """The same of any number of loops. Each worker thread has a fleet of its own: while the FMUs of one block
-    step, NumPy computes the controllers of another."""
-    start = elbow.plant_parameters(CAM, elbow.DESIGN_PAYLOAD) | {"ledger": False}
+def run(loops: Loops, block: int, workers: int, periods: int = PERIODS) -> tuple[Array, Array]:
+    """The same of any number of loops, in blocks. Processes: NumPy's calls are so short that threads would
+    wait for Python's lock."""
     parts = [loops.part(slice(first, first + block)) for first in range(0, loops.payload.size, block)]
-
-    def work(worker: int) -> list[tuple[Array, Array]]:
-        with Fleet("forward", block, parameters=start) as fleet:
-            return [run_block(fleet, part) for part in parts[worker::workers]]
-
-    done: list[Any] = [None] * len(parts)
-    with ThreadPoolExecutor(workers) as pool:
-        for worker, results in enumerate(pool.map(work, range(workers))):
-            done[worker::workers] = results
+    with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+        results = pool.map(partial(run_block, periods=periods), parts)
+        done = list(track(results, f"{loops.payload.size:,} loops", len(parts), transient=True))
     errors, heats = zip(*done, strict=True)
     return np.concatenate(errors), np.concatenate(heats)
 
@@ -179,22 +175,27 @@ class Study:
         return {name: tuple(map(int, np.unravel_index(np.argmin(x), x.shape))) for name, x in maps.items()}
 
 
+def processor_time() -> float:
+    """s, of this process and of those that it has ended."""
+    return sum(os.times()[:4])
+
+
 def study(draws: int = DRAWS, workers: int = 2, seed: int = 1) -> Study:
     """Run all loops of the grid."""
     shape = (len(BANDWIDTHS), len(SHARES))
     random = np.random.default_rng(seed)
     sure = grid(np.array([elbow.DESIGN_PAYLOAD]), np.array([elbow.HELIX.friction[0]]))
     loops = grid(random.uniform(*PAYLOADS, draws), random.uniform(*FRICTIONS, draws))
-    duration = CONTROL_PERIOD * (PERIODS)
+    duration = CONTROL_PERIOD * PERIODS
 
-    def costs(loops: Loops, block: int) -> Array:
-        error, heat = run(loops, block, workers)
+    def costs(loops: Loops) -> Array:
+        error, heat = run(loops, BLOCK, workers)
         return heat + ERROR_COST * duration * error**2
 
-    believed = costs(sure, sure.payload.size)
-    wall, processor = time.perf_counter(), time.process_time()
-    drawn = costs(loops, math.gcd(loops.payload.size, BLOCK))
-    seconds = time.perf_counter() - wall, time.process_time() - processor
+    believed = costs(sure)
+    wall, processor = time.perf_counter(), processor_time()
+    drawn = costs(loops)
+    seconds = time.perf_counter() - wall, processor_time() - processor
     return Study(believed.reshape(shape), drawn.reshape(*shape, draws), seconds)
 
 
@@ -236,7 +237,7 @@ def draw_maps(result: Study, path: Path) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--draws", type=int, default=DRAWS, help=f"payloads and frictions ({DRAWS})")
-    parser.add_argument("--workers", type=int, default=2, help="threads (2)")
+    parser.add_argument("--workers", type=int, default=2, help="processes (2)")
     parser.add_argument("--picture", type=Path, default=BUILD / "controller_gains.png")
     given = parser.parse_args(arguments)
     result = study(given.draws, given.workers)

@@ -43,12 +43,11 @@ def test_each_loop_is_that_of_one_fmu_with_the_full_current_loop():
         assert heats[i] == pytest.approx(heat, rel=1e-6)
 
 
-def test_blocks_and_workers_change_nothing(monkeypatch):
-    monkeypatch.setattr(example, "PERIODS", 300)
+def test_blocks_and_workers_change_nothing():
     loops = example.grid(np.array([0.7, 2.1]), np.array([0.12, 0.17])).part(slice(0, 40))
-    first = example.run(loops, block=40, workers=1)
+    first = example.run(loops, block=40, workers=1, periods=300)
     for block, workers in ((20, 2), (8, 3)):
-        second = example.run(loops, block, workers)
+        second = example.run(loops, block, workers, periods=300)
         assert all(np.array_equal(a, b) for a, b in zip(first, second, strict=True))
 
 

@@ -11,6 +11,7 @@ import pytest
 import dualcam
 import dualcam.design.tolerances
 import dualcam.gym
+import dualcam.mujoco
 import dualcam.study
 import dualcam.systems
 
@@ -28,6 +29,7 @@ WHOLE = (
     *SYSTEMS,
     *("dualcam.gym.task", "dualcam.gym.batch", "dualcam.gym.environment", "dualcam.gym.vector"),
     *("dualcam.gradient.rollout", "dualcam.gradient.with_jax", "dualcam.gradient.with_torch"),
+    *("dualcam.mujoco.cam_joint", "dualcam.mujoco.simulation", "dualcam.mujoco.ur3e_elbow"),
 )
 # Results of functions: users make none.
 RETURNED = (

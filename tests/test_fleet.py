@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from driver import ROOT, models
+from pythonfmu.builder import FmuBuilder
 
 import dualcam
 from dualcam import Fleet, FleetError, Fmu, FmuError, UnknownVariableError
@@ -100,6 +101,18 @@ def test_the_inverse_fmu_and_other_ports():
         rolled = fleet.rollout(u, STEP)
     for i in range(5):
         assert np.array_equal(rolled[i], alone(INVERSE, {}, names, wanted, u[i], STEP))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_an_fmu_of_pythonfmu(tmp_path, threads):
+    """Its steps run in Python, which the fleet does not hold."""
+    script = ROOT / "tests" / "support" / "integrator_slave.py"
+    fmu = FmuBuilder.build_FMU(script, dest=tmp_path)
+    gains, u = np.array([1.0, -2.0, 0.5]), np.random.default_rng(1).normal(size=(3, 40, 1))
+    with Fleet(fmu, 3, inputs=["u"], outputs=["y"], parameters={"gain": gains}, threads=threads) as fleet:
+        found = fleet.rollout(u, 0.01)
+    expected = np.cumsum(0.01 * gains[:, None] * u[:, :, 0], axis=1)
+    assert np.array_equal(found[:, :, 0], expected)
 
 
 def test_start_time_and_tolerance():

@@ -29,13 +29,13 @@ from dualcam.study import (
     optimise,
     read_optimisation,
 )
-from dualcam.study.optimisation import reading
 from dualcam.study.optimisation.evaluation import Evaluator, percentile
-from dualcam.study.optimisation.formula import result_formula
 from dualcam.study.optimisation.genetic import hypervolume
 from dualcam.study.optimisation.optimum import unbeaten
 from dualcam.study.optimisation.record import BATCHES, Record
 from dualcam.study.optimisation.run import facts
+from dualcam.study.reading import schema
+from dualcam.study.sampling.formula import formula
 from dualcam.systems import elbow, knee
 
 REST = Scenario(1e-3)
@@ -100,7 +100,7 @@ def test_optimum_on_a_bound():
     found = optimise(task({"efficiency": "maximise"}, bounds, method="slsqp"))
     assert list(found.design.values()) == [0.7, 0.7]
     assert found.objectives["efficiency"] == pytest.approx(efficiency(0.7), rel=1e-12)
-    assert len(found.active) == 2 and "cam1.lead_angle is at its upper bound, 0.7" in found.active
+    assert len(found.active) == 2 and "cam1.lead_angle is at its upper bound, 0.7 rad" in found.active
 
 
 def test_values_to_choose_from_and_a_range_in_the_logarithm():
@@ -108,8 +108,8 @@ def test_values_to_choose_from_and_a_range_in_the_logarithm():
         "cam1.lead_angle": Vary(values=[0.5, 0.75, 1.0]),
         "spring.preload": Vary(1.0, 1000.0, log=True),
     }
-    formula = "efficiency - abs(log(spring.preload / 40))"
-    found = optimise(task({formula: "maximise"}, vary, same_as=SAME, budget=1000, seed=3))
+    goal = "efficiency - abs(log(spring.preload / 40))"
+    found = optimise(task({goal: "maximise"}, vary, same_as=SAME, budget=1000, seed=3))
     assert found.design["cam1.lead_angle"] == 0.75
     assert found.design["spring.preload"] == pytest.approx(40.0, rel=1e-3)
 
@@ -461,11 +461,11 @@ def test_pymoo_is_named_where_it_lacks(monkeypatch):
 @pytest.mark.parametrize("text", ["", "1 +", "a b", "f x", "x = 1"])
 def test_no_formulas(text):
     with refused("no formula"):
-        result_formula(text)
+        formula(text)
 
 
 def test_formula_has_the_fields_names_and_rules():
-    heat = result_formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
+    heat = formula("2 * energy.heat_cam1@0.5 ^ 2 - max(theta@1e-3, pi, `der(h) x`)")
     assert heat.names == ("energy.heat_cam1@0.5", "theta@1e-3", "der(h) x")
     values = {
         name: np.array(numbers)
@@ -502,10 +502,13 @@ def test_a_plan_by_the_command_line(tmp_path, capsys):
     assert main(["study", str(path), "--out", str(out)]) == 0
     text = capsys.readouterr().out
     assert "efficiency is at its least value, 0.5" in text and "designs evaluated" in text
+    degrees = float(re.search(r"cam2.lead_angle = ([\d.]+) deg\n", text)[1])  # the unit of the file
+    assert re.search(r"torque_load = [\d.]+ N.m \(maximise\)", text)
     folder = out / "torque"
     lead = 0.5 * (math.pi - math.asin(math.sin(2.0 * PHI) * 1.5 / 0.5))
     best = read_design(folder / "best.toml")
     assert best.parameters["cam1.lead_angle"] == pytest.approx(lead, abs=2e-6)
+    assert math.radians(degrees) == pytest.approx(lead, abs=4e-6)
     assert best.parameters["cam1.lead_angle"] == best.parameters["cam2.lead_angle"]
     assert best.parameters["spring.preload"] == 60.0
     assert best.scenario.stop == 0.001
@@ -556,8 +559,9 @@ samples = 16
 
 def test_the_page_names_every_key():
     shown = set(re.findall(r"^\| `([\w.]+)` \|", (ROOT / "docs/use-optimise.md").read_text(), re.MULTILINE))
-    keys = set(reading.OPTIMISE) | {f"constraints.NAME.{key}" for key in reading.CONSTRAINT}
-    assert keys | {f"tolerances.NAME.{key}" for key in reading.TOLERANCE} <= shown
+    keys = set(schema.OPTIMISE.model_fields)
+    keys |= {f"constraints.NAME.{key}" for key in schema.GOAL_LIMITS.model_fields}
+    assert keys | {f"tolerances.NAME.{key}" for key in schema.TOLERANCE.model_fields} <= shown
 
 
 def test_all_mistakes_of_a_file_at_once(tmp_path):
@@ -570,7 +574,7 @@ def test_all_mistakes_of_a_file_at_once(tmp_path):
         "5 mistakes",
         "plan: cam1.lead_angle: from 1.39626 to 1.22173",
         "optimise has budgets: did you mean budget",
-        "optimise: constraint efficiency has form: allowed are from, to",
+        "optimise: constraint efficiency has form: did you mean from",
         "optimise: method = 'slspq'",
         "no variable 'torque_releas'",
     ):
@@ -611,7 +615,7 @@ def test_a_plan_with_mistakes(tmp_path, capsys):
     path = tmp_path / "wrong.toml"
     path.write_text(PLAN.replace("from = 0.5", "form = 0.5"))
     assert main(["study", str(path), "--out", str(tmp_path / "out")]) == 1
-    assert "optimise: constraint efficiency has form: allowed are from, to" in " ".join(
+    assert "optimise: constraint efficiency has form: did you mean from" in " ".join(
         capsys.readouterr().err.split()
     )
 

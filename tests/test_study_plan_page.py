@@ -12,8 +12,7 @@ from pages import TEXTS, load
 
 from dualcam.cli.study import PLAN
 from dualcam.study import plot_keys
-from dualcam.study.optimisation import reading
-from dualcam.study.schema import json_schema
+from dualcam.study.reading.schema import json_schema
 
 SCRIPT = runpy.run_path(str(ROOT / "docs" / "tools" / "study_plan_page.py"))
 SCHEMA = ROOT / "dualcam" / "study" / "plan.schema.json"
@@ -87,22 +86,16 @@ def test_an_editor_shows_a_mistake(change, path):
 
 
 def test_kinds_and_shapes_are_all_on_the_page():
+    from dualcam.study.history import SHAPES
     from dualcam.study.sampling.designs import KINDS
-    from dualcam.study.schema import SHAPES
 
     text = TEXTS["docs/study-plan.md"]
     assert all(f"| `{kind}` |" in text for kind in KINDS)
     assert all(f"`{shape}`" in text or f'"{shape}"' in text for shape in SHAPES)
 
 
-def test_keys_of_pictures_and_optimisations_are_those_that_are_read():
-    """Their readers know them apart from the schema."""
+def test_keys_of_pictures_are_those_that_are_read():
+    """Their reader knows them apart from the schema."""
     shown = set(re.findall(r"^\| `([\w.]+)` \|", TEXTS["docs/study-plan.md"], re.MULTILINE))
     of_plots = {"kind", "title"}.union(*plot_keys.KINDS.values())
     assert {key for key in shown if key.startswith("plots.")} == {f"plots.{key}" for key in of_plots}
-    of_search = {key.removeprefix("optimise.") for key in shown if key.startswith("optimise.")}
-    assert {key for key in of_search if "." not in key} == set(reading.OPTIMISE)
-    assert {key for key in of_search if "." in key} == {
-        *(f"constraints.NAME.{key}" for key in reading.CONSTRAINT),
-        *(f"tolerances.NAME.{key}" for key in reading.TOLERANCE),
-    }

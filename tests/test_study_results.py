@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 from study_cases import DESIGN, FORWARD, PUSH, refused, study
 
 from dualcam import Fmu
-from dualcam.study import History, Plan, Results, Scenario, Vary, read_results
+from dualcam.study import History, Plan, Results, Scenario, Vary, encoding, read_results
 from dualcam.study.readings import Readings
 
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
@@ -28,6 +30,7 @@ RESULTS = [
     "lost = 1 - energy.spring@0.03 / energy.work_in@0.03",
     "both = 2 * top + sqrt(cam1.friction) - `omega@0.03`",
     "over = max(theta, every=0.01) - max(0.1, mean(theta, every=0.02))",
+    "larger = max(theta, -2 * omega@0.03)",  # of two values, not of samples
 ]
 RAMP = Scenario(0.055, {"tau": History([0.0, 0.055], [2.0, 9.0])})
 GRID = (0.0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.055)  # every 0.01 s, and the end
@@ -63,6 +66,7 @@ def by_hand(friction, preload):
         "way": float(np.sum(steps * (np.array(speed[1:]) + speed[:-1]) / 2.0)),
         "lost": 1.0 - spring[0.03] / work[0.03],
         "over": max(theta) - max(0.1, middle / 0.055),
+        "larger": max(seen[0.055], -2.0 * omega[0.03]),
         "both": 2.0 * max(speed) + math.sqrt(friction) - omega[0.03],
     }
 
@@ -91,6 +95,8 @@ def test_a_failed_run_has_no_results_at_all(tmp_path):
 @pytest.mark.parametrize("text, mentions", [
     ("", ["empty"]),
     ("max(theta)", ["every=SECONDS", "at="]),
+    ("max(theta, 0.01)", ["every=SECONDS", "at="]),
+    ("top = max(theta, 1e-2)", ["every=SECONDS", "at="]),
     ("max(theta, every=0)", ["every=SECONDS"]),
     ("max(theta, every=1e-9)", ["4e-07"]),
     ("max(theta, each=0.1)", ["every=SECONDS"]),
@@ -189,6 +195,49 @@ def test_what_is_not_installed_is_told(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     with refused("pandas", "pip install"):
         Results({"run": np.arange(2)}).to_pandas()
+
+
+NO_PANDAS = """
+import sys
+from study_cases import study
+one = study(results=["theta", "series(omega, every=0.1)"])
+table = one.run(sys.argv[1], workers=0, file_format="parquet")
+assert table["theta"].size == 64 and table["theta"].flags.writeable
+print("pandas" in sys.modules)
+"""
+
+
+def test_parquet_is_written_and_read_without_pandas(tmp_path):
+    """The import takes up to two seconds."""
+    words = [sys.executable, "-c", NO_PANDAS, str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+    assert (done.stdout, done.stderr) == ("False\n", "")
+
+
+def test_texts_and_messages_come_back_as_they_were(tmp_path):
+    """Of more than one byte in UTF-8; empty ones; as pyarrow reads them, too."""
+    texts = np.array(["", "Größe", "θ > 1", "", "a" * 1000, "θ > 1"], dtype=object)
+    numbers = np.array([1.0, math.nan, -0.0, math.inf, 2.0, 3.0])
+    columns = {"run": np.arange(6), "message": texts, "x": numbers}
+    path = tmp_path / "some.parquet"
+    path.write_bytes(encoding.encoded(columns, "parquet", "{}"))
+    found = encoding.columns_of_parquet(str(path), None)
+    assert [column.dtype for column in found.values()] == [column.dtype for column in columns.values()]
+    assert found["x"].tobytes() == numbers.tobytes() and found["run"].tolist() == list(range(6))
+    assert found["message"].tolist() == texts.tolist()
+    assert parquet.read_table(path)["message"].to_pylist() == texts.tolist()
+    assert list(encoding.columns_of_parquet(str(path), ["x"])) == ["x"]
+
+
+def test_a_damaged_page_is_found_where_it_is_read(tmp_path):
+    columns = {"run": np.arange(600), "x": np.random.default_rng(1).random(600)}
+    content = bytearray(encoding.encoded(columns, "parquet", "{}"))
+    content[content.index(columns["x"].tobytes()) + 3] ^= 1
+    path = tmp_path / "some.parquet"
+    path.write_bytes(content)
+    assert encoding.columns_of_parquet(str(path), ["run"])["run"].tolist() == list(range(600))
+    with pytest.raises(OSError, match="CRC"):
+        encoding.columns_of_parquet(str(path), None)
 
 
 def test_only_columns_of_few_values_have_a_dictionary(tmp_path):

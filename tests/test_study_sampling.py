@@ -9,6 +9,7 @@ from scipy import stats
 from study_cases import refused, runs_of, study
 
 from dualcam.study import Correlation, Plan, Scenario, Vary
+from dualcam.study.sampling.correlation import Copula
 from dualcam.study.sampling.distribution import Distribution, names
 from dualcam.study.sampling.formula import Formula, is_formula
 from dualcam.study.sampling.profiles import RandomProfiles
@@ -128,7 +129,7 @@ def test_the_pearson_correlation_of_lognormal_values_is_the_closed_form():
         plan = Plan(
             "random", {"a": one, "b": other}, 8, correlations=[Correlation("a", "b", value, "pearson")]
         )
-        rank = plan._copula.matrix[0, 1]
+        rank = Copula(plan.vary, plan.correlations).matrix[0, 1]
         exact = (math.exp(rank * 0.4) - 1.0) / math.sqrt((math.exp(0.64) - 1.0) * (math.exp(0.25) - 1.0))
         assert exact == pytest.approx(value, rel=1e-7)
 

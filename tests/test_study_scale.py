@@ -5,13 +5,18 @@ import itertools
 import json
 import multiprocessing
 import os
+import pickle
 import resource
 import signal
+import subprocess
+import sys
 from contextlib import suppress
 
 import numpy as np
 import pytest
-from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, slow, study
+from filelock import FileLock
+from study_cases import DESIGN, FORWARD, PLAN, PUSH, closed, every_run_once, refused, runs_of, study
+from study_laws import slow
 
 from dualcam import Fmu
 from dualcam.study import Evaluator, Plan, Vary, read_results
@@ -110,9 +115,20 @@ def test_processes_write_their_files_and_the_study_the_record(tmp_path, monkeypa
     assert np.array_equal(every_run_once(tmp_path, one), runs_of(one).values)
     finished = json.loads((tmp_path / FINISHED).read_text())
     assert sorted(map(int, finished)) == list(range(0, 64, 8))
-    assert all(failed == 0 for _, _, failed in finished.values())
+    assert all(failed == 0 for _, _, failed, _ in finished.values())
     names = {path.name for path in tmp_path.iterdir()}
     assert names <= {RECORD, FINISHED, ".lock", "runs"}  # the mark of the study is gone
+
+
+def test_random_numbers_travel_while_they_are_few(tmp_path, monkeypatch):
+    """Workers make many of them by themselves, and the same ones."""
+    for sent, is_there in ((1_000_000, True), (1000, False)):
+        monkeypatch.setattr("dualcam.study.chunk.SENT", sent)
+        one = study()
+        one.plan.rows(0, 1)
+        files = pickle.loads(pickle.dumps(Files(None, "csv", one.plan, one.readings, {}, "mark")))
+        assert ("_shares" in vars(files.plan)) == is_there
+        assert np.array_equal(files.plan.rows(0, 64), one.plan.rows(0, 64))
 
 
 def test_a_file_that_was_written_and_not_recorded_is_there_once(tmp_path):
@@ -247,6 +263,54 @@ def test_files_have_enough_runs_for_each_table(tmp_path):
     one = study(Plan("latin", vary, runs=400), PUSH, ["theta"], parameters={"cam1.profile": 3})
     one.run_to_files(tmp_path / "out", workers=0)
     assert len(list((tmp_path / "out" / "runs").iterdir())) == 7  # of 60 runs, 20 for each table
+
+
+KEEPS = """
+import os, signal, sys
+from dualcam.study.sampling.kept_files import kept_file
+assert kept_file("one.csv", b"one") == kept_file("one.csv", b"one")
+path = kept_file("two.csv", b"two")
+assert path.read_bytes() == b"two"
+if sys.argv[1] == "killed":
+    os.kill(os.getpid(), signal.SIGKILL)
+print(len(list(path.parent.parent.iterdir())), flush=True)
+if sys.argv[1] == "terminated":
+    sys.exit(1)  # as a worker
+if sys.argv[1] == "forks" and not os.fork():
+    sys.exit(0)
+if sys.argv[1] == "forks":
+    os.wait()
+    assert path.read_bytes() == b"two"
+"""
+
+
+def test_tables_that_travelled_are_deleted(tmp_path):
+    """At the end of the process that wrote them; after a crash by the next one. Those of a process that lives
+    stay."""
+
+    def ended(how):
+        done = subprocess.run(
+            [sys.executable, "-c", KEEPS, how],
+            env=os.environ | {"TMPDIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            timeout=100,
+        )
+        return done.stdout, done.stderr
+
+    def left():
+        return [path for path in tmp_path.rglob("*") if path.is_file()]
+
+    for how in ("finished", "terminated", "forks"):
+        assert ended(how) == ("2\n", ""), how  # the folder and its lock
+        assert left() == []
+    ended("killed")
+    assert sorted(path.suffix for path in left()) == [".csv", ".csv", ".lock"]
+    with FileLock(next(tmp_path.rglob("*.lock"))):  # it lives
+        assert ended("finished") == ("4\n", "")
+    assert len(left()) >= 2
+    assert ended("finished") == ("2\n", "")
+    assert left() == []
 
 
 def test_the_command_writes_into_a_store(store, tmp_path, monkeypatch, capsys):

@@ -199,7 +199,7 @@ def test_numbers_that_are_no_scenario_concern_their_run_alone():
     with pytest.warns(
         DualcamWarning, match="50 % of the first 6 runs are refused, such as run 1: scenario: stop"
     ):
-        from dualcam.study.checking import check
+        from dualcam.study.first_runs import check
 
         check(one.job(), plan).close()
 
@@ -310,6 +310,19 @@ def test_a_table_that_the_fmu_refuses_is_told_before_the_study(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("parameters, warned", [
+    ({}, True), ({"cam1.profile": 2}, True), ({"cam1.profile": 3, "stop.upper": 1.0}, False),
+])  # fmt: skip
+def test_tables_that_no_run_reads_are_told(tmp_path, recwarn, parameters, warned):
+    """The FMU reads a table where the profile is 3."""
+    tables = Vary(values=[groove(tmp_path / f"{name}.csv", 0.02) for name in ("one", "two")])
+    one = study(Plan("grid", {"cam1.table": tables}), results=["theta"], parameters=parameters)
+    one.run_to_files(tmp_path / "out", workers=0)
+    said = [str(each.message) for each in recwarn if "no run reads" in str(each.message)]
+    assert len(said) == warned
+    assert all("cam1.table varies" in text and 'Give "cam1.profile" = 3' in text for text in said)
+
+
 def test_the_error_of_a_profile_moves_the_efficiency():
     """The efficiency at rest is that of a helix with the slope of the table where the pin is, in each run."""
     psi = np.linspace(0.0, 1.0, 201)
@@ -376,7 +389,7 @@ def test_one_plan_here_on_processes_and_on_a_cluster(whole, tmp_path):
     one.run(tmp_path / "processes", workers=2, runs_per_file=40)
     folders = ["processes"]
     distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
         one.run(tmp_path / "cluster", scheduler=cluster.scheduler_address, runs_per_file=40)
     for name in [*folders, "cluster"]:
         table = read_results(tmp_path / name)

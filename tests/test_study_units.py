@@ -108,6 +108,27 @@ def test_a_slip_in_a_text_is_named(plan, design, varied, mentions):
     assert all(mention in str(caught.value) for mention in mentions)
 
 
+@pytest.mark.parametrize("entry, mentions", [
+    ('{from = "5 mm", to = "9 N.m"}', ["from = '5 mm', to = '9 N.m'", "mm and N.m measure different things"]),
+    ('{values = ["5 mm", 0.01, "1 s"]}', ["values = '5 mm', values = '1 s'", "mm and s"]),
+    ('{distribution = "normal", mean = "5 mm", std = "1 deg"}', ["std = '1 deg'", "mm and deg"]),
+    ('{distribution = "expon", arguments = {scale = "1 N"}, to = "9 m"}', ["to = '9 m', scale = '1 N'"]),
+    ('{from = 1, to = 2, unit = "ells"}', ["unit = 'ells' is not known"]),
+    ('{from = "5 mm", to = 0.01}', []),
+    ('{from = "5 mm", to = "1 in"}', []),
+    ('{distribution = "lognorm", arguments = {s = "15 %", scale = "3 mm"}, to = "9 mm"}', []),
+])  # fmt: skip
+def test_units_of_an_own_name_are_of_one_kind(plan, entry, mentions):
+    """The FMU does not say the unit of a name that it does not have."""
+    path = plan(f'own = {entry}\n[plan.derived]\n"cam1.radius" = "0.02 + 0 * own"')
+    path.write_text(path.read_text().replace('kind = "grid"', 'kind = "random"\nruns = 4'))
+    if mentions:
+        with refused(*mentions):
+            read_study(path)
+    else:
+        assert read_study(path).plan.count == 4
+
+
 # ---- files without a study ----
 
 

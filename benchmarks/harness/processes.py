@@ -40,6 +40,16 @@ def resident_bytes() -> int:
     return pages * os.sysconf("SC_PAGESIZE")
 
 
+def processor_seconds() -> float:
+    """Seconds that this process, and those of multiprocessing that live, have had of the processors."""
+    processes = ["self", *(str(child.pid) for child in multiprocessing.active_children())]
+    ticks = 0
+    for process in processes:
+        after_name = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        ticks += int(after_name[11]) + int(after_name[12])  # utime, stime
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 @dataclass(frozen=True)
 class Lost:
     """The result of work whose process has crashed or was ended."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import statistics
 import tempfile
 import time
@@ -18,12 +17,13 @@ import distributed
 import numpy as np
 
 from benchmarks.harness import core
+from benchmarks.harness.processes import processor_seconds
 from benchmarks.study_rate.study import study
 from dualcam.study import History, Plan, Scenario, Study, Vary, cluster
 from dualcam.study.chunk import Task, Written, name_of
 from dualcam.study.execution import Workers
 from dualcam.study.processes import Processes
-from dualcam.study.runner import Block, Runner
+from dualcam.study.runner import Runner
 from dualcam.study.store import Store
 
 FILE = 10_000  # runs
@@ -34,7 +34,9 @@ def cluster_of(count: int) -> distributed.LocalCluster:
     return distributed.LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None)
 
 
-def throughput(make: Callable[[Task], Workers], files: int) -> float:
+def throughput(
+    make: Callable[[Task], Workers], files: int, clock: Callable[[], float] = time.perf_counter
+) -> float:
     """Runs per second of a study of this many files. Starting the workers does not count: a first small study
     starts them."""
     whole = study(runs=files * FILE)
@@ -45,26 +47,17 @@ def throughput(make: Callable[[Task], Workers], files: int) -> float:
             warm = [range(first, first + 100) for first in range(0, 100 * 4 * workers.count(), 100)]
             for _ in workers.answers(warm):
                 pass
-            begun = time.perf_counter()
+            begun = clock()
             for place, written in workers.answers(chunks):
                 assert isinstance(written, Written) and written.failed == 0
                 store.accept(chunks[place], written)
-            return files * FILE / (time.perf_counter() - begun)
+            return files * FILE / (clock() - begun)
 
 
 def processor_time(count: int, files: int) -> float:
-    """Seconds of processors for a run, of the study and of its processes together. Starting them is left out
-    by the difference of a large study and a small one. Other programs on the machine matter little."""
-
-    def used(size: int) -> float:
-        begun = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-        throughput(on_processes(count), size)
-        ended = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-        pairs = zip(begun, ended, strict=True)
-        return sum(b.ru_utime + b.ru_stime - a.ru_utime - a.ru_stime for a, b in pairs)
-
-    small = 2 * count
-    return (used(small + files) - used(small)) / (files * FILE)
+    """Seconds of processors for a run, of the study and of its processes together. Other programs on the
+    machine matter less than in the time that passes."""
+    return 1.0 / throughput(on_processes(count), files * count, processor_seconds)
 
 
 def on_processes(count: int) -> Callable[[Task], Workers]:
@@ -129,8 +122,8 @@ def median(work: Callable[[], Any], rounds: int, clock: Callable[[], float] = ti
 class Nothing(Task):
     """Answers at once: what is left is the study's own work for an order."""
 
-    def perform(self, order: Any) -> Block | Written:  # noqa: ANN401
-        return Written(1, "00000000", 0)
+    def made(self, order: Any, run: Any = None) -> Callable[[], Written]:  # noqa: ANN401
+        return lambda: Written(1, "00000000", 0)
 
 
 def own_work(workers: Workers, orders: int) -> float:

@@ -15,7 +15,7 @@ from benchmarks.study_rate.study import RUNS, study
 from dualcam.study.runner import Runner
 
 MEMORY_MARGIN = 1.0  # MiB
-TARGET_RATE, TARGET_NULL, TARGET_NAIVE = 20_000.0, 0.7, 1000.0
+TARGET_RATE, TARGET_IN_C, TARGET_NAIVE = 20_000.0, 0.7, 1000.0
 
 
 def row(
@@ -33,13 +33,7 @@ def row(
 
 def say_shares(times: dict[str, list[float]]) -> str:
     middle = {name: statistics.median(seconds) for name, seconds in times.items()}
-    python = middle["null"] - middle["null, in C"]
-    most = middle["null"] / (python + middle["cam, in C"])
-    inside = middle["cam, in C"] / middle["cam"]
-    return (
-        f"Of a run of the cam {inside:.0%} is in the FMU. If Python took no more "
-        f"for it than for the do-nothing FMU, the rate would be {most:.2f} of that one's."
-    )
+    return f"Of a run of the cam {middle['cam, in C'] / middle['cam']:.0%} is in the FMU."
 
 
 def main() -> int:
@@ -50,7 +44,7 @@ def main() -> int:
     rows = study().plan.rows(0, RUNS)
     cam = Runner(study(core.FORWARD).job())
     times = rates(cam, rows, arguments.rounds, console)
-    calls = ", ".join(f"{name[4:]} {value:.1f}" for name, value in profile(cam, rows).items())
+    calls = ", ".join(f"{name[4:]} {value:.1f}" for name, value in profile(rows).items())
     early, late, rate = memory(arguments.runs)
 
     table = harness.table(
@@ -66,7 +60,7 @@ def main() -> int:
     console.print(table)
     goals = {
         f"{TARGET_RATE:,.0f} runs a second": 1.0 / statistics.median(times["cam"]) / TARGET_RATE,
-        f"{TARGET_NULL} of the do-nothing FMU's rate": 1.0 / ratios["null"].median / TARGET_NULL,
+        f"{TARGET_IN_C} of the rate from C": 1.0 / ratios["cam, in C"].median / TARGET_IN_C,
         f"{TARGET_NAIVE:,.0f} times naive": 1.0 / ratios["naive"].median / TARGET_NAIVE,
         "no growth of memory": 1.0 if late - early < MEMORY_MARGIN else 0.0,
     }

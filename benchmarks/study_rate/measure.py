@@ -15,18 +15,29 @@ from benchmarks.harness import core
 from benchmarks.harness.processes import resident_bytes
 from benchmarks.harness.timing import Block, in_turns
 from benchmarks.study_rate.in_c import in_c
-from benchmarks.study_rate.study import RAMPS, RESULTS, VARY, seconds_of_runs, study
+from benchmarks.study_rate.study import (
+    HALF,
+    RAMPS,
+    RESULTS,
+    TORQUE,
+    VARY,
+    seconds_of_runs,
+    smooth_study,
+    study,
+)
+from dualcam import Fleet
 from dualcam.fmu import Array
 from dualcam.study.runner import Runner
 
 NAIVE_RUNS = 10
+FLEET = 1000  # instances
 
 
 def naive(rows: Array) -> float:
     """Seconds per run of fmpy.simulate_fmu."""
     names = [(name, float) for name in ("time", "tau", "F_ext")]
     torque = np.array([(0.0, 8.0, 0.0), (0.2, 8.0, 0.0), (0.2, 0.0, 0.0)], dtype=names)
-    start = time.perf_counter()
+    start = time.process_time()
     for row in rows[:NAIVE_RUNS]:
         fmpy.simulate_fmu(
             str(core.fmu_path(core.FORWARD)),
@@ -37,11 +48,35 @@ def naive(rows: Array) -> float:
             input=torque,
             output=[name.partition("@")[0] for name in RESULTS],
         )
-    return (time.perf_counter() - start) / NAIVE_RUNS
+    return (time.process_time() - start) / NAIVE_RUNS
 
 
-def profile(runner: Runner, rows: Array) -> dict[str, float]:
-    """Microseconds of a run by FMI function; the clock's own time is taken off."""
+def fleet(rows: Array) -> Block:
+    """Seconds of a run in a fleet. The results are those of a runner."""
+    names = [name.partition("@")[0] for name in RESULTS]
+    made = Fleet(core.fmu_path(core.FORWARD), FLEET, ["tau"], [])
+    push, nothing = np.full((FLEET, 1), TORQUE), np.zeros((FLEET, 1))
+
+    def runs(block: Array) -> Array:
+        made.reset(parameters=dict(zip(VARY, block.T, strict=True)))
+        made.step(push, HALF)
+        first = made.get(names[0])
+        made.step(nothing, HALF)
+        return np.column_stack([first, *(made.get(name) for name in names[1:])])
+
+    def seconds() -> float:
+        start = time.process_time()
+        for first in range(0, len(rows), FLEET):
+            runs(rows[first : first + FLEET])
+        return (time.process_time() - start) / len(rows)
+
+    assert np.array_equal(runs(rows[:FLEET]), Runner(study().job()).run(rows[:FLEET]).values)
+    return seconds
+
+
+def profile(rows: Array) -> dict[str, float]:
+    """Microseconds of a run by FMI function, called from Python; the clock's own time is taken off."""
+    runner = Runner(study().job(), in_c=False)
     clock = time.perf_counter
     totals: dict[str, float] = {}
     plain = list(runner.calls)
@@ -88,11 +123,15 @@ def memory(runs: int) -> tuple[float, float, float]:
 def rates(cam: Runner, rows: Array, rounds: int, console: Console) -> dict[str, list[float]]:
     """Seconds per run, by the ways to run the study, in every round."""
     null = Runner(study(core.NULL).job())
+    curves = smooth_study()
     blocks: dict[str, Block] = {
         "cam": partial(seconds_of_runs, cam, rows),
         "cam, reset": partial(seconds_of_runs, Runner(study().job(), saves_state=False), rows),
+        "cam, from Python": partial(seconds_of_runs, Runner(study().job(), in_c=False), rows),
+        "cam, fleet": fleet(rows),
         "null": partial(seconds_of_runs, null, rows),
         "cam, ramps": partial(seconds_of_runs, Runner(study(history=RAMPS).job()), rows),
+        "cam, smooth": partial(seconds_of_runs, Runner(curves.job()), curves.plan.rows(0, len(rows))),
         "cam, in C": in_c(cam, rows),
         "null, in C": in_c(null, rows),
         "naive": partial(naive, rows),

@@ -111,11 +111,7 @@ class _Reading:
             self._helical_spring(values["helical_spring"]) if "helical_spring" in values else None
         )
         limits = self.attempt("limits", lambda: _limits(values["limits"])) if "limits" in values else None
-        if "study" in values and "optimise" not in values["study"]:  # which is checked as it is read
-            from dualcam.study.description import check_section
-
-            self.attempt("study", lambda: check_section(values["study"], self.path.parent, scenario))
-        return DesignFile(
+        design = DesignFile(
             path=self.path,
             parameters=parameters,
             model=model,
@@ -133,6 +129,16 @@ class _Reading:
             notes=tuple(self.notes),
             lines=self.lines,
         )
+        if design.study is not None:
+            self._check_study(design, scenario_table is not None and scenario is None)
+        return design
+
+    def _check_study(self, design: DesignFile, is_scenario_refused: bool) -> None:
+        from dualcam.study.optimisation.reading import check_search_section, is_search
+        from dualcam.study.reading.study_file import check_section
+
+        check = check_search_section if is_search({"study": design.study}) else check_section
+        self.attempt("study", lambda: check(design, is_scenario_refused))
 
     def _is_refused(self, prefix: str) -> bool:
         """Whether the schema refuses this key or one in this table."""

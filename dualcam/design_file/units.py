@@ -67,6 +67,12 @@ def quantity(text: str, unit: str) -> float:
     return _converted(number, written, unit, example)
 
 
+def written_unit(text: str) -> str:
+    """The unit of a text such as "40 deg"; none where the text is no number with a unit."""
+    match = QUANTITY.fullmatch(text) if len(text) <= LONGEST else None
+    return match[2] if match else ""
+
+
 def _in(unit: str) -> str:
     return "" if unit in ("1", "") else f" in {unit}"
 

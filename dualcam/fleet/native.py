@@ -1,9 +1,9 @@
-"""The library of the C loop, fmu_src/fleet/fleet.h: its structs and functions for ctypes."""
+"""The library of the C loops, fmu_src/fleet/fleet.h and runs.h: its structs and functions for ctypes."""
 
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, c_char, c_char_p, c_double, c_long, c_size_t, c_uint, c_void_p
+from ctypes import POINTER, c_char, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_void_p
 from functools import cache
 
 import numpy as np
@@ -80,6 +80,29 @@ class Report(ctypes.Structure):
     _fields_ = (("instance", c_size_t), ("text", c_char * TEXT))
 
 
+class RunsCall(ctypes.Structure):
+    """RunsCall."""
+
+    _fields_ = (
+        ("kind", c_int),
+        ("has_tolerance", c_int),
+        ("function", c_void_p),
+        ("references", c_void_p),
+        ("orders", c_void_p),
+        ("count", c_size_t),
+        ("numbers", c_void_p),
+        ("target", c_void_p),
+        ("values", c_void_p),
+        ("line_size", c_size_t),
+    )
+
+
+class RunsEnd(ctypes.Structure):
+    """RunsEnd."""
+
+    _fields_ = (("run", c_size_t), ("call", c_size_t), ("status", c_int))
+
+
 SIGNATURES = {
     "fleet_open": (c_void_p, (POINTER(Functions), POINTER(Experiment), c_size_t, c_uint)),
     "fleet_close": (None, (c_void_p,)),
@@ -97,6 +120,7 @@ SIGNATURES = {
     "fleet_failed": (None, (c_void_p, c_void_p)),
     "fleet_times": (None, (c_void_p, c_void_p)),
     "fleet_reports": (c_size_t, (c_void_p, POINTER(POINTER(Report)))),
+    "runs_make": (None, (c_void_p, c_size_t, c_void_p, c_size_t, c_size_t, POINTER(RunsEnd))),
 }
 
 

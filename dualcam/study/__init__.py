@@ -1,4 +1,4 @@
-"""Parameter studies: many runs of one co-simulation FMU, tens of thousands per second and core.
+"""Parameter studies: many runs of one co-simulation FMU, hundreds of thousands per second and core.
 
 A study is a plan (which values), a scenario (what is done to the mechanism) and results (what is read, and
 when):
@@ -18,11 +18,11 @@ plan.toml` is the same on the command line.
 """
 
 from dualcam.module_calls import explain_call_of
-from dualcam.study.description import read_study
 from dualcam.study.evaluator import Evaluator
 from dualcam.study.optimisation import Deviation, FmuRuns, Optimisation, Optimum, optimise, read_optimisation
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
+from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import Results, read_results
 from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.vary import Vary

@@ -4,28 +4,24 @@ allow, and which share of the runs it would refuse."""
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from dualcam.errors import DualcamWarning, FmuError
-from dualcam.handle import unknown_variable
+from dualcam.errors import FmuError
+from dualcam.handle import suitable_value, unknown_variable
 from dualcam.library import source_path
 from dualcam.model_description import Kind, Scalar, Variable, read_model_description
 from dualcam.study.entries import hint
 from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.runner import Job, Runner
-from dualcam.study.sampling.formula import formula
+from dualcam.study.problem import Findings
+from dualcam.study.sampling.formula import CONSTANTS, formula, is_formula
 from dualcam.study.scenario import Scenario, instants
+from dualcam.study.sound_plan import is_sound_name, place_of, sound_plan
 
 NUMERIC: tuple[Kind, ...] = ("real", "integer", "boolean")
 RUNS_REFUSED = 0.01  # expected number of them, from which on a distribution is refused
-LOOKED_AT = 1000  # runs, for what cannot be known of all
+LOOKED_AT = 10_000  # runs, for the range of a derived value
 
 
 @dataclass(frozen=True)
@@ -52,66 +48,88 @@ class Variables:
         return variable
 
 
-def check(job: Job, plan: Plan) -> Runner:
-    """A runner for the job, made here and now, so that what concerns every run is refused before any.
+@dataclass(frozen=True)
+class Parts:
+    """The parts of a study, of which some may be refused; None for one that is missing.
 
-    StudyError with all that is wrong at once."""
-    variables = Variables.of_fmu(job.path)
-    refuse(problems_of_study(variables, plan, job.scenario, job.results, job.parameters))
-    runner = Runner(job)
-    try:
-        _check_first_runs(runner, job, plan)
-    except BaseException:
-        runner.close()
-        raise
-    return runner
+    Attributes
+    ----------
+    plan, scenario
+        May be unchecked.
+    results
+        What the FMU is asked for.
+    parameters
+        Start values that are the same in each run.
+    used
+        Names that other formulas use, such as those of results.
+    """
 
-
-def problems_of_study(
-    variables: Variables,
-    plan: Plan | None,
-    scenario: Scenario | None,
-    results: Sequence[str] | None,
-    parameters: Mapping[str, Scalar],
-) -> list[str]:
-    """What of a study the FMU does not have or allow, one text each. A part that is None is left out."""
-    problems: list[str] = []
-    if plan is not None:
-        problems += problems_of_names(plan, scenario, variables.by_name)
-        problems += _problems_of_start_values(variables, plan, parameters)
-    if results is not None:
-        problems += _problems_of_results(variables, results, scenario)
-    if scenario is not None:
-        taken = [*(plan.names if plan else ()), *parameters]
-        problems += _problems_of_inputs(variables, scenario, taken)
-    return problems
+    plan: Plan | None
+    scenario: Scenario | None
+    results: Sequence[str] | None
+    parameters: Mapping[str, Scalar]
+    used: Collection[str] = ()
 
 
-def _attempt(problems: list[str], function: Callable[..., Any], *arguments: object) -> Any:  # noqa: ANN401
-    """What the function gives; None, and a problem more, if the call is refused."""
-    try:
-        return function(*arguments)
-    except FmuError as error:
-        problems.append(str(error))
-        return None
+def check_parts(variables: Variables, parts: Parts, findings: Findings) -> None:
+    """Notes what of a study the FMU does not have or allow."""
+    if parts.plan is not None:
+        check_names(parts, variables.by_name, findings)
+        _check_start_values(variables, parts.plan, findings)
+    _check_parameters(variables, parts, findings)
+    if parts.results is not None:
+        _check_results(variables, parts.results, parts.scenario, findings)
+    if parts.scenario is not None:
+        _check_inputs(variables, parts, parts.scenario, findings)
 
 
-def problems_of_names(plan: Plan, scenario: Scenario | None, known: Collection[str]) -> list[str]:
-    """Names that are no variables of the FMU serve formulas; formulas use names that vary."""
-    used = set(scenario.names) if scenario else set()
-    for text in [*plan.derived.values(), *plan.constraints.values()]:
-        used |= set(formula(text).names)
-    found = [
-        f"plan: {name} is no variable of the FMU, and no formula uses {name}{hint(name, known)}"
-        for name in plan.names
-        if name not in known and name not in used
-    ]
+# ---- names ----
+
+
+def check_names(parts: Parts, known: Collection[str] | None, findings: Findings) -> None:
+    """Names that are no variables of the FMU serve formulas; formulas use names that vary.
+
+    `known`: the names of the FMU's variables; None: they are not known."""
+    plan, scenario = parts.plan, parts.scenario
+    if plan is None:
+        return
+    used = {*parts.used, *names_used(plan, scenario), *CONSTANTS}
+    for name in plan.names:
+        if known is not None and name not in known and name not in used and not is_meant(name, findings):
+            missing = [
+                other
+                for other in names_used(plan, scenario, with_references=True)
+                if is_meant(other, findings)
+            ]
+            findings.note(
+                place_of(plan, name),
+                f"plan: {name} is no variable of the FMU, and no formula uses {name}"
+                f"{hint(name, [*missing, *known])}",
+            )
     for name in scenario.names if scenario else ():
         if name not in plan.names:
-            found.append(f"scenario: a formula uses {name}, which does not vary{hint(name, plan.names)}")
+            text = f"scenario: a formula uses {name}, which does not vary{hint(name, plan.names)}"
+            findings.note(("scenario", "formulas", name), text)
         elif name in plan.texts and name not in _law_texts(scenario, plan):
-            found.append(f"scenario: a formula uses {name}, which is a text: allowed are numbers")
-    return found
+            text = f"scenario: a formula uses {name}, which is a text: allowed are numbers"
+            findings.note(("scenario", "formulas", name), text)
+
+
+def is_meant(name: str, findings: Findings) -> bool:
+    """Whether a name stands for one that the plan spells in another way."""
+    return not findings.is_sound("meant", name)
+
+
+def names_used(plan: Plan, scenario: Scenario | None, with_references: bool = False) -> set[str]:
+    """Names in formulas of the plan and of the scenario; `with_references` also those of `same_as` and of
+    correlations."""
+    used = set(scenario.names) if scenario else set()
+    for text in [*plan.derived.values(), *plan.constraints.values()]:
+        used |= set(formula(text).names) if is_formula(text) else set()
+    if with_references:
+        used |= set(plan.same_as.values())
+        used |= {name for each in plan.correlations for name in (each.first, each.second)}
+    return used
 
 
 def _law_texts(scenario: Scenario | None, plan: Plan) -> set[str]:
@@ -120,39 +138,27 @@ def _law_texts(scenario: Scenario | None, plan: Plan) -> set[str]:
     return {each for each in control.arguments.values() if each in plan.texts} if control else set()
 
 
-def _problems_of_start_values(
-    variables: Variables, plan: Plan, parameters: Mapping[str, Scalar]
-) -> list[str]:
-    problems: list[str] = []
-    if twice := {name for name in plan.names if plan.names.count(name) > 1}:
-        problems.append(f"{', '.join(twice)} is named twice: allowed is once")
-    for name in [*(name for name in plan.names if name in variables.by_name), *parameters]:
-        variable = _attempt(problems, variables.variable, name)
-        if variable is None:
+# ---- values ----
+
+
+def _check_start_values(variables: Variables, plan: Plan, findings: Findings) -> None:
+    rest = sound_plan(plan, findings)
+    for name in plan.names:
+        if name not in variables.by_name or not is_sound_name(plan, name, findings) or rest is None:
             continue
+        variable = variables.by_name[name]
         if not _is_start_value(variable):
-            problems.append(
-                f"{name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and what "
-                "starts from a value that is exact"
-            )
-        elif name in plan.names:
-            problems += _problems_of_varied(variable, plan, name in parameters)
-    return problems
+            problems = [_not_set(variable)]
+        else:
+            problems = _problems_of_varied(variable, rest, plan, findings)
+        findings.note(place_of(plan, name), *problems)
 
 
-def _problems_of_varied(variable: Variable, plan: Plan, is_fixed: bool) -> list[str]:
-    name = variable.name
-    found = [f"{name} varies and is fixed too: allowed is one of them"] if is_fixed else []
-    if variable.kind == "string":
-        if name not in plan.texts:
-            found.append(f'plan: {name} is a String: allowed are values = ["...", "..."]')
-        return found
-    if name in plan.texts:
-        return [*found, f"plan: {name} is {variable.type}: allowed are numbers, given are texts"]
-    found += _problem_of_range(variable, plan)
-    if variable.kind != "real" and not plan.is_whole(name):
-        found.append(f"plan: {name} is {variable.type}: allowed are values = [whole numbers]")
-    return found
+def _not_set(variable: Variable) -> str:
+    return (
+        f"{variable.name} is {variable.causality}, it cannot be set: allowed are parameters, inputs, and "
+        "what starts from a value that is exact"
+    )
 
 
 def _is_start_value(variable: Variable) -> bool:
@@ -161,109 +167,123 @@ def _is_start_value(variable: Variable) -> bool:
     return exact or variable.causality in ("parameter", "input")
 
 
-def _problem_of_range(variable: Variable, plan: Plan) -> list[str]:
-    """With the share of the runs that the FMU would refuse."""
+def _problems_of_varied(variable: Variable, rest: Plan, plan: Plan, findings: Findings) -> list[str]:
+    """`rest` is what is sound of the plan."""
     name = variable.name
-    least = -math.inf if variable.min is None else float(variable.min)
-    most = math.inf if variable.max is None else float(variable.max)
+    if variable.kind == "string":
+        given = [] if name in rest.texts else ['allowed are values = ["...", "..."]']
+        return [f"plan: {name} is a String: {text}" for text in given]
+    if name in rest.texts:
+        return [f"plan: {name} is {variable.type}: allowed are numbers, given are texts"]
+    found = _problem_of_range(variable, rest, rest is plan, findings)
+    if variable.kind != "real" and not rest.is_whole(name):
+        found.append(f"plan: {name} is {variable.type}: allowed are values = [whole numbers]")
+    return found
+
+
+def _range(variable: Variable) -> tuple[float, float]:
+    """Least and greatest value that the FMU allows."""
     if variable.kind == "boolean":
-        least, most = 0.0, 1.0
-    share = plan.share_outside(name, least, most)
-    source = plan.vary.get(plan.same_as.get(name, name))
+        return 0.0, 1.0
+    least = -math.inf if variable.min is None else float(variable.min)
+    return least, math.inf if variable.max is None else float(variable.max)
+
+
+def _problem_of_range(variable: Variable, plan: Plan, is_whole: bool, findings: Findings) -> list[str]:
+    """With the share of the runs that the FMU would refuse. `is_whole`: nothing of the plan is refused."""
+    name = variable.name
+    least, most = _range(variable)
     allowed = f"the FMU allows {least:g} to {most:g}"
     if name in plan.derived:
-        if share == 0.0:
-            return []
-        rows = plan.rows(0, 10_000)[:, plan.names.index(name)]
-        return [
-            f"plan: {name}, derived, is {rows.min():g} to {rows.max():g}: {allowed}; {_percent(share)} of "
-            "the runs would be refused. Change the formula, or add a constraint"
-        ]
+        return _problem_of_derived(plan, name, (least, most), is_whole)
+    share = plan.share_outside(name, least, most)
+    source = plan.vary.get(plan.same_as.get(name, name))
     if source is not None and source.distribution and plan.kind != "table":
-        if share * plan.count < RUNS_REFUSED:
+        is_counted = findings.is_sound("plan", "runs") and findings.is_sound("plan", "kind")
+        if share * (plan.count if is_counted else 1) < RUNS_REFUSED:
             return []
         ends = [("from", least, "-inf"), ("to", most, "inf")]
         give = " and ".join(f"{word} = {end:g}" for word, end, none in ends if f"{end:g}" != none)
         return [
-            f"plan: {name}, distribution {source.distribution}: {_percent(share)} of the runs would be "
+            f"plan: {name}, distribution {source.distribution}: {percent(share)} of the runs would be "
             f"refused: {allowed}. Truncate: give {give}"
         ]
     low, high = plan.limits()[name]
     if low < least or high > most:
-        refused = f"; {_percent(share)} of the runs would be refused" if share > 0.0 else ""
+        refused = f"; {percent(share)} of the runs would be refused" if share > 0.0 else ""
         return [f"plan: {name} from {low:g} to {high:g}: {allowed}{refused}"]
     return []
 
 
-def _percent(share: float) -> str:
+def _problem_of_derived(plan: Plan, name: str, allowed: tuple[float, float], is_whole: bool) -> list[str]:
+    """Where parts of the plan are refused, a derived value is wrong if it is so in each run."""
+    share = plan.share_outside(name, *allowed)
+    if share == 0.0 or not (is_whole or share == 1.0):
+        return []
+    values = plan.rows(0, LOOKED_AT)[:, plan.names.index(name)]
+    return [
+        f"plan: {name}, derived, is {values.min():g} to {values.max():g}: the FMU allows {allowed[0]:g} to "
+        f"{allowed[1]:g}; {percent(share)} of the runs would be refused. Change the formula, or add a "
+        "constraint"
+    ]
+
+
+def percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
 
 
-def _problems_of_results(
-    variables: Variables, results: Sequence[str], scenario: Scenario | None
-) -> list[str]:
-    problems = [] if results else ["the study reads nothing: name at least one result"]
-    if twice := {name for name in results if list(results).count(name) > 1}:
-        problems.append(f"{', '.join(twice)} is named twice: allowed is once")
+def _check_parameters(variables: Variables, parts: Parts, findings: Findings) -> None:
+    varied = parts.plan.names if parts.plan else ()
+    for name, value in parts.parameters.items():
+        place = ("parameters", name)
+        variable = findings.attempt(place, variables.variable, name)
+        if variable is None:
+            continue
+        if name in varied and not is_meant(name, findings):
+            findings.note(place, f"{name} varies and is fixed too: allowed is one of them")
+        if not _is_start_value(variable):
+            findings.note(place, _not_set(variable))
+        elif findings.is_sound(*place):
+            _check_value(variable, value, findings)
+
+
+def _check_value(variable: Variable, value: Scalar, findings: Findings) -> None:
+    place = ("parameters", variable.name)
+    number = findings.attempt(place, suitable_value, variable, value)
+    least, most = _range(variable)
+    if number is not None and not isinstance(number, str) and not least <= float(number) <= most:
+        text = f"parameters: {variable.name} = {value}: the FMU allows {least:g} to {most:g}"
+        findings.note(place, text)
+
+
+# ---- results and inputs ----
+
+
+def _check_results(
+    variables: Variables, results: Sequence[str], scenario: Scenario | None, findings: Findings
+) -> None:
+    if not results and findings.is_sound("results"):
+        findings.note(("results",), "the study reads nothing: name at least one result")
+    for name in dict.fromkeys(result.partition("@")[0] for result in results):
+        findings.attempt(("results",), variables.variable, name, *NUMERIC)
+    is_known = scenario is not None and findings.is_sound("scenario", "stop")
+    stop = scenario.stop if scenario is not None and is_known else math.inf
     for result in results:
-        _attempt(problems, variables.variable, result.partition("@")[0], *NUMERIC)
-        if scenario is not None and not isinstance(scenario.stop, str):  # else each run has its own end
-            _attempt(problems, instants, [result], scenario.stop)
-    return problems
+        findings.attempt(("results",), instants, [result], math.inf if isinstance(stop, str) else stop)
 
 
-def _problems_of_inputs(variables: Variables, scenario: Scenario, taken: Collection[str]) -> list[str]:
-    problems: list[str] = []
+def _check_inputs(variables: Variables, parts: Parts, scenario: Scenario, findings: Findings) -> None:
+    taken = [*(parts.plan.names if parts.plan else ()), *parts.parameters]
     control = scenario.controller
-    for name in [*scenario.inputs, *(control.writes if control else ())]:
-        variable = _attempt(problems, variables.variable, name, "real")
+    places = {name: ("scenario", "inputs", name) for name in scenario.inputs}
+    places |= {name: ("scenario", "controller", "writes") for name in (control.writes if control else ())}
+    for name, place in places.items():
+        variable = findings.attempt(place, variables.variable, name, "real")
         if variable is None:
             continue
         if variable.causality != "input":
-            problems.append(f"scenario: {name} is {variable.causality}: allowed are inputs")
-        if name in taken:
-            problems.append(f"{name} has a history and a value of its own: allowed is one of them")
+            findings.note(place, f"scenario: {name} is {variable.causality}: allowed are inputs")
+        if name in taken and not is_meant(name, findings):
+            findings.note(place, f"{name} has a history and a value of its own: allowed is one of them")
     for name in control.reads if control else ():
-        _attempt(problems, variables.variable, name, "real")
-    return problems
-
-
-# ---- what the first runs show ----
-
-
-def _check_first_runs(runner: Runner, job: Job, plan: Plan) -> None:
-    rows = plan.rows(0, LOOKED_AT)
-    if job.scenario.names:
-        _check_scenarios(runner, rows)
-    for name in job.texts:
-        if name in runner.columns:
-            _check_texts(runner, job, name, rows)
-
-
-def _check_scenarios(runner: Runner, rows: np.ndarray[Any, Any]) -> None:
-    """StudyError if the numbers of no run are a scenario, a warning if some are not."""
-    failed = runner.steps.groups(rows)[1]
-    if not failed:
-        return
-    place, text = next(iter(failed.items()))
-    if len(failed) == len(rows):
-        raise StudyError(f"all of the first {len(rows):,} runs are refused, such as run {place}: {text}")
-    share = _percent(len(failed) / len(rows))
-    warnings.warn(
-        DualcamWarning(f"{share} of the first {len(rows):,} runs are refused, such as run {place}: {text}"),
-        stacklevel=5,
-    )
-
-
-def _check_texts(runner: Runner, job: Job, name: str, rows: np.ndarray[Any, Any]) -> None:
-    """StudyError with the texts, such as tables, that the FMU refuses in the first run that has them."""
-    texts, column = job.texts[name], list(job.names).index(name)
-    chosen, first = np.unique(rows[:, column].astype(int), return_index=True)
-    messages = runner.run(rows[first]).messages
-    refuse(
-        [
-            f"plan: {name} = {texts[int(chosen[place])]!r}: {text}"
-            for place, text in messages.items()
-            if name in text
-        ]
-    )
+        findings.attempt(("scenario", "controller", "reads"), variables.variable, name, "real")

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from dualcam.fmu import Array
 from dualcam.study.encoding import Column, encoded
 from dualcam.study.plan import Plan
 from dualcam.study.readings import Readings
-from dualcam.study.runner import Block, Job, Runner, run_rows
+from dualcam.study.runner import Block, Job, run_rows
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.storage import Storage
 
+SENT = 1_000_000  # bytes of random numbers that travel with a study to each worker
 RUNS = "runs"  # folder of the files of runs and of nothing else, so that other programs read it as it is
 
 
@@ -26,19 +28,21 @@ def name_of(runs: range, file_format: str) -> str:
     return f"{RUNS}/runs-{runs.start:09d}.{file_format}"
 
 
-def checksum(content: bytes) -> str:
+def checksum(content: bytes | memoryview) -> str:
     """CRC-32."""
     return f"{zlib.crc32(content):08x}"
 
 
 @dataclass(frozen=True)
 class Written:
-    """A file of runs that is there: its size [bytes], its checksum and the number of runs that failed.
-    `content` travels to the study where the worker does not see the folder."""
+    """A file of runs that is there: its size [bytes], its checksum, the number of runs that failed, and when
+    the file changed last, as of `Storage.listing`. `content` travels to the study where the worker does not
+    see the folder."""
 
     size: int
     checksum: str
     failed: int
+    changed: int | None = None
     content: bytes | None = field(default=None, repr=False)
 
 
@@ -57,10 +61,13 @@ class Files:
     mark: str
 
     def __getstate__(self) -> dict[str, Any]:
-        """For another process: without the plan's random numbers, which each process makes itself, and
-        without what this process sees."""
-        state = {name: value for name, value in vars(self).items() if name != "is_seen"}
-        return state | {"plan": replace(self.plan)}
+        """For another process: without what this process sees, and without the plan's random numbers where
+        they are many. Each process then makes them itself, and imports scipy.stats for that: 0.7 s."""
+        state = {name: value for name, value in vars(self).items() if name not in ("is_seen", "_metadata")}
+        plan, shares = replace(self.plan), vars(self.plan).get("_shares")
+        if shares is not None and shares.nbytes <= SENT:
+            vars(plan)["_shares"] = shares
+        return state | {"plan": plan}
 
     @cached_property
     def is_seen(self) -> bool:
@@ -71,7 +78,11 @@ class Files:
             return False
         return True
 
-    def content(self, runs: range, rows: Array, block: Block) -> bytes:
+    @cached_property
+    def _metadata(self) -> str:
+        return json.dumps(self.metadata)
+
+    def content(self, runs: range, rows: Array, block: Block) -> bytes | memoryview:
         """The file of these runs, with the values of the plan."""
         messages = np.full(len(runs), "", dtype=object)
         for place, text in block.messages.items():
@@ -79,20 +90,19 @@ class Files:
         columns: dict[str, Column] = {"run": np.arange(runs.start, runs.stop)}
         columns |= (varied := self.varied(rows))
         columns |= self.readings.of(block.values, varied, list(block.messages))
-        return encoded(columns | {"message": messages}, self.file_format, self.metadata)
+        return encoded(columns | {"message": messages}, self.file_format, self._metadata)
 
     def varied(self, rows: Array) -> dict[str, Column]:
         """The columns of the plan: numbers, or the texts of Strings."""
         return varied_columns(self.plan.names, rows, self.plan.texts)
 
-    def write(self, runs: range, rows: Array, block: Block) -> Written:
-        """StudyError if it cannot be written."""
-        content = self.content(runs, rows, block)
-        written = Written(len(content), checksum(content), len(block.messages))
+    def write(self, runs: range, content: bytes | memoryview, failed: int) -> Written:
+        """The file of these runs is there; or the study gets the content. StudyError if it cannot be
+        written."""
+        written = Written(len(content), checksum(content), failed)
         if not self.is_seen:
-            return Written(written.size, written.checksum, written.failed, content)
-        self.storage.write(name_of(runs, self.file_format), content)
-        return written
+            return replace(written, content=bytes(content))
+        return replace(written, changed=self.storage.write(name_of(runs, self.file_format), content))
 
 
 def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]) -> dict[str, Column]:
@@ -105,6 +115,10 @@ def varied_columns(names: Sequence[str], rows: Array, texts: Mapping[str, Texts]
     return columns
 
 
+Order = range | Array
+Answer = Block | Written
+
+
 @dataclass(frozen=True)
 class Task:
     """What a worker is for: runs of rows that it is given, or chunks of a study."""
@@ -112,23 +126,22 @@ class Task:
     job: Job
     files: Files | None = None
 
-    def perform(self, order: range | Array) -> Block | Written:
-        """The results of rows, or the file of runs."""
-        return self._made(order, lambda rows: run_rows(self.job, rows))
-
-    def perform_with(self, runner: Runner, order: range | Array) -> Block | Written:
-        """The same with a runner of this task."""
-        return self._made(order, runner.run)
-
-    def _made(self, order: range | Array, run: Any) -> Block | Written:  # noqa: ANN401
-        if not isinstance(order, range):
-            block: Block = run(order)
-            return block
-        assert self.files is not None
+    def made(self, order: Order, run: Callable[[Array], Block] | None = None) -> Callable[[], Answer]:
+        """Makes the runs of an order; what is returned then writes their file, and gives the answer. Another
+        thread may call that. `run`: of a runner of this task; None: that of this thread."""
         rows = self.rows(order)
-        return self.files.write(order, rows, run(rows))
+        block = run(rows) if run else run_rows(self.job, rows)
+        return self.finish(order, rows, block)
 
-    def rows(self, order: range | Array) -> Array:
+    def finish(self, order: Order, rows: Array, block: Block) -> Callable[[], Answer]:
+        """The rest of `made`, for runs that were made."""
+        if not isinstance(order, range):
+            return lambda: block
+        assert self.files is not None
+        content = self.files.content(order, rows, block)
+        return partial(self.files.write, order, content, len(block.messages))
+
+    def rows(self, order: Order) -> Array:
         """The values of the runs of an order."""
         if not isinstance(order, range):
             return order

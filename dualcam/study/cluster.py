@@ -7,6 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +15,8 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from dualcam.fmu import Array
-from dualcam.study.chunk import Task
-from dualcam.study.execution import AHEAD, Answer, Answers, Died, Order, Workers
+from dualcam.study.chunk import Answer, Order, Task
+from dualcam.study.execution import Answers, Died, Workers
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
 
@@ -27,6 +28,7 @@ NO_WORKERS_FOR = 30  # s, after that a cluster is given up
 COUNTED_EVERY = 1.0  # s
 GROUP_SECONDS = 1.0  # of orders that travel together: a message takes about a thousandth
 GROUP_MAX = 50  # orders
+AHEAD = 2  # groups in flight for each worker: one that is made, one that waits
 
 
 def _distributed() -> Any:  # noqa: ANN401
@@ -41,7 +43,14 @@ def _in_cluster(name: str, orders: Sequence[Order]) -> tuple[list[Answer], float
     brought."""
     task: Task = _distributed().get_worker().plugins[name].task
     begun = time.perf_counter()
-    return [task.perform(order) for order in orders], time.perf_counter() - begun
+    futures: list[Future[Answer]] = []
+    with ThreadPoolExecutor(1) as writer:  # a file is written while the runs of the next one are made
+        for order in orders:
+            finish = task.made(order)
+            if len(futures) > 1:
+                futures[-2].result()  # so that memory does not grow where writing takes longer
+            futures.append(writer.submit(finish))
+    return [future.result() for future in futures], time.perf_counter() - begun
 
 
 class Cluster(Workers):

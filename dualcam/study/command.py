@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from rich.console import Console
 
-from dualcam.study.description import read_study
+from dualcam.errors import DualcamError
 from dualcam.study.problem import StudyError
+from dualcam.study.reading.study_file import read_study
 from dualcam.study.results import read_results
 from dualcam.study.storage import is_url
 from dualcam.study.study import Study, say
+
+Read = TypeVar("Read")  # what a file describes
 
 
 @dataclass(frozen=True)
@@ -55,13 +59,16 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
     """
     from dualcam.study import plots
     from dualcam.study.optimisation import command as optimisation
-    from dualcam.study.optimisation.reading import asks_for_optimum
+    from dualcam.study.optimisation.reading import asks_for_optimum, read_optimisation
 
     if len({plan.stem for plan in plans}) < len(plans):
         raise StudyError("two plans of the same name would share a folder: rename one")
-    searches = [plan for plan in plans if asks_for_optimum(plan)]
-    plans = [plan for plan in plans if plan not in searches]
-    studies = [(read_study(plan), _below(settings.folder, plan.stem)) for plan in plans]
+    found = _read_all(plans, lambda plan: (read_optimisation if asks_for_optimum(plan) else read_study)(plan))
+    tasks = {plan.stem: each for plan, each in found.items() if not isinstance(each, Study)}
+    plans = [plan for plan in plans if plan.stem not in tasks]
+    studies = [
+        (each, _below(settings.folder, plan.stem)) for plan, each in found.items() if isinstance(each, Study)
+    ]
     for study, _ in studies:
         plots.check(study)
     if settings.figure and studies:
@@ -83,9 +90,24 @@ def run(plans: Sequence[Path], settings: Settings, console: Console) -> None:
         _draw(studies, settings.figure, console)
     else:
         _draw_each(plans, studies, console)
-    if searches:
+    if tasks:
         folder, workers = _local(settings.folder), settings.workers or 0
-        optimisation.run(searches, folder, workers, settings.scheduler, console)
+        optimisation.run(tasks, folder, workers, settings.scheduler, console)
+
+
+def _read_all(paths: Sequence[Path], read: Callable[[Path], Read]) -> dict[Path, Read]:
+    """What each file describes. The mistakes of all files are told at once."""
+    found, errors = {}, []
+    for path in paths:
+        try:
+            found[path] = read(path)
+        except DualcamError as error:
+            errors.append(error)
+    if len(errors) == 1:
+        raise errors[0]
+    if errors:
+        raise StudyError("\n".join(map(str, errors)), [str(error) for error in errors])
+    return found
 
 
 def _draw_each(plans: Sequence[Path], studies: Sequence[tuple[Study, str | Path]], console: Console) -> None:

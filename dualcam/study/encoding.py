@@ -6,7 +6,6 @@ import csv
 import importlib
 import importlib.util
 import io
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,7 +16,7 @@ from dualcam.study.problem import StudyError
 
 FORMATS = ("parquet", "csv")
 METADATA = b"dualcam"  # key in the metadata of a Parquet schema
-SAMPLE, FEW = 256, 64  # a column with fewer different values in a sample than FEW gets a dictionary
+SAMPLE, FEW = 64, 48  # a column with fewer different values in a sample than FEW gets a dictionary
 Column = NDArray[Any]
 
 
@@ -44,41 +43,94 @@ def pyarrow_module(name: str) -> Any:  # noqa: ANN401
         ) from None
 
 
-def encoded(columns: Mapping[str, Column], file_format: str, metadata: Mapping[str, Any]) -> bytes:
+def encoded(columns: Mapping[str, Column], file_format: str, metadata: str) -> memoryview | bytes:
     """The file of these columns: numbers, texts, or series of shape (runs, instants). Parquet takes the
-    metadata along."""
+    metadata along, a text of JSON."""
     return _parquet(columns, metadata) if file_format == "parquet" else _csv(columns)
 
 
-def _parquet(columns: Mapping[str, Column], metadata: Mapping[str, Any]) -> bytes:
+# ---- Parquet ----
+
+
+def _parquet(columns: Mapping[str, Column], metadata: str) -> memoryview:
+    """Without pyarrow.array() and to_numpy(), which import pandas. No column has nulls: Arrow then writes no
+    levels, which take a third of the time."""
     pyarrow, parquet = pyarrow_module("pyarrow"), pyarrow_module("pyarrow.parquet")
     arrays = [_arrow(pyarrow, column) for column in columns.values()]
-    fields = [pyarrow.field(name, array.type) for name, array in zip(columns, arrays, strict=True)]
-    schema = pyarrow.schema(fields, {METADATA: json.dumps(metadata)})
+    fields = [
+        pyarrow.field(name, array.type, nullable=False) for name, array in zip(columns, arrays, strict=True)
+    ]
+    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields, {METADATA: metadata}))
     few = [name for name, column in columns.items() if _has_few_values(column)]
     sink = pyarrow.BufferOutputStream()
-    parquet.write_table(
-        pyarrow.table(arrays, schema=schema),
+    with parquet.ParquetWriter(
         sink,
-        use_dictionary=few,
+        table.schema,
+        use_dictionary=few or False,
         compression={name: "snappy" if name in few else "none" for name in columns},
+        # Of random numbers the least and the greatest are those of the plan in each file.
+        write_statistics=["run", *few],
         write_page_checksum=True,
-    )
-    return bytes(sink.getvalue())
+        write_batch_size=max(len(table), 1),
+    ) as writer:
+        writer.write_table(table, row_group_size=max(len(table), 1))
+    return memoryview(sink.getvalue())
 
 
 def _arrow(pyarrow: Any, column: Column) -> Any:  # noqa: ANN401
-    if column.ndim == 1:
-        return pyarrow.array(column)
-    flat = pyarrow.array(np.ascontiguousarray(column).reshape(-1))
-    return pyarrow.FixedSizeListArray.from_arrays(flat, column.shape[1])
+    if column.dtype == object:
+        return _arrow_of_texts(pyarrow, column)
+    flat = np.ascontiguousarray(column).reshape(-1)
+    kind = pyarrow.from_numpy_dtype(column.dtype)
+    array = pyarrow.Array.from_buffers(kind, len(flat), [None, pyarrow.py_buffer(flat)])
+    return array if column.ndim == 1 else pyarrow.FixedSizeListArray.from_arrays(array, column.shape[1])
+
+
+def _arrow_of_texts(pyarrow: Any, column: Column) -> Any:  # noqa: ANN401
+    """Most messages are empty, most texts are there many times."""
+    texts = column.tolist()
+    known = {text: text.encode() for text in set(texts)}
+    ends = np.zeros(len(texts) + 1, np.int32)
+    content = b""
+    if known.keys() != {""}:
+        parts = [known[text] for text in texts]
+        content = b"".join(parts)
+        np.cumsum([len(part) for part in parts], out=ends[1:])
+    buffers = [None, pyarrow.py_buffer(ends), pyarrow.py_buffer(content)]
+    return pyarrow.Array.from_buffers(pyarrow.string(), len(texts), buffers)
 
 
 def _has_few_values(column: Column) -> bool:
     """A dictionary of many values costs time and saves no bytes; nor does compression."""
     if column.ndim > 1 or column.dtype == np.int64:  # series; the numbers of the runs
         return False
-    return column.dtype == object or len(np.unique(column[:: len(column) // SAMPLE + 1])) < FEW
+    return column.dtype == object or len(set(column[:: len(column) // SAMPLE + 1].tolist())) < FEW
+
+
+def columns_of_parquet(source: Any, wanted: Sequence[str] | None) -> dict[str, Column]:  # noqa: ANN401
+    """Columns of a Parquet file of runs, a path or an open file. OSError or ValueError if a page is
+    damaged."""
+    # With threads Arrow can abort or hang the process at its end (apache/arrow, issues 33975 and 34314).
+    opened = pyarrow_module("pyarrow.parquet").ParquetFile(
+        source, pre_buffer=False, page_checksum_verification=True
+    )
+    with opened as file:
+        names = file.schema_arrow.names
+        chosen = names if wanted is None else [name for name in names if name in wanted]
+        table = file.read(chosen, use_threads=False)
+    return {name: _numpy(table[name].combine_chunks()) for name in chosen}
+
+
+def _numpy(array: Any) -> Column:  # noqa: ANN401
+    width = getattr(array.type, "list_size", None)
+    if width is not None:
+        return _numpy(array.flatten()).reshape(-1, width)
+    if str(array.type) == "string":
+        return np.array(array.to_pylist(), dtype=object)
+    return np.from_dlpack(array)
+
+
+# ---- CSV ----
 
 
 def _csv(columns: Mapping[str, Column]) -> bytes:

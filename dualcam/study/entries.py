@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
-from dualcam.study.problem import StudyError
+LISTED = 12  # names in a message
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,10 @@ def is_whole(value: object) -> bool:
 def hint(name: str, known: Iterable[str]) -> str:
     """The end of a message about an unknown name: what could be meant, or what is allowed."""
     allowed = list(known)
-    close = get_close_matches(str(name), allowed, n=2, cutoff=0.6)
-    return f": did you mean {' or '.join(close)}?" if close else f": allowed are {', '.join(allowed)}"
+    if close := get_close_matches(str(name), allowed, n=2, cutoff=0.6):
+        return f": did you mean {' or '.join(close)}?"
+    more = f" and {len(allowed) - LISTED} more" if len(allowed) > LISTED else ""
+    return f": allowed are {', '.join(allowed[:LISTED])}{more}"
 
 
 NUMBER = Kind("a number", lambda value: isinstance(value, int | float) and not isinstance(value, bool))
@@ -63,15 +65,17 @@ QUANTITIES_BY_NAME = Kind(
 )
 
 
-def entries(content: object, where: str, kinds: Mapping[str, Kind], needed: Collection[str] = ()) -> Any:  # noqa: ANN401
-    """The table itself. StudyError if it is none, or has other entries, too few, or one of another kind."""
-    if not isinstance(content, Mapping):
-        raise StudyError(f"{where} is {content!r}: allowed is a table with {', '.join(kinds)}")
-    if unknown := sorted(set(content) - set(kinds)):
-        raise StudyError(f"{where} has {', '.join(unknown)}: allowed are {', '.join(kinds)}")
-    if lacking := sorted(set(needed) - set(content)):
-        raise StudyError(f"{where} lacks {', '.join(lacking)}")
-    for name, value in content.items():
-        if not kinds[name].suits(value):
-            raise StudyError(f"{where}: {name} = {value!r}: allowed is {kinds[name].words}")
-    return content
+def problems_of_entries(
+    content: Mapping[str, Any], where: str, kinds: Mapping[str, Kind], needed: Collection[str] = ()
+) -> list[str]:
+    """What is wrong with the entries of a table: others than these, too few, or of another kind."""
+    unknown = sorted(set(content) - set(kinds))
+    found = [f"{where} has {name}{hint(name, kinds)}" for name in unknown]
+    meant = {close for name in unknown for close in get_close_matches(name, kinds, n=2, cutoff=0.6)}
+    if lacking := sorted(set(needed) - set(content) - meant):
+        found.append(f"{where} lacks {', '.join(lacking)}")
+    return found + [
+        f"{where}: {name} = {value!r}: allowed is {kinds[name].words}"
+        for name, value in content.items()
+        if name in kinds and not kinds[name].suits(value)
+    ]

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualcam.study.checking import check
 from dualcam.study.chunk import Task, varied_columns
 from dualcam.study.execution import workers_for
+from dualcam.study.first_runs import check
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
 
@@ -55,7 +55,9 @@ class Evaluator:
         self.names = list(job.names)
         self.results = list(study.readings.columns)
         self._readings, self._texts = study.readings, study.plan.texts
-        self._workers = workers_for(Task(job), check(job, study.plan), workers, scheduler)
+        self._workers = workers_for(
+            Task(job), check(job, study.plan, study.readings.used), workers, scheduler
+        )
 
     def __enter__(self) -> Evaluator:
         return self

@@ -12,16 +12,14 @@ from collections.abc import Callable, Generator, Iterable
 from typing import TYPE_CHECKING
 
 from dualcam.fmu import Array
-from dualcam.study.chunk import Task, Written
+from dualcam.study.chunk import Answer, Order, Task
 from dualcam.study.runner import Block, Runner
 
 if TYPE_CHECKING:
     from distributed import Client
 
-AHEAD = 2  # orders in flight for each worker: one that is computed, one that waits
+AHEAD = 3  # orders in flight for each worker: one whose file is written, one that is computed, one that waits
 DIED = "the process that made this run ended without a word (crashed or killed), also when it was alone"
-Order = range | Array
-Answer = Block | Written
 Answers = Generator[tuple[int, Answer], None, None]  # with the places of the orders
 
 
@@ -57,10 +55,7 @@ class Workers(ABC):
         """The answer to an order whose worker has died, whatever it takes."""
         rows = self.task.rows(order)
         block = _halved(attempt, rows, len(self.task.job.results))
-        if not isinstance(order, range):
-            return block
-        assert self.task.files is not None
-        return self.task.files.write(order, rows, block)
+        return self.task.finish(order, rows, block)()
 
 
 def _halved(attempt: Callable[[Array], Block], rows: Array, width: int) -> Block:
@@ -82,7 +77,7 @@ class InThisProcess(Workers):
 
     def answers(self, orders: Iterable[Order]) -> Answers:
         for place, order in enumerate(orders):
-            yield place, self.task.perform_with(self._runner, order)
+            yield place, self.task.made(order, self._runner.run)()
 
     def count(self) -> int:
         return 1

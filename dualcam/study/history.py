@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from dualcam.reals import Array
 from dualcam.study.problem import StudyError
-from dualcam.study.sampling.formula import formula
+from dualcam.study.sampling.formula import formula, is_formula
 
 ORDER = 3  # of the input derivatives that FMI 2.0 masters send
 STEPS_MAX = 1_000_000  # of one run: its calls are laid out in memory, which takes some hundred bytes for each
+SHAPES = ("linear", "smooth", "sine")
 PIECES = 24  # cubic pieces of a sine's period: their error is 1.2e-5 of the amplitude
 
 Number = Any  # a float, or a str: a formula over the values of a run, which `at` turns into a float
@@ -53,8 +55,8 @@ class History:
     --------
     >>> from dualcam.study import History
     >>> push = History(time=[0.0, 0.2, 0.2], value=[8.0, 8.0, 0.0])  # s, N.m: 8 N.m for 0.2 s, then nothing
-    >>> push.problem() is None
-    True
+    >>> push.problems()
+    []
     >>> History(time=[0.0, "end", "end"], value=["peak", "peak", 0.0]).names
     ('end', 'peak')
     """
@@ -97,43 +99,65 @@ class History:
             time, value, self.shape, self.derivative_of, *(number_at(n, values) for n in self._wave)
         )
 
-    def problem(self) -> str | None:
-        """What is wrong with the points, if anything is.
+    def problems(self) -> list[str]:
+        """All that is wrong with the points, as far as it does not depend on the run.
 
         Returns
         -------
-        str or None
+        list of str
             What is given and what is allowed.
         """
         if self.derivative_of:
-            return None
-        if self.shape not in ("linear", "smooth", "sine"):
-            return f"shape {self.shape!r}: allowed are linear, smooth, sine"
-        if self.shape == "sine" or any(self._wave):
-            return self._problem_of_wave()
-        if len(self.time) == 0 or len(self.time) != len(self.value):
-            return f"{len(self.value)} values at {len(self.time)} times: allowed is one value for each time"
-        if self.names:
-            return None  # the numbers are those of each run
-        time = np.asarray([number_at(each, {}) for each in self.time], float)
-        if not np.all(np.isfinite(np.concatenate([time, np.asarray(self.value, float)]))):
-            return "times and values must be finite"
-        steps = np.diff(time)
-        if np.any(steps < 0.0) or (self.shape == "smooth" and (len(time) < 2 or np.any(steps <= 0.0))):
-            return "times must increase; twice the same is allowed where it is linear"
-        return None
+            return []
+        found = [
+            problem for number in [*self.time, *self.value, *self._wave] for problem in _of_formula(number)
+        ]
+        if self.shape not in SHAPES:
+            found.append(f"shape {self.shape!r}: allowed are {', '.join(SHAPES)}")
+        elif self.shape == "sine":
+            return found + self._problems_of_wave()
+        elif any(self._wave):
+            found.append(
+                "amplitude, frequency, mean and phase belong to shape = 'sine': allowed are time and value"
+            )
+        return found + self._problems_of_points()
 
-    def _problem_of_wave(self) -> str | None:
-        if self.shape != "sine":
-            return "amplitude, frequency, mean and phase belong to shape = 'sine': allowed are time and value"
+    def _problems_of_points(self) -> list[str]:
+        found = []
+        if len(self.time) == 0 or len(self.time) != len(self.value):
+            found.append(
+                f"{len(self.value)} values at {len(self.time)} times: allowed is one value for each time"
+            )
+        for name, numbers in (("time", self.time), ("value", self.value)):
+            strange = [number for number in map(known_number, numbers) if number is not None]
+            found += [
+                f"{name} = {number:g}: allowed are finite numbers"
+                for number in strange
+                if not math.isfinite(number)
+            ][:1]
+        return found + self._problems_of_order()
+
+    def _problems_of_order(self) -> list[str]:
+        """Numbers that stand beside formulas are in order, too."""
+        times = [time for time in map(known_number, self.time) if time is not None and math.isfinite(time)]
+        allowed = "allowed are times that do not fall; the same time twice is a jump, where it is linear"
+        for before, after in pairwise(times):
+            if after < before or (after == before and self.shape == "smooth"):
+                return [f"times must increase: {after:g} s comes after {before:g} s: {allowed}"]
+        if self.shape == "smooth" and len(self.time) == 1:
+            return ["times must increase: a smooth curve needs two or more"]
+        return []
+
+    def _problems_of_wave(self) -> list[str]:
+        found = []
         if len(self.time) or len(self.value):
-            return "shape sine has time or value: allowed are amplitude, frequency, mean and phase"
-        if self.names:
-            return None
-        numbers = [number_at(each, {}) for each in self._wave]
-        if not all(map(math.isfinite, numbers)):
-            return "amplitude, frequency, mean and phase must be finite"
-        return None if numbers[2] > 0.0 else f"frequency = {numbers[2]:g}: allowed is above 0"
+            found.append("shape sine has time or value: allowed are amplitude, frequency, mean and phase")
+        numbers = [known_number(each) for each in self._wave]
+        if not all(number is None or math.isfinite(number) for number in numbers):
+            found.append("amplitude, frequency, mean and phase must be finite")
+        elif numbers[2] is not None and not numbers[2] > 0.0:
+            found.append(f"frequency = {numbers[2]:g}: allowed is above 0")
+        return found
 
     def taylor(self, stop: float = 0.0) -> list[tuple[float, list[float]]]:
         """The history as pieces of polynomials.
@@ -201,7 +225,7 @@ def _cubics(time: Array, spline: Any) -> list[tuple[float, list[float]]]:  # noq
 
 def names_in(numbers: Sequence[Number]) -> tuple[str, ...]:
     """The names in those that are formulas, each once."""
-    found = [name for number in numbers if isinstance(number, str) for name in formula(number).names]
+    found = [name for number in numbers if is_formula(number) for name in formula(number).names]
     return tuple(dict.fromkeys(found))
 
 
@@ -210,16 +234,29 @@ def number_at(number: Number, values: Mapping[str, Any]) -> float:
     return float(formula(number)(values)) if isinstance(number, str) else float(number)
 
 
+def known_number(number: Number) -> float | None:
+    """A number that is the same in each run; None for a formula of names, and for what is no number."""
+    if not isinstance(number, str):
+        return None if number is None else float(number)
+    return None if _of_formula(number) or formula(number).names else number_at(number, {})
+
+
+def _of_formula(number: Number) -> list[str]:
+    """What is wrong with a formula; nothing is with a number."""
+    if not isinstance(number, str):
+        return []
+    try:
+        formula(number)
+    except StudyError as error:
+        return [str(error)]
+    return []
+
+
 def problem_of_number(name: str, number: Number, above: float = 0.0) -> list[str]:
     """What is wrong with a number or a formula, if anything is."""
-    if number is None:
-        return []
-    if isinstance(number, str):
-        try:
-            formula(number)
-        except StudyError as error:
-            return [f"{name} = {error}"]
-        return []
-    if math.isfinite(number) and number > above:
+    if problems := _of_formula(number):
+        return [f"{name} = {problem}" for problem in problems]
+    value = known_number(number)
+    if value is None or (math.isfinite(value) and value > above):
         return []
     return [f"{name} = {number}: allowed is a finite number{' above 0' if above == 0.0 else ''}"]

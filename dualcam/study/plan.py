@@ -14,17 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dualcam.fmu import Array
-from dualcam.study.problem import StudyError, refuse
+from dualcam.study.problem import Findings
 from dualcam.study.sampling import designs
-from dualcam.study.sampling.correlation import OPEN, Copula, Correlation
+from dualcam.study.sampling.correlation import Correlation
 from dualcam.study.sampling.formula import Formula
 from dualcam.study.sampling.rules import any_of, in_order, violations
+from dualcam.study.sampling.sampler import Sampler
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.sampling.vary import Vary
-
-RUNS_MAX = 10**9  # the names of the files of results are in order up to there
-TRIES = 1000  # draws of a run that violates a constraint
-AT_ONCE = 20  # of them
 
 
 @dataclass(frozen=True)
@@ -104,13 +101,11 @@ class Plan:
     levels: int = 4
 
     def __post_init__(self) -> None:
-        from dualcam.study.plan_check import problems_of
+        from dualcam.study.plan_check import check_plan
 
-        refuse(problems_of(self))
-        if not 1 <= self.count <= RUNS_MAX:
-            raise StudyError(
-                f"the plan, of kind {self.kind}, has {self.count} runs: allowed are 1 to {RUNS_MAX:,}"
-            )
+        findings = Findings()
+        check_plan(self, findings)
+        findings.refuse()
 
     # ---- tables and other packages ----
 
@@ -153,7 +148,7 @@ class Plan:
         Returns
         -------
         Plan
-            One run for each row.
+            One run for each row of the file.
 
         Raises
         ------
@@ -269,12 +264,17 @@ class Plan:
         return own | {name: own[other] for name, other in self.same_as.items() if other in own}
 
     @cached_property
+    def table_rows(self) -> Array:
+        """The table as an array, shape (runs, variables)."""
+        return np.asarray(self.table, float)
+
+    @cached_property
     def count(self) -> int:
         """The number of runs."""
         if self.kind == "grid":
             return math.prod(vary.size() for vary in self.vary.values())
         if self.kind == "table":
-            return len(self._rows)
+            return len(self.table_rows)
         return designs.count(self.kind, self.runs, len(self.vary), self.second_order)
 
     def limits(self) -> dict[str, tuple[float, float]]:
@@ -286,7 +286,7 @@ class Plan:
             Least and greatest value by the name of the variable, in the FMU's units.
         """
         if self.kind == "table":
-            ends = [(float(column.min()), float(column.max())) for column in self._rows.T if len(column)]
+            ends = [(float(column.min()), float(column.max())) for column in self.table_rows.T if len(column)]
             found = dict(zip(self.vary, ends, strict=False))
         else:
             found = {name: vary.limits() for name, vary in self.vary.items()}
@@ -348,9 +348,9 @@ class Plan:
             A row for each run, columns in the order of `names`.
         """
         numbers = np.arange(start, min(stop, self.count))
-        rows = self.completed(self._drawn(numbers))
+        rows = self.completed(self._sampler.drawn(numbers))
         if self.constraints and self.redraws:
-            self._redraw(numbers, rows)
+            self._sampler.redraw(numbers, rows)
         return rows
 
     def completed(self, varied: Array) -> Array:
@@ -405,70 +405,17 @@ class Plan:
         looked = min(self.count, 100_000)
         bad = 0
         for start in range(0, looked, 10_000):
-            rows = self.completed(self._drawn(np.arange(start, min(start + 10_000, looked))))
+            rows = self.completed(self._sampler.drawn(np.arange(start, min(start + 10_000, looked))))
             bad += int(np.sum(any_of(self.violations(rows), len(rows))))
         return bad, looked
-
-    def _drawn(self, numbers: NDArray[np.int_]) -> Array:
-        """The columns of `vary`, before constraints."""
-        if self.kind == "grid":
-            points = [vary.points() for vary in self.vary.values()]
-            places = np.unravel_index(numbers, [len(each) for each in points])
-            return np.column_stack([each[place] for each, place in zip(points, places, strict=True)])
-        if self.kind == "table":
-            return self._rows[numbers]
-        return self._at(self._mixed(numbers) if self.kind == "indices" else self._shares[numbers])
-
-    def _at(self, shares: Array) -> Array:
-        """Values at points of the unit cube."""
-        if self.correlations:
-            shares = self._copula.shares(np.clip(shares, OPEN, 1.0 - OPEN))
-        elif self.kind != "morris" and any(vary.distribution for vary in self.vary.values()):
-            shares = np.clip(shares, OPEN, 1.0 - OPEN)
-        return np.column_stack([vary.at(s) for vary, s in zip(self.vary.values(), shares.T, strict=True)])
-
-    def _redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
-        """Puts values that keep the constraints in place of others; random numbers by the run's number."""
-        left = np.flatnonzero(any_of(self.violations(rows), len(rows)))
-        random = {place: np.random.default_rng([self.seed, int(numbers[place])]) for place in left.tolist()}
-        for _ in range(0, TRIES, AT_ONCE):
-            if len(left) == 0:
-                return
-            shares = [random[place].random((AT_ONCE, len(self.vary))) for place in left.tolist()]
-            again = self.completed(self._at(np.concatenate(shares)))
-            good = ~any_of(self.violations(again), len(again)).reshape(len(left), AT_ONCE)
-            found = np.flatnonzero(good.any(axis=1))
-            rows[left[found]] = again[found * AT_ONCE + good[found].argmax(axis=1)]
-            left = np.delete(left, found)
 
     @cached_property
     def _order(self) -> list[tuple[str, Formula]]:
         return in_order(self.derived)
 
     @cached_property
-    def _copula(self) -> Copula:
-        return Copula(self.vary, self.correlations)
-
-    @cached_property
-    def _rows(self) -> Array:
-        return np.asarray(self.table, float)
-
-    @cached_property
-    def _shares(self) -> Array:
-        width = len(self.vary)
-        try:
-            return designs.shares(self.kind, self.runs, width, self.seed, self.second_order, self.levels)
-        except MemoryError:
-            raise StudyError(
-                f"plan: runs = {self.runs}: their table does not fit into memory: take fewer, or a grid"
-            ) from None
-
-    def _mixed(self, numbers: NDArray[np.int_]) -> Array:
-        width = len(self.vary)
-        block, row = np.divmod(numbers, self.runs)
-        first, second = self._shares[row, :width], self._shares[row, width:]
-        from_second = (block[:, None] == 1) | (block[:, None] - 2 == np.arange(width))
-        return np.where(from_second, second, first)
+    def _sampler(self) -> Sampler:
+        return Sampler(self)
 
     def facts(self) -> dict[str, Any]:
         """What the plan is, to be compared with that of a study begun earlier.
@@ -487,7 +434,7 @@ class Plan:
             },
             "runs": self.runs,
             "seed": self.seed,
-            "table": hashlib.sha256(self._rows.tobytes()).hexdigest() if is_table else "",
+            "table": hashlib.sha256(self.table_rows.tobytes()).hexdigest() if is_table else "",
             "same_as": dict(self.same_as),
         }
         more = {

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from dualcam.study.entries import NUMBER, TEXT, Kind, entries, hint
+from dualcam.study.entries import NUMBER, TEXT, Kind, hint, problems_of_entries
 from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError
 from dualcam.study.readings import Readings
 
 NAMES = TEXT.listed()
@@ -26,28 +25,30 @@ OPTIONAL = {"title", "highlight", "color", "best"}
 
 
 def problems_of_plots(
-    plots: Sequence[Mapping[str, Any]], plan_kind: str, known: Collection[str]
+    plots: Sequence[Mapping[str, Any]], plan_kind: str | None, known: Collection[str]
 ) -> list[str]:
-    """What is wrong with the pictures of a study whose columns are known, one text each."""
-    found = []
-    for plot in plots:
-        kind = plot.get("kind", "")
-        if kind not in list(KINDS):
-            found.append(f"plot of kind {kind!r}{hint(kind, KINDS) if isinstance(kind, str) else _ALLOWED}")
-            continue
-        kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
-        try:
-            entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
-        except StudyError as error:
-            found.append(str(error))
-            continue
-        found += [
-            f"plot {kind}: {name!r} is no column of numbers{hint(name, known)}"
-            for name in columns_of(plot)
-            if name not in known
-        ]
-        if kind == "sobol" and plan_kind != "indices":
-            found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan_kind}")
+    """What is wrong with the pictures of a study whose columns are known, one text each.
+
+    `plan_kind` None: the kind of the plan is refused."""
+    return [problem for plot in plots for problem in _problems_of_plot(plot, plan_kind, known)]
+
+
+def _problems_of_plot(plot: Mapping[str, Any], plan_kind: str | None, known: Collection[str]) -> list[str]:
+    if not isinstance(plot, Mapping):
+        return [f"plots with {plot!r}: allowed are tables"]
+    kind = plot.get("kind", "")
+    if kind not in list(KINDS):
+        return [f"plot of kind {kind!r}{hint(kind, KINDS) if isinstance(kind, str) else _ALLOWED}"]
+    kinds = {"kind": TEXT, "title": TEXT, **KINDS[kind]}
+    found = problems_of_entries(plot, f"plot {kind}", kinds, set(kinds) - OPTIONAL)
+    sound = {key: value for key, value in plot.items() if key in kinds and kinds[key].suits(value)}
+    found += [
+        f"plot {kind}: {name!r} is no column of numbers{hint(name, known)}"
+        for name in columns_of(sound)
+        if name not in known
+    ]
+    if kind == "sobol" and plan_kind not in ("indices", None):
+        found.append(f"plot sobol needs a plan of kind indices, this one is of kind {plan_kind}")
     return found
 
 
@@ -63,4 +64,5 @@ def columns_to_draw(plan: Plan, readings: Readings) -> list[str]:
 def columns_of(plot: Mapping[str, Any]) -> list[str]:
     """The columns that a picture shows."""
     single = [plot[key] for key in ("x", "y", "z", "color") if key in plot]
-    return [*single, *plot.get("of", []), *plot.get("axes", [])]
+    lists = [plot[key] for key in ("of", "axes") if NAMES.suits(plot.get(key))]
+    return [*single, *(name for each in lists for name in each)]

@@ -10,19 +10,20 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from queue import SimpleQueue
 from typing import cast
 
 from dualcam.fmu import Array
-from dualcam.study.chunk import Task, Written
-from dualcam.study.execution import AHEAD, Answer, Answers, Died, Order, Workers
+from dualcam.study.chunk import Answer, Order, Task
+from dualcam.study.execution import AHEAD, Answers, Died, Workers
 from dualcam.study.problem import StudyError
 from dualcam.study.runner import Block
 
 GRACE = 2.0  # s, for a process that is sent home in the middle of something
+Made = Callable[[], Answer] | Exception  # runs whose file is not written yet
 
 
 class _Worker:
@@ -78,15 +79,31 @@ def _serve(task: Task, orders: Connection, answers: Connection) -> None:
     """In a worker: its end tidies up, as the FMU's own does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches it too, but its study sends it home
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(1))
+    os.environ.setdefault("MIMALLOC_PURGE_DELAY", "-1")  # Arrow's memory is used again for the next file
     waiting: SimpleQueue[Order | None] = SimpleQueue()
     threading.Thread(target=_listen, args=(orders, waiting), daemon=True).start()
     answers.send(None)
+    made: SimpleQueue[Made | None] = SimpleQueue()
+    writer = threading.Thread(target=_finish, args=(made, answers), daemon=True)  # a study's end may not wait
+    writer.start()
     while (order := waiting.get()) is not None:
         try:
-            answer: Block | Written | Exception = task.perform(order)
+            made.put(task.made(order))
+        except Exception as error:
+            made.put(error)
+    made.put(None)
+    writer.join()
+
+
+def _finish(made: SimpleQueue[Made | None], answers: Connection) -> None:
+    """In a worker: a file is written while the runs of the next one are made."""
+    while (each := made.get()) is not None:
+        try:
+            answer: Answer | Exception = each if isinstance(each, Exception) else each()
         except Exception as error:
             answer = error
-        answers.send(answer)
+        with suppress(OSError):  # the study is over or was killed, which `_listen` finds
+            answers.send(answer)
 
 
 def _listen(orders: Connection, waiting: SimpleQueue[Order | None]) -> None:

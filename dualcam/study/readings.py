@@ -26,17 +26,19 @@ import numpy as np
 from dualcam.reals import Array
 from dualcam.study.encoding import Column
 from dualcam.study.problem import StudyError, refuse
-from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.formula import Formula, formula
 
 SERIES, FORMULA, VALUE = "series", "formula", "value"
 SAMPLED = (SERIES, "max", "min", "mean", "integral")
 SAMPLES_MAX = 1_000_000  # of one result in a run
 CALL = re.compile(rf"({'|'.join(SAMPLED)})\s*\(([^=]+?)(?:,\s*(\w+)\s*=\s*([^()]*?))?\s*\)")
+OF_VALUES = re.compile(r"(max|min)\s*\([^=]*,[^=]*\)")  # of values at the end; a formula
+ONE_AND_NUMBER = re.compile(r"\w+\s*\(\s*[A-Za-z_][\w.]*\s*,\s*[\d.eE+-]+\s*\)")  # `every=` is forgotten
 INNER = re.compile(  # one that stands in a formula
     r"\b(max|min|mean|integral)\(\s*([A-Za-z_][\w.]*)\s*,\s*(every|count|at)\s*=\s*(\[[^\]]*\]|[^,()\s]+)\s*\)"
 )
 NAMED = re.compile(r"([^=<>!`@()]+?)\s*=(?!=)\s*(.+)")
-AT_TIME = re.compile(r"(?<![`\w.])([A-Za-z_][\w.]*@\d[\d.]*(?:[eE][-+]?\d+)?)(?!`)")
+NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 RESERVED = ("run", "message")
 
 
@@ -63,10 +65,12 @@ class Readings:
     ----------
     results : sequence of str
         As in the examples of this module.
-    stop : float or str
-        End of the runs [s]; a formula where it varies.
+    stop : float, str or None
+        End of the runs [s]; a formula where it varies; None where it is not known.
     varied : sequence of str
         Names of the plan, which formulas may use, too.
+    refused : dict of int to str, optional
+        Gets what is wrong, by the place of the text, instead of an error; the others are read.
 
     Attributes
     ----------
@@ -76,6 +80,10 @@ class Readings:
         What the FMU is asked for: names, and `name@time`.
     series : dict of str to tuple of float
         The instants [s] of each series.
+    used : set of str
+        Names of the plan that formulas use.
+    refused_columns : list of str
+        Names of the columns that are refused.
 
     Raises
     ------
@@ -93,20 +101,31 @@ class Readings:
     {'top': [3.0], 'rise': [2.0]}
     """
 
-    def __init__(self, results: Sequence[str], stop: float | str, varied: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        results: Sequence[str],
+        stop: float | str | None,
+        varied: Sequence[str] = (),
+        refused: dict[int, str] | None = None,
+    ) -> None:
         self._varied = tuple(varied)
         self._parsed: dict[str, Reading] = {}
         self._inner: dict[str, Reading] = {}  # samples inside formulas, which are no columns
-        problems: list[str] = []
-        for text in results:
+        self.used: set[str] = set()
+        self.refused_columns: list[str] = []
+        problems: dict[int, str] = {} if refused is None else refused
+        for place, text in enumerate(results):
             try:
-                reading = self._reading(text.strip(), stop)
+                reading = self._reading(text.strip(), _longest(text) if stop is None else stop)
                 if reading.column in self._parsed:
                     raise StudyError(f"{reading.column} is named twice: allowed is once")
                 self._parsed[reading.column] = reading
             except StudyError as error:
-                problems.append(f"result {text!r}: {error}")
-        refuse(problems)
+                problems[place] = f"result {text!r}: {error}"
+                named = NAMED.fullmatch(text.strip())
+                self.refused_columns.append(named[1].strip() if named else text.strip())
+        if refused is None:
+            refuse(problems.values())
         self.columns = list(self._parsed)
         self.raw = list(dict.fromkeys(name for each in self._parsed.values() for name in each.raw))
         self.series = {each.column: each.times for each in self._parsed.values() if each.kind == SERIES}
@@ -119,7 +138,7 @@ class Readings:
     # ---- texts ----
 
     def _reading(self, text: str, stop: float | str) -> Reading:
-        if call := CALL.fullmatch(text):
+        if call := _sampling(text):
             return _sampled(text, call, stop)
         named = NAMED.fullmatch(text)
         if named is None:
@@ -129,7 +148,7 @@ class Readings:
         column, body = named[1].strip(), named[2].strip()
         if column in (*self._varied, *RESERVED):
             raise StudyError(f"{column} is the name of another column: give another name")
-        if call := CALL.fullmatch(body):
+        if call := _sampling(body):
             return _sampled(column, call, stop)
         return self._of_formula(column, body, stop)
 
@@ -143,15 +162,16 @@ class Readings:
         body = INNER.sub(stand_in, body)
         if "series(" in body:
             raise StudyError("a series is no part of a formula: allowed are results with one value")
-        formula = Formula(AT_TIME.sub(r"`\1`", body))
-        for name in formula.names:
+        found = formula(body)
+        for name in found.names:
             if name in self._parsed and self._parsed[name].kind == SERIES:
                 raise StudyError(f"{name} is a series: allowed in formulas are results with one value")
         self._inner |= inner
-        known = (*self._varied, *self._parsed, *inner)
-        raw = [name for name in formula.names if name not in known]
+        known = (*self._varied, *self._parsed, *self.refused_columns, *inner)
+        raw = [name for name in found.names if name not in known]
         raw += [name for each in inner.values() for name in each.raw]
-        return Reading(column, FORMULA, tuple(raw), formula=formula)
+        self.used |= {name for name in found.names if name in self._varied}
+        return Reading(column, FORMULA, tuple(raw), formula=found)
 
     # ---- values ----
 
@@ -215,6 +235,18 @@ _REDUCED: dict[str, Any] = {
     "mean": lambda samples, times: np.trapezoid(samples, times, axis=1) / (times[-1] - times[0]),
     "integral": lambda samples, times: np.trapezoid(samples, times, axis=1),
 }
+
+
+def _sampling(text: str) -> re.Match[str] | None:
+    """The parts of a text such as max(theta, every=0.01); None for max(theta, omega), which is a formula."""
+    if OF_VALUES.fullmatch(text) and not ONE_AND_NUMBER.fullmatch(text):
+        return None
+    return CALL.fullmatch(text)
+
+
+def _longest(text: str) -> float:
+    """A stop that the times in a text allow, where the stop is not known."""
+    return max((float(number) for number in NUMBER.findall(text)), default=0.0) or 1.0
 
 
 def _sampled(column: str, call: re.Match[str], stop: float | str) -> Reading:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from dualcam.study.chunk import RUNS, name_of
-from dualcam.study.encoding import Column, columns_of_csv, encoded, pyarrow_module
+from dualcam.study.chunk import RUNS, checksum, name_of
+from dualcam.study.encoding import Column, columns_of_csv, columns_of_parquet, encoded
 from dualcam.study.problem import StudyError
 from dualcam.study.storage import Storage, storage_at
 from dualcam.study.store import RECORD, finished_in, is_sound, record_in
@@ -108,7 +108,7 @@ class Results(dict[str, Column]):
         ['run,theta', '0,0.1', '1,0.2']
         """
         try:
-            Path(path).write_bytes(encoded(self._flat(), "csv", {}))
+            Path(path).write_bytes(encoded(self._flat(), "csv", ""))
         except OSError as error:
             raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
 
@@ -245,58 +245,54 @@ def read_results(folder: str | Path, columns: Sequence[str] | None = None) -> Re
     record = record_in(storage)
     if record is None:
         raise StudyError(f"{folder} holds no study: there is no {RECORD}")
-    names = _finished_files(storage, record)
-    if not names:
+    checksums = _finished_files(storage, record)
+    if not checksums:
         raise StudyError(f"{folder} holds no runs yet")
     wanted = None if columns is None else list(dict.fromkeys(columns))
     read = _read_parquet if record["format"] == "parquet" else _read_csv
-    found = read(storage, names, wanted, record)
+    parts = [read(storage, name, crc, wanted, record) for name, crc in checksums.items()]
+    found = {name: np.concatenate([part.pop(name) for part in parts]) for name in list(parts[0])}
     if lacking := [name for name in wanted or () if name not in found]:
         raise StudyError(f"{folder} has no column {', '.join(lacking)}")
     series = {name: np.array(times) for name, times in record["series"].items() if name in found}
     return Results(found, record["study"], record["versions"], series)
 
 
-def _finished_files(storage: Storage, record: Mapping[str, Any]) -> list[str]:
-    """In the order of their runs. StudyError if one is damaged."""
-    finished, sizes = finished_in(storage), storage.sizes(RUNS)
-    names = []
+def _finished_files(storage: Storage, record: Mapping[str, Any]) -> dict[str, str]:
+    """Names and checksums, in the order of their runs. StudyError if one is not as it was written."""
+    finished, listed = finished_in(storage), storage.listing(RUNS)
+    checksums = {}
     for start in sorted(finished, key=int):
         name = name_of(range(int(start), int(start) + 1), record["format"])
-        if not is_sound(storage, name, finished[start], sizes):
+        if not is_sound(storage, name, finished[start], listed):
             raise StudyError(f"{storage}/{name} is damaged: run the study again, which makes these runs anew")
-        names.append(name)
-    return names
+        checksums[name] = finished[start][1]
+    return checksums
+
+
+def _rotten(storage: Storage, name: str) -> StudyError:
+    """Of a file that nobody has written to since, so that a study that goes on does not read it."""
+    return StudyError(
+        f"{storage}/{name} is damaged: delete the file and run the study again, which makes these runs anew"
+    )
 
 
 def _read_parquet(
-    storage: Storage, names: Sequence[str], wanted: Sequence[str] | None, record: Mapping[str, Any]
+    storage: Storage, name: str, crc: str, wanted: Sequence[str] | None, record: Mapping[str, Any]
 ) -> dict[str, Column]:
-    dataset = pyarrow_module("pyarrow.dataset")
-    places = [storage.place(name) for name in names]
-    # With threads Arrow can abort or hang the process at its end (apache/arrow, issues 33975 and 34314).
-    scan = dataset.ParquetFragmentScanOptions(pre_buffer=False, page_checksum_verification=True)
-    whole = dataset.dataset(
-        [path for path, _ in places],
-        filesystem=places[0][1],
-        format=dataset.ParquetFileFormat(default_fragment_scan_options=scan),
-    )
-    chosen = None if wanted is None else [name for name in wanted if name in whole.schema.names]
-    table = whole.to_table(columns=chosen, use_threads=False)
-    return {name: _column(table[name]) for name in table.column_names}
-
-
-def _column(column: Any) -> Column:  # noqa: ANN401
-    width = getattr(column.type, "list_size", None)
-    if width is None:
-        return np.asarray(column.to_numpy(zero_copy_only=False))
-    flat = column.combine_chunks().flatten().to_numpy(zero_copy_only=False)
-    return np.asarray(flat).reshape(-1, width)
+    """Arrow checks the pages that it reads."""
+    try:
+        return columns_of_parquet(storage.open(name), wanted)
+    except (OSError, ValueError):  # pyarrow.ArrowInvalid is a ValueError
+        if checksum(storage.read(name)) == crc:
+            raise
+        raise _rotten(storage, name) from None
 
 
 def _read_csv(
-    storage: Storage, names: Sequence[str], wanted: Sequence[str] | None, record: Mapping[str, Any]
+    storage: Storage, name: str, crc: str, wanted: Sequence[str] | None, record: Mapping[str, Any]
 ) -> dict[str, Column]:
-    texts, series = record["texts"], list(record["series"])
-    parts = [columns_of_csv(storage.read(name), wanted, texts, series) for name in names]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    content = storage.read(name)
+    if checksum(content) != crc:
+        raise _rotten(storage, name)
+    return columns_of_csv(content, wanted, record["texts"], list(record["series"]))

@@ -3,7 +3,8 @@
 All of a run is laid out once as a list of FMI calls on fixed buffers: begin, start values, steps, reads. A
 run is then that list, called from front to back; the values of its row and its results are where the
 buffers point. Where the FMU can save its state, a run begins with the state saved in initialization mode,
-which also keeps what the FMU has computed of the fixed parameters; elsewhere with a reset.
+which also keeps what the FMU has computed of the fixed parameters; elsewhere with a reset. A batch of runs is
+made in C (dualcam.study.batch) unless a controller in Python is called between the steps.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from ctypes import addressof, byref, c_double, c_uint, c_void_p, create_string_buffer, memmove, sizeof
+from ctypes import addressof, c_double, c_uint, c_void_p, create_string_buffer, sizeof
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -28,6 +29,7 @@ from dualcam.handle import FmuState
 from dualcam.instance import OK_OR_WARNING, References
 from dualcam.model_description import Scalar
 from dualcam.reals import Array
+from dualcam.study.batch import Batch, Window, copy, loop_in_c
 from dualcam.study.resolved import values_of, violated_by
 from dualcam.study.sampling.rules import violations
 from dualcam.study.sampling.texts import Texts
@@ -35,6 +37,7 @@ from dualcam.study.scenario import Controller, Scenario
 from dualcam.study.step_numbers import FIRST, Arrangement, Key, StepNumbers
 
 FATAL = 4  # FMI's status from which an instance cannot be used any more
+IN_C_FROM = 3  # runs of one layout: to lay the calls out for C takes as long as some runs from Python
 Call = Callable[[], int]
 
 
@@ -74,29 +77,14 @@ class Block:
 
 
 @dataclass
-class _Window:
-    """A buffer with a line for each run, and the pointer that goes along it."""
-
-    lines: np.ndarray[Any, Any]
-    pointer: c_void_p
-
-    @classmethod
-    def of(cls, kind: Any, runs: int, width: int) -> _Window:  # noqa: ANN401
-        lines = np.zeros((runs, width), np.uint64 if kind is c_void_p else np.dtype(kind))
-        return cls(lines, c_void_p())
-
-    def track(self) -> tuple[c_void_p, int, int]:
-        return self.pointer, self.lines.ctypes.data, self.lines.strides[0]
-
-
-@dataclass
 class _Layout:
     """The calls of a run with the steps of one arrangement, and the buffers that they use."""
 
     arrangement: Arrangement
-    windows: dict[str, _Window] = field(default_factory=dict)
-    reads: list[tuple[_Window, list[int]]] = field(default_factory=list)  # with the places among the results
+    windows: dict[str, Window] = field(default_factory=dict)
+    reads: list[tuple[Window, list[int]]] = field(default_factory=list)  # with the places among the results
     calls: list[Call] = field(default_factory=list)
+    batch: Batch | None = None  # the calls for C, made when they are needed
 
 
 class Runner:
@@ -105,10 +93,12 @@ class Runner:
     BATCH = 1000  # runs whose buffers are laid out at once
     LAYOUTS = 50  # that are kept: each may have thousands of calls
 
-    def __init__(self, job: Job, saves_state: bool = True) -> None:
-        """`saves_state`: begin with a saved state where the FMU has that, which is faster than a reset."""
+    def __init__(self, job: Job, saves_state: bool = True, in_c: bool = True) -> None:
+        """`saves_state`: begin with a saved state where the FMU has that, which is faster than a reset.
+        `in_c`: make the calls of a batch in C where no controller is between them, which is faster, too."""
         self.job = job
         self._saves_state = saves_state
+        self._loop = loop_in_c() if in_c and job.scenario.controller is None else None
         self._layout: _Layout | None = None
         self._kept: dict[str, list[Any]] = {}  # texts of the batch, by the name of the String
         self._open()
@@ -178,7 +168,7 @@ class Runner:
         """Its calls, on its buffers if it has some: for an instance that replaces another one in a batch."""
         self._layouts[layout.arrangement.key] = self._layout = layout
         arrangement, control = layout.arrangement, self.job.scenario.controller
-        layout.reads = []
+        layout.reads, layout.batch = [], None
         calls = [self._copy_numbers(arrangement)] if self.job.scenario.names else []
         calls += self._beginning(self._values(arrangement, 0))
         if control:
@@ -196,13 +186,7 @@ class Runner:
     def _copy_numbers(self, arrangement: Arrangement) -> Call:
         """A call that puts the numbers of the run in place."""
         pointer = self._window("numbers", c_double, len(arrangement.buffer)).pointer
-        target, size = addressof(arrangement.buffer), sizeof(arrangement.buffer)
-
-        def copy() -> int:
-            memmove(target, pointer, size)
-            return 0
-
-        return copy
+        return partial(copy, addressof(arrangement.buffer), pointer, sizeof(arrangement.buffer))
 
     def _enter(self) -> None:
         """Into initialization mode with the fixed parameters, and keep that state where the FMU can."""
@@ -233,10 +217,10 @@ class Runner:
         time, size = arrangement.view(number, "time"), arrangement.view(number, "size")
         return partial(function, self._component, time, size, *end)
 
-    def _window(self, key: str, kind: Any, width: int) -> _Window:  # noqa: ANN401
+    def _window(self, key: str, kind: Any, width: int) -> Window:  # noqa: ANN401
         """The same one for an instance that replaces another one in the middle of a batch."""
         assert self._layout is not None
-        return self._layout.windows.setdefault(key, _Window.of(kind, self.BATCH, width))
+        return self._layout.windows.setdefault(key, Window.of(kind, self.BATCH, width))
 
     def _by_kind(self, names: Sequence[str]) -> dict[str, list[str]]:
         kinds: dict[str, list[str]] = {}
@@ -269,7 +253,7 @@ class Runner:
         if len(kinds) == 1:
             return [self._access("Set", kind, names, values) for kind in kinds]
         return [
-            self._access("Set", self._fmu.variable(name).type, [name], byref(values, k * sizeof(c_double)))
+            self._access("Set", self._fmu.variable(name).type, [name], _one_of(values, k))
             for k, name in enumerate(names)
         ]
 
@@ -405,6 +389,27 @@ class Runner:
     def _go(self, place: int, stop: int) -> tuple[int, str]:
         """Runs from `place` on, up to the first that fails: its place and why; `stop` if none does."""
         assert self._layout is not None
+        if self._loop is None or stop - place < IN_C_FROM:
+            return self._go_by_python(place, stop)
+        layout = self._layout
+        if layout.batch is None:
+            calls = [call for call in layout.calls if isinstance(call, partial)]
+            layout.batch = Batch(self._loop, self._instance, calls, layout.windows.values())
+        while place < stop:
+            place, which, status = layout.batch.run(place, stop)
+            if status >= FATAL:
+                return place, self._failed(layout.calls[which], status)
+            self._instance.messages.clear()  # of warnings
+            if status > OK_OR_WARNING:  # the run is made once more, with its messages
+                self._recover()
+                place, text = self._go_by_python(failed := place, place + 1)
+                if place == failed:
+                    return failed, text
+        return stop, ""
+
+    def _go_by_python(self, place: int, stop: int) -> tuple[int, str]:
+        """The same, with the calls of each run one by one."""
+        assert self._layout is not None
         tracks = [window.track() for window in self._layout.windows.values()]
         calls, messages = self._layout.calls, self._instance.messages
         try:
@@ -442,6 +447,11 @@ class Runner:
         """FMI wants a reset before an instance that failed goes on; other runs begin with it anyway."""
         if self._state is not None:
             self._call(self._instance.RESET)()
+
+
+def _one_of(values: Any, place: int) -> Any:  # noqa: ANN401
+    """One number of an array, as an array of its own in the same memory."""
+    return (c_double * 1).from_buffer(values, place * sizeof(c_double))
 
 
 def _unpacked(job: Job) -> Fmu:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from dualcam.fmu import Array
-from dualcam.study.history import ORDER, STEPS_MAX, History, Number, names_in, number_at, problem_of_number
-from dualcam.study.problem import StudyError, refuse
+from dualcam.study.history import ORDER, STEPS_MAX, History, Number, names_in, number_at
+from dualcam.study.problem import Findings, StudyError
 
 SAME_TIME = 1e-12  # instants closer than this share of the whole are one
 
@@ -133,39 +133,11 @@ class Scenario:
     controller: Controller | None = None
 
     def __post_init__(self) -> None:
-        refuse([f"scenario: {problem}" for problem in self._problems()])
+        from dualcam.study.scenario_check import check_scenario
 
-    def _problems(self) -> list[str]:
-        """All that is wrong, as far as it does not depend on the run."""
-        found = []
-        for name, number in (("stop", self.stop), ("step", self.step), ("tolerance", self.tolerance)):
-            found += problem_of_number(name, number)
-        for name, history in self.inputs.items():
-            try:
-                problem = history.problem()
-            except StudyError as error:
-                problem = str(error)
-            if problem:
-                found.append(f"{name}: {problem}")
-            else:
-                found += self._problem_of_derivative(name)
-        control = self.controller
-        if control is not None:
-            if not hasattr(control.create_law, "__qualname__"):
-                found.append(f"create_law = {control.create_law!r}: allowed is a function of a module")
-            found += problem_of_number("period", control.period)
-            for name, number in control.arguments.items():
-                found += problem_of_number(f"argument {name}", number, above=-math.inf)
-            if both := set(control.writes) & set(self.inputs):
-                found.append(f"{', '.join(both)} has a history and a controller: allowed is one of them")
-        return found
-
-    def _problem_of_derivative(self, name: str) -> list[str]:
-        try:
-            self.source(name)
-        except StudyError as error:
-            return [str(error)]
-        return []
+        findings = Findings()
+        check_scenario(self, findings)
+        findings.refuse()
 
     # ---- numbers of a run ----
 

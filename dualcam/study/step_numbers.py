@@ -21,7 +21,7 @@ from dualcam.study.resolved import values_of
 from dualcam.study.sampling.formula import formula
 from dualcam.study.sampling.texts import Texts
 from dualcam.study.scenario import Scenario, Step, instants
-from dualcam.study.step_times import AT_ONE_INSTANT, FIRST, is_piecewise_linear, steps_of_rows
+from dualcam.study.step_times import AT_ONE_INSTANT, FIRST, has_points, steps_of_rows
 
 Key = tuple[Any, ...]
 
@@ -161,8 +161,8 @@ class StepNumbers:
         """
         if self._is_linear:
             return self._linear_group(rows)
-        if is_piecewise_linear(self.scenario, self._interpolates, self._fixed):
-            return self._piecewise_groups(rows)
+        if has_points(self.scenario, self._interpolates, self._fixed):
+            return self._groups_by_points(rows)
         columns = [self.names.index(name) for name in self.scenario.names]
         different, which = np.unique(rows[:, columns], axis=0, return_inverse=True)
         first = np.zeros(len(different), int)
@@ -298,7 +298,7 @@ class StepNumbers:
         places = np.flatnonzero(finite)
         return [Group(arrangement, places, numbers[places])], failed
 
-    def _piecewise_groups(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
+    def _groups_by_points(self, rows: Array) -> tuple[list[Group], dict[int, str]]:
         columns = dict(zip(self.names, rows.T, strict=True))
 
         def evaluate(number: Number) -> Array:

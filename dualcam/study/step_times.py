@@ -1,9 +1,10 @@
-"""Steps of many runs at once, whose inputs are straight lines between points at times that vary.
+"""Steps of many runs at once, whose inputs are lines or smooth curves between points at times that vary.
 
 The same as `Scenario.steps` for each run, computed with arrays: a line for each run."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.reals import Array
-from dualcam.study.history import History, Number
+from dualcam.study.history import ORDER, History, Number
 from dualcam.study.scenario import SAME_TIME, Scenario, Step, instants
 
 Evaluate = Callable[[Number], Array]  # a number or a formula as an array, shape (runs,)
@@ -19,12 +20,12 @@ AT_ONE_INSTANT = 1e-9  # share of a step by which a reading may miss the end of 
 FIRST = -1  # of a result that is read before the first step
 
 
-def is_piecewise_linear(scenario: Scenario, interpolates: bool, fixed: bool) -> bool:
+def has_points(scenario: Scenario, interpolates: bool, fixed: bool) -> bool:
     """Whether `steps_of_rows` can lay out the runs of a scenario."""
-    lines = all(each.derivative_of or each.shape == "linear" for each in scenario.inputs.values())
+    points = all(each.derivative_of or each.shape != "sine" for each in scenario.inputs.values())
     control = scenario.controller
     asks_vary = control is not None and (isinstance(control.period, str) or isinstance(scenario.stop, str))
-    return lines and interpolates and not fixed and not asks_vary
+    return points and interpolates and not fixed and not asks_vary
 
 
 @dataclass(frozen=True)
@@ -49,57 +50,97 @@ class StepRows:
     numbers: Array
 
 
-class _Lines:
+class _Curve:
     """One input: points of all runs, shape (runs, points), and how often it is differentiated."""
 
     def __init__(self, history: History, order: int, evaluate: Evaluate) -> None:
-        self.order = order
+        self._order, self._is_smooth = order, history.shape == "smooth"
         self.time = np.column_stack([evaluate(each) for each in history.time])
-        self.value = np.column_stack([evaluate(each) for each in history.value])
+        self._value = np.column_stack([evaluate(each) for each in history.value])
+        with np.errstate(all="ignore"):  # of runs that are not sound
+            self.is_sound = self._checked()
+            self._taylor = self._pieces()
 
-    @property
-    def is_sound(self) -> NDArray[np.bool_]:
-        """Which runs have finite points whose times do not decrease."""
-        finite = np.all(np.isfinite(self.time) & np.isfinite(self.value), axis=1)
-        return np.asarray(finite & np.all(np.diff(self.time, axis=1) >= 0.0, axis=1))
+    def _checked(self) -> NDArray[np.bool_]:
+        """Which runs have finite points at times that suit the shape."""
+        finite = np.all(np.isfinite(self.time) & np.isfinite(self._value), axis=1)
+        steps = np.diff(self.time, axis=1)
+        rising = np.all(steps > 0.0, axis=1) if self._is_smooth else np.all(steps >= 0.0, axis=1)
+        return np.asarray(finite & rising & (not self._is_smooth or self.time.shape[1] > 1))
 
-    def taylor(self, rows: NDArray[np.intp], start: Array, tolerance: Array) -> tuple[Array, Array]:
-        """Value and first derivative at the start of a step: of the piece that starts there or goes on."""
-        time, value = self.time[rows], self.value[rows]
-        runs = np.arange(len(rows))
+    def _pieces(self) -> Array:
+        """Value and derivatives at each point, of the piece that starts there, shape (orders, runs, points).
+        Behind the last point the value stands still."""
+        taylor = np.zeros((1 + (ORDER if self._is_smooth else 1), *self.time.shape))
+        taylor[0] = self._value
+        width = np.diff(self.time, axis=1)
+        width = np.where(width > 0.0, width, np.inf)  # a jump, whose piece is never the last that starts
+        slope = np.diff(self._value, axis=1) / width
+        if self._is_smooth:
+            taylor[1:, :, :-1] = _derivatives_of_spline(width, slope)
+        else:
+            taylor[1, :, :-1] = slope
+        return taylor
+
+    def taylor(self, rows: NDArray[np.intp], start: Array, tolerance: Array) -> list[Array]:
+        """Value and derivatives at the start of a step: of the piece that starts there or goes on."""
+        time = self.time[rows]
         # The last point that is not after the start; -1: before all points.
         place = np.sum(time <= (start + tolerance)[:, None], axis=1) - 1
-        last = time.shape[1] - 1
-        here, after = np.clip(place, 0, last), np.clip(place + 1, 0, last)
-        width = time[runs, after] - time[runs, here]
-        within = (place >= 0) & (place < last) & (width > 0.0)
-        slope = np.where(
-            within, (value[runs, after] - value[runs, here]) / np.where(width > 0.0, width, 1.0), 0.0
-        )
-        moved = value[runs, here] + slope * (start - time[runs, here])
-        moved = np.where(within, moved, value[runs, here])
-        if self.order == 0:
-            return moved, slope
-        return (slope if self.order == 1 else np.zeros_like(slope)), np.zeros_like(slope)
+        is_before = place < 0
+        here = np.maximum(place, 0)
+        runs = np.arange(len(rows))
+        shift = np.where(is_before, 0.0, start - time[runs, here])
+        own = [np.where(is_before & (k > 0), 0.0, each[rows, here]) for k, each in enumerate(self._taylor)]
+        own = [*own, *[np.zeros(len(rows))] * self._order][self._order :]
+        return [
+            sum((own[k + n] * shift**n / math.factorial(n) for n in range(1, len(own) - k)), own[k])
+            for k in range(len(own))
+        ]
+
+
+def _derivatives_of_spline(width: Array, slope: Array) -> Array:
+    """First to third derivative at the start of each piece of the cubic splines that start and end at rest,
+    shape (3, runs, pieces).
+
+    The speeds s_i at the inner points follow from continuous second derivatives, with w_i and d_i the width
+    and the mean slope of a piece:
+
+        w_i s_(i-1) + 2 (w_(i-1) + w_i) s_i + w_(i-1) s_(i+1) = 3 (w_i d_(i-1) + w_(i-1) d_i)
+
+    (de Boor, A Practical Guide to Splines, chapter IV), by elimination, as the diagonal dominates."""
+    runs, pieces = width.shape
+    speed = np.zeros((runs, pieces + 1))
+    above = np.zeros((runs, pieces))  # what remains of s_(i+1) in row i, divided by the diagonal
+    for k in range(1, pieces):
+        before, after = width[:, k - 1], width[:, k]
+        diagonal = 2.0 * (before + after) - after * above[:, k - 1]
+        above[:, k] = before / diagonal
+        right = 3.0 * (after * slope[:, k - 1] + before * slope[:, k])
+        speed[:, k] = (right - after * speed[:, k - 1]) / diagonal
+    for k in range(pieces - 1, 0, -1):
+        speed[:, k] -= above[:, k] * speed[:, k + 1]
+    bend = (speed[:, :-1] + speed[:, 1:] - 2.0 * slope) / width
+    return np.stack([speed[:, :-1], 2.0 * ((slope - speed[:, :-1]) / width - bend), 6.0 * bend / width])
 
 
 def steps_of_rows(
     scenario: Scenario, results: Sequence[str], evaluate: Evaluate, count: int
 ) -> tuple[list[StepRows], NDArray[np.intp]]:
     """The steps of `count` runs, by the calls that they make, and the places of runs that are no scenario."""
-    lines = {}
+    curves = {}
     for name in scenario.inputs:
         history, order = scenario.source(name)
-        lines[name] = _Lines(history, order, evaluate)
+        curves[name] = _Curve(history, order, evaluate)
     stop = evaluate(scenario.stop)
     wanted = [_time_of(result, stop) for result in results]
     sound = np.isfinite(stop) & (stop > 0.0)
-    for each in lines.values():
+    for each in curves.values():
         sound &= each.is_sound
     for time in wanted:
         sound &= time <= stop
     rows = np.flatnonzero(sound)
-    starts, steps_made = _starts(scenario, lines, wanted, stop, rows)
+    starts, steps_made = _starts(scenario, curves, wanted, stop, rows)
     ends = np.concatenate([starts[:, 1:], np.full((len(rows), 1), np.nan)], axis=1)
     ends[np.arange(len(rows)), steps_made - 1] = stop[rows]
     read_after = np.column_stack(
@@ -113,7 +154,7 @@ def steps_of_rows(
         after = tuple(line[1 : 1 + len(wanted)].tolist())
         asks = line[1 + len(wanted) :][:made].astype(bool)
         groups.append(
-            _group(lines, members, starts[which, :made], ends[which, :made], stop[members], after, asks)
+            _group(curves, members, starts[which, :made], ends[which, :made], stop[members], after, asks)
         )
     return groups, np.flatnonzero(~sound)
 
@@ -124,11 +165,15 @@ def _time_of(result: str, stop: Array) -> Array:
 
 
 def _starts(
-    scenario: Scenario, lines: dict[str, _Lines], wanted: Sequence[Array], stop: Array, rows: NDArray[np.intp]
+    scenario: Scenario,
+    curves: dict[str, _Curve],
+    wanted: Sequence[Array],
+    stop: Array,
+    rows: NDArray[np.intp],
 ) -> tuple[Array, NDArray[np.intp]]:
     """Starts of the steps of each run, shape (runs, most steps), NaN beyond; and how many there are."""
     asks = scenario.asks()
-    columns = [each.time[rows] for each in lines.values()]
+    columns = [each.time[rows] for each in curves.values()]
     columns += [time[rows, None] for time in wanted]
     columns += [np.tile(asks, (len(rows), 1))] if asks else []
     marks = np.sort(np.concatenate(columns, axis=1), axis=1) if columns else np.empty((len(rows), 0))
@@ -171,7 +216,7 @@ def _alike(signature: NDArray[np.intp]) -> list[tuple[NDArray[np.intp], NDArray[
 
 
 def _group(
-    lines: dict[str, _Lines],
+    curves: dict[str, _Curve],
     rows: NDArray[np.intp],
     starts: Array,
     ends: Array,
@@ -182,10 +227,15 @@ def _group(
     steps, columns = [], []
     for number in range(starts.shape[1]):
         start, size = starts[:, number], ends[:, number] - starts[:, number]
-        taylor = {name: each.taylor(rows, start, SAME_TIME * stop) for name, each in lines.items()}
-        rates = {(name, 1): slope for name, (_, slope) in taylor.items() if np.any(slope)}
-        columns += [start, size, *(value for value, _ in taylor.values()), *rates.values()]
-        values = {name: float(value[0]) for name, (value, _) in taylor.items()}
+        taylor = {name: each.taylor(rows, start, SAME_TIME * stop) for name, each in curves.items()}
+        rates = {
+            (name, order): own[order]
+            for name, own in taylor.items()
+            for order in range(1, len(own))
+            if np.any(own[order])
+        }
+        columns += [start, size, *(own[0] for own in taylor.values()), *rates.values()]
+        values = {name: float(own[0][0]) for name, own in taylor.items()}
         own = {key: float(rate[0]) for key, rate in rates.items()}
         steps.append(Step(float(start[0]), float(size[0]), values, own, bool(asks[number])))
     return StepRows(rows, tuple(steps), read_after, np.column_stack(columns))

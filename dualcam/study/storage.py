@@ -14,9 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
+
 from dualcam.study.problem import StudyError
 
 UNFINISHED = ".unfinished"
+Listed = tuple[int, int | None]  # size of a file [bytes], and when its content changed [ns]; None: not known
 KEPT = "The runs written before are kept: make room, or whatever it takes, and give the same command again"
 
 
@@ -31,16 +34,17 @@ class Storage(ABC):
         """The folder exists. StudyError if it cannot be made."""
 
     @abstractmethod
-    def write(self, name: str, content: bytes) -> None:
-        """A whole file, in the place of another one of that name. StudyError if it cannot be written."""
+    def write(self, name: str, content: bytes | memoryview) -> int | None:
+        """A whole file, in the place of another one of that name; its time as of `listing`. StudyError if it
+        cannot be written."""
 
     @abstractmethod
     def read(self, name: str) -> bytes:
         """FileNotFoundError if there is none of that name; another OSError if it cannot be read."""
 
     @abstractmethod
-    def sizes(self, folder: str) -> dict[str, int]:
-        """Bytes of the files of a folder in this one, by name; without those that are unfinished."""
+    def listing(self, folder: str) -> dict[str, Listed]:
+        """The files of a folder in this one, by name; without those that are unfinished."""
 
     @abstractmethod
     def remove(self, name: str) -> None:
@@ -51,8 +55,8 @@ class Storage(ABC):
         """Nothing unfinished is left of writers that were interrupted."""
 
     @abstractmethod
-    def place(self, name: str) -> tuple[str, Any]:
-        """Path and file system for pyarrow.dataset; None is the file system of this machine."""
+    def open(self, name: str) -> Any:  # noqa: ANN401
+        """What pyarrow reads: a path, or an open file."""
 
     @abstractmethod
     def checks_itself(self) -> bool:
@@ -75,7 +79,7 @@ class Folder(Storage):
         except OSError as error:
             raise StudyError(f"cannot make the folder {self.path}: {error.strerror or error}") from error
 
-    def write(self, name: str, content: bytes) -> None:
+    def write(self, name: str, content: bytes | memoryview) -> int | None:
         path = self.path / name
         unfinished = path.with_name(f".{path.name}-{uuid.uuid4().hex}{UNFINISHED}")
         try:
@@ -84,21 +88,24 @@ class Folder(Storage):
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())
+                changed = os.fstat(file.fileno()).st_mtime_ns
             unfinished.replace(path)
         except OSError as error:
             with suppress(OSError):
                 unfinished.unlink()
             raise StudyError(f"cannot write {path}: {error.strerror or error}. {KEPT}") from error
+        return changed
 
     def read(self, name: str) -> bytes:
         return (self.path / name).read_bytes()
 
-    def sizes(self, folder: str) -> dict[str, int]:
+    def listing(self, folder: str) -> dict[str, Listed]:
         try:
             with os.scandir(self.path / folder) as entries:
-                return {each.name: each.stat().st_size for each in entries if _is_finished(each.name)}
+                found = {each.name: each.stat() for each in entries if _is_finished(each.name)}
         except FileNotFoundError:
             return {}
+        return {name: (each.st_size, each.st_mtime_ns) for name, each in found.items()}
 
     def remove(self, name: str) -> None:
         (self.path / name).unlink(missing_ok=True)
@@ -107,8 +114,8 @@ class Folder(Storage):
         for path in (self.path / folder).glob(f".*{UNFINISHED}"):
             path.unlink(missing_ok=True)
 
-    def place(self, name: str) -> tuple[str, Any]:
-        return str(self.path / name), None
+    def open(self, name: str) -> str:
+        return str(self.path / name)
 
     def checks_itself(self) -> bool:
         return False
@@ -124,50 +131,53 @@ class ObjectStore(Storage):
     def __str__(self) -> str:
         return self.url
 
-    def _open(self) -> tuple[Any, str]:
+    def _files(self) -> tuple[Any, str]:
         import fsspec
 
         return fsspec.core.url_to_fs(self.url)  # fsspec keeps one object for each store
 
     def make(self) -> None:
         try:
-            files, path = self._open()
+            files, path = self._files()
             files.makedirs(path, exist_ok=True)
         except Exception as error:  # each store has its own
             raise StudyError(f"cannot use {self.url}: {error}") from error
 
-    def write(self, name: str, content: bytes) -> None:
+    def write(self, name: str, content: bytes | memoryview) -> None:
+        """The store knows when; the answer is None."""
         try:
-            files, path = self._open()
+            files, path = self._files()
             files.makedirs(f"{path}/{name}".rpartition("/")[0], exist_ok=True)
-            files.pipe_file(f"{path}/{name}", content)
+            files.pipe_file(f"{path}/{name}", bytes(content))
         except Exception as error:
             raise StudyError(f"cannot write {self.url}/{name}: {error}. {KEPT}") from error
 
     def read(self, name: str) -> bytes:
-        files, path = self._open()
+        files, path = self._files()
         content: bytes = files.cat_file(f"{path}/{name}")
         return content
 
-    def sizes(self, folder: str) -> dict[str, int]:
-        files, path = self._open()
+    def listing(self, folder: str) -> dict[str, Listed]:
+        files, path = self._files()
         try:
             found = files.ls(f"{path}/{folder}", detail=True, refresh=True)
         except FileNotFoundError:
             return {}
-        return {each["name"].rpartition("/")[2]: each["size"] for each in found if each["type"] == "file"}
+        return {
+            each["name"].rpartition("/")[2]: (each["size"], None) for each in found if each["type"] == "file"
+        }
 
     def remove(self, name: str) -> None:
-        files, path = self._open()
+        files, path = self._files()
         with suppress(FileNotFoundError):
             files.rm_file(f"{path}/{name}")
 
     def tidy(self, folder: str) -> None:
         """Uploads that were interrupted are never seen."""
 
-    def place(self, name: str) -> tuple[str, Any]:
-        files, path = self._open()
-        return f"{path}/{name}", files
+    def open(self, name: str) -> Any:  # noqa: ANN401
+        files, path = self._files()
+        return files.open(f"{path}/{name}", "rb")
 
     def checks_itself(self) -> bool:
         return True
@@ -175,6 +185,21 @@ class ObjectStore(Storage):
 
 def _is_finished(name: str) -> bool:
     return not (name.startswith(".") and name.endswith(UNFINISHED))
+
+
+def locked(path: Path, busy: str) -> FileLock | None:
+    """A lock that ends with the process, whatever ends that; None where a file system has none. StudyError if
+    the file cannot be made, or, with the text `busy`, if another process has the lock."""
+    lock = FileLock(path)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise StudyError(busy) from None
+    except NotImplementedError:  # such as NFS without locks
+        return None
+    except OSError as error:
+        raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
+    return lock
 
 
 def is_url(place: str | Path) -> bool:

@@ -23,14 +23,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock, Timeout
+from filelock import FileLock
 
 from dualcam.study.chunk import RUNS, Files, Written, checksum, name_of
 from dualcam.study.encoding import FORMATS, check_format, default_format
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.readings import Readings
-from dualcam.study.storage import Folder, Storage, storage_at
+from dualcam.study.storage import Folder, Listed, Storage, locked, storage_at
 
 LAYOUT = 2  # of the folder
 RECORD, FINISHED, LOCK = "study.json", "finished.json", ".lock"
@@ -99,34 +99,22 @@ class Store:
         differing = [] if begun is None else _differing(begun["study"], wanted["study"])
         if begun is not None and not differing:
             return begun
-        if self.storage.sizes(RUNS):
+        if self.storage.listing(RUNS):
             why = f"of another study (other {', '.join(differing)})" if differing else f"without {RECORD}"
             raise StudyError(f"{self.storage} holds runs {why}: give another folder, or delete it")
         self.storage.write(RECORD, json.dumps(wanted, indent=1).encode())
         return wanted
 
     def _locked(self) -> FileLock | None:
-        """A lock that ends with the process, whatever ends that; None where a file system has none. A store
-        that is no folder is locked for the processes of this machine alone."""
+        """The lock of the folder. A store that is no folder is locked for this machine alone."""
         self.storage.make()
         if isinstance(self.storage, Folder):
             path = self.storage.path / LOCK
         else:
             name = hashlib.sha256(str(self.storage).encode()).hexdigest()[:16]
             path = Path(tempfile.gettempdir()) / f"dualcam-study-{name}.lock"
-        lock = FileLock(path)
-        try:
-            lock.acquire(blocking=False)
-        except Timeout:
-            raise StudyError(
-                f"another process is writing a study into {self.storage}: wait for its end, or give another "
-                "folder"
-            ) from None
-        except NotImplementedError:  # such as NFS without locks
-            return None
-        except OSError as error:
-            raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
-        return lock
+        busy = f"another process is writing a study into {self.storage}: wait for its end, or give another"
+        return locked(path, f"{busy} folder")
 
     def _unlock(self) -> None:
         if self._lock is not None:
@@ -154,15 +142,15 @@ class Store:
 
     def missing(self) -> list[range]:
         """Runs not yet made, file by file."""
-        sizes = self.storage.sizes(RUNS)
-        return [runs for runs in self.chunks() if not self._holds(runs, sizes)]
+        listed = self.storage.listing(RUNS)
+        return [runs for runs in self.chunks() if not self._holds(runs, listed)]
 
-    def _holds(self, runs: range, sizes: dict[str, int]) -> bool:
+    def _holds(self, runs: range, listed: dict[str, Listed]) -> bool:
         name = name_of(runs, self.file_format)
         recorded = self._finished.get(str(runs.start))
         if recorded is None:
             return False
-        if is_sound(self.storage, name, recorded, sizes):
+        if is_sound(self.storage, name, recorded, listed):
             return True
         self.damaged.append(Path(name).name)
         del self._finished[str(runs.start)]
@@ -170,9 +158,10 @@ class Store:
 
     def accept(self, runs: range, written: Written) -> None:
         """The file of these runs is finished, or is written now. StudyError if it cannot be."""
+        changed = written.changed
         if written.content is not None:
-            self.storage.write(name_of(runs, self.file_format), written.content)
-        self._finished[str(runs.start)] = [written.size, written.checksum, written.failed]
+            changed = self.storage.write(name_of(runs, self.file_format), written.content)
+        self._finished[str(runs.start)] = [written.size, written.checksum, written.failed, changed]
         if time.monotonic() - self._recorded > RECORD_EVERY:
             self._write_record()
 
@@ -200,19 +189,24 @@ def record_in(storage: Storage) -> dict[str, Any] | None:
 
 
 def finished_in(storage: Storage) -> dict[str, list[Any]]:
-    """Size, checksum and failed runs of each finished file, by its first run."""
+    """Size, checksum, failed runs and time of change of each finished file, by its first run."""
     try:
         finished: dict[str, list[Any]] = json.loads(storage.read(FINISHED))
-        return {start: [int(size), str(crc), int(failed)] for start, (size, crc, failed) in finished.items()}
+        return {
+            start: [int(size), str(crc), int(failed), changed[0] if changed else None]
+            for start, (size, crc, failed, *changed) in finished.items()
+        }
     except (OSError, ValueError, TypeError, AttributeError):
         return {}  # missing, or damaged: all is made again
 
 
-def is_sound(storage: Storage, name: str, recorded: list[Any], sizes: dict[str, int]) -> bool:
-    """Whether a file of runs is as it was written."""
-    if sizes.get(Path(name).name) != recorded[0]:
+def is_sound(storage: Storage, name: str, recorded: list[Any], listed: dict[str, Listed]) -> bool:
+    """Whether a file of runs is as it was written. A file whose time of change is another one, such as a
+    copy, is read."""
+    size, changed = listed.get(Path(name).name, (-1, None))
+    if size != recorded[0]:
         return False
-    if storage.checks_itself():
+    if storage.checks_itself() or (changed is not None and changed == recorded[3]):
         return True
     try:
         return checksum(storage.read(name)) == recorded[1]

@@ -19,9 +19,9 @@ from rich.text import Text
 
 from dualcam.library import source_path
 from dualcam.model_description import Scalar
-from dualcam.study.checking import check
 from dualcam.study.chunk import Task, Written
 from dualcam.study.execution import workers_for
+from dualcam.study.first_runs import check
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.readings import Readings
@@ -183,7 +183,7 @@ class Study:
             if number is not None and number < least:
                 raise StudyError(f"{name} = {number}: allowed is {least} or more")
         job = self.job()
-        runner = check(job, self.plan)
+        runner = check(job, self.plan, self.readings.used)
         self.plan.rows(0, 1)  # what is too much for the memory is so before anything is written
         size = runs_per_file or self._runs_per_file()
         with (

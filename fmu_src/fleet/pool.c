@@ -6,19 +6,31 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-/* A thread looks for the next job this often before it sleeps, about 50 us at 3 GHz. The calls of a loop follow one
- * another within some 10 us, and waking a thread takes about as long. */
-enum { LOOKS_BEFORE_SLEEP = 2000 };
+/* A thread looks for the next job this long before it sleeps. The calls of a loop follow one another within some
+ * 10 us, and waking a thread takes up to 100 us. The time is that of a clock, because a pause takes 10 to 150 cycles,
+ * depending on the processor. */
+#define LOOKING_TIME 100e-6 /* s */
+enum { LOOKS_PER_CLOCK = 32 };
 /* The caller gives its processor to another thread after this many looks for the end of the last pieces. */
 enum { LOOKS_BEFORE_YIELD = 200 };
-/* A job has this many pieces for each thread, so that none waits long for one with slow instances. */
-enum { PIECES_PER_THREAD = 8 };
+/* The share of a thread has this many pieces, so that none waits long for one with slow instances. */
+enum { PIECES_OF_SHARE = 16 };
 /* A smaller job costs less than handing it over. */
 enum { LEAST_WORK = 64 };
 
-/* A ticket is the number of a job in the upper half, and the next piece of this job in the lower half. */
+/* A ticket is the number of a job in the upper half, and the next piece of a share of this job in the lower half. */
 #define PIECE_BITS 32
 #define NO_PIECE UINT32_MAX
+/* Bytes: two cache lines, since processors fetch lines in pairs. */
+enum { APART = 128 };
+
+/* Pieces of consecutive instances. Each thread begins with its own share, which is the same in each job, so that these
+ * instances stay in the cache of its processor. Then the thread helps with the shares of the others. */
+typedef struct {
+    _Atomic uint64_t ticket;
+    atomic_uint end; /* behind the last piece */
+    char apart[APART];
+} Share;
 
 typedef struct {
     Pool *pool;
@@ -29,16 +41,15 @@ typedef struct {
 struct Pool {
     unsigned threads;
     Worker *workers; /* [threads - 1] */
+    Share *shares;   /* [threads] */
     Monitor *monitor;
     atomic_bool ends;
     atomic_uint sleepers;
-    /* the present job: written only while the ticket has NO_PIECE */
+    /* the present job: written only while all tickets have NO_PIECE */
     PoolJob *job;
     void *context;
     size_t count, piece;
-    atomic_uint pieces;
     atomic_uint done; /* pieces */
-    _Atomic uint64_t ticket;
 };
 
 static uint64_t ticket_of(uint32_t job, uint32_t piece) {
@@ -49,54 +60,84 @@ static uint32_t job_of(uint64_t ticket) {
     return (uint32_t)(ticket >> PIECE_BITS);
 }
 
-/* Takes the next piece of the present job. A thread that comes late, with the ticket of an earlier job, takes none:
- * the exchange fails. */
-static bool take_piece(Pool *pool, uint32_t *piece) {
-    uint64_t ticket = atomic_load(&pool->ticket);
+/* Takes the next piece of a share of the present job. A thread that comes late, with the ticket of an earlier job,
+ * takes none: the exchange fails. */
+static bool take_piece(Share *share, uint32_t *piece) {
+    uint64_t ticket = atomic_load(&share->ticket);
     for (;;) {
         *piece = (uint32_t)ticket;
-        if (*piece == NO_PIECE || *piece >= atomic_load(&pool->pieces)) return false;
-        if (atomic_compare_exchange_weak(&pool->ticket, &ticket, ticket + 1)) return true;
+        if (*piece == NO_PIECE || *piece >= atomic_load(&share->end)) return false;
+        if (atomic_compare_exchange_weak(&share->ticket, &ticket, ticket + 1)) return true;
     }
 }
 
-static void work(Pool *pool, unsigned worker) {
+static void work_on_share(Pool *pool, Share *share, unsigned worker) {
     uint32_t piece;
-    while (take_piece(pool, &piece)) {
+    while (take_piece(share, &piece)) {
         size_t first = piece * pool->piece, rest = pool->count - first;
         pool->job(pool->context, first, first + (rest < pool->piece ? rest : pool->piece), worker);
         atomic_fetch_add(&pool->done, 1);
     }
 }
 
+static void work(Pool *pool, unsigned worker) {
+    for (unsigned i = 0; i < pool->threads; i++)
+        work_on_share(pool, &pool->shares[(worker + i) % pool->threads], worker);
+}
+
+/* Looks for a job with another number than `seen`, for LOOKING_TIME. */
+static bool look_for_job(const Share *share, uint32_t seen) {
+    double begin = thread_clock();
+    do {
+        for (int look = 0; look < LOOKS_PER_CLOCK; look++) {
+            if (job_of(atomic_load_explicit(&share->ticket, memory_order_relaxed)) != seen) return true;
+            thread_pause();
+        }
+    } while (thread_clock() - begin < LOOKING_TIME);
+    return false;
+}
+
 /* Waits until the number of the job is no longer `seen`; returns the new number. */
-static uint32_t await_job(Pool *pool, uint32_t seen) {
-    for (int look = 0; look < LOOKS_BEFORE_SLEEP; look++) {
-        uint32_t job = job_of(atomic_load_explicit(&pool->ticket, memory_order_relaxed));
-        if (job != seen) return job;
-        thread_pause();
+static uint32_t await_job(Pool *pool, const Share *share, uint32_t seen) {
+    if (!look_for_job(share, seen)) {
+        monitor_lock(pool->monitor);
+        atomic_fetch_add(&pool->sleepers, 1);
+        while (job_of(atomic_load(&share->ticket)) == seen) monitor_sleep(pool->monitor);
+        atomic_fetch_sub(&pool->sleepers, 1);
+        monitor_unlock(pool->monitor);
     }
-    monitor_lock(pool->monitor);
-    atomic_fetch_add(&pool->sleepers, 1);
-    while (job_of(atomic_load(&pool->ticket)) == seen) monitor_sleep(pool->monitor);
-    atomic_fetch_sub(&pool->sleepers, 1);
-    monitor_unlock(pool->monitor);
-    return job_of(atomic_load(&pool->ticket));
+    return job_of(atomic_load(&share->ticket));
 }
 
 static void run_worker(void *argument) {
     const Worker *worker = argument;
     Pool *pool = worker->pool;
     for (uint32_t seen = 0;;) {
-        seen = await_job(pool, seen);
+        seen = await_job(pool, &pool->shares[worker->number], seen);
         if (atomic_load(&pool->ends)) return;
         work(pool, worker->number);
     }
 }
 
-/* Lets the threads see the job. */
-static void announce(Pool *pool, uint32_t job, uint32_t first_piece) {
-    atomic_store(&pool->ticket, ticket_of(job, first_piece));
+static uint32_t present_job(const Pool *pool) {
+    return job_of(atomic_load(&pool->shares[0].ticket));
+}
+
+/* From here on no late thread takes a piece. */
+static void withdraw_pieces(Pool *pool) {
+    uint32_t job = present_job(pool);
+    for (unsigned i = 0; i < pool->threads; i++) atomic_store(&pool->shares[i].ticket, ticket_of(job, NO_PIECE));
+}
+
+/* Lets the threads see the next job, or that the pool ends, where `pieces` is 0. */
+static void announce(Pool *pool, uint32_t pieces) {
+    uint32_t job = present_job(pool) + 1, first = 0;
+    for (unsigned i = 0; i < pool->threads; i++) {
+        uint32_t end = (uint32_t)((uint64_t)pieces * (i + 1) / pool->threads);
+        atomic_store(&pool->shares[i].end, end);
+        atomic_store(&pool->shares[i].ticket, ticket_of(job, first));
+        first = end;
+    }
     if (atomic_load(&pool->sleepers) == 0) return;
     monitor_lock(pool->monitor);
     monitor_wake(pool->monitor);
@@ -116,14 +157,20 @@ static bool start_workers(Pool *pool) {
     return true;
 }
 
+static Share *new_shares(unsigned threads) {
+    Share *shares = calloc(threads, sizeof *shares);
+    for (unsigned i = 0; shares != NULL && i < threads; i++) atomic_store(&shares[i].ticket, ticket_of(0, NO_PIECE));
+    return shares;
+}
+
 Pool *pool_new(unsigned threads) {
     Pool *pool = calloc(1, sizeof *pool);
     if (pool == NULL) return NULL;
     pool->threads = threads;
     pool->monitor = monitor_new();
     pool->workers = calloc(threads, sizeof *pool->workers);
-    atomic_store(&pool->ticket, ticket_of(0, NO_PIECE));
-    bool has_all = pool->monitor != NULL && pool->workers != NULL;
+    pool->shares = new_shares(threads);
+    bool has_all = pool->monitor != NULL && pool->workers != NULL && pool->shares != NULL;
     if (!has_all) pool->threads = 1;
     if (has_all && start_workers(pool)) return pool;
     pool_free(pool);
@@ -134,16 +181,17 @@ void pool_free(Pool *pool) {
     if (pool == NULL) return;
     if (pool->threads > 1) {
         atomic_store(&pool->ends, true);
-        announce(pool, job_of(atomic_load(&pool->ticket)) + 1, NO_PIECE);
+        withdraw_pieces(pool);
+        announce(pool, 0);
         for (unsigned i = 0; i + 1 < pool->threads; i++) thread_join(pool->workers[i].thread);
     }
     monitor_free(pool->monitor);
+    free(pool->shares);
     free(pool->workers);
     free(pool);
 }
 
-static void await_end(Pool *pool) {
-    unsigned pieces = atomic_load(&pool->pieces);
+static void await_end(Pool *pool, uint32_t pieces) {
     for (int look = 0; atomic_load(&pool->done) < pieces; look++) {
         if (look < LOOKS_BEFORE_YIELD) thread_pause();
         else thread_yield();
@@ -155,16 +203,15 @@ void pool_run(Pool *pool, PoolJob *job, void *context, size_t count, size_t work
         job(context, 0, count, 0);
         return;
     }
-    uint32_t number = job_of(atomic_load(&pool->ticket));
-    atomic_store(&pool->ticket, ticket_of(number, NO_PIECE)); /* from here on no late thread takes a piece */
-    size_t most = (size_t)pool->threads * PIECES_PER_THREAD;
+    withdraw_pieces(pool);
+    size_t most = (size_t)pool->threads * PIECES_OF_SHARE;
     pool->job = job;
     pool->context = context;
     pool->count = count;
     pool->piece = (count + most - 1) / most;
-    atomic_store(&pool->pieces, (unsigned)((count + pool->piece - 1) / pool->piece));
+    uint32_t pieces = (uint32_t)((count + pool->piece - 1) / pool->piece);
     atomic_store(&pool->done, 0);
-    announce(pool, number + 1, 0);
+    announce(pool, pieces);
     work(pool, 0);
-    await_end(pool);
+    await_end(pool, pieces);
 }

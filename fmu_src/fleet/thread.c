@@ -1,3 +1,7 @@
+#if !defined _WIN32
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
+#endif
+
 #include "fleet/thread.h"
 
 #include <stdlib.h>
@@ -7,6 +11,7 @@
 #else
 #include <pthread.h>
 #include <sched.h>
+#include <time.h>
 #endif
 
 struct Thread {
@@ -156,5 +161,18 @@ void thread_yield(void) {
     SwitchToThread();
 #else
     sched_yield();
+#endif
+}
+
+double thread_clock(void) {
+#if defined _WIN32
+    LARGE_INTEGER ticks, ticks_per_second;
+    QueryPerformanceCounter(&ticks);
+    QueryPerformanceFrequency(&ticks_per_second);
+    return (double)ticks.QuadPart / (double)ticks_per_second.QuadPart;
+#else
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 #endif
 }

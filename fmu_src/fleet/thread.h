@@ -26,5 +26,7 @@ void monitor_wake(Monitor *monitor);
 void thread_pause(void);
 /* Lets another thread have the processor. */
 void thread_yield(void);
+/* s, from some point in time on; never goes back. */
+double thread_clock(void);
 
 #endif

@@ -3,7 +3,7 @@
  *
  *     dx/dt = -rate x     or, by the other law,     dx/dt = -rate,
  *
- * counts the runs of an instance, and finds a negative rate fatal.
+ * counts the runs of an instance, finds a negative rate fatal, and warns of a rate above 4.5.
  */
 #include <math.h>
 
@@ -62,5 +62,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         values->real[X] *= exp(-values->real[RATE] * step);
     else
         values->real[X] -= values->real[RATE] * step;
-    return fmi2OK;
+    if (values->real[RATE] <= 4.5) return fmi2OK;
+    calls_back->logger(NULL, "decay", fmi2Warning, "logStatusWarning", "it is fast");
+    return fmi2Warning;
 }

@@ -1,7 +1,5 @@
 """A parameter study, and checks of its runs, that several tests share."""
 
-import time
-
 import numpy as np
 import pytest
 from driver import models
@@ -33,14 +31,6 @@ def runs_of(one, rows=None):
 
 def refused(*mentions):
     return pytest.raises(StudyError, match="".join(f"(?=(?s:.*){mention})" for mention in mentions))
-
-
-def slow():
-    def law(now, seen):
-        time.sleep(0.02)
-        return [8.0]
-
-    return law
 
 
 def closed(make, stop=0.05, period=1e-3):
@@ -83,4 +73,21 @@ y = "theta"
 [[plots]]
 kind = "parallel"
 axes = ["cam1.lead_angle", "cam1.friction", "efficiency"]
+"""
+
+SLOW_PLAN = """
+fmu = "{fmu}"
+results = ["efficiency", "theta"]
+[plan]
+kind = "latin"
+runs = 256
+[plan.vary]
+"cam1.lead_angle" = {{ from = 0.6, to = 0.9 }}
+"cam1.friction" = {{ from = 0.1, to = 0.2 }}
+[scenario]
+stop = 0.01
+controller.create_law = "study_laws:brief"
+controller.period = 0.01
+controller.reads = ["theta"]
+controller.writes = ["tau"]
 """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,8 +12,8 @@ import numpy as np
 from dualcam.study.optimisation.design_files import fits_design_file, write_design
 from dualcam.study.optimisation.optimum import Optimum
 from dualcam.study.optimisation.page import shown, write_page
-from dualcam.study.optimisation.reading import read_optimisation
 from dualcam.study.optimisation.run import optimise
+from dualcam.study.optimisation.shown import shown as in_words
 from dualcam.study.optimisation.task import Optimisation
 from dualcam.study.problem import StudyError, refuse
 
@@ -24,16 +24,17 @@ PAGE, BEST, FRONT_DESIGNS = "optimum.html", "best.toml", "front_designs"
 FRONT, DESIGNS = "front.csv", "designs.csv"
 
 
-def run(paths: Sequence[Path], folder: Path, workers: int, scheduler: str | None, console: Console) -> None:
-    """Search for the optima that files describe, and write what was found into folders below this one.
+def run(
+    tasks: Mapping[str, Optimisation], folder: Path, workers: int, scheduler: str | None, console: Console
+) -> None:
+    """Search for the optima of tasks, and write what was found into folders of their names below this one.
 
     Raises
     ------
     StudyError
-        A task is wrong; or no design keeps all constraints, which is said after all searches.
+        No design keeps all constraints, which is said after all searches.
     """
-    tasks = [(read_optimisation(path), path.stem) for path in paths]
-    found = [_search(task, folder / name, workers, scheduler, console) for task, name in tasks]
+    found = [_search(task, folder / name, workers, scheduler, console) for name, task in tasks.items()]
     refuse([text for one in found for text in _shortfall(one)])
 
 
@@ -64,13 +65,12 @@ def _search(
 
 def summary(found: Optimum) -> list[str]:
     """The optimum in lines."""
+    task = found.task
     lines = [
-        f"{text} = {value:.6g} ({found.task.objectives[text]})" for text, value in found.objectives.items()
+        f"{text} = {in_words(task, text, value)} ({task.objectives[text]})"
+        for text, value in found.objectives.items()
     ]
-    lines += [
-        f"  {name} = {value}" if isinstance(value, str) else f"  {name} = {value:.6g}"
-        for name, value in found.design.items()
-    ]
+    lines += [f"  {name} = {in_words(task, name, value)}" for name, value in found.design.items()]
     lines += [f"  active: {text}" for text in found.active]
     count = f"{found.evaluated:,} designs evaluated, {found.infeasible:,} of them infeasible"
     if found.failed:

@@ -11,18 +11,16 @@ import numpy as np
 
 import dualcam
 from dualcam.html_page import page, table
-from dualcam.library import source_path
-from dualcam.model_description import read_model_description
 from dualcam.report_inputs import USUAL
 from dualcam.study.optimisation.design_files import fits_design_file
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum
-from dualcam.study.optimisation.task import FmuRuns, bounds_words, share_of
+from dualcam.study.optimisation.shown import DIGITS, shown_bounds, unit_of, units_of
+from dualcam.study.optimisation.task import share_of
 from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DIGITS = 6
 ROWS = 12  # of the front's table; front.csv has all
 WAYS = {"minimise": "less is better", "maximise": "more is better"}
 METHODS = {
@@ -40,7 +38,7 @@ def write_page(found: Optimum, path: Path, title: str) -> Path:
 
 def page_text(found: Optimum, title: str) -> str:
     """The page."""
-    units = units_of(found)
+    units = units_of(found.task)
     sections = [
         _verdict(found, units),
         _design(found, units),
@@ -52,19 +50,6 @@ def page_text(found: Optimum, title: str) -> str:
     sections += [_convergence(found, units), _next_steps(found), _search(found)]
     lead = f"Optimisation, by dualcam {dualcam.__version__}"
     return page(title, "optimum", lead, "".join(sections))
-
-
-def units_of(found: Optimum) -> dict[str, str]:
-    """Unit by variable of the FMU, without "1"; nothing is known of a function."""
-    model = found.task.model
-    if not isinstance(model, FmuRuns):
-        return {}
-    variables = read_model_description(source_path(model.fmu)).variables
-    return {each.name: each.unit for each in variables if each.unit and each.unit != "1"}
-
-
-def _unit(name: str, units: Mapping[str, str]) -> str:
-    return units.get(name.partition("@")[0], "")
 
 
 def _numbers(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -100,7 +85,7 @@ def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
             "better in all objectives. The design below is the one nearest to the best of each objective."
         )
     rows = [
-        (text, f"{_number(value)} {_unit(text, units)}".strip(), found.task.objectives[text] + _kind(found))
+        (text, f"{_number(value)} {unit_of(text, units)}".strip(), found.task.objectives[text] + _kind(found))
         for text, value in found.objectives.items()
     ]
     missed = "".join(f'<li class="error">{escape(text)}</li>' for text in found.violated)
@@ -114,7 +99,7 @@ def _verdict(found: Optimum, units: Mapping[str, str]) -> str:
 def _design(found: Optimum, units: Mapping[str, str]) -> str:
     rows = []
     for name, value in found.design.items():
-        unit = _unit(name, units)
+        unit = unit_of(name, units)
         rows.append(
             (name, f"{_number(value)} {unit}".strip(), _usual(value, unit), _bounds(found, name, value))
         )
@@ -131,7 +116,7 @@ def _bounds(found: Optimum, name: str, value: float | str) -> str:
         return "follows from others"
     vary = found.task.designed[name]
     if vary.is_list:
-        return bounds_words(vary)
+        return shown_bounds(found.task, name)
     low, high = vary.limits()
     share = share_of(vary, value)
     words = (
@@ -148,14 +133,14 @@ def _constraints(found: Optimum, units: Mapping[str, str]) -> str:
         least, most = found.task.constraints[text]
         limits = [f"at least {_number(least)}"] if least is not None else []
         limits += [f"at most {_number(most)}"] if most is not None else []
-        rows.append((text, f"{_number(value)} {_unit(text, units)}".strip(), " and ".join(limits)))
+        rows.append((text, f"{_number(value)} {unit_of(text, units)}".strip(), " and ".join(limits)))
     return "<h2>Constraints</h2>\n" + _numbers(("constraint" + _kind(found), "value", "allowed"), rows)
 
 
 def _results(found: Optimum, units: Mapping[str, str]) -> str:
     rows = []
     for name, value in found.results.items():
-        unit = _unit(name, units)
+        unit = unit_of(name, units)
         rows.append((name, f"{_number(value)} {unit}".strip(), _usual(value, unit)))
     exact = "<p>Of a part that is exactly as designed.</p>\n" if found.task.is_robust else ""
     return "<h2>Results of this design</h2>\n" + exact + _numbers(("result", "SI", "usual unit"), rows)
@@ -166,7 +151,7 @@ def _front(found: Optimum, units: Mapping[str, str]) -> str:
     count = len(found.front[texts[0]])
     chosen = shown(found)
     rows = [(str(k + 1), *(_number(found.front[text][k]) for text in texts)) for k in chosen]
-    heads = ["design", *(f"{text} [{unit}]" if (unit := _unit(text, units)) else text for text in texts)]
+    heads = ["design", *(f"{text} [{unit}]" if (unit := unit_of(text, units)) else text for text in texts)]
     return (
         "<h2>Front</h2>\n"
         + figure_element(draw_front(found, units), "Front")
@@ -196,7 +181,7 @@ def draw_front(found: Optimum, units: Mapping[str, str]) -> Figure:
 
 
 def _label(found: Optimum, text: str, units: Mapping[str, str]) -> str:
-    unit = _unit(text, units)
+    unit = unit_of(text, units)
     return f"{text}{f' [{unit}]' if unit else ''}\n{WAYS[found.task.objectives[text]]}"
 
 

@@ -4,77 +4,53 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Collection, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dualcam.library import MODELS
 from dualcam.model_description import Scalar
-from dualcam.study.checking import Variables, problems_of_study
-from dualcam.study.entries import (
-    NUMBER,
-    QUANTITIES_BY_NAME,
-    QUANTITY,
-    TABLE,
-    TEXT,
-    WHOLE,
-    Kind,
-    entries,
-    hint,
-)
-from dualcam.study.optimisation.formula import result_formula
+from dualcam.study.checking import Parts
+from dualcam.study.entries import hint
 from dualcam.study.optimisation.task import Deviation, FmuRuns, Optimisation, Range
+from dualcam.study.optimisation.task_check import check_task
 from dualcam.study.plan import Plan
-from dualcam.study.problem import StudyError, refuse
-from dualcam.study.quantities import Units, fixed, number, units_of_fmu
-from dualcam.study.reading import Reading
+from dualcam.study.problem import Findings, Place, unchecked
+from dualcam.study.reading.context import Context
+from dualcam.study.reading.parts import check_together, parameters_of
+from dualcam.study.reading.plan_table import plan_of
+from dualcam.study.reading.quantities import number, unit_in
+from dualcam.study.reading.scenario_table import scenario_of
+from dualcam.study.reading.study_file import (
+    content_of,
+    context_of,
+    context_of_design,
+    refuse_section,
+    scenario_of_design,
+)
+from dualcam.study.reading.tables import validated
+from dualcam.study.sampling.formula import formula, is_formula
 from dualcam.study.scenario import Scenario
 
-TEXTS_BY_NAME = Kind(
-    "a table of texts",
-    lambda value: isinstance(value, Mapping) and all(isinstance(each, str) for each in value.values()),
-)
-OPTIMISE = {
-    "objectives": TEXTS_BY_NAME,
-    "constraints": TABLE,
-    "tolerances": TABLE,
-    "start": QUANTITIES_BY_NAME,
-    "method": TEXT,
-    "budget": WHOLE,
-    "population": WHOLE,
-    "starts": WHOLE,
-    "seed": WHOLE,
-    "percentile": NUMBER,
-    "samples": WHOLE,
-    "difference": NUMBER,
-}
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
+
 NUMBERS = ("method", "budget", "population", "starts", "seed", "percentile", "samples", "difference")
-LISTS = Kind("a list of tables", lambda value: isinstance(value, list))
-CONSTRAINT = {"from": QUANTITY, "to": QUANTITY}
-TOLERANCE = {"plus_minus": QUANTITY, "shape": TEXT}
-FILE = {
-    "fmu": TEXT,
-    "plan": TABLE,
-    "scenario": TABLE,
-    "results": TEXT.listed(),
-    "parameters": TABLE,
-    "plots": LISTS,
-    "optimise": TABLE,
-}
-STUDY = {name: FILE[name] for name in ("plan", "scenario", "results", "plots", "optimise")}
 ARRANGEMENT = ("kind", "runs", "seed", "levels", "second_order", "on_violation")  # of the runs of a study
 REST = Scenario(1.0)  # instead of one that is refused, so that the rest can be checked
 
 
-def asks_for_optimum(path: Path) -> bool:
-    """Whether a file has a section [optimise] or [study.optimise]; False for one that cannot be read."""
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError):
-        return False
+def is_search(content: Mapping[str, Any]) -> bool:
+    """Whether the tables of a file have a section [optimise] or [study.optimise]."""
     study = content.get("study", {})
     return "optimise" in content or (isinstance(study, Mapping) and "optimise" in study)
+
+
+def asks_for_optimum(path: Path) -> bool:
+    """Whether a file describes an optimisation; False for one that cannot be read."""
+    try:
+        return is_search(tomllib.loads(path.read_text(encoding="utf-8-sig")))
+    except (OSError, ValueError):
+        return False
 
 
 def read_optimisation(path: str | Path) -> Optimisation:
@@ -100,162 +76,183 @@ def read_optimisation(path: str | Path) -> Optimisation:
 
     Examples
     --------
-    >>> import tempfile
-    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
     >>> from dualcam.study import read_optimisation
-    >>> text = '''
-    ... fmu = "forward"
-    ... [plan.vary]
-    ... "cam1.lead_angle" = {from = "20 deg", to = "70 deg"}
-    ... [scenario]
-    ... stop = 0.001
-    ... [optimise]
-    ... objectives.efficiency = "maximise"
-    ... constraints.torque_load = {from = "0.6 N.m"}
-    ... '''
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder) / "best.toml"
-    ...     _ = path.write_text(text)
-    ...     task = read_optimisation(path)
+    >>> with TemporaryDirectory() as folder:
+    ...     with open(f"{folder}/best.toml", "w") as file:
+    ...         print('fmu = "forward"', "scenario.stop = 0.001", file=file, sep=chr(10))
+    ...         print('plan.vary."cam1.lead_angle" = {from = "20 deg", to = "70 deg"}', file=file)
+    ...         print('optimise.objectives.efficiency = "maximise"', file=file)
+    ...         print('optimise.constraints.torque_load = {from = "0.6 N.m"}', file=file)
+    ...     task = read_optimisation(f"{folder}/best.toml")
     >>> task.method_used, task.constraints
     ('evolution', {'torque_load': (0.6, None)})
     """
     path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as error:
-        raise StudyError(f"{path} cannot be read as TOML: {error}") from error
+    content = content_of(path)
     return _of_design(path) if "study" in content else _of_plan(path, content)
 
 
 def _of_plan(path: Path, content: Mapping[str, Any]) -> Optimisation:
-    table = entries(content, "the file", FILE, ("fmu", "plan", "scenario", "optimise"))
-    fmu = table["fmu"] if table["fmu"] in MODELS else path.parent / table["fmu"]
-    reading = _Reading(path, fmu)
-    scenario = reading.scenario_of(table["scenario"])
-    parameters = reading.attempt(fixed, table.get("parameters", {}), reading.units)
-    return reading.whole(table, scenario, parameters or {})
+    from dualcam.study.reading.schema import search_model
+
+    findings = Findings()
+    table = validated(search_model(), content, "the file", findings)
+    context = context_of(path.parent, table.get("fmu"), findings)
+    scenario = scenario_of(context, table.get("scenario"))
+    task = _task(context, table, scenario, parameters_of(context, table.get("parameters", {})))
+    findings.refuse(str(path))
+    assert task is not None
+    return task
 
 
 def _of_design(path: Path) -> Optimisation:
     from dualcam.design_file import read_design
 
     design = read_design(path)
-    study = entries(design.study, "study", STUDY, ("plan", "optimise"))
-    reading = _Reading(path, design.model)
-    scenario = design.scenario
-    if "scenario" in study:
-        scenario = reading.scenario_of(study["scenario"])
-    elif scenario is None:
-        reading.note(["an optimisation needs a [scenario]: what is done in each run, such as stop = 1.0"])
-    return reading.whole(study, scenario, design.parameters_for())
+    context = context_of(path.parent, design.model, Findings())
+    task = _task_of_design(context, design)
+    context.findings.refuse(str(path))
+    assert task is not None
+    return task
 
 
-class _Reading(Reading):
-    """One reading of a file. What is refused is left out, and the rest is read on."""
+def check_search_section(design: DesignFile, is_scenario_refused: bool) -> None:
+    """StudyError with all mistakes of the section [study] of a design file that is optimised.
 
-    def __init__(self, path: Path, fmu: str | Path) -> None:
-        super().__init__(path.parent)
-        self._path, self._fmu = path, fmu
-        self.units = units_of_fmu(fmu)
-
-    def whole(
-        self, table: Mapping[str, Any], scenario: Scenario | None, parameters: Mapping[str, Scalar]
-    ) -> Optimisation:
-        """The optimisation of all parts. StudyError with all mistakes, also names that the FMU has not."""
-        plan = self._plan_of(table["plan"])
-        goals = self._goals(table["optimise"])
-        results = table.get("results", ())
-        task: Optimisation | None = None
-        if plan is not None:
-            model = FmuRuns(self._fmu, scenario or REST, parameters, plan.derived, plan.constraints)
-            task = self.attempt(_task, model, plan, goals, results)
-        names = plan.names if plan else ()
-        others = {name: value for name, value in parameters.items() if name not in names}
-        read = task.read if task else [*results, *_results_in(goals["objectives"], names)]
-        self.note(problems_of_study(Variables.of_fmu(self._fmu), plan, scenario, read, others))
-        refuse(self.problems, str(self._path))
-        assert task is not None
-        return task
-
-    def scenario_of(self, content: Mapping[str, Any]) -> Scenario | None:
-        """The scenario of a table."""
-        from dualcam.study.schema import SCENARIO  # loads pydantic
-
-        table = self.validated(SCENARIO, content, "scenario", ("scenario",))
-        return self.scenario(table, self.units)
-
-    def _plan_of(self, content: Mapping[str, Any]) -> Plan | None:
-        """What varies. A plan of any kind will do: how its runs are arranged does not matter here."""
-        from dualcam.study.schema import PLAN
-
-        if "table" in content:
-            self.note(["a plan of a table has no bounds: an optimisation needs plan.vary"])
-            return None
-        table = self.validated(PLAN, content, "plan", ("plan",))
-        kept = {name: value for name, value in table.items() if name not in ARRANGEMENT}
-        return self.plan(kept | {"kind": "latin", "runs": 1}, self.units)
-
-    def _goals(self, content: Mapping[str, Any]) -> dict[str, Any]:
-        """Arguments of Optimisation."""
-        unknown = [key for key in content if key not in OPTIMISE]
-        self.note([f"optimise has {key}{hint(key, OPTIMISE)}" for key in unknown])
-        wrong = {key for key in content if key in OPTIMISE and not OPTIMISE[key].suits(content[key])}
-        self.note(
-            [f"optimise: {key} = {content[key]!r}: allowed is {OPTIMISE[key].words}" for key in sorted(wrong)]
-        )
-        table = {key: value for key, value in content.items() if key in OPTIMISE and key not in wrong}
-        found: dict[str, Any] = {name: table[name] for name in NUMBERS if name in table}
-        found["objectives"] = table.get("objectives", {})
-        for part, read in PARTS.items():
-            made = {
-                name: self.attempt(read, name, value, self.units)
-                for name, value in table.get(part, {}).items()
-            }
-            found[part] = {name: value for name, value in made.items() if value is not None}
-        return found
+    The rest of the design may have mistakes, too; `is_scenario_refused`: also its scenario."""
+    context = context_of_design(design, is_scenario_refused)
+    _task_of_design(context, design)
+    refuse_section(context.findings)
 
 
-def _results_in(texts: Iterable[str], varied: Collection[str]) -> list[str]:
+def _task_of_design(context: Context, design: DesignFile) -> Optimisation | None:
+    from dualcam.study.reading.schema import search_section_model
+
+    table = validated(search_section_model(), design.study or {}, "study", context.findings)
+    scenario = scenario_of(context, table.get("scenario"))
+    scenario = scenario or scenario_of_design(context, design, "an optimisation")
+    return _task(context, table, scenario, design.parameters_for())
+
+
+def _task(
+    context: Context,
+    table: Mapping[str, Any],
+    scenario: Scenario | None,
+    parameters: Mapping[str, Scalar],
+) -> Optimisation | None:
+    """The optimisation of all parts, checked. None without a plan."""
+    plan = _plan_of(context, table.get("plan"))
+    goals = _Goals(context, table.get("optimise", {}))
+    results = list(table.get("results", ()))
+    others = {name: value for name, value in parameters.items() if plan is None or name not in plan.names}
+    read = dict.fromkeys([*_results_in(goals, plan), *results])
+    parts = Parts(plan, scenario, list(read), others)
+    check_together(context, parts, table, references=goals.start)
+    if plan is None or context.fmu is None:
+        return None
+    _check_tolerances(context, goals, plan)
+    task = unchecked(
+        Optimisation,
+        model=FmuRuns(context.fmu, scenario or REST, parameters, plan.derived, plan.constraints),
+        vary=plan.vary,
+        same_as=plan.same_as,
+        correlations=plan.correlations,
+        results=results,
+        objectives=goals.objectives,
+        constraints=goals.constraints,
+        start=goals.start,
+        tolerances=goals.tolerances,
+        units=goals.units | _units_of(table["plan"]),
+        **goals.numbers,
+    )
+    check_task(task, context.findings)
+    return task
+
+
+def _plan_of(context: Context, content: Mapping[str, Any] | None) -> Plan | None:
+    """What varies. A plan of any kind will do: how its runs are arranged does not matter here."""
+    if content is not None and "table" in content:
+        text = "a plan of a table has no bounds: an optimisation needs plan.vary"
+        context.findings.note(("plan", "table"), text)
+        return None
+    if content is None:
+        return None
+    kept = {name: value for name, value in content.items() if name not in ARRANGEMENT}
+    return plan_of(context, kept | {"kind": "latin", "runs": 1})
+
+
+class _Goals:
+    """The section [optimise]."""
+
+    def __init__(self, context: Context, content: Mapping[str, Any]) -> None:
+        self._context = context
+        self.objectives = dict(content.get("objectives", {}))
+        self.numbers = {name: content[name] for name in NUMBERS if name in content}
+        self.units: dict[str, str] = {}  # in which the file gives limits, by their text
+        self.constraints = {
+            text: self._range(text, limits) for text, limits in content.get("constraints", {}).items()
+        }
+        self.tolerances = {
+            name: self._deviation(name, each) for name, each in content.get("tolerances", {}).items()
+        }
+        self.start = {name: self._start(name, value) for name, value in content.get("start", {}).items()}
+
+    def _number(self, place: Place, where: str, name: str, value: float | str) -> float | None:
+        return self._context.findings.attempt(place, number, where, name, value, self._context.units)
+
+    def _range(self, text: str, content: Mapping[str, Any]) -> Range:
+        where, name = f"optimise: constraint {text}", text.partition("@")[0]
+        limits = []
+        for key in ("from", "to"):
+            value = content.get(key)
+            if unit := unit_in(value):
+                self.units[text] = unit
+            place = ("optimise", "constraints", text, key)
+            limits.append(None if value is None else self._number(place, f"{where}: {key}", name, value))
+        return limits[0], limits[1]
+
+    def _deviation(self, name: str, content: Mapping[str, Any]) -> Deviation:
+        place = ("optimise", "tolerances", name)
+        half = None
+        if "plus_minus" in content:
+            where = f"optimise: tolerances: {name}: plus_minus"
+            half = self._number(place, where, name, content["plus_minus"])
+        return Deviation(1.0 if half is None else half, content.get("shape", "normal"))
+
+    def _start(self, name: str, value: float | str) -> float | str:
+        if self._context.units.get(name, "1") is None or not unit_in(value):
+            return value  # a whole number, or a text to choose from
+        place, where = ("optimise", "start", name), f"optimise: start: {name}"
+        found = self._number(place, where, name, value)
+        return value if found is None else found
+
+
+def _results_in(goals: _Goals, plan: Plan | None) -> list[str]:
     """Results in formulas, of which those that are none are told elsewhere."""
-    found: list[str] = []
-    for text in texts:
-        with suppress(StudyError):
-            found += [name for name in result_formula(text).names if name not in varied]
+    names = plan.names if plan else ()
+    sound = [formula(text) for text in [*goals.objectives, *goals.constraints] if is_formula(text)]
+    return [name for each in sound for name in each.names if name not in names]
+
+
+def _check_tolerances(context: Context, goals: _Goals, plan: Plan) -> None:
+    """Notes tolerances of what neither varies nor is a number of the FMU."""
+    if context.variables is None:
+        return
+    numbers = [name for name, unit in context.units.items() if unit is not None]
+    for name in goals.tolerances:
+        if name not in plan.names and name not in numbers:
+            text = f"optimise: tolerances: {name} is no number of the FMU{hint(name, numbers)}"
+            context.findings.note(("optimise", "tolerances", name), text)
+
+
+def _units_of(content: Mapping[str, Any]) -> dict[str, str]:
+    """The units in which the file gives the values of names."""
+    found = {}
+    vary = content.get("vary", {})
+    for name, each in vary.items():
+        each = vary.get(each.get("same_as"), each)
+        given = [each.get("from"), each.get("to"), each.get("mean"), *each.get("values", ())]
+        if units := [unit for value in given if (unit := unit_in(value))]:
+            found[name] = units[0]
     return found
-
-
-def _task(model: FmuRuns, plan: Plan, goals: Mapping[str, Any], results: Any) -> Optimisation:  # noqa: ANN401
-    return Optimisation(
-        model, plan.vary, same_as=plan.same_as, correlations=plan.correlations, results=results, **goals
-    )
-
-
-def _range(text: str, content: Mapping[str, Any], units: Units) -> Range:
-    where = f"optimise: constraint {text}"
-    table = entries(content, where, CONSTRAINT)
-    name = text.partition("@")[0]
-    least, most = (
-        number(f"{where}: {key}", name, table[key], units) if key in table else None for key in ("from", "to")
-    )
-    return least, most
-
-
-def _deviation(name: str, content: Mapping[str, Any], units: Units) -> Deviation:
-    where = f"optimise: tolerances: {name}"
-    table = entries(content, where, TOLERANCE, ("plus_minus",))
-    half = number(f"{where}: plus_minus", name, table["plus_minus"], units)
-    return Deviation(half, table.get("shape", "normal"))
-
-
-def _start(name: str, value: float | str, units: Units) -> float | str:
-    if units().get(name) is None:  # a text to choose from, or a whole number
-        return value
-    return number(f"optimise: start: {name}", name, value, units)
-
-
-PARTS: dict[str, Callable[..., Any]] = {
-    "constraints": _range,
-    "tolerances": _deviation,
-    "start": _start,
-}

@@ -10,18 +10,19 @@ from __future__ import annotations
 
 import json
 import os
-import zlib
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from filelock import FileLock, Timeout
+from filelock import FileLock
 
 from dualcam.reals import Array
+from dualcam.study.chunk import checksum
 from dualcam.study.optimisation.evaluation import Batch
 from dualcam.study.problem import StudyError
+from dualcam.study.storage import Folder, locked
 
 FACTS = "optimisation.json"
 BATCHES = "evaluations.jsonl"
@@ -39,8 +40,9 @@ class Record:
         if folder is None:
             return
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            self._lock = _locked(folder)
+            Folder(folder).make()
+            busy = f"another process is searching in {folder}: wait for its end, or give another folder"
+            self._lock = locked(folder / ".lock", busy)
             self._begin(folder, json.loads(json.dumps(facts)), versions)
             batches = self._read(folder / BATCHES)
         except StudyError:
@@ -71,9 +73,8 @@ class Record:
                     f"{folder} holds another search (other {', '.join(other)}): give another folder, or "
                     "delete it"
                 )
-        unfinished = path.with_suffix(".unfinished")
-        unfinished.write_text(json.dumps({"task": facts, "versions": versions}, indent=1), encoding="utf-8")
-        unfinished.replace(path)
+        text = json.dumps({"task": facts, "versions": versions}, indent=1)
+        Folder(folder).write(FACTS, text.encode())
 
     def _read(self, path: Path) -> list[Batch]:
         """All whole lines; what follows them is cut off."""
@@ -118,33 +119,19 @@ class Record:
             ) from error
 
 
-def _locked(folder: Path) -> FileLock | None:
-    """A lock that ends with the process, whatever ends that; None where the file system has none."""
-    lock = FileLock(folder / ".lock")
-    try:
-        lock.acquire(blocking=False)
-    except Timeout:
-        raise StudyError(
-            f"another process is searching in {folder}: wait for its end, or give another folder"
-        ) from None
-    except NotImplementedError:  # such as NFS without locks
-        return None
-    return lock
-
-
 def _line(batch: Batch) -> bytes:
     arrays = {
         name: getattr(batch, name).tolist() for name in ("shares", "results", "objectives", "constraints")
     }
     text = json.dumps(arrays | {"messages": batch.messages}).encode()
-    return b"%08x %s\n" % (zlib.crc32(text), text)
+    return b"%s %s\n" % (checksum(text).encode(), text)
 
 
 def _parsed(line: bytes) -> Batch | None:
     """None for a line that is not as it was written."""
     mark, _, text = line.rstrip(b"\n").partition(b" ")
     with suppress(ValueError):
-        if line.endswith(b"\n") and int(mark, 16) == zlib.crc32(text):
+        if line.endswith(b"\n") and mark.decode() == checksum(text):
             read = json.loads(text)
             count = len(read["shares"])
             shares, results, objectives, constraints = (

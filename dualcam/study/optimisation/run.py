@@ -23,6 +23,7 @@ from dualcam.study.optimisation.evaluation import Evaluator
 from dualcam.study.optimisation.optimum import ACTIVE, Optimum, unbeaten
 from dualcam.study.optimisation.record import Record
 from dualcam.study.optimisation.search import BudgetSpent, Search
+from dualcam.study.optimisation.shown import shown
 from dualcam.study.optimisation.task import FmuRuns, Optimisation
 from dualcam.study.problem import StudyError
 
@@ -220,25 +221,26 @@ def _active_bounds(task: Optimisation, shares: Array) -> list[str]:
             continue
         low, high = vary.limits()
         if share < ACTIVE:
-            found.append(f"{name} is at its lower bound, {low:.6g}")
+            found.append(f"{name} is at its lower bound, {shown(task, name, low)}")
         if share > 1.0 - ACTIVE:
-            found.append(f"{name} is at its upper bound, {high:.6g}")
+            found.append(f"{name} is at its upper bound, {shown(task, name, high)}")
     return found
 
 
 def _active_limits(search: Search, best: int) -> list[str]:
     excess = search.excess[best]
     return [
-        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {limit:.6g}"
+        f"{text} is at its {'greatest' if sign > 0.0 else 'least'} value, {shown(search.task, text, limit)}"
         for (text, sign, limit), missed in zip(search.evaluator.limits, excess, strict=True)
         if abs(missed) < ACTIVE
     ]
 
 
 def _violated(search: Search, values: Array, excess: Array) -> list[str]:
+    task = search.task
     return [
-        f"{text} = {value:.6g}: allowed is {'at most' if sign > 0.0 else 'at least'} {limit:.6g}, "
-        f"which it misses by {abs(value - limit):.3g}"
+        f"{text} = {shown(task, text, value)}: allowed is {'at most' if sign > 0.0 else 'at least'} "
+        f"{shown(task, text, limit)}, which it misses by {shown(task, text, abs(value - limit), 3)}"
         for (text, sign, limit), value, missed in zip(search.evaluator.limits, values, excess, strict=True)
         if missed > 1e-6
     ]

@@ -9,16 +9,13 @@ from functools import cached_property
 from pathlib import Path
 
 from dualcam.model_description import Scalar
-from dualcam.study.entries import hint, is_whole
-from dualcam.study.optimisation.formula import result_formula
-from dualcam.study.problem import StudyError, refuse
+from dualcam.study.entries import hint
+from dualcam.study.problem import Findings
 from dualcam.study.sampling.correlation import Correlation
-from dualcam.study.sampling.formula import Formula
+from dualcam.study.sampling.formula import Formula, formula
 from dualcam.study.sampling.vary import Vary
 from dualcam.study.scenario import Scenario
 
-METHODS = ("slsqp", "evolution", "nsga2")
-DIRECTIONS = ("minimise", "maximise")
 SHAPES = ("normal", "uniform", "triangular")  # as Tolerance.within, whose module loads scipy.stats
 SIGMAS = 3.0  # half-widths of a normal distribution between its limits, in standard deviations
 Design = dict[str, float | str]
@@ -79,19 +76,20 @@ class Deviation:
     plus_minus: float
     shape: str = "normal"
 
-    def problem(self) -> str | None:
-        """What is wrong, if anything is.
+    def problems(self) -> list[str]:
+        """All that is wrong.
 
         Returns
         -------
-        str or None
+        list of str
             What is given and what is allowed.
         """
+        found = []
         if self.shape not in SHAPES:
-            return f"shape = {self.shape!r}: allowed are {', '.join(SHAPES)}"
+            found.append(f"shape = {self.shape!r}{hint(self.shape, SHAPES)}")
         if not (math.isfinite(self.plus_minus) and self.plus_minus > 0.0):
-            return f"plus_minus = {self.plus_minus:g}: allowed is a finite number above 0"
-        return None
+            found.append(f"plus_minus = {self.plus_minus:g}: allowed is a finite number above 0")
+        return found
 
     def distribution(self, nominal: float = 0.0) -> Vary:
         """The values of parts as made.
@@ -160,6 +158,9 @@ class Optimisation:
         Of what has a distribution.
     results : sequence of str
         Results to be shown beside those in objectives and constraints.
+    units : mapping of str to str
+        Units in which the command and its messages show values, by the name or by the text of a constraint;
+        without one the FMU's unit.
 
     Raises
     ------
@@ -192,10 +193,14 @@ class Optimisation:
     same_as: Mapping[str, str] = field(default_factory=dict)
     correlations: Sequence[Correlation] = ()
     results: Sequence[str] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        problems = [*self._problems_of_search(), *self._problems_of_design(), *self._problems_of_goals()]
-        refuse([f"optimise: {text}" for text in problems])
+        from dualcam.study.optimisation.task_check import check_task
+
+        findings = Findings()
+        check_task(self, findings)
+        findings.refuse()
 
     @cached_property
     def designed(self) -> dict[str, Vary]:
@@ -225,116 +230,15 @@ class Optimisation:
     @cached_property
     def formulas(self) -> dict[str, Formula]:
         """Those of objectives and constraints by their text."""
-        return {text: result_formula(text) for text in [*self.objectives, *self.constraints]}
+        return {text: formula(text) for text in [*self.objectives, *self.constraints]}
 
     @cached_property
     def read(self) -> list[str]:
         """What is read of the model: results in formulas, then those that are shown."""
         derived = self.model.derived if isinstance(self.model, FmuRuns) else {}
         given = {*self.vary, *self.same_as, *derived}
-        wanted = [name for formula in self.formulas.values() for name in formula.names if name not in given]
+        wanted = [name for each in self.formulas.values() for name in each.names if name not in given]
         return list(dict.fromkeys([*wanted, *self.results]))
-
-    def _problems_of_search(self) -> list[str]:
-        found = []
-        wholes = [("budget", 1), ("population", 0), ("starts", 1), ("seed", 0), ("samples", 2)]
-        for name, least in wholes:
-            value = getattr(self, name)
-            if not is_whole(value) or value < least:
-                found.append(f"{name} = {value!r}: allowed is a whole number, {least} or more")
-        if is_whole(self.population) and 0 < self.population < 5:
-            found.append(f"population = {self.population}: allowed is 5 or more")
-        if not 0.0 < self.percentile < 100.0:
-            found.append(f"percentile = {self.percentile:g}: allowed is between 0 and 100 %")
-        if not 0.0 < self.difference <= 0.1:
-            found.append(f"difference = {self.difference:g}: allowed is above 0, at most 0.1")
-        if self.method and self.method not in METHODS:
-            found.append(f"method = {self.method!r}: allowed are {', '.join(METHODS)}")
-        elif len(self.objectives) > 1 and self.method_used != "nsga2":
-            found.append(
-                f"method {self.method} has one objective, here are {len(self.objectives)}: "
-                'allowed is method = "nsga2"; or make one formula of them, or limit all but one in '
-                "constraints"
-            )
-        return found
-
-    def _problems_of_design(self) -> list[str]:
-        found = []
-        if not self.designed:
-            found.append("nothing is designed: name at least one variable with bounds in vary")
-        for name, vary in self.vary.items():
-            if problem := vary.problem(False):
-                found.append(f"{name}: {problem}")
-            elif name in self.start and not _within(vary, self.start[name]):
-                found.append(f"start: {name} = {self.start[name]!r}: allowed is {bounds_words(vary)}")
-            if self.method_used == "slsqp" and vary.is_list:
-                found.append(
-                    f"{name} has values to choose from, and slsqp follows gradients: allowed are from and "
-                    'to; or method = "evolution"'
-                )
-        found += [
-            f"start: {name} is not designed{hint(name, self.designed)}"
-            for name in self.start
-            if name not in self.designed
-        ]
-        found += [
-            f"{name} the same as {other}: allowed is one that varies, for one that does not"
-            for name, other in self.same_as.items()
-            if name in self.vary or other not in self.vary
-        ]
-        return found + self._problems_of_parts()
-
-    def _problems_of_parts(self) -> list[str]:
-        found = []
-        for name, deviation in self.tolerances.items():
-            if problem := deviation.problem():
-                found.append(f"tolerances: {name}: {problem}")
-            if name in self.same_as:
-                other = self.same_as[name]
-                found.append(f"tolerances: {name} is the same as {other}: give the tolerance of {other}")
-            if name in self.vary and self.vary[name].is_list:
-                found.append(f"tolerances: {name} has values to choose from, which are exact")
-            if name in self.chance:
-                found.append(f"tolerances: {name} has a distribution: allowed is one of both")
-        for each in self.correlations:
-            if problem := each.problem(self.chance):
-                found.append(f"correlation: {problem}")
-        return found
-
-    def _problems_of_goals(self) -> list[str]:
-        found = []
-        if not self.objectives:
-            found.append('there is no objective: name at least one result, such as "efficiency" = "maximise"')
-        for text, direction in self.objectives.items():
-            if direction not in DIRECTIONS:
-                found.append(f"{text} = {direction!r}: allowed are {', '.join(DIRECTIONS)}")
-        for text, (least, most) in self.constraints.items():
-            limits = [limit for limit in (least, most) if limit is not None]
-            if not limits or not all(math.isfinite(limit) for limit in limits):
-                found.append(f"constraint {text}: allowed are finite limits, at least one")
-            elif least is not None and most is not None and least > most:
-                found.append(
-                    f"constraint {text} from {least:g} to {most:g}: the first must not be above the second"
-                )
-        texts = {name for name, vary in self.designed.items() if vary.texts is not None and vary.is_list}
-        for text in [*self.objectives, *self.constraints]:
-            try:
-                names = result_formula(text).names
-            except StudyError as error:
-                found.append(str(error))
-                continue
-            if not names:
-                found.append(f"{text!r} is a constant: name a result")
-            found += [f"{text!r} uses {name}, which is a text" for name in names if name in texts]
-        return found
-
-
-def bounds_words(vary: Vary) -> str:
-    """What a designed value may be."""
-    if vary.is_list:
-        return f"one of {', '.join(map(str, choices(vary)))}"
-    low, high = vary.limits()
-    return f"{low:g} to {high:g}"
 
 
 def choices(vary: Vary) -> list[float | str]:
@@ -342,7 +246,8 @@ def choices(vary: Vary) -> list[float | str]:
     return [vary.values[place] for place in range(len(vary.values))]
 
 
-def _within(vary: Vary, value: float | str) -> bool:
+def is_within(vary: Vary, value: float | str) -> bool:
+    """Whether a design may have the value."""
     if vary.is_list:
         return value in choices(vary)
     return not isinstance(value, str) and vary.low <= value <= vary.high

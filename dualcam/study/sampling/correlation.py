@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualcam.reals import Array
+from dualcam.study.entries import hint
 from dualcam.study.problem import StudyError
 from dualcam.study.sampling.vary import Vary
 
@@ -50,8 +51,8 @@ class Correlation:
     value: float
     kind: str = "rank"
 
-    def problem(self, vary: Mapping[str, Vary]) -> str | None:
-        """What is wrong, if anything is.
+    def problems(self, vary: Mapping[str, Vary]) -> list[str]:
+        """All that is wrong.
 
         Parameters
         ----------
@@ -60,21 +61,22 @@ class Correlation:
 
         Returns
         -------
-        str or None
+        list of str
             What is given and what is allowed.
         """
+        found = []
         if self.kind not in ("rank", "pearson"):
-            return f"kind = {self.kind!r}: allowed are rank, pearson"
+            found.append(f"kind = {self.kind!r}: allowed are rank, pearson")
         if self.first == self.second:
-            return f"{self.first} with itself: allowed are two variables"
-        for name in (self.first, self.second):
+            found.append(f"{self.first} with itself: allowed are two variables")
+        for name in dict.fromkeys((self.first, self.second)):
             if name not in vary:
-                return f"{name} does not vary: allowed are {', '.join(vary)}"
-            if vary[name].is_list and vary[name].texts is not None:
-                return f"{name} varies over texts, which have no order: allowed are numbers"
+                found.append(f"{name} does not vary{hint(name, vary)}")
+            elif vary[name].is_list and vary[name].texts is not None:
+                found.append(f"{name} varies over texts, which have no order: allowed are numbers")
         if not -1.0 < self.value < 1.0:
-            return f"{self.kind} = {self.value:g}: allowed is above -1 and below 1; use same_as for 1"
-        return None
+            found.append(f"{self.kind} = {self.value:g}: allowed is above -1 and below 1; use same_as for 1")
+        return found
 
 
 class Copula:
@@ -85,7 +87,7 @@ class Copula:
     vary : mapping of str to Vary
         What varies, in the order of the columns.
     correlations : sequence of Correlation
-        Without problems.
+        Without problems, each pair of names once.
 
     Raises
     ------
@@ -98,10 +100,6 @@ class Copula:
         matrix = np.eye(len(names))
         for each in correlations:
             i, j = names.index(each.first), names.index(each.second)
-            if matrix[i, j] != 0.0:
-                raise StudyError(
-                    f"correlation of {each.first} and {each.second} is given twice: allowed is once"
-                )
             if each.kind == "rank":
                 matrix[i, j] = matrix[j, i] = 2.0 * math.sin(math.pi * each.value / 6.0)
             else:

@@ -70,16 +70,19 @@ COMPARISON: dict[type[ast.cmpop], Callable[..., Any]] = {
     ast.Eq: np.equal,
     ast.NotEq: np.not_equal,
 }
-QUOTED = re.compile(r"`([^`]*)`")  # names that Python's grammar does not have, such as `x[1]`
 BARE = re.compile(r"[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+TIMED = rf"{BARE.pattern}@(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+# Names that Python's grammar does not have, such as `x[1]` and theta@0.2; texts in apostrophes stay.
+PARTS = re.compile(rf"`(?P<quoted>[^`]*)`|'[^']*'|(?P<timed>{TIMED})")
 
 
 class Formula:
     """A formula of a text.
 
-    `^` and `**` are powers. Names are those of values, with their points; a name with other characters
-    stands in backquotes. Texts in apostrophes are quantities with a unit, such as `'79 GPa'`, in the base
-    unit of the SI. Functions: the keys of FUNCTIONS. Comparisons, `and`, `or`, `not` give true and false.
+    `^` and `**` are powers. Names are those of values, with their points, and of results at a time, such as
+    `theta@0.2`; a name with other characters stands in backquotes. Texts in apostrophes are quantities with a
+    unit, such as `'79 GPa'`, in the base unit of the SI. Functions: the keys of FUNCTIONS. Comparisons,
+    `and`, `or`, `not` give true and false.
 
     Parameters
     ----------
@@ -149,11 +152,13 @@ class Formula:
             raise StudyError(f"allowed is a formula of at most {LONGEST} characters")
 
         def stand_in(match: re.Match[str]) -> str:
+            if match.lastgroup is None:
+                return match[0]
             name = f"quoted{len(self._quoted)}_"
-            self._quoted[name] = match[1]
+            self._quoted[name] = match[match.lastgroup]
             return name
 
-        plain = QUOTED.sub(stand_in, self.text).replace("^", "**").strip()
+        plain = PARTS.sub(stand_in, self.text).replace("^", "**").strip()
         try:
             return ast.parse(plain, mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:

@@ -19,7 +19,7 @@ import numpy as np
 
 from dualcam.reals import Array
 from dualcam.study.problem import StudyError
-from dualcam.study.sampling.texts import kept_file
+from dualcam.study.sampling.kept_files import kept_file
 
 POINTS_MAX = 2000  # of a table: the covariance matrix has the square of this
 POINTS_PER_LENGTH = 2.0  # of the correlation length; fewer would cut the error's bends

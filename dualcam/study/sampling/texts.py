@@ -5,14 +5,12 @@ A row of a plan has the place of a text in its list, so that rows are arrays of 
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from dualcam.study.problem import StudyError
+from dualcam.study.sampling.kept_files import is_file, kept_file
 
 
 class Texts(Protocol):
@@ -81,7 +79,7 @@ class GivenTexts:
 
     def __getitem__(self, place: int) -> str:
         text = self.texts[place]
-        if place not in self.contents or _is_file(Path(text), self.contents[place]):
+        if place not in self.contents or is_file(Path(text), self.contents[place]):
             return text
         return str(kept_file(Path(text).name, self.contents[place]))
 
@@ -97,31 +95,3 @@ class GivenTexts:
             else text
             for place, text in enumerate(self.texts)
         ]
-
-
-def _is_file(path: Path, content: bytes) -> bool:
-    try:
-        return path.stat().st_size == len(content) and path.read_bytes() == content
-    except OSError:
-        return False
-
-
-def kept_file(name: str, content: bytes) -> Path:
-    """A file of that content in a folder of this user, written once; its name has a hash of the content.
-
-    StudyError if the file cannot be written."""
-    user = os.getuid() if hasattr(os, "getuid") else "own"
-    folder = Path(tempfile.gettempdir()) / f"dualcam-{user}" / "study-tables"
-    digest = hashlib.sha256(content).hexdigest()[:16]
-    path = folder / f"{Path(name).stem[:40]}-{digest}.csv"
-    if _is_file(path, content):
-        return path
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        handle, unfinished = tempfile.mkstemp(dir=folder)
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        os.replace(unfinished, path)  # whole or not at all: other processes may read the file
-    except OSError as error:
-        raise StudyError(f"the table {path} cannot be written: {error.strerror or error}") from error
-    return path

@@ -64,8 +64,8 @@ class Vary:
     weights: Sequence[float] = ()
     unit: str = ""
 
-    def problem(self, in_grid: bool) -> str | None:
-        """What is wrong with the values, if anything is.
+    def problems(self, in_grid: bool) -> list[str]:
+        """All that is wrong with the values.
 
         Parameters
         ----------
@@ -74,50 +74,65 @@ class Vary:
 
         Returns
         -------
-        str or None
+        list of str
             What is given and what is allowed.
         """
         if self.is_list:
-            return self._problem_of_list()
-        if self.distribution:
-            try:
-                self.spread  # noqa: B018  made here for its checks
-            except StudyError as error:
-                return str(error)
-            if self.log:
-                return f"distribution {self.distribution} with log = true: allowed is log for a range alone"
-        elif self.arguments:
-            return (
-                f"{', '.join(self.arguments)} without distribution: give for example distribution = 'normal'"
+            return self._problems_of_list()
+        found = self._problems_of_distribution() if self.distribution else self._problems_of_range()
+        if len(self.weights) > 0:
+            found.append("weights without values: allowed are weights of a list of values")
+        is_given = bool(self.distribution) or not math.isnan(self.low + self.high)
+        if in_grid and is_given and not self._has_count:
+            found.append(f"count = {self.count!r}: a grid needs a whole number, 2 or more, or values")
+        return found
+
+    @property
+    def _has_count(self) -> bool:
+        return is_whole(self.count) and self.count >= (1 if self.distribution else 2)
+
+    def _problems_of_distribution(self) -> list[str]:
+        found = []
+        if self.log:
+            found.append(
+                f"distribution {self.distribution} with log = true: allowed is log for a range alone"
             )
-        elif not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            return (
+        try:
+            self.spread  # noqa: B018  made here for its checks
+        except StudyError as error:
+            found.append(str(error))
+        return found
+
+    def _problems_of_range(self) -> list[str]:
+        if self.arguments:
+            given = ", ".join(self.arguments)
+            return [f"{given} without distribution: give for example distribution = 'normal'"]
+        if lacking := [word for word, end in (("from", self.low), ("to", self.high)) if math.isnan(end)]:
+            return [f"lacks {' and '.join(lacking)}: allowed are from and to, values, or a distribution"]
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            return [
                 f"from {self.low:g} to {self.high:g}: allowed are finite numbers, the first below the "
                 "second, or values"
-            )
+            ]
         if self.log and self.low <= 0.0:
-            return f"from {self.low:g} on a logarithmic scale: allowed is above 0"
-        if len(self.weights) > 0:
-            return "weights without values: allowed are weights of a list of values"
-        if in_grid and not (is_whole(self.count) and self.count >= (1 if self.distribution else 2)):
-            return f"count = {self.count!r}: a grid needs a whole number, 2 or more, or values"
-        return None
+            return [f"from {self.low:g} on a logarithmic scale: allowed is above 0"]
+        return []
 
-    def _problem_of_list(self) -> str | None:
+    def _problems_of_list(self) -> list[str]:
+        found = []
         if self.distribution:
-            return f"values and distribution {self.distribution}: allowed is one of them"
-        if self.texts is None:
-            strange = [value for value in self._numbers if not math.isfinite(value)]
-            if strange:
-                return f"values with {strange[0]}: allowed are finite numbers"
+            found.append(f"values and distribution {self.distribution}: allowed is one of them")
+        if self.texts is None and not np.all(np.isfinite(self._numbers)):
+            strange = next(value for value in self._numbers if not math.isfinite(value))
+            found.append(f"values with {strange}: allowed are finite numbers")
         if len(self.weights) == 0:
-            return None
+            return found
         weights = np.asarray(self.weights, float)
         if len(weights) != len(self.values):
-            return f"{len(weights)} weights of {len(self.values)} values: allowed is one for each"
+            found.append(f"{len(weights)} weights of {len(self.values)} values: allowed is one for each")
         if not (np.all(np.isfinite(weights)) and np.all(weights >= 0.0) and weights.sum() > 0.0):
-            return f"weights = {weights.tolist()}: allowed are finite numbers, 0 or more, not all 0"
-        return None
+            found.append(f"weights = {weights.tolist()}: allowed are finite numbers, 0 or more, not all 0")
+        return found
 
     # ---- what it is ----
 
@@ -173,12 +188,12 @@ class Vary:
         Parameters
         ----------
         least, most : float
-            Ends of the range, which are allowed.
+            Ends of the range, which count as inside.
 
         Returns
         -------
         float
-            Share in [0, 1].
+            From 0 to 1; of a list by its weights.
         """
         if self.distribution:
             below = self.spread.share_below(least, inclusive=False) if math.isfinite(least) else 0.0

@@ -14,6 +14,7 @@ void check_bad_calls(void);
 /* The tables of the scenes. */
 void write_tables(void);
 void check_bad_tables(void);
+void check_bad_friction_tables(void);
 /* A state whose table is lost, or jams, is refused by all but the instance that has read the table. */
 void check_lost_tables(void);
 /* Many lives, one after the other and in one instance. */

@@ -80,6 +80,7 @@ int main(int argc, char **argv) {
     for (int mode = 1; mode <= (is_inverse() ? 3 : 5); mode++) REQUIRE(seen & (1u << mode));
     check_bad_calls();
     check_bad_tables();
+    check_bad_friction_tables();
     check_lost_tables();
     check_many_lives();
     check_many_at_once();

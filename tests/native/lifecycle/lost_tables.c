@@ -1,26 +1,59 @@
 /* Files of tables that are wrong, change, or go away. */
 #include "checks.h"
 
-void check_bad_tables(void) {
-    static const char *const texts[] = {
-        "", "\n", "psi_rad,z_m", "psi_rad,z_m\n0,0\n1,1\n", "psi_rad;z_m\n0;0\n1;1\n2;2\n3;3\n",
-        "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2,nan\n", "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2\n",
-        "psi_rad,z_m\n-1,0\n0,0.01\n0,0.02\n2,0.03\n", "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2,0.01",
-        "psi_rad,z_m\n1,0\n2,0.01\n3,0.02\n4,0.03\n", "psi_rad,z_m\n-1,0\n0,1e400\n1,2e400\n2,3e400\n",
-        "psi_rad,z_m\n0,0\n1e-320,1\n2e-320,2\n3e-320,3\n",
-        "psi_rad,z_m\n0,0\n1,0.00000000000000000000000000000000000000000000000000000000000000000000000001\n",
-    };
-    const Scene scene = {"bad table", 1.0, false, {{"cam1.profile", 3.0, NULL}, {"cam1.table", 0.0, "bad.csv"}}};
+/* Each text is refused as the table of a scene, by one message. */
+static void check_texts(const Scene *scene, const char *const texts[], size_t count) {
     fmi2Component c = instantiate(&callbacks);
-    for (size_t i = 0; i < COUNT_OF(texts); i++) {
+    for (size_t i = 0; i < count; i++) {
         write_text("bad.csv", texts[i]);
         messages = 0;
-        REQUIRE(!begin(c, &scene) && messages == 1);
+        REQUIRE(!begin(c, scene) && messages == 1);
         REQUIRE(fmi2Reset(c) == fmi2OK);
     }
     messages = 0;
     remove_table("bad.csv");
     fmi2FreeInstance(c);
+}
+
+void check_bad_tables(void) {
+    static const char *const texts[] = {
+        "",
+        "\n",
+        "psi_rad,z_m",
+        "psi_rad,z_m\n0,0\n1,1\n",
+        "psi_rad;z_m\n0;0\n1;1\n2;2\n3;3\n",
+        "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2,nan\n",
+        "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2\n",
+        "psi_rad,z_m\n-1,0\n0,0.01\n0,0.02\n2,0.03\n",
+        "psi_rad,z_m\n-1,0\n0,0.01\n1,0.02\n2,0.01",
+        "psi_rad,z_m\n1,0\n2,0.01\n3,0.02\n4,0.03\n",
+        "psi_rad,z_m\n-1,0\n0,1e400\n1,2e400\n2,3e400\n",
+        "psi_rad,z_m\n0,0\n1e-320,1\n2e-320,2\n3e-320,3\n",
+        "psi_rad,z_m\n0,0\n1,0.00000000000000000000000000000000000000000000000000000000000000000000000001\n",
+    };
+    const Scene scene = {"bad table", 1.0, false, {{"cam1.profile", 3.0, NULL}, {"cam1.table", 0.0, "bad.csv"}}};
+    check_texts(&scene, texts, COUNT_OF(texts));
+}
+
+void check_bad_friction_tables(void) {
+    static const char *const texts[] = {
+        "",
+        "\n",
+        "v_m_s,mu",
+        "v_m_s,mu\n0,0.2\n1,0.1\n",
+        "v_m_s;mu\n0;0.2\n1;0.1\n2;0.1\n",
+        "v_m_s,mu\n0,0.2\n1,nan\n2,0.1\n",
+        "v_m_s,mu\n0,0.2\n1\n2,0.1\n",
+        "v_m_s,mu\n0.1,0.2\n1,0.1\n2,0.1\n",
+        "v_m_s,mu\n0,0.2\n0,0.1\n2,0.1\n",
+        "v_m_s,mu\n0,0.2\n1,-0.1\n2,0.1\n",
+        "v_m_s,mu\n0,0.2\n1e-320,0.1\n2,20\n",
+        "v_m_s,R_N,mu\n0,50,0.2\n1,50,0.1\n2,50,0.1\n",
+        "v_m_s,R_N,mu\n0,50,0.2\n1,50,0.1\n2,50,0.1\n0,90,0.1\n1,90,0.1\n",
+        "v_m_s,R_N,mu\n0,50,0.2\n1,50,0.1\n2,50,0.1\n0,40,0.2\n1,40,0.1\n2,40,0.1\n",
+    };
+    const Scene scene = {"bad friction table", 1.0, false, {{"cam1.friction_table", 0.0, "bad.csv"}}};
+    check_texts(&scene, texts, COUNT_OF(texts));
 }
 
 /* What an instance does that was refused a state, and one that never heard of it. */
@@ -63,9 +96,14 @@ static void check_lost_table(const char *table_scene, void (*spoil)(void), void 
 void write_tables(void) {
     write_table("one.csv", 0.02, 1e-4);
     write_table("two.csv", 0.021, -2e-4);
+    write_text("speed.csv", "v_m_s,mu\n0,0.2\n0.005,0.17\n0.02,0.12\n0.1,0.115\n0.2,0.13\n");
+    write_text("load.csv",
+               "v_m_s,R_N,mu\n0,50,0.2\n0.02,50,0.15\n0.2,50,0.14\n0,200,0.17\n0.02,200,0.13\n0.2,200,0.12\n");
 }
 
-static void lose_table(void) { remove_table("two.csv"); }
+static void lose_table(void) {
+    remove_table("two.csv");
+}
 
 static void steepen_tables(void) { /* friction jams them */
     write_table("one.csv", 0.4, 0.0);

@@ -24,7 +24,8 @@ static fmi2Status set(fmi2Component c, Setting s) {
     const fmi2ValueReference vr = reference(s.name);
     const fmi2Integer integer = (fmi2Integer)s.value;
     if (s.text != NULL) return fmi2SetString(c, &vr, 1, &s.text);
-    if (strcmp(s.name, "contacts") == 0 || ends_with(s.name, ".profile") || ends_with(s.name, "_curvature"))
+    if (strcmp(s.name, "contacts") == 0 || ends_with(s.name, ".profile") || ends_with(s.name, "_curvature") ||
+        ends_with(s.name, "stribeck_exponent"))
         return fmi2SetInteger(c, &vr, 1, &integer);
     if (strcmp(s.name, "ledger") == 0) return fmi2SetBoolean(c, &vr, 1, &integer);
     return fmi2SetReal(c, &vr, 1, &s.value);
@@ -69,8 +70,9 @@ fmi2Component begun(const Scene *scene) {
 }
 
 Picture picture(fmi2Component c) {
-    static const char *const common[] = {"theta", "omega", "z", "v", "cam1.reaction", "energy.work_in",
-                                         "energy.heat_cam1", "energy.residual", "peak.omega", "torque_load"};
+    static const char *const common[] = {
+        "theta",           "omega",      "z",          "v", "cam1.reaction", "energy.work_in", "energy.heat_cam1",
+        "energy.residual", "peak.omega", "torque_load"};
     fmi2ValueReference vr[REALS];
     Picture p;
     memset(&p, 0, sizeof p);
@@ -83,7 +85,9 @@ Picture picture(fmi2Component c) {
     return p;
 }
 
-bool same(const Picture *a, const Picture *b) { return memcmp(a, b, sizeof *a) == 0; }
+bool same(const Picture *a, const Picture *b) {
+    return memcmp(a, b, sizeof *a) == 0;
+}
 
 static void random_rates(fmi2Component c, const char *name, double amplitude, double h) {
     const double size = 0.3 * amplitude;

@@ -14,6 +14,15 @@
 #define CUBIC_SPRING {"spring.stiffness2", 1e6, NULL}, {"spring.stiffness3", 1e8, NULL}
 #define DAMPED {"damper.c_load", 40.0, NULL}, {"damper.c_release", 80.0, NULL}
 #define SQUARE {"damper.q_load", 300.0, NULL}, {"damper.q_release", 500.0, NULL}
+#define STRIBECK                                                                                           \
+    {"cam1.friction_peak", 1.5, NULL}, {"cam1.stribeck_velocity", 0.02, NULL},                             \
+    {"cam1.friction_viscous", 1e-3, NULL}, {"cam2.friction_peak", 1.2, NULL},                               \
+    {"cam2.stribeck_exponent", 1.0, NULL}, {"cam1.wear", 1e-13, NULL}
+#define LOADED                                                                                             \
+    {"cam1.friction_load_exponent", -0.2, NULL}, {"cam1.friction_load", 80.0, NULL},                       \
+    {"cam2.friction_load_exponent", -0.1, NULL}
+#define FRICTION_TABLES                                                                                    \
+    {"cam1.friction_table", 0.0, "speed.csv"}, {"cam2.friction_table", 0.0, "load.csv"}
 
 static const Scene forward_scenes[] = {
     {"default", 10.0, false, {{NULL, 0.0, NULL}}},
@@ -43,6 +52,11 @@ static const Scene forward_scenes[] = {
     {"tables, all forces", 10.0, true, {TABLES, MASSES, CUBIC_SPRING, DAMPED, SQUARE}},
     {"helix against table, quadratic damper, no inertia", 10.0, true,
      {{"cam2.profile", 3.0, NULL}, {"cam2.table", 0.0, "two.csv"}, {"inertia.shaft", 0.0, NULL}, SQUARE}},
+    {"friction over the speed", 10.0, false, {STRIBECK}},
+    {"ellipses, friction over the speed, all forces", 10.0, true, {ELLIPSES, STRIBECK, MASSES, DAMPED}},
+    {"ellipses, friction over the load", 10.0, true, {ELLIPSES, LOADED, DAMPED}},
+    {"tables, friction over speed and load", 10.0, false, {TABLES, STRIBECK, LOADED}},
+    {"friction tables", 10.0, false, {FRICTION_TABLES, MASSES, CUBIC_SPRING}},
     {"no such table", 10.0, false, {{"cam1.profile", 3.0, NULL}, {"cam1.table", 0.0, "none.csv"}}},
 };
 
@@ -56,6 +70,9 @@ static const Scene inverse_scenes[] = {
     {"elastic shaft", 5.0, true, {{"shaft.stiffness", 20.0, NULL}, CUBIC_SPRING}},
     {"soft shaft, ellipses", 5.0, true, {ELLIPSES, {"shaft.stiffness", 3.0, NULL}}},
     {"elastic shaft, tables", 5.0, false, {TABLES, {"shaft.stiffness", 20.0, NULL}}},
+    {"ellipses, friction over speed and load", 5.0, true, {ELLIPSES, STRIBECK, LOADED}},
+    {"friction tables", 5.0, false, {FRICTION_TABLES, MASSES}},
+    {"elastic shaft, friction over the load", 5.0, true, {{"shaft.stiffness", 20.0, NULL}, LOADED}},
     {"no such table", 5.0, false, {{"cam1.profile", 3.0, NULL}, {"cam1.table", 0.0, "none.csv"}}},
 };
 

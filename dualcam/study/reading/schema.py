@@ -4,8 +4,8 @@ The reference page docs/study-plan.md and plan.schema.json, for editors, are wri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Collection, Mapping
+from functools import cache, partial
 from types import GenericAlias
 from typing import Annotated, Any
 
@@ -25,11 +25,11 @@ from dualcam.study.entries import (
     WHOLE,
     Kind,
 )
+from dualcam.study.history import SHAPES
 from dualcam.study.plan_check import ON_VIOLATION
 from dualcam.study.sampling.designs import KINDS
 
 PLOTS = ("map", "sobol", "pareto", "parallel")
-SHAPES = ("linear", "smooth", "sine")
 _NUMBER = {"type": "number"}
 _NUMBER_OR_TEXT = {"type": ["number", "string"]}
 _TEXTS = {"type": "array", "items": {"type": "string"}, "minItems": 1}
@@ -69,6 +69,11 @@ def _entry(kind: Kind, description: str, *, needed: bool = False, enum: tuple[st
     return annotated, _field(description, kind.words, needed)
 
 
+def _each(kind: Kind, descriptions: Mapping[str, str]) -> dict[str, Any]:
+    """Keys with values of one kind."""
+    return {name: _entry(kind, description) for name, description in descriptions.items()}
+
+
 def _field(description: str, words: str, needed: bool) -> Any:  # noqa: ANN401
     extra: dict[str, Any] = {"words": words, "needed": needed}
     if needed:
@@ -88,8 +93,13 @@ VARY = _table(
     "Vary",
     "Values of one name: a range, a distribution, a list, or tables with a random error",
     {
-        "from": _entry(QUANTITY, "start of the range; of a distribution: cut off below"),
-        "to": _entry(QUANTITY, "end of the range; of a distribution: cut off above"),
+        **_each(
+            QUANTITY,
+            {
+                "from": "start of the range; of a distribution: cut off below",
+                "to": "end of the range; of a distribution: cut off above",
+            },
+        ),
         "count": _entry(
             WHOLE,
             "`grid`: number of values from start to end, both included; of a table with an error: number of "
@@ -100,15 +110,19 @@ VARY = _table(
         "weights": _entry(NUMBER.listed(), "how often each of `values` is drawn; equally often if not given"),
         "same_as": _entry(TEXT, "the value of this other name in each run"),
         "distribution": _entry(TEXT, '`"normal"`, or the name of any distribution of scipy.stats'),
-        "mean": _entry(QUANTITY, "`normal`: mean"),
-        "std": _entry(QUANTITY, "`normal`: standard deviation"),
+        **_each(QUANTITY, {"mean": "`normal`: mean", "std": "`normal`: standard deviation"}),
         "arguments": _entry(
             QUANTITIES_BY_NAME, "arguments of a distribution of scipy.stats, by their names there"
         ),
         "unit": _entry(TEXT, "unit of a name that the FMU does not have, into which texts are converted"),
         "table": _entry(TEXT, "path of a groove table that gets a random smooth error of its profile"),
-        "deviation": _entry(QUANTITY, "standard deviation of the error of z"),
-        "correlation_length": _entry(QUANTITY, "angle psi over which the error is alike"),
+        **_each(
+            QUANTITY,
+            {
+                "deviation": "standard deviation of the error of z",
+                "correlation_length": "angle psi over which the error is alike",
+            },
+        ),
     },
 )
 CORRELATION = _table(
@@ -163,10 +177,15 @@ HISTORY = _table(
         "shape": _entry(
             TEXT, 'between the points: `"linear"` or `"smooth"`; `"sine"` has no points', enum=SHAPES
         ),
-        "mean": _entry(SCENARIO_NUMBER, "`sine`: mean value"),
-        "amplitude": _entry(SCENARIO_NUMBER, "`sine`: amplitude"),
-        "frequency": _entry(SCENARIO_NUMBER, "`sine`: frequency [Hz]"),
-        "phase": _entry(SCENARIO_NUMBER, "`sine`: phase at 0 s [rad]"),
+        **_each(
+            SCENARIO_NUMBER,
+            {
+                "mean": "`sine`: mean value",
+                "amplitude": "`sine`: amplitude",
+                "frequency": "`sine`: frequency [Hz]",
+                "phase": "`sine`: phase at 0 s [rad]",
+            },
+        ),
         "derivative_of": _entry(
             TEXT, "the input is the time derivative of this other input, such as `omega` of `theta`"
         ),
@@ -215,9 +234,14 @@ PLOT = _table(
     {
         "kind": _entry(TEXT, "kind of picture", enum=PLOTS),
         "title": _entry(TEXT, "title of the picture"),
-        "x": _entry(TEXT, "`map`, `pareto`: column along the horizontal axis"),
-        "y": _entry(TEXT, "`map`, `pareto`: column along the vertical axis"),
-        "z": _entry(TEXT, "`map`: column that the colours show"),
+        **_each(
+            TEXT,
+            {
+                "x": "`map`, `pareto`: column along the horizontal axis",
+                "y": "`map`, `pareto`: column along the vertical axis",
+                "z": "`map`: column that the colours show",
+            },
+        ),
         "of": _entry(TEXT.listed(), "`sobol`: results; the plan is of kind `indices`"),
         "best": _entry(TEXT.listed(), '`pareto`: `"max"` or `"min"`, what is wanted of x and y'),
         "axes": _entry(TEXT.listed(), "`parallel`: columns"),
@@ -230,10 +254,13 @@ PLOT = _table(
 GOAL_LIMITS = _table(
     "GoalLimits",
     "Limits of a result",
-    {
-        "from": _entry(QUANTITY, "least value of the result or formula"),
-        "to": _entry(QUANTITY, "greatest value of the result or formula"),
-    },
+    _each(
+        QUANTITY,
+        {
+            "from": "least value of the result or formula",
+            "to": "greatest value of the result or formula",
+        },
+    ),
 )
 TOLERANCE = _table(
     "Tolerance",
@@ -274,56 +301,59 @@ OPTIMISE = _table(
         ),
     },
 )
-PLOTS_ENTRY = _nested(GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables")
 RESULTS = 'what is read in each run, such as `"theta"`, `"theta@0.2"` or `"top = max(theta, every=0.01)"`'
+KEYS: dict[str, Callable[..., Any]] = {  # of a whole file
+    "fmu": partial(_entry, TEXT, '`"forward"`, `"inverse"`, or the path of an FMU, relative to the file'),
+    "results": partial(_entry, TEXT.listed(), RESULTS),
+    "parameters": partial(_entry, TABLE, "start values that are the same in every run, by name"),
+    "plan": partial(_nested, PLAN, "which values the runs have"),
+    "scenario": partial(_nested, SCENARIO, "what happens in each run"),
+    "plots": partial(
+        _nested, GenericAlias(list, (PLOT,)), "pictures, each a `[[plots]]`", "a list of tables"
+    ),
+    "optimise": partial(_nested, OPTIMISE, "the search for the best design"),
+}
+
+
+def _file(name: str, description: str, needed: Collection[str], optional: Collection[str]) -> Any:  # noqa: ANN401
+    fields = {key: make(needed=key in needed) for key, make in KEYS.items() if key in (*needed, *optional)}
+    return _table(name, description, fields)
 
 
 @cache
-def plan_model() -> type[BaseModel]:
-    """The pydantic model of a whole plan."""
-    model: type[BaseModel] = _table(
-        "StudyPlan",
-        "A parameter study of an FMU",
-        {
-            "fmu": _entry(
-                TEXT,
-                '`"forward"`, `"inverse"`, or the path of an FMU, relative to the file',
-                needed=True,
-            ),
-            "results": _entry(TEXT.listed(), RESULTS, needed=True),
-            "parameters": _entry(TABLE, "start values that are the same in every run, by name"),
-            "plan": _nested(PLAN, "which values the runs have", needed=True),
-            "scenario": _nested(SCENARIO, "what happens in each run", needed=True),
-            "plots": PLOTS_ENTRY,
-        },
-    )
-    return model
+def plan_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the plan of a study."""
+    needed = ("fmu", "results", "plan", "scenario")
+    return _file("StudyPlan", "A parameter study of an FMU", needed, ("parameters", "plots"))
 
 
 @cache
-def section_model() -> type[BaseModel]:
+def section_model() -> Any:  # noqa: ANN401
     """The pydantic model of the section [study] of a design file."""
-    model: type[BaseModel] = _table(
-        "StudySection",
-        "A parameter study of a design",
-        {
-            "results": _entry(TEXT.listed(), RESULTS, needed=True),
-            "plan": _nested(PLAN, "which values the runs have", needed=True),
-            "scenario": _nested(SCENARIO, "instead of the design's scenario: numbers may be formulas"),
-            "plots": PLOTS_ENTRY,
-        },
-    )
-    return model
+    needed = ("results", "plan")
+    return _file("StudySection", "A parameter study of a design", needed, ("scenario", "plots"))
 
 
 @cache
-def whole_model() -> type[BaseModel]:
+def search_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the plan of an optimisation."""
+    needed = ("fmu", "plan", "scenario", "optimise")
+    return _file("Search", "An optimisation of an FMU", needed, ("results", "parameters", "plots"))
+
+
+@cache
+def search_section_model() -> Any:  # noqa: ANN401
+    """The pydantic model of the section [study] of a design file that is optimised."""
+    needed = ("plan", "optimise")
+    return _file("SearchSection", "An optimisation of a design", needed, ("results", "scenario", "plots"))
+
+
+@cache
+def whole_model() -> Any:  # noqa: ANN401
     """The pydantic model of a plan of a study or of an optimisation: every key that a plan may have."""
-    fields = {name: (field.annotation, field) for name, field in plan_model().model_fields.items()}
-    fields["results"] = _entry(TEXT.listed(), RESULTS)
-    fields["optimise"] = _nested(OPTIMISE, "the search for the best design")
-    model: type[BaseModel] = _table("Plan", "A parameter study or an optimisation of an FMU", fields)
-    return model
+    needed = ("fmu", "plan", "scenario")
+    others = [key for key in KEYS if key not in needed]
+    return _file("Plan", "A parameter study or an optimisation of an FMU", needed, others)
 
 
 def json_schema() -> dict[str, Any]:

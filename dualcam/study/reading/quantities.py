@@ -2,41 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 
 from dualcam.errors import DesignError
-from dualcam.library import source_path
-from dualcam.model_description import Scalar, read_model_description
+from dualcam.model_description import Variable
 from dualcam.study.problem import StudyError
 
-Units = Callable[[], Mapping[str, str | None]]  # unit by variable, "1" for a plain number; None: no real
+Units = Mapping[str, str | None]  # unit by variable, "1" for a plain number; None: no real
 STRING = "String"  # in place of the unit of a String
 
 
-def units_of_designs() -> Mapping[str, str | None]:
-    """Of the parameters and inputs that a design file can have."""
-    from dualcam.variables import all_inputs, all_parameters
-
-    known = {**all_parameters(), **all_inputs()}
-    others: dict[type, str] = {str: STRING}
+def units_of(variables: Mapping[str, Variable]) -> Units:
+    """Of the variables of an FMU."""
+    others = {"string": STRING}
     return {
-        name: variable.unit if variable.kind is float else others.get(variable.kind)
-        for name, variable in known.items()
+        name: (each.unit or "1") if each.kind == "real" else others.get(each.kind)
+        for name, each in variables.items()
     }
-
-
-def units_of_fmu(fmu: str | Path) -> Units:
-    """Of all variables of an FMU, which is read when the units are asked for."""
-
-    def units() -> Mapping[str, str | None]:
-        known = read_model_description(source_path(fmu)).variables
-        others = {"string": STRING}
-        return {
-            each.name: (each.unit or "1") if each.kind == "real" else others.get(each.kind) for each in known
-        }
-
-    return units
 
 
 def number(where: str, name: str, value: float | str, units: Units) -> float:
@@ -45,10 +27,9 @@ def number(where: str, name: str, value: float | str, units: Units) -> float:
     `where` begins the message of the StudyError for a text that is no such quantity."""
     if not isinstance(value, str):
         return float(value)
-    known = units()
-    if name not in known:  # a number for formulas
+    if name not in units:  # a number for formulas
         return in_si(where, value)
-    unit = known[name]
+    unit = units[name]
     if unit is None or unit == STRING:
         raise StudyError(f"{where} = {value!r}: {name} is no real variable: allowed is a number without unit")
     return in_unit(where, value, unit)
@@ -78,13 +59,19 @@ def in_unit(where: str, text: str, unit: str) -> float:
         ) from None
 
 
-def fixed(parameters: Mapping[str, Scalar], units: Units) -> dict[str, Scalar]:
-    """Start values, with the texts of real variables as numbers in the unit of the variable."""
-    texts = [name for name, value in parameters.items() if isinstance(value, str)]
-    known = units() if texts else {}
-    return {
-        name: in_unit(f"parameters: {name}", str(value), unit)
-        if name in texts and (unit := known.get(name)) not in (None, STRING)
-        else value
-        for name, value in parameters.items()
-    }
+def unit_in(value: object) -> str:
+    """The unit that a text has; none of a number."""
+    from dualcam.design_file.units import written_unit
+
+    return written_unit(value) if isinstance(value, str) else ""
+
+
+def are_of_one_kind(one: str, other: str) -> bool:
+    """Whether numbers in one unit can be converted to the other; not where a unit is not known."""
+    from dualcam.design_file.units import quantity
+
+    try:
+        quantity(f"1 {one}", other)
+    except Exception:  # pint has many
+        return False
+    return True

@@ -1,0 +1,186 @@
+"""The torques of all shafts over one step, solved together with the motion at the end of the step.
+
+Without the shafts' torques the end of shaft i at the joint would reach the angle p_i and the speed w_i
+(`FreeMotion`). Torques T_j on the cams, which oppose the joints, change both:
+
+    theta_i = p_i - h^2 sum_j A_ij T_j        omega_i = w_i - h sum_j A_ij T_j
+
+with the mobility A, the joints' accelerations per torque, seen from the cams. Each shaft answers with
+
+    T_i = K_i (theta_i - x_i) + D_i (omega_i - x_i')
+
+where x_i is the cam's angle at the end of the step. So T_i is that of the backward Euler method, which is
+stable for every stiffness K_i. With theta_i and omega_i put in,
+
+    (1 + c_i A_ii) T_i = b_i - c_i sum_(j != i) A_ij T_j - K_i x_i - D_i x_i',   c_i = K_i h^2 + D_i h
+
+`CamLaw` and `DriveLaw` add how x_i follows T_i. A is symmetric and positive definite and x_i does not fall as
+T_i rises, so the Gauss-Seidel method, which solves row by row, converges (R. W. Cottle, J.-S. Pang, R. E.
+Stone, The Linear Complementarity Problem, 1992, section 5.2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from dualcam.reals import Array
+
+SWEEPS = 200  # most sweeps of the Gauss-Seidel method
+TOLERANCE = 1e-13  # of the largest torque, for the change in a sweep
+
+
+class FreeMotion(NamedTuple):
+    """The ends of the shafts at the joints after a step without the shafts' torques, seen from the cams.
+
+    Parameters
+    ----------
+    angle, speed : ndarray, shape (count, n)
+        Angles [rad] and speeds [rad/s] at the end of the step.
+    mobility : ndarray, shape (count, n, n)
+        Accelerations per torque [rad/s2 per N.m].
+    """
+
+    angle: Array
+    speed: Array
+    mobility: Array
+
+
+class ShaftLaw(Protocol):
+    """The law of one shaft over one step."""
+
+    @property
+    def coupling(self) -> float:
+        """c of the module's text [N.m.s2/rad]."""
+        ...
+
+    def torque(self, mobility: Array, given: Array | float) -> Array:
+        """The torque on the cam.
+
+        Parameters
+        ----------
+        mobility : ndarray, shape (count,)
+            A_ii [rad/s2 per N.m].
+        given : ndarray, shape (count,), or 0
+            c_i times the sum over the other shafts [N.m].
+
+        Returns
+        -------
+        ndarray, shape (count,)
+            Torque [N.m].
+        """
+        ...
+
+
+class CamLaw(NamedTuple):
+    """Friction holds the cam at x while the torque is inside the stick band; at an edge the cam slips.
+
+    Parameters
+    ----------
+    source : ndarray, shape (count,)
+        K (p - x), the torque if the joint did not give way [N.m].
+    coupling : float
+        c of the module's text [N.m.s2/rad].
+    lower, upper : ndarray, shape (count,)
+        Edges of the stick band at x; infinite where a stop carries the cam [N.m].
+    """
+
+    source: Array
+    coupling: float
+    lower: Array
+    upper: Array
+
+    def torque(self, mobility: Array, given: Array | float) -> Array:
+        """The torque on the cam, as `ShaftLaw.torque`."""
+        free = (self.source - given) / (1.0 + self.coupling * mobility)
+        return np.minimum(np.maximum(free, self.lower), self.upper)
+
+
+class DriveLaw(NamedTuple):
+    """A cam with the inertia J slides on, or rests while the torques of shaft and motor are inside its stick
+    band, or breaks away from rest. All arrays have the shape (count,).
+
+    Parameters
+    ----------
+    stiffness, damping : float
+        K [N.m/rad] and D [N.m.s/rad] of the shaft.
+    step : float
+        h [s].
+    angle, speed : ndarray
+        p and w minus the angle and the speed of the cam now [rad, rad/s].
+    omega, alpha : ndarray
+        Speed of the cam now [rad/s], and its acceleration without the shaft's torque if it slides [rad/s2].
+    inertia : ndarray
+        J [kg.m2].
+    motor, lower, upper : ndarray
+        The motor's torque, and the edges of the stick band [N.m].
+    """
+
+    stiffness: float
+    damping: float
+    step: float
+    angle: Array
+    speed: Array
+    omega: Array
+    alpha: Array
+    inertia: Array
+    motor: Array
+    lower: Array
+    upper: Array
+
+    @property
+    def coupling(self) -> float:
+        """c of the module's text [N.m.s2/rad]."""
+        return self.stiffness * self.step**2 + self.damping * self.step
+
+    def torque(self, mobility: Array, given: Array | float) -> Array:
+        """The torque on the cam, as `ShaftLaw.torque`."""
+        h, stiffness, damping = self.step, self.stiffness, self.damping
+        held = 1.0 + self.coupling * mobility
+        yields = (stiffness * h**2 / 2.0 + damping * h) / self.inertia  # -d(K x + D x')/dT of a sliding cam
+        at_rest = stiffness * self.angle + damping * (self.speed + self.omega) - given
+        sliding = at_rest - stiffness * h * self.omega - damping * self.omega
+        sliding = (sliding - self.inertia * yields * self.alpha) / (held + yields)
+        slides_on = self.omega * (self.omega + h * (self.alpha + sliding / self.inertia)) > 0.0
+        resting = at_rest / held
+        edge = np.minimum(np.maximum(resting, self.lower - self.motor), self.upper - self.motor)
+        breaking_away = (at_rest + yields * edge) / (
+            held + yields
+        )  # as `resting` where that is inside the band
+        return np.where(slides_on, sliding, breaking_away)
+
+
+def shaft_torques(laws: Sequence[ShaftLaw], mobility: Array, start: Array) -> Array:
+    """The torques that satisfy all laws at once.
+
+    Parameters
+    ----------
+    laws : sequence of ShaftLaw, length n
+        The shafts.
+    mobility : ndarray, shape (count, n, n)
+        Accelerations per torque [rad/s2 per N.m].
+    start : ndarray, shape (count, n)
+        Where the iteration starts: the torques of the last step [N.m].
+
+    Returns
+    -------
+    ndarray, shape (count, n)
+        Torques of the shafts on the cams [N.m].
+    """
+    if len(laws) == 1:
+        return laws[0].torque(mobility[:, 0, 0], 0.0)[:, None]
+    torques = start.copy()
+    going = np.ones(len(torques), bool)  # each instance stops by itself, so that it moves as if it were alone
+    for _ in range(SWEEPS):
+        swept = torques.copy()
+        for i, law in enumerate(laws):
+            others = sum((mobility[:, i, j] * swept[:, j] for j in range(len(laws)) if j != i), np.zeros(1))
+            swept[:, i] = law.torque(mobility[:, i, i], law.coupling * others)
+        change = np.abs(swept - torques).max(axis=1)
+        torques[going] = swept[going]
+        going &= change > TOLERANCE * np.abs(swept).max(axis=1)
+        if not going.any():
+            break
+    return torques

@@ -1,0 +1,86 @@
+"""The rows of a plan: points of its arrangement, turned into values, and drawn again for the constraints."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualcam.reals import Array
+from dualcam.study.problem import StudyError
+from dualcam.study.sampling import designs
+from dualcam.study.sampling.correlation import OPEN, Copula
+from dualcam.study.sampling.rules import any_of
+
+if TYPE_CHECKING:
+    from dualcam.study.plan import Plan
+
+TRIES = 1000  # draws of a run that violates a constraint
+AT_ONCE = 20  # of them
+
+
+class Sampler:
+    """Makes the columns of `vary` of a plan, for any of its runs."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+
+    def drawn(self, numbers: NDArray[np.int_]) -> Array:
+        """The columns of `vary`, before constraints, of the runs of these numbers."""
+        plan = self._plan
+        if plan.kind == "grid":
+            points = [vary.points() for vary in plan.vary.values()]
+            places = np.unravel_index(numbers, [len(each) for each in points])
+            return np.column_stack([each[place] for each, place in zip(points, places, strict=True)])
+        if plan.kind == "table":
+            return plan.table_rows[numbers]
+        return self._at(self._mixed(numbers) if plan.kind == "indices" else self._shares[numbers])
+
+    def redraw(self, numbers: NDArray[np.int_], rows: Array) -> None:
+        """Puts values that keep the constraints in place of others; random numbers by the run's number."""
+        plan = self._plan
+        left = np.flatnonzero(any_of(plan.violations(rows), len(rows)))
+        random = {place: np.random.default_rng([plan.seed, int(numbers[place])]) for place in left.tolist()}
+        for _ in range(0, TRIES, AT_ONCE):
+            if len(left) == 0:
+                return
+            shares = [random[place].random((AT_ONCE, len(plan.vary))) for place in left.tolist()]
+            again = plan.completed(self._at(np.concatenate(shares)))
+            good = ~any_of(plan.violations(again), len(again)).reshape(len(left), AT_ONCE)
+            found = np.flatnonzero(good.any(axis=1))
+            rows[left[found]] = again[found * AT_ONCE + good[found].argmax(axis=1)]
+            left = np.delete(left, found)
+
+    def _at(self, shares: Array) -> Array:
+        """Values at points of the unit cube."""
+        plan = self._plan
+        if plan.correlations:
+            shares = self._copula.shares(np.clip(shares, OPEN, 1.0 - OPEN))
+        elif plan.kind != "morris" and any(vary.distribution for vary in plan.vary.values()):
+            shares = np.clip(shares, OPEN, 1.0 - OPEN)
+        return np.column_stack([vary.at(s) for vary, s in zip(plan.vary.values(), shares.T, strict=True)])
+
+    @cached_property
+    def _copula(self) -> Copula:
+        return Copula(self._plan.vary, self._plan.correlations)
+
+    @cached_property
+    def _shares(self) -> Array:
+        plan = self._plan
+        width = len(plan.vary)
+        try:
+            return designs.shares(plan.kind, plan.runs, width, plan.seed, plan.second_order, plan.levels)
+        except MemoryError:
+            raise StudyError(
+                f"plan: runs = {plan.runs}: their table does not fit into memory: take fewer, or a grid"
+            ) from None
+
+    def _mixed(self, numbers: NDArray[np.int_]) -> Array:
+        """Points of Saltelli's arrangement: A, B, then A with one column of B."""
+        width = len(self._plan.vary)
+        block, row = np.divmod(numbers, self._plan.runs)
+        first, second = self._shares[row, :width], self._shares[row, width:]
+        from_second = (block[:, None] == 1) | (block[:, None] - 2 == np.arange(width))
+        return np.where(from_second, second, first)

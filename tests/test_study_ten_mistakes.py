@@ -1,0 +1,345 @@
+"""Plans with ten mistakes of all kinds get ten messages at once: what the schema, the numbers, the FMU's
+variables, files and times say stands in one list."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from study_cases import FORWARD
+
+from dualcam.__main__ import main
+from dualcam.design_file import DesignFileError
+from dualcam.study import StudyError, read_optimisation, read_study
+
+SOUND = """
+fmu = "{fmu}"
+results = ["theta@0.2", "efficiency", "top = max(theta, every=0.01)", "rest = 1 - top"]
+[parameters]
+"cam2.radius" = "21 mm"
+"cam1.profile" = 3
+"stop.upper" = 1.0
+[plan]
+kind = "latin"
+runs = 100
+seed = 3
+[plan.vary]
+peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
+push = {{ from = "100 ms", to = "200 ms" }}
+wire = {{ from = "1.9 mm", to = "2.1 mm" }}
+coils = {{ values = [4, 5], weights = [1, 3] }}
+"cam1.radius" = {{ from = "19 mm", to = "21 mm" }}
+"spring.preload" = {{ distribution = "lognorm", arguments = {{ s = 0.5, scale = "60 N" }}, to = 200 }}
+"cam1.friction" = {{ from = 0.1, to = 0.2 }}
+"cam2.friction" = {{ from = 0.1, to = 0.2 }}
+"cam2.lead_angle" = {{ from = "40 deg", to = "50 deg" }}
+"cam1.friction_peak" = {{ from = 1.0, to = 1.2 }}
+"cam2.friction_peak" = {{ same_as = "cam1.friction_peak" }}
+"cam1.table" = {{ table = "groove.csv", deviation = "0.01 mm", correlation_length = "10 deg", count = 3 }}
+[plan.derived]
+"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * coils)"
+[plan.constraints]
+soft = "spring.stiffness < 5400"
+[[plan.correlation]]
+of = ["cam1.friction", "cam2.friction"]
+rank = 0.8
+[[plan.correlation]]
+of = ["cam1.radius", "spring.preload"]
+pearson = 0.3
+[scenario]
+stop = 0.4
+tolerance = 1e-9
+inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
+inputs.F_ext = {{ time = [0.0, 0.1, 0.2], value = [0.0, 1.0, 0.0] }}
+[[plots]]
+kind = "pareto"
+x = "efficiency"
+y = "top"
+"""
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """What is replaced in SOUND, by what, and what is told.
+
+    `key`: of several mistakes with the same key only one can be made. `needs`: keys that must be sound, since
+    the mistake shows in values that follow from theirs."""
+
+    key: str
+    old: str
+    new: str
+    told: tuple[str, ...]
+    needs: frozenset[str]
+
+
+def mistake(key, old, new, *told, needs=()):
+    return Mistake(key, old, new, told, frozenset(needs))
+
+
+MISTAKES = [
+    # what the schema refuses
+    mistake("seed", "seed = 3", "seed = 3.5", "plan: seed = 3.5: allowed is a whole number"),
+    mistake("runs", "runs = 100", "rums = 100", "plan has rums: did you mean runs?"),
+    mistake("tolerance", "tolerance = 1e-9", "tolerence = 1e-9", "scenario has tolerence", "tolerance?"),
+    mistake("weights", "weights = [1, 3]", 'weights = "even"', "coils: weights = 'even'", "list of numbers"),
+    # numbers, distributions, correlations
+    mistake("kind", 'kind = "latin"', 'kind = "lattin"', "kind = 'lattin'", "did you mean latin"),
+    mistake("peak", '"normal", mean', '"nomal", mean', "peak: distribution = 'nomal'", "normal"),
+    mistake("peak", "std = 1.0, ", "", "peak: distribution normal lacks std"),
+    mistake("push", 'from = "100 ms"', 'from = "300 ms"', "push: from 0.3 to 0.2", "first below the second"),
+    mistake("push", 'to = "200 ms"', 'to = "200 N"', "push: from = '100 ms', to = '200 N'", "ms and N"),
+    mistake("wire", 'from = "1.9 mm"', 'from = "1.9 ells"', "wire: from = '1.9 ells'", "not known"),
+    mistake("rank", "rank = 0.8", "rank = 1.7", "correlation: rank = 1.7", "above -1 and below 1"),
+    mistake("rank", '["cam1.friction",', '["cam1.frction",', "cam1.frction does not", "mean cam1.friction"),
+    mistake("pearson", "pearson = 0.3", "pearson = 0.9999", "these distributions allow"),
+    mistake("same", '"cam1.friction_peak" }}', '"cam1.frction_peak" }}', "cam1.frction_peak does not vary"),
+    # formulas
+    mistake("derived", "/ (8 *", "/ (8 + *", "derived: spring.stiffness", "is no formula"),
+    mistake("derived", "'79 GPa'", "-'79 GPa'", "derived, is -", "100 %", needs=["wire", "weights"]),
+    mistake("soft", 'soft = "spring.stiffness', 'soft = "spring.stifness', "constraints: soft", "stifness"),
+    mistake("tau", '["peak", "peak"', '["peak", "paek"', "scenario: a formula uses paek", "mean peak?"),
+    # the FMU's variables
+    mistake("lead", '"40 deg"', '"40 mm"', "cam2.lead_angle: from = '40 mm'", "rad or a multiple"),
+    mistake("lead", '"cam2.lead_angle"', '"cam2.lead_angel"', "cam2.lead_angel is no variable", "lead_angle"),
+    mistake("friction", '"cam2.friction" = {{ from = 0.1', '"cam2.friction" = {{ from = -0.1', "33.3 %"),
+    mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radios" = "21 mm"', "cam2.radios", "cam2.radius"),
+    mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radius" = "21 s"', "cam2.radius = '21 s'", "length"),
+    mistake("radius", '"cam2.radius" = "21 mm"', '"cam2.radius" = -0.02', "cam2.radius = -0.02", "allows"),
+    mistake("input", "inputs.F_ext", "inputs.F_est", "F_est", "did you mean F_ext"),
+    mistake("result", '"efficiency", "top', '"efficency", "top', "efficency", "did you mean efficiency"),
+    # files and times
+    mistake("table", '"groove.csv"', '"grove.csv"', "no file grove.csv in the folder", "mean groove.csv"),
+    mistake("table", '"groove.csv"', '"fallen.csv"', "cam1.table", "fallen.csv"),
+    mistake("at", '"theta@0.2"', '"theta@0.9"', "result 'theta@0.9'", "a time from 0 to 0.4 s"),
+    mistake("top", "every=0.01", "every=-1", "result 'top = max(theta, every=-1)'", "every=SECONDS"),
+    mistake("order", "[0.0, 0.1, 0.2]", "[0, 0.2, 0.1]", "times must increase: 0.1 s comes after 0.2 s"),
+    # pictures
+    mistake("plot", 'y = "top"', 'y = "topp"', "plot pareto: 'topp' is no column", "did you mean top"),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With a groove table, and one that falls."""
+    place = tmp_path_factory.mktemp("plans")
+    psi = np.linspace(0.0, 1.0, 41)
+    for name, z in (("groove", 0.02 * psi), ("fallen", 0.02 * (psi - psi**2))):
+        table = np.column_stack([psi, z])
+        np.savetxt(place / f"{name}.csv", table, "%.17g", ",", header="psi_rad,z_m", comments="")
+    return place
+
+
+def told(path, read=read_study):
+    """All messages about a file."""
+    try:
+        read(path)
+    except StudyError as error:
+        return list(error.problems)
+    return []
+
+
+def problems(folder, mistakes, sound=SOUND, read=read_study):
+    """All messages about a plan with these mistakes."""
+    text = sound
+    for each in mistakes:
+        assert text.count(each.old) == 1, each
+        text = text.replace(each.old, each.new)
+    path = folder / "plan.toml"
+    path.write_text(text.format(fmu=FORWARD))
+    return told(path, read)
+
+
+def assert_told_once_each(found, mistakes):
+    left = list(found)
+    for each in mistakes:
+        own = [problem for problem in left if all(word in problem for word in each.told)]
+        assert len(own) == 1, (each, found)
+        left.remove(own[0])
+    assert not left, left
+
+
+def test_the_plan_without_a_mistake_is_sound(folder):
+    assert problems(folder, []) == []
+
+
+@pytest.mark.parametrize("one", MISTAKES, ids=lambda one: one.told[0])
+def test_one_mistake_gets_one_message(folder, one):
+    assert_told_once_each(problems(folder, [one]), [one])
+
+
+def chosen(*words):
+    """Mistakes by a word of what is told."""
+    found = [next(each for each in MISTAKES if any(word in text for text in each.told)) for word in words]
+    assert len({each.key for each in found}) == len(words)
+    return found
+
+
+TEN = {
+    "former stages mixed": chosen(
+        "seed", "nomal", "rank = 1.7", "is no formula", "40 mm", "cam2.radios", "F_est", "grove.csv",
+        "theta@0.9", "comes after",
+    ),
+    "names with a slip": chosen(
+        "rums", "tolerence", "lattin", "cam1.frction does", "cam1.frction_peak", "stifness", "paek",
+        "cam2.lead_angel", "efficency", "topp",
+    ),
+    "values that cannot be": chosen(
+        "even", "lacks std", "push: from 0.3", "1.9 ells", "these distributions", "33.3 %", "21 s",
+        "fallen.csv", "every=-1", "comes after",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TEN)
+def test_ten_mistakes_get_ten_messages(folder, name):
+    found = problems(folder, TEN[name])
+    assert len(found) == 10
+    assert_told_once_each(found, TEN[name])
+
+
+def test_the_command_tells_them(folder, tmp_path, capsys):
+    problems(folder, TEN["former stages mixed"])
+    assert main(["study", str(folder / "plan.toml"), "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "plan.toml: 10 mistakes" in said and said.count("\n") == 11
+    assert not (tmp_path / "out").exists()
+
+
+@st.composite
+def subsets(draw, mistakes):
+    """Mistakes of different keys."""
+    keys = draw(st.sets(st.sampled_from(sorted({each.key for each in mistakes})), min_size=2, max_size=12))
+    found = [draw(st.sampled_from([each for each in mistakes if each.key == key])) for key in sorted(keys)]
+    return [each for each in found if not each.needs & keys]
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(mistakes=subsets(MISTAKES))
+def test_any_mistakes_get_their_messages_and_no_others(folder, mistakes):
+    assert_told_once_each(problems(folder, mistakes), mistakes)
+
+
+# ---- optimisations ----
+
+SEARCH = """
+fmu = "{fmu}"
+results = ["torque_release"]
+[parameters]
+"spring.preload" = "60 N"
+[plan.vary]
+"cam1.lead_angle" = {{ from = "20 deg", to = "70 deg" }}
+"cam2.lead_angle" = {{ same_as = "cam1.lead_angle" }}
+"cam1.radius" = {{ from = "15 mm", to = "25 mm" }}
+"spring.stiffness" = {{ values = [4e4, 5e4] }}
+"cam1.friction" = {{ distribution = "normal", mean = 0.14, std = 0.01 }}
+[plan.constraints]
+slender = "cam1.radius < 1"
+[scenario]
+stop = 0.001
+inputs.tau = {{ time = [0.0, 0.001], value = [0.0, 1.0] }}
+[optimise]
+objectives."torque_load@0.0005" = "maximise"
+constraints.efficiency = {{ from = 0.5 }}
+constraints."peak.reaction1" = {{ from = "1 N", to = "200 N" }}
+tolerances."cam2.radius" = {{ plus_minus = "0.1 mm", shape = "uniform" }}
+method = "evolution"
+budget = 100
+percentile = 90
+start."cam1.lead_angle" = "30 deg"
+"""
+MISTAKES_OF_SEARCH = [
+    mistake("fixed", '"60 N"', '"60 mm"', "spring.preload = '60 mm'", "force"),
+    mistake("angle", '"20 deg"', '"80 deg"', "cam1.lead_angle: from 1.39626 to 1.22173", needs=["start"]),
+    mistake("same", 'same_as = "cam1.lead_angle"', 'same_as = "cam1.led_angle"', "cam1.led_angle does not"),
+    mistake("radius", '"15 mm"', '"15 N"', "cam1.radius: from = '15 N'", "length"),
+    mistake("choice", "[4e4, 5e4]", "[4e4, -1]", "spring.stiffness from -1 to 40000", "the FMU allows 0"),
+    mistake("chance", '"normal"', '"nomal"', "distribution = 'nomal'", "did you mean normal"),
+    mistake("slender", '"cam1.radius < 1"', '"cam1.radius <"', "constraints: slender", "is no formula"),
+    mistake("stop", "stop = 0.001", 'stop = "1 mm"', "stop = '1 mm'", "no unit of time", needs=["at"]),
+    mistake("order", "[0.0, 0.001]", "[0.001, 0.0]", "times must increase: 0 s comes after 0.001 s"),
+    mistake("at", "torque_load@0.0005", "torque_load@0.5", "torque_load@0.5", "from 0 to 0.001 s"),
+    mistake("way", '"maximise"', '"maximize"', "'maximize': did you mean maximise"),
+    mistake("limit", "efficiency = {{ from", "efficiency = {{ form", "has form: did you mean from?"),
+    mistake("other", "constraints.efficiency", "constraints.efficency", "'efficency'", "mean efficiency"),
+    mistake("force", '"1 N"', '"300 N"', "peak.reaction1 from 300 to 200", "first must not"),
+    mistake("made", '"0.1 mm"', '"-0.1 mm"', "tolerances: cam2.radius: plus_minus = -0.0001", "above 0"),
+    mistake("made", '"uniform"', '"unifrom"', "tolerances: cam2.radius: shape = 'unifrom'", "mean uniform"),
+    mistake("method", '"evolution"', '"evoluton"', "optimise: method = 'evoluton'", "did you mean evolution"),
+    mistake("budget", "budget = 100", "budgets = 100", "optimise has budgets: did you mean budget?"),
+    mistake("percentile", "percentile = 90", "percentile = 100", "percentile = 100", "between 0 and 100 %"),
+    mistake("start", '"30 deg"', '"10 deg"', "start: cam1.lead_angle = 10 deg", "20 deg to 70 deg"),
+    mistake("result", '"torque_release"', '"torque_releas"', "no variable 'torque_releas'"),
+]  # fmt: skip
+
+
+def test_the_search_without_a_mistake_is_sound(folder):
+    assert problems(folder, [], SEARCH, read_optimisation) == []
+
+
+@pytest.mark.parametrize("one", MISTAKES_OF_SEARCH, ids=lambda one: one.told[0])
+def test_one_mistake_of_a_search_gets_one_message(folder, one):
+    assert_told_once_each(problems(folder, [one], SEARCH, read_optimisation), [one])
+
+
+@pytest.mark.parametrize("first", [0, 10])
+def test_ten_mistakes_of_a_search_get_ten_messages(folder, first):
+    """Of the mistakes that do not depend on each other."""
+    by_key = {each.key: each for each in MISTAKES_OF_SEARCH if not each.needs}
+    ten = list(by_key.values())[first : first + 10] if first == 0 else list(by_key.values())[-10:]
+    found = problems(folder, ten, SEARCH, read_optimisation)
+    assert len(found) == 10
+    assert_told_once_each(found, ten)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(mistakes=subsets(MISTAKES_OF_SEARCH))
+def test_any_mistakes_of_a_search_get_their_messages(folder, mistakes):
+    found = problems(folder, mistakes, SEARCH, read_optimisation)
+    assert_told_once_each(found, mistakes)
+
+
+PAIR = [("one", SOUND, ("rank = 0.8", "rank = 1.7")), ("two", SEARCH, ("= 90", "= 100"))]
+
+
+def test_the_command_tells_the_mistakes_of_all_files(folder, tmp_path, capsys):
+    """Before the first run of any of them."""
+    for name, text, words in PAIR:
+        (folder / f"{name}.toml").write_text(text.replace(*words).format(fmu=FORWARD))
+    paths = [str(folder / f"{name}.toml") for name in ("one", "two")]
+    assert main(["study", *paths, "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert "one.toml: plan: correlation: rank = 1.7" in said and "two.toml: optimise: percentile" in said
+    assert not (tmp_path / "out").exists()
+
+
+# ---- design files ----
+
+DESIGN = """
+[cam1]
+radius = "25 ells"
+lead_angle = "40 deg"
+[scenario]
+stop = 0.1
+[study]
+results = ["thetta", "theta@0.5"]
+[study.plan]
+kind = "lattin"
+runs = 10
+[study.plan.vary]
+"cam1.friction" = {from = -0.1, to = 0.2}
+"cam2.frction" = {from = 0.1, to = 0.2}
+push = {from = "5 mm", to = "9 N.m"}
+"""
+
+
+@pytest.mark.parametrize("optimise", [False, True])
+def test_a_design_file_tells_its_own_mistakes_and_those_of_its_study(tmp_path, optimise):
+    path = tmp_path / "my.toml"
+    path.write_text(DESIGN + ('[study.optimise]\nobjectives.efficency = "maximise"' if optimise else ""))
+    with pytest.raises(DesignFileError) as caught:
+        (read_optimisation if optimise else read_study)(path)
+    said = str(caught.value)
+    words = ["2 errors", "25 ells", "'thetta'", "theta@0.5", "cam1.friction from -0.1", "cam2.frction"]
+    words += ["mm and N.m", "7 mistakes", "'efficency'" if optimise else "did you mean latin"]
+    assert all(word in said for word in words), said
