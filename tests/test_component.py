@@ -23,7 +23,7 @@ from dualcam.export.component_files import with_files
 from dualcam.model_description import read_model_description
 
 FORWARD, INVERSE = (model.fmu for model in models.values())
-LARGEST = 370_000  # bytes: two interfaces with the names of 150 functions
+LARGEST = 380_000  # bytes: two interfaces with the names of 150 functions
 CLOSE = 1e-12  # relative: exp, sin and cos are those of another C library
 BOUNCING = {"inertia.shaft": 0.01, "stop.restitution": 0.4}
 DAMPED = {"inertia.shaft": 0.002, "shaft.damping": 0.02}
