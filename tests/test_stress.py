@@ -35,7 +35,7 @@ def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
     assert not wrong(chosen, libraries)
 
 
-@pytest.mark.parametrize(("name", "seed"), [("fuzz", 1), ("fuzz_laws", 3), ("fuzz_loads", 2)])
+@pytest.mark.parametrize(("name", "seed"), [("fuzz", 1), ("fuzz_laws", 3)])
 def test_some_at_random(name, seed, libraries, tmp_path):
     assert not wrong(RANDOM[name](Tables(tmp_path), 60, seed), libraries)
 

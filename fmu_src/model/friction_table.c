@@ -146,7 +146,7 @@ typedef struct {
 NOINLINE static KnotStep knot_step(const double *knot, size_t last, double overshoot, double x, bool up, size_t k) {
     k += up;
     double beyond = passing(knot, last, overshoot, k);
-    while (fabs(knot[k] - x) < FRICTION_REACHED * beyond && beyond < INFINITY) {
+    while (beyond < INFINITY && fabs(knot[k] - x) < FRICTION_REACHED * beyond) {
         k = up ? k + 1 : k - 1;
         beyond = passing(knot, last, overshoot, k);
     }
