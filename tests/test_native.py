@@ -45,6 +45,7 @@ def test_sanitizers_find_nothing(live, model):
     live(f"{model.identifier}-sanitized")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
 def test_valgrind_finds_nothing(live, model):
     live(model.identifier, VALGRIND)
