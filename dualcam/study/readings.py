@@ -138,19 +138,16 @@ class Readings:
     # ---- texts ----
 
     def _reading(self, text: str, stop: float | str) -> Reading:
-        if call := _sampling(text):
-            return _sampled(text, call, stop)
-        named = NAMED.fullmatch(text)
-        if named is None:
-            if not text:
-                raise StudyError("an empty text: allowed is the name of a variable")
-            return Reading(text, VALUE, (text,))
-        column, body = named[1].strip(), named[2].strip()
-        if column in (*self._varied, *RESERVED):
-            raise StudyError(f"{column} is the name of another column: give another name")
+        name, body = _split(text)
+        if name in (*self._varied, *RESERVED):
+            raise StudyError(f"{name} is the name of another column: give another name")
         if call := _sampling(body):
-            return _sampled(column, call, stop)
-        return self._of_formula(column, body, stop)
+            return _sampled(name or text, call, stop)
+        if name:
+            return self._of_formula(name, body, stop)
+        if not text:
+            raise StudyError("an empty text: allowed is the name of a variable")
+        return Reading(text, VALUE, (text,))
 
     def _of_formula(self, column: str, body: str, stop: float | str) -> Reading:
         inner: dict[str, Reading] = {}
@@ -239,16 +236,20 @@ _REDUCED: dict[str, Any] = {
 
 def column_of(text: str) -> str:
     """The name of the column of a result."""
-    named = NAMED.fullmatch(text.strip())
-    return text.strip() if named is None or _sampling(text.strip()) else named[1].strip()
+    return _split(text)[0] or text.strip()
 
 
 def is_series(text: str) -> bool:
     """Whether a result has several values in a run."""
-    text = text.strip()
-    named = NAMED.fullmatch(text)
-    call = _sampling(text) or (_sampling(named[2].strip()) if named else None)
+    call = _sampling(_split(text)[1])
     return call is not None and call[1] == SERIES
+
+
+def _split(text: str) -> tuple[str, str]:
+    """The name that the text gives to the result, empty without one, and what is computed."""
+    text = text.strip()
+    named = None if _sampling(text) else NAMED.fullmatch(text)
+    return (named[1].strip(), named[2].strip()) if named else ("", text)
 
 
 def _sampling(text: str) -> re.Match[str] | None:
