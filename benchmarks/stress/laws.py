@@ -29,6 +29,17 @@ def law(peak: float, speed: float, exponent: int, viscous: float) -> Params:
     return {f"cam{i}.{name}": value for i in (1, 2) for name, value in values.items()}
 
 
+def to_and_fro(parameters: Params) -> list[Interval]:
+    """Torques that load, let go, pull back and come again, by the size of the loads at 0.7 rad."""
+    torque = Sizes.of(parameters).torque(0.7)
+    return [
+        Interval(0.02, 1.6 * torque),
+        Interval(0.03, 0.0),
+        Interval(0.02, 0.0, -1.5 * torque / 0.02),
+        Interval(0.03, -0.3 * torque, 2.2 * torque / 0.03),
+    ]
+
+
 def friction_laws(tables: Tables) -> Iterator[Scene]:
     row = (
         "Stribeck velocity 1e-6 to 10 m/s, static over kinetic friction 1 to 5, lubricated branch 0 to 1 s/m"
@@ -43,15 +54,8 @@ def friction_laws(tables: Tables) -> Iterator[Scene]:
         for shape, nonlinear in ((ellipses(), True), (helices(0.8, 0.9), False)):
             p = shape | law(peak, speed, exponent, viscous) | spring(3e4, 0.02, nonlinear=nonlinear)
             p |= damper(20.0) | {"inertia.shaft": 0.002, "initial.theta": 0.3}
-            torque = Sizes.of(p).torque(0.7)
-            intervals = [
-                Interval(0.02, 1.6 * torque),
-                Interval(0.03, 0.0),
-                Interval(0.02, 0.0, -1.5 * torque / 0.02),
-                Interval(0.03, -0.3 * torque, 2.2 * torque / 0.03),
-            ]
             label = f"peak {peak:g}, Stribeck velocity {speed:g}, exponent {exponent}, viscous {viscous:g}"
-            yield Scene(row, p, intervals, judge, label, steps=2)
+            yield Scene(row, p, to_and_fro(p), judge, label, steps=2)
 
 
 def load_laws(tables: Tables) -> Iterator[Scene]:
@@ -68,15 +72,8 @@ def load_laws(tables: Tables) -> Iterator[Scene]:
                 p[f"cam{i}.friction"] = 0.14 * share**exponent
             if falls:
                 p |= law(1.5, 1e-2, 2, 0.0)
-            torque = Sizes.of(p).torque(0.7)
-            intervals = [
-                Interval(0.02, 1.6 * torque),
-                Interval(0.03, 0.0),
-                Interval(0.02, 0.0, -1.5 * torque / 0.02),
-                Interval(0.03, -0.3 * torque, 2.2 * torque / 0.03),
-            ]
             label = f"exponent {exponent:g}, reference load {share:g}, {'Stribeck' if falls else 'Coulomb'}"
-            yield Scene(row, p, intervals, "simulate", label, steps=2)
+            yield Scene(row, p, to_and_fro(p), "simulate", label, steps=2)
 
 
 def with_law(rng: np.random.Generator, scene: Scene) -> Scene:
