@@ -166,10 +166,11 @@ COMPACT static bool stays_beside_level(const LobattoSystem *s, const NodeLoads *
 /* Without inertia: does the spring's load stay on the flanks of the contacts? Else the torque can come back into the
  * stick band while the mechanism moves. */
 static bool stays_on_spring_flanks(const LobattoSystem *s) {
+    if (s->slip->regime != REGIME_VISCOUS) return true;
     bool stays = true;
     for (int k = 0; k < LOBATTO_HALVES; k++)
         for (int i = 0; i < 2; i++) stays &= s->slip->flank[0] * s->pair[k].force[i] > 0.0;
-    return stays || s->slip->regime != REGIME_VISCOUS;
+    return stays;
 }
 
 /* ---- peaks ---- */
