@@ -88,7 +88,7 @@ class Core:
         """A function of fleet.h. FleetError where instances fail, FmuError where the fleet is closed."""
         if self._handle is None:
             raise FmuError(CLOSED)
-        if not self._lock.acquire(blocking=False):
+        if not self._lock.acquire(False):
             raise FmuError(BUSY)
         try:
             failures = getattr(self._native, name)(self._handle, *arguments)

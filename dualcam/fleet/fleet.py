@@ -23,7 +23,7 @@ from dualcam.fleet.arguments import (
     whole_number,
 )
 from dualcam.fleet.core import Core, NotFiniteError
-from dualcam.fleet.native import Ports, address, native
+from dualcam.fleet.native import Ports, address, native, pointer_to
 from dualcam.fleet.state import FleetState
 from dualcam.fleet.values import NUMBERS, FleetValue, Layout
 from dualcam.handle import OWN_NAMES, names_of, unknown_variable
@@ -246,7 +246,9 @@ class Fleet:
             raise FmuError(f"h = {h!r}: allowed is a finite number > 0, in s")
         outputs = np.empty(wanted) if out is None else output_buffer(out, wanted)
         try:
-            self._core.call("fleet_roll", self._ports_address, address(inputs), steps, size, address(outputs))
+            self._core.call(
+                "fleet_roll", self._ports_address, pointer_to(inputs), steps, size, pointer_to(outputs)
+            )
         except FleetError as error:
             error.outputs = outputs
             raise

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, c_char, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_void_p
+from collections.abc import Callable
+from ctypes import POINTER, byref, c_char, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_void_p
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,3 +159,11 @@ def address(array: NDArray[np.generic]) -> int:
     """Where the elements of an array begin."""
     place: int = array.__array_interface__["data"][0]  # takes half as long as array.ctypes.data
     return place
+
+
+_first_byte: Callable[[Any], c_char] = c_char.from_buffer
+
+
+def pointer_to(array: NDArray[np.generic]) -> object:
+    """Elements of a C-contiguous array as an argument of a function; takes a fifth as long as `address`."""
+    return byref(_first_byte(array)) if array.flags.writeable and array.size else address(array)

@@ -71,18 +71,22 @@ static bool take_piece(Share *share, uint32_t *piece) {
     }
 }
 
-static void work_on_share(Pool *pool, Share *share, unsigned worker) {
-    uint32_t piece;
-    while (take_piece(share, &piece)) {
+/* The number of pieces done. */
+static unsigned work_on_share(const Pool *pool, Share *share, unsigned worker) {
+    unsigned done = 0;
+    for (uint32_t piece; take_piece(share, &piece); done++) {
         size_t first = piece * pool->piece, rest = pool->count - first;
         pool->job(pool->context, first, first + (rest < pool->piece ? rest : pool->piece), worker);
-        atomic_fetch_add(&pool->done, 1);
     }
+    return done;
 }
 
+/* The pieces of a share are booked at once: a number that several threads write is slow. */
 static void work(Pool *pool, unsigned worker) {
-    for (unsigned i = 0; i < pool->threads; i++)
-        work_on_share(pool, &pool->shares[(worker + i) % pool->threads], worker);
+    for (unsigned i = 0; i < pool->threads; i++) {
+        unsigned done = work_on_share(pool, &pool->shares[(worker + i) % pool->threads], worker);
+        if (done > 0) atomic_fetch_add(&pool->done, done);
+    }
 }
 
 /* Looks for a job with another number than `seen`, for LOOKING_TIME. */
