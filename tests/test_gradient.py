@@ -184,6 +184,8 @@ def test_torch_has_the_same_gradient(fleet):
     value.backward()
     expected, gradient = expected_of(fleet)
     assert value.item() == pytest.approx(expected, rel=1e-12)
+    with torch.no_grad():
+        assert (weight * torch_rollout(fleet)(*given) ** 2).sum() == value
     for tensor, known in zip(given, gradient, strict=True):
         np.testing.assert_allclose(tensor.grad, known, rtol=1e-9, atol=1e-12 * np.abs(known).max())
 
@@ -198,6 +200,25 @@ def test_at_rest_and_on_the_edge_the_torque_moves_nothing():
         run = fleet.rollout([[0.4, 0.0]] * 2, [[[0.9 * edge]], [[edge]]])
     assert run.states[:, 0].tolist() == [[0.4, 0.0]] * 2
     assert run.jacobians[:, 0].tolist() == [[[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]] * 2
+
+
+def test_states_without_jacobians_are_the_same(fleet):
+    assert fleet.states(*arguments()).tobytes() == fleet.rollout(*arguments()).states.tobytes()
+
+
+def test_jax_reads_jacobians_only_for_a_gradient(jax, fleet, monkeypatch):
+    run = jax_rollout(fleet)
+    expected = fleet.rollout(*arguments()).states
+    monkeypatch.delattr(DifferentiableFleet, "rollout")
+    assert np.asarray(run(*arguments())).tobytes() == expected.tobytes()
+
+
+def test_a_closed_fleet_makes_no_run():
+    fleet = DifferentiableFleet("forward", 1, H)
+    fleet.close()
+    for run in (fleet.rollout, fleet.states):
+        with pytest.raises(FmuError, match="this fleet is closed"):
+            run([[0.4, 0.0]], [[[0.0]]])
 
 
 def test_every_run_begins_anew(fleet):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -176,9 +177,13 @@ class DifferentiableFleet:
         self._shape = (len(STATES), len(knowns))
         self._lock = threading.Lock()  # JAX calls from threads of its own
         others[INITIAL[0]] = _between_stops(description, others)
-        self._fleet = Fleet(
-            fmu, count, self.inputs, [*STATES, *derivatives], others, threads, tolerance=tolerance
-        )
+
+        def fleet(outputs: Sequence[str]) -> Fleet:
+            return Fleet(fmu, count, self.inputs, outputs, others, threads, tolerance=tolerance)
+
+        self._fleet = fleet([*STATES, *derivatives])
+        self._new_plain_fleet = partial(fleet, STATES)
+        self._plain_fleet: Fleet | None = None
 
     def __enter__(self) -> Self:
         self._fleet.__enter__()
@@ -200,6 +205,8 @@ class DifferentiableFleet:
     def close(self) -> None:
         """Free all instances. Any later run is an FmuError."""
         self._fleet.close()
+        if self._plain_fleet is not None:
+            self._plain_fleet.close()
 
     def rollout(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Rollout:
         """A new run of all instances.
@@ -234,16 +241,56 @@ class DifferentiableFleet:
         >>> run.states[:, -1].round(4).tolist()  # rad, rad/s: the first instance sticks
         [[0.4, 0.0], [0.4114, 0.0]]
         """
+        found = self._run(self._fleet, start, u, p)
+        jacobians = found[:, :, 2:].reshape(*found.shape[:2], *self._shape)
+        return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
+
+    def states(self, start: ArrayLike, u: ArrayLike, p: ArrayLike | None = None) -> Array:
+        """The states of `rollout`, without Jacobians: for a loss whose gradient is not wanted.
+
+        The first call makes a second set of instances.
+
+        Parameters
+        ----------
+        start, u, p : array_like
+            As for `rollout`.
+
+        Returns
+        -------
+        ndarray, shape (count, steps, 2)
+            theta [rad] and omega [rad/s] after each step, in each bit as in `rollout`.
+
+        Raises
+        ------
+        FleetError
+            The FMU refuses a start value or a step of an instance.
+        FmuError
+            A wrong shape or type.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from dualcam.gradient import DifferentiableFleet
+        >>> with DifferentiableFleet("forward", 1, 1e-3) as fleet:
+        ...     fleet.states([[0.4, 2.0]], np.full((1, 50, 1), 3.0))[:, -1].round(4).tolist()  # rad, rad/s
+        [[0.4114, 0.0]]
+        """
+        with self._lock:
+            if self._plain_fleet is None:
+                self._fleet.__enter__()  # an error where the fleet is closed
+                self._plain_fleet = self._new_plain_fleet()
+        return self._run(self._plain_fleet, start, u, p)
+
+    def _run(self, fleet: Fleet, start: ArrayLike, u: ArrayLike, p: ArrayLike | None) -> Array:
+        """The outputs of a new run of `fleet`."""
         columns = np.empty((self.count, 0)) if p is None else p
         first = numbers_of(start, (self.count, 2))
         tuned = numbers_of(columns, (self.count, len(self.parameters)))
         values: dict[str, FleetValue] = dict(zip(INITIAL, first.T, strict=True))
         values |= dict(zip(self.parameters, tuned.T, strict=True))
         with self._lock:
-            self._fleet.reset(parameters=values)
-            found = self._fleet.rollout(u, self.h)
-        jacobians = found[:, :, 2:].reshape(*found.shape[:2], *self._shape)
-        return Rollout(np.ascontiguousarray(found[:, :, :2]), jacobians, len(self.inputs))
+            fleet.reset(parameters=values)
+            return fleet.rollout(u, self.h)
 
 
 def _require_derivatives(

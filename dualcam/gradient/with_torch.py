@@ -49,9 +49,11 @@ def torch_rollout(fleet: DifferentiableFleet) -> Callable[[Tensor, Tensor, Tenso
 
         @staticmethod
         def forward(ctx: Context, start: Tensor, u: Tensor, p: Tensor) -> Tensor:
-            made = fleet.rollout(*(tensor.detach().cpu().double().numpy() for tensor in (start, u, p)))
-            ctx.made, ctx.like = made, (start, u, p)
-            return torch.from_numpy(made.states).to(start.device)
+            arguments = [tensor.detach().cpu().double().numpy() for tensor in (start, u, p)]
+            if not any(ctx.needs_input_grad):
+                return torch.from_numpy(fleet.states(*arguments)).to(start.device)
+            ctx.made, ctx.like = fleet.rollout(*arguments), (start, u, p)
+            return torch.from_numpy(ctx.made.states).to(start.device)
 
         @staticmethod
         def backward(ctx: Context, by_states: Tensor) -> tuple[Tensor, ...]:
