@@ -70,8 +70,8 @@ usage: ./build.sh [command] [arguments]
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
            also checks the links to other sites
-  check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code, then the C code under
-           sanitizers and valgrind
+  check    format of the C code (clang-format), lint (ruff) and types (mypy) of the Python code; static analysis of the
+           C code (clang-tidy, cppcheck, gcc -fanalyzer; ten minutes); then the C code under sanitizers and valgrind
   help     this text
 
 "build" makes the FMUs for this machine, unless they are up to date. On a machine without bash:
@@ -232,13 +232,15 @@ case $command in
         say "dist: $(cd dist && ls dualcam-*.whl)"
         ;;
     check)
-        install_dependencies '.[test]'
+        install_dependencies '.[check]'
         say "clang-format"
         find fmu_src -name '*.[ch]' -print0 | xargs -0 .venv/bin/clang-format --dry-run -Werror
         say "ruff"
         .venv/bin/python -m ruff check .
         say "mypy"
         .venv/bin/python -m mypy
+        say "static analysis of the C code"
+        .venv/bin/python fmu_src/tools/static_analysis.py
         build
         say "sanitizers and valgrind"
         exec .venv/bin/python -m pytest tests/test_native.py -m "long or not long" -v -rs "$@"

@@ -21,6 +21,9 @@ from dualcam.export.names import model_identifier, target_path
 from dualcam.export.page import exported_page
 from dualcam.export.reference import FOLDER as REFERENCE_FOLDER
 from dualcam.export.reference import Reference, reference_result
+from dualcam.export.related_files import FOLDER as RELATED_FOLDER
+from dualcam.export.related_files import PAGE as RELATED_PAGE
+from dualcam.export.related_files import exported_related_files
 from dualcam.export.scenario import FILE as SCENARIO_FILE
 from dualcam.export.scenario import scenario_for, scenario_table, scenario_text
 from dualcam.export.sources import FOLDER as SOURCES_FOLDER
@@ -247,8 +250,9 @@ def _core_members(plan: Plan, before: Mapping[str, bytes]) -> tuple[dict[str, by
     token = TOKEN[description.fmi]
     blank = description.edited({**root, token: ""}, plan.identifier, plan.start)
     guid = _guid(blank, plan.tables)
-    changed = (BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER)
-    members = {name: content for name, content in before.items() if not name.startswith((*changed, PAGE))}
+    changed = (BINARIES, SOURCES_FOLDER, REFERENCE_FOLDER, RELATED_FOLDER, RELATED_PAGE, PAGE)
+    members = {name: content for name, content in before.items() if not name.startswith(changed)}
+    members |= exported_related_files(before, description.identifier, plan.identifier)
     members[XML] = description.edited({**root, token: guid}, plan.identifier, plan.start)
     members |= _binaries(plan, before, description, guid)
     renamed = {description.identifier: plan.identifier, description.token: guid}

@@ -111,7 +111,9 @@ static long finish(Fleet *fleet, Call call) {
 /* fmi2CallbackLogger. `environment` is the slot; messages of one call are joined. */
 static void keep_message(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
                          fmi2String message, ...) {
-    (void)name, (void)category, (void)status;
+    (void)name;
+    (void)category;
+    (void)status;
     const Slot *slot = environment;
     if (slot == NULL || slot->text == NULL || message == NULL) return;
     size_t used = strlen(slot->text);

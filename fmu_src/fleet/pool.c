@@ -168,7 +168,7 @@ static Share *new_shares(unsigned threads) {
 }
 
 Pool *pool_new(unsigned threads) {
-    Pool *pool = calloc(1, sizeof *pool);
+    Pool *pool = threads > 0 ? calloc(1, sizeof *pool) : NULL;
     if (pool == NULL) return NULL;
     pool->threads = threads;
     pool->monitor = monitor_new();
@@ -203,7 +203,7 @@ static void await_end(Pool *pool, uint32_t pieces) {
 }
 
 void pool_run(Pool *pool, PoolJob *job, void *context, size_t count, size_t work_of_one) {
-    if (pool->threads == 1 || count * work_of_one <= LEAST_WORK) {
+    if (pool->threads <= 1 || count * work_of_one <= LEAST_WORK) {
         job(context, 0, count, 0);
         return;
     }

@@ -43,7 +43,7 @@ _Static_assert(sizeof(CamParams) == 6 * sizeof(double) + sizeof(FrictionParams) 
 _Static_assert(PARAMS_END == 2 * sizeof(CamParams) + sizeof(SpringParams) + sizeof(DamperParams) +
                                  sizeof(InertiaParams) + sizeof(ShaftParams) + sizeof(StopParams) +
                                  sizeof(InitialParams) + sizeof(double) + sizeof(int) + sizeof(bool) +
-                                 4 * TABLE_PATH_SIZE,
+                                 (size_t)4 * TABLE_PATH_SIZE,
                "padding in Params");
 _Static_assert(sizeof(Ledger) == 10 * sizeof(Sum) + sizeof(double) + sizeof(Peaks), "padding in Ledger");
 _Static_assert(sizeof(Run) == 2 * sizeof(double) + sizeof(Phase) + 2 * sizeof(uint16_t), "padding in Run");

@@ -137,7 +137,7 @@ enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
 _Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int), "padding in State");
 _Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
                "padding in Step");
-_Static_assert(sizeof(Tunables) == 2 * 8 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
+_Static_assert(sizeof(Tunables) == 16 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
                "padding in Tunables");
 _Static_assert(sizeof(State) == offsetof(State, ledger) + sizeof(Ledger) + sizeof(Step) + sizeof(Tunables),
                "padding in State");

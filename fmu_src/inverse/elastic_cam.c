@@ -65,16 +65,8 @@ static void next_reversal(const BandEdge *edge, double from, double to, double *
     *before = *after = to;
 }
 
-/* Books the path part by part: each part ends at a reversal, where the integrand changes its formula. */
-static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double to) {
-    Quadrature *quadrature = cam->quadrature;
-    if (cam->sliding != NULL) {
-        cam->sliding->integrand = sliding_integrand;
-        cam->sliding->scene = path;
-        if (!quadrature_over(cam->sliding, from, to)) return false;
-    }
-    quadrature->integrand = slip_integrand;
-    quadrature->scene = path;
+/* Books the slip part by part: each part ends at a reversal, where the integrand changes its formula. */
+static bool book_slip(SlipPath *path, Quadrature *quadrature, double from, double to) {
     for (int part = 0; part < ELASTIC_PATH_PARTS && from != to; part++) {
         double before = to, after = to;
         if (part < ELASTIC_PATH_PARTS - 1) next_reversal(&path->edge, from, to, &before, &after);
@@ -83,6 +75,20 @@ static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double
         from = after;
     }
     return true;
+}
+
+static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double to) {
+    Quadrature *slip = cam->quadrature, *sliding = cam->sliding;
+    slip->integrand = slip_integrand;
+    slip->scene = path;
+    if (sliding != NULL) {
+        sliding->integrand = sliding_integrand;
+        sliding->scene = path;
+    }
+    const bool booked = (sliding == NULL || quadrature_over(sliding, from, to)) && book_slip(path, slip, from, to);
+    slip->scene = NULL; /* the path ends with the call */
+    if (sliding != NULL) sliding->scene = NULL;
+    return booked;
 }
 
 /* ---- where cam 2 comes to rest ---- */

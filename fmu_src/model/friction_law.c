@@ -121,7 +121,7 @@ FrictionFall friction_fall(const CamParams *cam, double tolerance) {
 /* ---- jets ---- */
 
 static Dual seeded(double value, Known known, Known first, int i) {
-    return (Dual){value, known == first + (Known)i ? 1.0 : 0.0};
+    return (Dual){value, (int)known == (int)first + i ? 1.0 : 0.0};
 }
 
 static Dual inverse_of(Dual a) {
@@ -158,7 +158,7 @@ COMPACT Jet friction_along(const CamParams *cam, int i, const Jet *v, const Jet 
         const Jet stribeck = stribeck_along(law, i, v, known), share = jet_line(none, excess, &stribeck);
         jet_add_scaled(&mu, 1.0, &share);
     }
-    if (R != NULL && (friction_depends_on_load(cam) || known == KNOWN_LOAD_EXPONENT_1 + (Known)i)) {
+    if (R != NULL && (friction_depends_on_load(cam) || (int)known == (int)KNOWN_LOAD_EXPONENT_1 + i)) {
         const Jet power = load_power_along(law, i, R, known);
         mu = jet_multiply(&mu, &power);
     }

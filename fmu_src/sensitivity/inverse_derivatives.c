@@ -130,15 +130,16 @@ static void elastic_shaft_taylor(const Inverse *m, Taylor *t) {
 }
 
 void inverse_derivatives(const Inverse *m, InverseDerivatives *out) {
+    const bool is_elastic = has_elastic_shaft(m);
     Taylor t = imposed_taylor(&m->inputs);
     RequiredTorque required;
-    if (has_elastic_shaft(m)) elastic_shaft_taylor(m, &t);
+    if (is_elastic) elastic_shaft_taylor(m, &t);
     else rigid_shaft_taylor(m, &t, &required);
     *out = (InverseDerivatives){
         .tau = {t.tau.c[1].value, 2.0 * t.tau.c[2].value},
         .z = {t.v.c[0].value, t.v.c[1].value, 2.0 * t.v.c[2].value},
     };
-    if (!has_elastic_shaft(m)) out->z[0] = required.statics.geometry.dz_dtheta * m->inputs.omega[0];
+    if (!is_elastic) out->z[0] = required.statics.geometry.dz_dtheta * m->inputs.omega[0];
 }
 
 COMPACT_END

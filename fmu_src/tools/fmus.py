@@ -11,6 +11,7 @@ from pathlib import Path
 
 import document
 import members
+import related_files
 from compiler import compile_program, run
 from workspace import (
     BARE,
@@ -128,10 +129,12 @@ def dual_cam(identifier: str, check: bool, version: int = 2) -> Fmu:
     icon = DESCRIPTIONS / "model.png"
     extra = {"documentation/licenses/license.txt": ROOT / "LICENSE", "terminalsAndIcons/icon.png": icon}
     extra |= {"model.png": icon} if version == 2 else {}
-    extra |= members.reference(DESCRIPTIONS, identifier)
+    extra |= members.reference(DESCRIPTIONS, identifier) | related_files.parameter_sets(DESCRIPTIONS)
     texts = members.sources(CORE, core_files(identifier, version, [".c", ".h", ".def"]))
     texts |= {
         "documentation/index.html": document.page(description, DESCRIPTIONS / "reference"),
+        f"{related_files.FOLDER}/{related_files.SMOKE_TEST}": related_files.smoke_test(identifier),
+        "documentation/fmi-ls-ref.html": related_files.PAGE,
         "sources/identity.h": members.identity_header(identifier, MODELS[identifier], guid, version),
         "terminalsAndIcons/terminalsAndIcons.xml": members.terminals(MODELS[identifier]),
     }

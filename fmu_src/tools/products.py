@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from archive import validate, write_archive
 from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
 from fmus import Fmu, identity
 from platforms import ALL, NATIVE, TARGET, Platform, executable, host_platform
+from related_files import FOLDER, SMOKE_TEST, STATE, manifest, related_files
+from serialized_state import serialized_state
 from webassembly.component import wrapped
 from webassembly.interface import manifests
 from workspace import (
@@ -90,6 +94,7 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
     for platform in platforms:
         library = build_library(fmu, platform)
         members[f"binaries/{platform.folder}/{library.name}"] = library.read_bytes()
+    members |= _layered_standard(fmu, platforms)
     if any(platform.is_webassembly for platform in platforms):
         members |= {name: text.encode() for name, text in manifests().items()}
     unfinished = fmu.path.with_suffix(f".{os.getpid()}.fmu")
@@ -101,6 +106,24 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
         unfinished.unlink(missing_ok=True)
     set_stamp(fmu.path, stamp(platforms))
     say(f"{relative(fmu.path)} ({fmu.path.stat().st_size // 1024} kB, valid)")
+
+
+def _layered_standard(fmu: Fmu, platforms: Sequence[Platform]) -> dict[str, bytes]:
+    """Manifest and serialized state, where this machine can make the state."""
+    if f"{FOLDER}/{SMOKE_TEST}" not in fmu.texts:
+        return {}
+    host = host_platform(fmu.version)
+    sets = [path for name, path in fmu.extra.items() if name.endswith(".ssv")]
+    made = host.folder if host in platforms else None
+    found = {f"{FOLDER}/fmi-ls-manifest.xml": manifest(related_files(fmu.identifier, sets, made)).encode()}
+    if made is not None:
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "binaries" / host.folder
+            folder.mkdir(parents=True)
+            shutil.copy(host.library(fmu.identifier), folder)
+            (Path(scratch) / "modelDescription.xml").write_text(fmu.description, encoding="utf-8")
+            found[f"{FOLDER}/{STATE}"] = serialized_state(Path(scratch), fmu.identifier)
+    return found
 
 
 def build_native_drivers(fmu: Fmu) -> None:
