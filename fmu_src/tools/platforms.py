@@ -82,13 +82,15 @@ class Platform:
         return [*options, "-Wl,--gc-sections"]
 
 
-# FMI 2.0 names linux64, win64, win32 and darwin64. It has no name for Linux on ARM: aarch64-linux is FMI 3's.
+# FMI 2.0 names linux64, win64, win32 and darwin64 for x86, and since 2.0.4 (section 2.3) aarch64-darwin.
+# darwin64 holds ARM too: FMPy 0.3.32 looks there on every Mac.
 PLATFORMS = (
     Platform("linux64", (X86_LINUX,), ".so"),
     Platform("aarch64-linux", (ARM_LINUX,), ".so"),
     Platform("win64", (X86_WINDOWS,), ".dll"),
     Platform("win32", (X86_32_WINDOWS,), ".dll"),
     Platform("darwin64", (X86_MAC, ARM_MAC), ".dylib"),
+    Platform("aarch64-darwin", (ARM_MAC,), ".dylib"),
 )
 PLATFORMS_3 = (
     Platform("x86_64-linux", (X86_LINUX,), ".so", 3),
