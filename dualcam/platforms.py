@@ -40,8 +40,8 @@ def platform_tuple() -> str:
 def binary_folders(fmi_major: int) -> tuple[str, ...]:
     """Names of the folders below `binaries` that can hold this platform's library, the usual one first.
 
-    For processors other than x86, FMI 2.0 uses names of the form of FMI 3.0 since 2.0.4. Older FMUs for macOS on
-    ARM have `darwin64`.
+    For processors other than x86, FMI 2.0 uses names of the form of FMI 3.0 since 2.0.4. Older FMUs for macOS
+    on ARM have `darwin64`.
     """
     name = platform_tuple()
     return (FOLDERS_2[name], name) if fmi_major == 2 and name in FOLDERS_2 else (name,)

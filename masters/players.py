@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
+import shutil
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,6 +21,7 @@ from scenes import INVERSE, ROOT, Result, Scene, fmu, play
 
 HOSTS = ROOT / "masters/hosts"
 PATIENCE = 300.0  # s, for one run
+CONTAINER_OUTPUTS = ("theta", "omega", "z", "v", "tau")  # those with causality `output`
 
 
 def insist(command: Words, folder: Path, **variables: str) -> str:
@@ -121,6 +125,32 @@ def fmi_sim_me(scene: Scene, path: Path, folder: Path) -> Result:
     return fmi_sim(scene, path, folder, "model-exchange")
 
 
+def compiled(scene: Scene, path: Path, folder: Path) -> Result:
+    """`fmpy compile`: FMPy with a binary that CMake and the system's C compiler make of the FMU's sources."""
+    install.program("cc", "a C compiler")
+    cmake = install.program("cmake", "which FMPy calls")
+    copy = folder / path.name
+    with ZipFile(path) as old, ZipFile(copy, "w") as new:
+        for name in old.namelist():
+            if not name.startswith("binaries/"):
+                new.writestr(name, old.read(name))
+    words: Words = [sys.executable, "-m", "fmpy", "compile", copy, "--generator", "Unix Makefiles"]
+    insist(words, folder, PATH=f"{Path(cmake).parent}:{os.environ['PATH']}")
+    return play(scene, copy)
+
+
+def fmucontainer(scene: Scene, path: Path, folder: Path) -> Result:
+    """FMPy with a container that holds the FMU, whose parameters have a prefix there."""
+    venv = install.package("fmu-manipulation-toolbox")
+    shutil.copy(path, folder)
+    (folder / "box.csv").write_text(f"rule;from_fmu;from_port;to_fmu;to_port\nFMU;{path.name};;;\n")
+    options: Words = ["-fmu-directory", folder, "-auto-parameter"]
+    insist([venv / "bin/fmucontainer", "-container", f"box.csv:{scene.step!r}", *options], folder)
+    start = {f"{path.stem.lower()}.{name}": value for name, value in scene.start.items()}
+    shown = tuple(name for name in scene.outputs if name in CONTAINER_OUTPUTS)
+    return play(replace(scene, start=start, outputs=shown), folder / "box.fmu")
+
+
 # ---- Maestro. Its parameters reach parameters alone, and it insists on connections. So an inverse FMU whose
 # cam is not turned is the source of the constant torque (T_load at theta = 0 is in proportion to the
 # preload), and another one takes the motion and says what torque that needs.
@@ -184,6 +214,12 @@ def vdmcheck(path: Path) -> None:
         printed = insist(["bash", install.vdmcheck(), path], Path(folder))
     if "No errors found." not in printed:  # its exit code is that of the last program in a pipe
         raise Failed("does not say that there are no errors")
+
+
+def fmugym(path: Path) -> None:
+    venv = install.package("fmugym", "fmpy")
+    with TemporaryDirectory() as folder:
+        insist([venv / "bin/python", HOSTS / "fmugym_host.py", path], Path(folder))
 
 
 def fmutool(path: Path) -> None:

@@ -73,19 +73,20 @@ class Play:
 
 @dataclass(frozen=True)
 class Check:
-    """A checker of the archive and its XML."""
+    """A checker of the archive and its XML, or of an environment made of the FMU."""
 
     master: str
     version: str
     checker: Callable[[Path], None]
     fmi: str = "2.0"
+    models: tuple[str, ...] = (FORWARD, INVERSE)
 
     @property
     def what(self) -> str:
-        return f"FMI {self.fmi[0]}: check of {FORWARD}, {INVERSE}"
+        return f"FMI {self.fmi[0]}: check of {', '.join(self.models)}"
 
     def findings(self) -> None:
-        for model in (FORWARD, INVERSE):
+        for model in self.models:
             path = built(model, self.fmi)
             say(f"{self.master} {self.version}: {model}, FMI {self.fmi[0]}")
             self.checker(path)
@@ -109,6 +110,11 @@ ROWS: tuple[Play | Check, ...] = (
     Play("fmi-sim", FMI_SIM, players.fmi_sim_me, DYNAMIC, kind=ME),
     Play("fmi-sim", FMI_SIM, players.fmi_sim, fmi="3.0"),
     Play("fmi-sim", FMI_SIM, players.fmi_sim_me, DYNAMIC, fmi="3.0", kind=ME),
+    Play("FMPy, `compile`", version("fmpy"), players.compiled),
+    Play("FMPy, `compile`", version("fmpy"), players.compiled, fmi="3.0"),
+    Play("fmucontainer", pins()["fmu-manipulation-toolbox"], players.fmucontainer, DYNAMIC),
+    Check("fmugym", pins()["fmugym"], players.fmugym, models=(FORWARD,)),
+    Check("fmugym", pins()["fmugym"], players.fmugym, "3.0", (FORWARD,)),
     Check("VDMCheck2", version_of(VDMCHECK), players.vdmcheck),
     Check("fmutool", pins()["fmu-manipulation-toolbox"], players.fmutool),
     Check("fmutool", pins()["fmu-manipulation-toolbox"], players.fmutool, fmi="3.0"),
