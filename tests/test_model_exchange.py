@@ -447,6 +447,17 @@ def test_without_inertia_there_is_no_model_exchange(make_model, missing):
     fmu.ok("fmi2ExitInitializationMode")
 
 
+def test_states_of_impossible_parameters_do_not_exist(make_model):
+    fmu = make_model(FORWARD, kind=MODEL_EXCHANGE)
+    fmu.set({"stop.upper": -1.0})
+    fmu.ok("fmi2EnterInitializationMode")
+    room = (ctypes.c_double * 7)()
+    for function, n in (("GetContinuousStates", 2), ("GetDerivatives", 2), ("GetEventIndicators", 7)):
+        fmu.refused(function, room, n, mentions=("stop.upper",))
+    fmu.set({"stop.upper": 1.0})
+    assert fmu.vector("GetContinuousStates", 2) == [0.0, 0.0]
+
+
 @pytest.mark.parametrize("model", models.values(), ids=repr)
 def test_vectors_of_another_length_are_refused(make_model, model):
     fmu = make_model(model, kind=MODEL_EXCHANGE)

@@ -164,6 +164,8 @@ class StateCheck:
         status = VERDICTS[cell.verdict]
         if status != OK:
             self._refused(cell, status, (cell.function,) if cell.note else self.words, call)
+            if status == DISCARD:
+                self._no_nulls(cell)
             return
         self._allowed(cell, call)
         self.arguments.free_made()
