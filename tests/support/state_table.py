@@ -46,7 +46,28 @@ def _expanded(names: str) -> list[str]:
     return ["".join(choice) for choice in itertools.product(*parts)]
 
 
-def read_table(path: Path) -> list[Cell]:
+class StateTable:
+    """The tables in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.cells = _read_cells(folder / "states.csv")
+        with (folder / "states_notes.csv").open(newline="", encoding="utf-8") as file:
+            self.notes = {row["note"] for row in csv.DictReader(file)}
+        self.states = list(dict.fromkeys(cell.state for cell in self.cells))
+        self.functions = {cell.function for cell in self.cells}
+
+    def of(self, state: str, without: set[str]) -> list[Cell]:
+        """The cells of a state, without some functions."""
+        return [cell for cell in self.cells if cell.state == state and cell.function not in without]
+
+    def check_notes(self) -> None:
+        """Each note is used, and each deviation from the standard has one. `error` holds in every state."""
+        assert {cell.verdict for cell in self.cells} <= set(VERDICTS)
+        assert {cell.note for cell in self.cells} - {""} == self.notes - {"error"}
+        assert [str(cell) for cell in self.cells if cell.verdict in NEED_A_NOTE and not cell.note] == []
+
+
+def _read_cells(path: Path) -> list[Cell]:
     with path.open(newline="", encoding="utf-8") as file:
         states, sections, *rows = csv.reader(file)
     cells = []
@@ -56,11 +77,6 @@ def read_table(path: Path) -> list[Cell]:
                 verdict, _, note = text.partition(" ")
                 cells.append(Cell(function, variables, state, verdict, note, (place, section)))
     return cells
-
-
-def read_notes(path: Path) -> dict[str, dict[str, str]]:
-    with path.open(newline="", encoding="utf-8") as file:
-        return {row["note"]: row for row in csv.DictReader(file)}
 
 
 # ---- variables of a kind ----
