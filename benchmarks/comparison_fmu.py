@@ -329,7 +329,9 @@ class Instance:
             self._read("step", self._buffer(self.names.step, "Real"))
 
     def read_output_derivatives(self) -> None:
-        """Of all outputs, orders 1 and 2."""
+        """Of all outputs, orders 1 and 2. FMI 3.0 has the function in co-simulation alone."""
+        if self.fmu.version == 3 and self.use == "exchange":
+            return
         name = "GetRealOutputDerivatives" if self.fmu.version == 2 else "GetOutputDerivatives"
         group = self._buffer(self.names.outputs, "Real")
         for order in (1, 2):

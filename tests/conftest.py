@@ -15,7 +15,7 @@ FOLDERS = (".", "fmu_src/tools", "masters", "tests", "tests/support")
 os.environ["PYTHONPATH"] = os.pathsep.join(str(ROOT / folder) for folder in FOLDERS)
 
 # Helpers whose failed assertions pytest shows with values, as it does in test files.
-pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "study_cases")
+pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "state_table", "study_cases")
 
 # Hypothesis also tries constants out of the source of whatever modules are loaded: then the derandomized
 # profile would depend on which tests ran before in the same process.

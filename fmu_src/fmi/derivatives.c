@@ -23,7 +23,8 @@ static bool is_input_derivative(const Instance *instance, const char *function, 
 
 bool derivatives_set_of_inputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                const int32_t order[], const double value[]) {
-    if (!instance_is_in(instance, function, PHASES_BEFORE_START | PHASE_STEP) ||
+    if (!instance_is_co_simulation(instance, function) ||
+        !instance_is_in(instance, function, PHASES_BEFORE_START | PHASE_STEP) ||
         !access_has_arrays(instance, function, n, vr, value) ||
         !instance_has_array(instance, function, n, order, "order"))
         return false;
@@ -56,10 +57,9 @@ static const Variable *find_output(const Instance *instance, const char *functio
 }
 
 /* Where an output does not exist, its derivatives do not exist either. */
-bool derivatives_get_of_outputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                                const int32_t order[], double value[]) {
-    if (!instance_is_in(instance, function, ~(unsigned)PHASE_INTERMEDIATE_INPUTS) ||
-        !access_has_arrays(instance, function, n, vr, value) ||
+bool derivatives_get_of_outputs(Instance *instance, const char *function, unsigned phases, const ValueReference vr[],
+                                size_t n, const int32_t order[], double value[]) {
+    if (!instance_is_in(instance, function, phases) || !access_has_arrays(instance, function, n, vr, value) ||
         !instance_has_array(instance, function, n, order, "order"))
         return false;
     unsigned groups = GROUP_STATE;
@@ -127,7 +127,7 @@ static double entry(const Jacobian *j, const UnknownPartials *partials, size_t u
 
 /* Does all of the matrix exist? The products are written only if it does. */
 static bool compute_jacobian(Instance *instance, const char *function, const Jacobian *j, UnknownPartials *partials) {
-    if (!instance_is_in(instance, function, PHASE_INITIALIZATION | PHASES_RUNNING) ||
+    if (!instance_is_in(instance, function, PHASES_OF_RESULTS) ||
         !instance_has_array(instance, function, j->unknowns, j->unknown, "unknowns") ||
         !instance_has_array(instance, function, j->knowns, j->known, "knowns"))
         return false;

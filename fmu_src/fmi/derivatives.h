@@ -11,9 +11,10 @@
 bool derivatives_set_of_inputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,
                                const int32_t order[], const double value[]);
 
-/* Time derivatives of outputs, orders 1 to MAX_OUTPUT_ORDER. */
-bool derivatives_get_of_outputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,
-                                const int32_t order[], double value[]);
+/* Time derivatives of outputs, orders 1 to MAX_OUTPUT_ORDER. `phases`: where this version of FMI allows the
+ * function. */
+bool derivatives_get_of_outputs(Instance *instance, const char *function, unsigned phases, const ValueReference vr[],
+                                size_t n, const int32_t order[], double value[]);
 
 /* The matrix of the partial derivatives of the unknowns (rows) by the knowns (columns). */
 typedef struct {

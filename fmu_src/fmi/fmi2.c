@@ -1,8 +1,10 @@
 /* The functions of FMI 2.0, co-simulation and model exchange.
  *
- * A call that returns fmi2Error has logged one message that says what is allowed, and has changed nothing: the instance
- * goes on as before. This file translates the types and names of FMI 2.0; access.h, derivatives.h, simulation.h and
- * fmu_state.h do the work. */
+ * A call that returns fmi2Error or fmi2Discard has logged one message that says what is allowed, and has changed
+ * nothing: the instance goes on as before. The standard would end the run there (section 2.1.3). This file translates
+ * the types and names of FMI 2.0; access.h, derivatives.h, simulation.h and fmu_state.h do the work. */
+#include <stdio.h>
+
 #include "fmi/access.h"
 #include "fmi/derivatives.h"
 #include "fmi/fmi.h"
@@ -22,12 +24,16 @@ const char *fmi2GetVersion(void) {
 
 /* FMI 2.0 reads a message as a printf format with #...# for variables, but not all masters expand it. With % and #
  * doubled the text is right where it is expanded, and readable where it is not. */
-COLD static void log_error(const Log *log, const char *name, const char *text) {
+COLD static void send_message(const Log *log, const char *name, fmi2Status status, const char *text) {
     const fmi2CallbackLogger logger = (fmi2CallbackLogger)log->logger;
     if (logger == NULL) return;
     char message[2048];
     escape_message(message, sizeof message, text, "%#");
-    logger(log->environment, name, fmi2Error, ERROR_CATEGORY, message);
+    logger(log->environment, name, status, ERROR_CATEGORY, message);
+}
+
+COLD static void log_error(const Log *log, const char *name, const char *text) {
+    send_message(log, name, fmi2Error, text);
 }
 
 /* `loggingOn` concerns debug messages. There are none, and errors are always logged. */
@@ -173,9 +179,10 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return status_of(derivatives_set_of_inputs(c, __func__, vr, nvr, order, value));
 }
 
+/* The standard has the call in co-simulation alone, where values may be read. Every instance knows the derivatives. */
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[]) {
-    return status_of(derivatives_get_of_outputs(c, __func__, vr, nvr, order, value));
+    return status_of(derivatives_get_of_outputs(c, __func__, ~0u, vr, nvr, order, value));
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
@@ -190,51 +197,56 @@ fmi2Status fmi2CancelStep(fmi2Component c) {
     return status_of(instance_refuse(c, "%s: no step is ever pending: allowed is not to call it", __func__));
 }
 
-static fmi2Status refuse_status(const Instance *instance, const char *function, fmi2StatusKind kind) {
-    if (instance == NULL) return fmi2Error;
-    return status_of(instance_refuse(
-        instance,
-        "%s: status kind %d has no answer, no step is ever pending: allowed are fmi2LastSuccessfulTime with "
-        "fmi2GetRealStatus and fmi2Terminated with fmi2GetBooleanStatus",
-        function, (int)kind));
+/* Of a kind that has no answer: between steps of co-simulation fmi2Discard (section 4.2.3), elsewhere fmi2Error. */
+COLD static fmi2Status discard_status(const Instance *instance, const char *function, fmi2StatusKind kind,
+                                      const void *value) {
+    if (!instance_is_co_simulation(instance, function) || !instance_is_in(instance, function, PHASE_STEP) ||
+        !instance_has_pointer(instance, function, value, "value"))
+        return fmi2Error;
+    char text[256];
+    snprintf(text, sizeof text,
+             "%s: status kind %d has no answer, no step is ever pending: allowed are fmi2LastSuccessfulTime with "
+             "fmi2GetRealStatus and fmi2Terminated with fmi2GetBooleanStatus",
+             function, (int)kind);
+    if (instance->logs_errors) send_message(&instance->log, instance->name, fmi2Discard, text);
+    return fmi2Discard;
 }
 
 fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value) {
-    (void)value;
-    return refuse_status(c, __func__, s);
+    return discard_status(c, __func__, s, value);
 }
 
+/* The standard has the call between steps alone. The FMU knows the time in every state. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
     const Instance *instance = c;
-    if (instance == NULL || s != fmi2LastSuccessfulTime) return refuse_status(instance, __func__, s);
+    if (instance == NULL || s != fmi2LastSuccessfulTime) return discard_status(instance, __func__, s, value);
     if (!instance_has_pointer(instance, __func__, value, "value")) return fmi2Error;
     *value = instance->run.time;
     return fmi2OK;
 }
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value) {
-    (void)value;
-    return refuse_status(c, __func__, s);
+    return discard_status(c, __func__, s, value);
 }
 
-/* The FMU never asks for the end of the simulation. */
+/* The FMU never asks for the end of the simulation, in whatever state the master calls. */
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     const Instance *instance = c;
-    if (instance == NULL || s != fmi2Terminated) return refuse_status(instance, __func__, s);
+    if (instance == NULL || s != fmi2Terminated) return discard_status(instance, __func__, s, value);
     if (!instance_has_pointer(instance, __func__, value, "value")) return fmi2Error;
     *value = fmi2False;
     return fmi2OK;
 }
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value) {
-    (void)value;
-    return refuse_status(c, __func__, s);
+    return discard_status(c, __func__, s, value);
 }
 
 /* ---- model exchange ---- */
 
+/* In event mode the call is allowed, too (section 3.2.3), and has no effect. */
 fmi2Status fmi2EnterEventMode(fmi2Component c) {
-    return status_of(instance_change_phase(c, __func__, PHASE_CONTINUOUS, PHASE_EVENT));
+    return status_of(instance_change_phase(c, __func__, PHASE_CONTINUOUS | PHASE_EVENT, PHASE_EVENT));
 }
 
 /* One update is enough, and there are no time events. */
@@ -268,8 +280,9 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
     return fmi2OK;
 }
 
+/* FMI 2.0.1 allows the call in event mode to FMUs without continuous states alone; FMI 2.0 allowed it to all. */
 fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
-    return status_of(simulation_set_time(c, __func__, time));
+    return status_of(simulation_set_time(c, __func__, PHASE_CONTINUOUS | PHASE_EVENT, time));
 }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
@@ -289,5 +302,5 @@ fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], s
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
-    return status_of(simulation_get_nominals(c, __func__, x_nominal, nx));
+    return status_of(simulation_get_nominals(c, __func__, ~0u, x_nominal, nx));
 }

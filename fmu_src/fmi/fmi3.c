@@ -2,8 +2,8 @@
  * in fmi3_variables.c, functions that the FMU only refuses in fmi3_unsupported.c.
  *
  * A call that returns fmi3Error has logged one message that says what is allowed, and has changed nothing: the
- * instance goes on as before. These files translate the types and names of FMI 3.0; simulation.h and fmu_state.h do
- * the work. */
+ * instance goes on as before. The standard would go to state Terminated (section 2.3.1). These files translate the
+ * types and names of FMI 3.0; simulation.h and fmu_state.h do the work. */
 #include <math.h>
 
 #include "fmi/fmi.h"
@@ -242,7 +242,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
 }
 
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
-    return status_of(simulation_set_time(instance, __func__, time));
+    return status_of(simulation_set_time(instance, __func__, PHASE_CONTINUOUS, time));
 }
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
@@ -264,11 +264,13 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndica
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[], size_t nContinuousStates) {
-    return status_of(simulation_get_nominals(instance, __func__, nominals, nContinuousStates));
+    return status_of(simulation_get_nominals(instance, __func__, PHASES_OF_RESULTS, nominals, nContinuousStates));
 }
 
 static fmi3Status write_count(const Instance *instance, const char *function, size_t *destination, size_t count) {
-    if (instance == NULL || !instance_has_pointer(instance, function, destination, "the number")) return fmi3Error;
+    if (!instance_has_interface(instance, function, INTERFACE_MODEL_EXCHANGE) ||
+        !instance_has_pointer(instance, function, destination, "the number"))
+        return fmi3Error;
     *destination = count;
     return fmi3OK;
 }

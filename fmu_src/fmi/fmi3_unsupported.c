@@ -231,7 +231,9 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clockReference,
                                       fmi3Float64 activationTime) {
     (void)clockReference, (void)activationTime;
-    return refuse_type(instance, __func__, 1);
+    if (instance == NULL) return fmi3Error;
+    return status_of(
+        instance_refuse(instance, "%s: there is no scheduled execution: allowed is not to call it", __func__));
 }
 
 COMPACT_END

@@ -153,8 +153,11 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueRefere
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference valueReferences[],
                                     size_t nValueReferences, const fmi3Int32 orders[], fmi3Float64 values[],
                                     size_t nValues) {
-    return status_of(is_count(instance, __func__, "nValues", nValues, nValueReferences) &&
-                     derivatives_get_of_outputs(instance, __func__, valueReferences, nValueReferences, orders, values));
+    const unsigned phases = PHASE_STEP | PHASE_INTERMEDIATE_OUTPUTS | PHASE_TERMINATED;
+    return status_of(
+        instance_is_co_simulation(instance, __func__) &&
+        is_count(instance, __func__, "nValues", nValues, nValueReferences) &&
+        derivatives_get_of_outputs(instance, __func__, phases, valueReferences, nValueReferences, orders, values));
 }
 
 COMPACT_END

@@ -65,7 +65,8 @@ NOINLINE static void snapshot_take(Snapshot *snapshot, const Instance *instance)
     snapshot->magic = SNAPSHOT_MAGIC;
     snapshot->params = model->params;
     snapshot->inputs = model->inputs;
-    snapshot->state = model->state;
+    if (instance_has_begun(instance)) snapshot->state = model->state;
+    else memset(&snapshot->state, 0, sizeof snapshot->state); /* follows from params and inputs when a value is read */
     snapshot->run = instance->run;
     clear_padding(snapshot);
 }
@@ -101,6 +102,7 @@ static bool restore_and_build(const Snapshot *snapshot, Instance *instance, Faul
     restore_members(snapshot, instance);
     if (model_rebuild(&instance->values.model, fault)) return true;
     restore_members(&before, instance);
+    instance_invalidate(instance);
     return false;
 }
 
@@ -202,8 +204,13 @@ static Snapshot *memory_for_state(const Instance *instance, const char *function
     return snapshot;
 }
 
+/* Inside a step FMI 3.0 allows no function of FMU states. */
+static bool is_between_steps(const Instance *instance, const char *function) {
+    return instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP);
+}
+
 bool fmu_state_get(const Instance *instance, const char *function, void **state) {
-    if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP)) return false;
+    if (!is_between_steps(instance, function)) return false;
     Snapshot *snapshot = memory_for_state(instance, function, state);
     if (snapshot == NULL) return false;
     snapshot_take(snapshot, instance);
@@ -212,14 +219,13 @@ bool fmu_state_get(const Instance *instance, const char *function, void **state)
 }
 
 bool fmu_state_set(Instance *instance, const char *function, const void *state) {
-    if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP) || !is_snapshot(instance, function, state))
-        return false;
+    if (!is_between_steps(instance, function) || !is_snapshot(instance, function, state)) return false;
     Fault fault;
     return snapshot_restore(state, instance, &fault) || instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
 bool fmu_state_free(const Instance *instance, const char *function, void **state) {
-    if (instance == NULL) return false;
+    if (!is_between_steps(instance, function)) return false;
     if (state == NULL || *state == NULL) return true;
     if (!is_snapshot(instance, function, *state)) return false;
     free(*state);
@@ -228,7 +234,7 @@ bool fmu_state_free(const Instance *instance, const char *function, void **state
 }
 
 bool fmu_state_size(const Instance *instance, const char *function, const void *state, size_t *size) {
-    if (instance == NULL || !is_snapshot(instance, function, state) ||
+    if (!is_between_steps(instance, function) || !is_snapshot(instance, function, state) ||
         !instance_has_pointer(instance, function, size, "size"))
         return false;
     *size = sizeof(SerializedSnapshot);
@@ -236,7 +242,7 @@ bool fmu_state_size(const Instance *instance, const char *function, const void *
 }
 
 bool fmu_state_serialize(const Instance *instance, const char *function, const void *state, void *bytes, size_t size) {
-    if (instance == NULL || !is_snapshot(instance, function, state) ||
+    if (!is_between_steps(instance, function) || !is_snapshot(instance, function, state) ||
         !instance_has_pointer(instance, function, bytes, "serializedState"))
         return false;
     if (size < sizeof(SerializedSnapshot))
@@ -248,7 +254,8 @@ bool fmu_state_serialize(const Instance *instance, const char *function, const v
 
 bool fmu_state_deserialize(const Instance *instance, const char *function, const void *bytes, size_t size,
                            void **state) {
-    if (instance == NULL || !instance_has_pointer(instance, function, bytes, "serializedState")) return false;
+    if (!is_between_steps(instance, function) || !instance_has_pointer(instance, function, bytes, "serializedState"))
+        return false;
     Fault fault;
     Snapshot snapshot;
     if (!snapshot_deserialize(bytes, size, &snapshot, &fault))

@@ -82,7 +82,9 @@ static bool is_log_category(const char *name) {
 
 COLD bool instance_set_logging(Instance *instance, const char *function, bool on, size_t count,
                                const char *const categories[]) {
-    if (instance == NULL || !instance_has_array(instance, function, count, categories, "categories")) return false;
+    if (!instance_is_in(instance, function, ~(unsigned)PHASES_INSIDE_STEP) ||
+        !instance_has_array(instance, function, count, categories, "categories"))
+        return false;
     bool errors = count == 0;
     for (size_t i = 0; i < count; i++) {
         if (!instance_has_pointer(instance, function, categories[i], "a category")) return false;
@@ -235,11 +237,20 @@ const char *interface_name(InterfaceType type) {
     return names[type];
 }
 
+COLD static bool refuse_interface(const Instance *instance, const char *function, InterfaceType allowed) {
+    return instance_refuse(instance, "%s is not allowed in %s: allowed is only %s", function,
+                           interface_name((InterfaceType)instance->run.interface_type), interface_name(allowed));
+}
+
 bool instance_has_interface(const Instance *instance, const char *function, InterfaceType type) {
     if (instance == NULL) return false;
-    const InterfaceType own = (InterfaceType)instance->run.interface_type;
-    return own == type || instance_refuse(instance, "%s is not allowed in %s: allowed is only %s", function,
-                                          interface_name(own), interface_name(type));
+    return instance->run.interface_type == type || refuse_interface(instance, function, type);
+}
+
+bool instance_is_co_simulation(const Instance *instance, const char *function) {
+    if (instance == NULL) return false;
+    return instance->run.interface_type != INTERFACE_MODEL_EXCHANGE ||
+           refuse_interface(instance, function, INTERFACE_CO_SIMULATION);
 }
 
 bool instance_change_phase(Instance *instance, const char *function, unsigned from, Phase to) {

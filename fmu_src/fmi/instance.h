@@ -17,7 +17,8 @@ typedef enum {
     PHASE_INTERMEDIATE_OUTPUTS = 128, /* inside a step: the master reads variables */
     PHASES_INSIDE_STEP = PHASE_INTERMEDIATE_INPUTS | PHASE_INTERMEDIATE_OUTPUTS,
     PHASES_BEFORE_START = PHASE_INSTANTIATED | PHASE_INITIALIZATION,
-    PHASES_RUNNING = PHASE_STEP | PHASE_EVENT | PHASE_CONTINUOUS
+    PHASES_RUNNING = PHASE_STEP | PHASE_EVENT | PHASE_CONTINUOUS,
+    PHASES_OF_RESULTS = PHASE_INITIALIZATION | PHASES_RUNNING | PHASE_TERMINATED
 } Phase;
 
 /* Hybrid: the master handles the events of co-simulation in event mode. */
@@ -106,8 +107,11 @@ static inline bool instance_is_in(const Instance *instance, const char *function
     return (instance->run.phase & phases) != 0 || instance_refuse_phase(instance, function, phases);
 }
 
-/* Has the instance this interface type? If not, the log says that `function` is not allowed. */
+/* Has the instance this interface type? If not, the log says that `function` is not allowed. False also for NULL. */
 bool instance_has_interface(const Instance *instance, const char *function, InterfaceType type);
+
+/* The same for co-simulation, with and without event mode. */
+bool instance_is_co_simulation(const Instance *instance, const char *function);
 const char *interface_name(InterfaceType type);
 
 /* Changes the phase from one of `from` to `to`. */

@@ -168,15 +168,17 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
 
 static bool is_vector(const Instance *instance, const char *function, unsigned phases, const double x[], size_t n,
                       size_t expected) {
-    if (!instance_is_in(instance, function, phases)) return false;
+    if (!instance_has_interface(instance, function, INTERFACE_MODEL_EXCHANGE) ||
+        !instance_is_in(instance, function, phases))
+        return false;
     if (n != expected)
         return instance_refuse(instance, "%s: %zu elements asked for: allowed are only %zu", function, n, expected);
     return instance_has_array(instance, function, n, x, "the array");
 }
 
-bool simulation_set_time(Instance *instance, const char *function, double time) {
-    if (!instance_is_in(instance, function, PHASE_EVENT | PHASE_CONTINUOUS) ||
-        !instance_has_interface(instance, function, INTERFACE_MODEL_EXCHANGE))
+bool simulation_set_time(Instance *instance, const char *function, unsigned phases, double time) {
+    if (!instance_has_interface(instance, function, INTERFACE_MODEL_EXCHANGE) ||
+        !instance_is_in(instance, function, phases))
         return false;
     if (!isfinite(time))
         return instance_refuse(instance, "%s: time = %.17g: allowed is any finite number", function, time);
@@ -196,10 +198,8 @@ bool simulation_set_states(Instance *instance, const char *function, const doubl
     return true;
 }
 
-enum { PHASES_OF_READING = PHASE_INITIALIZATION | PHASES_RUNNING | PHASE_TERMINATED };
-
 bool simulation_get_states(Instance *instance, const char *function, double x[], size_t n) {
-    if (!is_vector(instance, function, PHASES_OF_READING, x, n, CONTINUOUS_STATES) ||
+    if (!is_vector(instance, function, PHASES_OF_RESULTS, x, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
     model_get_states(&instance->values.model, x);
@@ -208,7 +208,7 @@ bool simulation_get_states(Instance *instance, const char *function, double x[],
 
 bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n) {
     Fault fault;
-    if (!is_vector(instance, function, PHASES_OF_READING, derivative, n, CONTINUOUS_STATES) ||
+    if (!is_vector(instance, function, PHASES_OF_RESULTS, derivative, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
     return model_state_derivatives(&instance->values.model, derivative, &fault) ||
@@ -216,15 +216,15 @@ bool simulation_get_derivatives(Instance *instance, const char *function, double
 }
 
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n) {
-    if (!is_vector(instance, function, PHASES_OF_READING, indicator, n, EVENT_INDICATORS) ||
+    if (!is_vector(instance, function, PHASES_OF_RESULTS, indicator, n, EVENT_INDICATORS) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
     model_indicators(&instance->values.model, indicator);
     return true;
 }
 
-bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n) {
-    if (!is_vector(instance, function, ~0u, nominal, n, CONTINUOUS_STATES)) return false;
+bool simulation_get_nominals(Instance *instance, const char *function, unsigned phases, double nominal[], size_t n) {
+    if (!is_vector(instance, function, phases, nominal, n, CONTINUOUS_STATES)) return false;
     for (size_t i = 0; i < n; i++) nominal[i] = LIMITS[model_state_reference((int)i)].nominal;
     return true;
 }

@@ -38,12 +38,13 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
 
 /* ---- model exchange ---- */
 
-bool simulation_set_time(Instance *instance, const char *function, double time);
+/* `phases`: where this version of FMI allows the function. */
+bool simulation_set_time(Instance *instance, const char *function, unsigned phases, double time);
 bool simulation_set_states(Instance *instance, const char *function, const double x[], size_t n);
 bool simulation_get_states(Instance *instance, const char *function, double x[], size_t n);
 bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n);
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n);
-bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n);
+bool simulation_get_nominals(Instance *instance, const char *function, unsigned phases, double nominal[], size_t n);
 
 /* The integrator's step to the present time, states and inputs is completed. */
 bool simulation_complete_integrator_step(Instance *instance, const char *function);

@@ -20,6 +20,15 @@ def test_an_input_with_a_rate(fmu):
 
 
 @for_forward
+def test_rates_of_two_inputs_in_two_calls(fmu):
+    fmu.start(FREE)
+    fmu.set_rates(tau=3.0)
+    fmu.set_rates(F_ext=2.0)
+    fmu.step(2.0)
+    assert (fmu.get("tau"), fmu.get("F_ext")) == (6.0, 4.0)
+
+
+@for_forward
 def test_a_rate_lasts_one_step(fmu):
     fmu.start(FREE)
     fmu.set_rates(tau=1.0)

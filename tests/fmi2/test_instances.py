@@ -71,6 +71,7 @@ def test_any_resource_location(make, location):
         ({"guid": INVERSE.guid.strip("{}")}, "fmuGUID"),
         ({"guid": "{00000000-0000-0000-0000-000000000000}"}, "fmuGUID"),
         ({"kind": 7}, "fmuType"),
+        ({"kind": 7, "name": None}, "fmuType"),
     ],
 )
 def test_refuses_to_instantiate(library, model, wrong, word):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from driver import PHASES
-from fmi2_inputs import drive, run, state_bytes
+from fmi2_inputs import drive, run
 
 # ---- tolerance ----
 
@@ -12,12 +12,12 @@ from fmi2_inputs import drive, run, state_bytes
 def bytes_with(make, tolerance):
     fmu = make()
     fmu.setup(tolerance=tolerance)
-    return state_bytes(fmu)
+    return fmu.state_bytes()
 
 
 def test_tolerance(make):
     """1e-9 unless given; below 1e-12 and above 1e-2 the nearest of them counts."""
-    assert bytes_with(make, None) == bytes_with(make, 1e-9) == state_bytes(make())
+    assert bytes_with(make, None) == bytes_with(make, 1e-9) == make().state_bytes()
     assert bytes_with(make, 1e-12) == bytes_with(make, 1e-20) != bytes_with(make, 1.1e-12)
     assert bytes_with(make, 1e-2) == bytes_with(make, 0.5) == bytes_with(make, 1e300)
     assert bytes_with(make, 1e-2) != bytes_with(make, 9e-3)
@@ -26,7 +26,7 @@ def test_tolerance(make):
 def test_reset_restores_the_tolerance(fmu, make):
     fmu.setup(tolerance=1e-4)
     fmu.ok("fmi2Reset")
-    assert state_bytes(fmu) == state_bytes(make())
+    assert fmu.state_bytes() == make().state_bytes()
 
 
 # ---- reset ----
@@ -41,7 +41,7 @@ def test_reset(make, phase):
     fmu.enter(phase)
     fmu.ok("fmi2Reset")
     assert fmu.everything() == new.everything()
-    assert state_bytes(fmu) == state_bytes(new)
+    assert fmu.state_bytes() == new.state_bytes()
     fmu.time = 0.0
     assert run(fmu.start()) == run(new.start())
 

@@ -3,7 +3,7 @@
 from ctypes import byref, c_char_p, c_double, c_int
 
 import pytest
-from driver import DO_STEP_STATUS, ERROR, LAST_SUCCESSFUL_TIME, OK, PENDING_STATUS, TERMINATED
+from driver import DISCARD, DO_STEP_STATUS, ERROR, LAST_SUCCESSFUL_TIME, OK, PENDING_STATUS, TERMINATED
 from fmi2_inputs import last_time
 
 # ---- status ----
@@ -26,16 +26,21 @@ def test_status(fmu):
         ("fmi2GetRealStatus", TERMINATED, c_double(7)),
         ("fmi2GetBooleanStatus", LAST_SUCCESSFUL_TIME, c_int(7)),
         ("fmi2GetBooleanStatus", 99, c_int(7)),
-        ("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, None),
-        ("fmi2GetBooleanStatus", TERMINATED, None),
     ],
 )
 def test_status_without_an_answer(fmu, function, kind, room):
-    fmu.start().refused(function, kind, None if room is None else byref(room))
-
-
-def test_cancel_is_refused(fmu):
-    fmu.start().refused("fmi2CancelStep", mentions=("pending",))
+    """Section 4.2.3: fmi2Discard."""
+    before, value = fmu.start().everything(), room.value
+    assert fmu.call(function, kind, byref(room)) == DISCARD
+    (message,) = fmu.messages
+    assert (message.status, message.category) == (DISCARD, "logStatusError")
+    assert function in message.text
+    assert f"status kind {kind} " in message.text
+    assert room.value == value
+    assert fmu.everything() == before
+    set_logging(fmu, 0)
+    assert fmu.call(function, kind, byref(room)) == DISCARD
+    assert len(fmu.messages) == 1
 
 
 # ---- log ----

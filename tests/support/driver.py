@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-OK, ERROR = 0, 3
+OK, DISCARD, ERROR = 0, 2, 3
 MODEL_EXCHANGE, CO_SIMULATION = 0, 1
 DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
 UNKNOWN_REFERENCE = 4_000_000_000
@@ -352,6 +352,13 @@ class Calls:
         room = ctypes.create_string_buffer(size.value)
         self.ok(f"Serialize{self.STATE}", state, room, size)
         return room.raw
+
+    def state_bytes(self) -> bytes:
+        """The present state, serialized."""
+        state = self.take()
+        content = self.to_bytes(state)
+        self.free_state(state)
+        return content
 
 
 class Driver(Calls):

@@ -172,7 +172,7 @@ class Driver(Calls):
         """`update`: called with this driver, time, and the flags of fmi3IntermediateUpdateCallback; returns
         when the step is to end, or None."""
         super().__init__(library, model)
-        self.events = events
+        self.events, self.exchange = events, exchange
         self.failures: list[BaseException] = []
 
         def on_message(_environment, status, category, text):

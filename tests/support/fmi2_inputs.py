@@ -62,10 +62,3 @@ def last_time(fmu):
     time = c_double()
     fmu.ok("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
     return time.value
-
-
-def state_bytes(fmu):
-    state = fmu.take()
-    content = fmu.to_bytes(state)
-    fmu.free_state(state)
-    return content
