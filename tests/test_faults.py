@@ -6,6 +6,7 @@ import platform
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import build_fmu
 import pytest
@@ -16,6 +17,8 @@ pytestmark = pytest.mark.skipif(platform.system() != "Linux", reason="the driver
 
 FOLDER = ROOT / "tests/native"
 USED = ("derivatives", "run", "scenes", "support")  # of the lifecycle test
+SOURCES = sorted([*(FOLDER / "faults").glob("*.c"), *(FOLDER / "lifecycle" / f"{name}.c" for name in USED)])
+FLAGS = ["-O1", "-g", "-w", "-rdynamic", "-pthread", '-DMODEL_GUID=getenv("MODEL_GUID")']
 DESCRIPTIONS = [*models.values(), *models3.values()]
 
 
@@ -23,34 +26,38 @@ DESCRIPTIONS = [*models.values(), *models3.values()]
 def program():
     """One program for all FMUs: the environment tells it the GUID."""
     product = build_fmu.BUILD / "native" / "faults"
-    sources = [*(FOLDER / "faults").glob("*.c"), *(FOLDER / "lifecycle" / f"{name}.c" for name in USED)]
-    guid = '-DMODEL_GUID=getenv("MODEL_GUID")'
-    flags = [*build_fmu.TARGET, "-O1", "-g", "-w", "-rdynamic", "-pthread", guid]
+    flags = [*build_fmu.TARGET, *FLAGS]
     with build_fmu.locked():
-        stamp = build_fmu.fingerprint([*sources, *FOLDER.rglob("*.h")], *flags)
+        stamp = build_fmu.fingerprint([*SOURCES, *FOLDER.rglob("*.h")], *flags)
         if not build_fmu.is_fresh(product, stamp):
-            build_fmu.compile_c(build_fmu.ZIG, flags, sorted(sources), product)
+            build_fmu.compile_c(build_fmu.ZIG, flags, SOURCES, product)
             build_fmu.set_stamp(product, stamp)
     return product
 
 
+def run_check(
+    program: Path, name: str, model, binary: Path, folder: Path, environment: dict[str, str]
+) -> str:
+    """Runs a check of the driver with a binary of the FMU `model`; returns what the driver prints."""
+    references = [f"{v.name}={v.reference}" for v in model.variables.values()]
+    command = [program, folder, name, binary, *references]
+    return finished(command, {**os.environ, "MODEL_GUID": model.guid, **environment})
+
+
+def finished(command: list, environment: dict[str, str]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr[-5000:]}"
+    assert "all as it must be" in done.stdout
+    return done.stdout
+
+
 @pytest.fixture(params=DESCRIPTIONS, ids=repr)
 def check(request, program, tmp_path):
-    """Runs a check of the driver with the FMU under test; returns what the driver prints."""
+    """Runs a check of the driver with the FMU under test."""
     model = request.param
     version = 3 if model.FOLDER == "fmi3" else 2
     binary = build_fmu.host_platform(version).library(model.identifier)
-    references = [f"{v.name}={v.reference}" for v in model.variables.values()]
-
-    def run(name: str, **environment: str) -> str:
-        command = [program, tmp_path, name, binary, *references]
-        variables = {**os.environ, "MODEL_GUID": model.guid, **environment}
-        done = subprocess.run(command, capture_output=True, text=True, env=variables)
-        assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr[-5000:]}"
-        assert "all as it must be" in done.stdout
-        return done.stdout
-
-    return run
+    return lambda name, **environment: run_check(program, name, model, binary, tmp_path, environment)
 
 
 def test_arithmetic_of_the_host_changes_nothing(check):
@@ -89,3 +96,41 @@ def german(tmp_path_factory):
 def test_a_decimal_comma_of_the_host_changes_no_number(check, german):
     """Tables are read again under the locale."""
     check("locale", LOCPATH=str(german), LC_ALL="de_DE.UTF-8")
+
+
+# ---- ThreadSanitizer ----
+
+
+@pytest.fixture(scope="module")
+def race_finder(tmp_path_factory):
+    """Compiles with gcc's ThreadSanitizer, which also sees races that did not change a number."""
+    folder = tmp_path_factory.mktemp("races")
+    flags = ["-fsanitize=thread", *FLAGS]
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+
+    def compiled(name: str, sources: list[Path], *options: str) -> Path:
+        build_fmu.compile_c(["gcc"], [*flags, *options], sources, folder / name)
+        return folder / name
+
+    (folder / "probe.c").write_text("int main(void) { return 0; }\n")
+    made = subprocess.run(["gcc", *flags, folder / "probe.c", "-o", folder / "probe"], capture_output=True)
+    if made.returncode != 0 or subprocess.run([folder / "probe"], capture_output=True).returncode != 0:
+        pytest.skip("gcc has no ThreadSanitizer that runs here")
+    return compiled
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("model", models.values(), ids=repr)
+def test_thread_sanitizer_finds_no_race(race_finder, model, tmp_path):
+    """In the FMU and, with the forward FMU, in the threads of a fleet."""
+    fmu = build_fmu.dual_cam(model.identifier, check=True)
+    options = ["-fPIC", "-shared", *fmu.defines, *build_fmu.identity(fmu)]
+    binary = race_finder(f"{model.identifier}.so", fmu.sources, *options)
+    strict = {"TSAN_OPTIONS": "halt_on_error=1"}
+    run_check(race_finder("faults", SOURCES), "threads", model, binary, tmp_path, strict)
+    if model.identifier == "DualCamForward":
+        sources = [FOLDER / "fleet_threads.c", *sorted((build_fmu.CORE / "fleet").glob("*.c"))]
+        ports = [str(model.variables[name].reference) for name in ("tau", "theta")]
+        program = race_finder("fleet", sources)
+        finished([program, binary, model.guid, *ports], {**os.environ, **strict})
