@@ -79,6 +79,15 @@ def test_loggers_that_leave_or_call_back_do_no_harm(check):
     check("loggers")
 
 
+def test_an_exception_of_cpp_goes_through_a_refused_call(tmp_path):
+    if shutil.which("g++") is None:
+        pytest.skip("g++ is not installed")
+    model, program = models["DualCamForward"], tmp_path / "throwing_logger"
+    source, headers = FOLDER / "throwing_logger.cpp", build_fmu.fmi_headers()
+    subprocess.run(["g++", "-std=c++17", "-isystem", headers, source, "-o", program, "-ldl"], check=True)
+    finished([program, build_fmu.host_platform(2).library(model.identifier), model.guid], dict(os.environ))
+
+
 def test_threads_give_the_bits_of_a_run_alone(check):
     check("threads")
 
