@@ -40,6 +40,7 @@ usage: ./build.sh [command] [arguments]
   growth   build, then run benchmarks.growth (a minute): many instances, steps, table points, threads
   precision build, then run benchmarks.work_precision (four minutes): run time against error beside other
            solvers; arguments go to it, as to each of these
+  endurance build, then run benchmarks.endurance (two minutes): memory over 10^6 instances, drift over 10^8 steps
   friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
            needs valgrind
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
@@ -184,6 +185,7 @@ case $command in
     worst) run_program '.[build]' -m benchmarks.worst_step "$@" ;;
     precision) run_program '.[bench]' -m benchmarks.work_precision "$@" ;;
     skipping) run_program '.[build]' -m benchmarks.skipping "$@" ;;
+    endurance) run_program '.[bench]' -m benchmarks.endurance "$@" ;;
     growth) run_program '.[build]' -m benchmarks.growth "$@" ;;
     fleet) run_program '.[build]' -m benchmarks.fleet "$@" ;;
     gym) run_program '.[build,gym]' -m benchmarks.gym_rate "$@" ;;

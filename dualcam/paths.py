@@ -1,7 +1,10 @@
-"""Paths as arguments of functions."""
+"""Paths as arguments of functions, and files that are written wholly or not at all."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from dualcam.errors import DualcamError
@@ -20,3 +23,32 @@ def page_path_of(path: object, what: str) -> Path:
     if page.suffix.lower() not in (".html", ".htm"):
         raise DualcamError(f"{page}: allowed are names that end in .html")
     return page
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[Path]:
+    """The name of a file to be written, which becomes `path` at the end of the `with` block.
+
+    Where the block fails, for example on a full disk, nothing is left of the new file, and a file of that
+    name stays as it was. OSError with `path` as its file name. A device such as /dev/stdout is written
+    directly."""
+    target = path.resolve()
+    is_device = target.exists() and not target.is_file()
+    unfinished = target if is_device else target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    try:
+        yield unfinished
+        if not is_device:
+            unfinished.replace(target)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise OSError(error.errno, os.strerror(error.errno), str(path)) from error
+    finally:
+        if not is_device:
+            unfinished.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a whole file in UTF-8, or none."""
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")

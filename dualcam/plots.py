@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualcam.errors import DualcamError
+from dualcam.paths import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -170,7 +171,8 @@ def save(picture: Figure, path: str | Path) -> None:
         For a format that matplotlib cannot write.
     """
     check_picture(path)
-    picture.savefig(path, dpi=200)
+    with whole_file(Path(path)) as unfinished:
+        picture.savefig(unfinished, dpi=200)
 
 
 def check_picture(path: str | Path) -> None:

@@ -19,7 +19,7 @@ from dualcam.design_file import as_design
 from dualcam.errors import DualcamError
 from dualcam.html_page import page, table
 from dualcam.module_calls import explain_call_of
-from dualcam.paths import page_path_of
+from dualcam.paths import page_path_of, write_text
 from dualcam.plots import plot_band, plot_simulation, plot_strength
 from dualcam.report_durability import durability_sections
 from dualcam.report_inputs import input_tables
@@ -84,7 +84,7 @@ def write_report(design: DesignSource, path: str | Path) -> Path:
     'my_report.html'
     """
     path = page_path_of(path, "the report")
-    path.write_text(report_page(as_design(design, shows_findings=True)), encoding="utf-8")
+    write_text(path, report_page(as_design(design, shows_findings=True)))
     return path
 
 

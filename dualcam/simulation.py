@@ -16,7 +16,7 @@ from dualcam.errors import DesignError, DualcamError
 from dualcam.fmu import Fmu, Scalar
 from dualcam.handle import names_of
 from dualcam.library import fmu_path
-from dualcam.paths import path_of
+from dualcam.paths import path_of, whole_file, write_text
 from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
@@ -121,13 +121,14 @@ class Trajectory:
         suffix = checked_format(path)
         if suffix == ".csv":
             rows = [",".join(map(repr, row)) for row in self.values.tolist()]
-            path.write_text("\n".join([",".join(self.names), *rows]) + "\n", encoding="utf-8")
+            write_text(path, "\n".join([",".join(self.names), *rows]) + "\n")
         else:
             import pyarrow
             from pyarrow import parquet
 
             columns = {name: self.values[:, k] for k, name in enumerate(self.names)}
-            parquet.write_table(pyarrow.table(columns), path)
+            with whole_file(path) as unfinished:
+                parquet.write_table(pyarrow.table(columns), unfinished)
 
 
 def checked_format(path: Path) -> str:

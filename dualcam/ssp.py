@@ -8,7 +8,6 @@ applies the sets of a name, libcosim the first of each component.
 from __future__ import annotations
 
 import io
-import os
 import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
@@ -21,7 +20,7 @@ from typing import TYPE_CHECKING
 from dualcam.archive import write_archive
 from dualcam.errors import DesignError
 from dualcam.module_calls import explain_call_of
-from dualcam.paths import path_of
+from dualcam.paths import path_of, whole_file
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile, DesignSource
@@ -127,9 +126,8 @@ class System:
             members[f"resources/{component.fmu.name}"] = component.fmu.read_bytes()
             members[f"resources/{component.name}.ssv"] = document(parameters(component))
         path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_suffix(f".{os.getpid()}")
-        write_archive(unfinished, members)
-        unfinished.replace(path)
+        with whole_file(path) as unfinished:
+            write_archive(unfinished, members)
         return path
 
 

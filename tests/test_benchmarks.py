@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import reference
 
+from benchmarks.endurance import oscillation, stick_slip
 from benchmarks.harness import core
 from benchmarks.harness.fmu import LOADING, RELEASING, STICK
 from benchmarks.work_precision.fmus import CFmu, build_python_fmu, hand_written, python_fmu
@@ -102,3 +103,11 @@ def test_errors_are_relative_to_the_largest_size():
     shifted = ([(theta + 1e-3, omega) for theta, omega in points], heats)
     largest = np.max(np.abs(columns(STRAIGHT.truth)[0]))
     assert STRAIGHT.errors(shifted) == pytest.approx((1e-3 / largest, 0.0, 0.0))
+
+
+def test_many_steps_drift_by_rounding_alone():
+    """The short form of `./build.sh endurance`: 10^5 steps."""
+    last = {row["what"]: float(row["value"]) for row in oscillation(100_000)}
+    assert abs(last["phase, rad"]) < 1e-11 and abs(last["energy"]) < 1e-12 and last["time, s"] == 0.0
+    last = {row["what"]: float(row["value"]) for row in stick_slip(100_000)}
+    assert last["theta, rad"] == 0.0 and last["mode changes"] > 500 and abs(last["ledger residual"]) < 1e-14

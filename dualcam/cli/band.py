@@ -47,6 +47,7 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     locks itself. The last lines are the largest reaction and, with [pin], the largest contact pressure.
     """
     from dualcam.design import torque_band
+    from dualcam.paths import write_text
     from dualcam.plots import check_picture, plot_band, save
     from dualcam.summary import largest_loads
 
@@ -61,7 +62,7 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     rows, loads = _rows(band), largest_loads(mechanism, design.pin)
     if output is not None:
         lines = [",".join(HEADS), *(",".join(map(repr, row)) for row in rows.tolist())]
-        output.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        write_text(output, "\n".join(lines) + "\n")
     if plot is not None:
         save(plot_band(fine, design.title or design.name), plot)
     if as_json:

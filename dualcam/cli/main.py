@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import errno
 import sys
 import warnings
 from collections.abc import Sequence
@@ -121,6 +122,8 @@ def _of_the_system(error: OSError) -> str:
     """The file that the system refuses, and the system's reason."""
     if error.filename is None:
         return str(error)
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return f"{error.filename} cannot be written: {error.strerror}. Make room, or give another folder"
     return (
         f"{error.filename} cannot be opened: {error.strerror}. Give another folder, or check the rights of"
         " this one"

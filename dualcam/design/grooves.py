@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from dualcam.design.groove_files import HEADER, read_groove
 from dualcam.design.statics import Array, DesignError
 from dualcam.errors import UnitWarning
+from dualcam.paths import write_text
 from dualcam.unit_guards import table_warnings, unit_warning, units_checked_before, warn_units
 
 VERTICAL = 1e-10  # of S: an elliptical groove ends that much before it is vertical, as in the FMU
@@ -356,7 +357,7 @@ class Table:
     def write(self, path: str | Path) -> None:
         """To a CSV file for the FMU's `cam1.table` or `cam2.table`, with all digits."""
         rows = [f"{float(p)!r},{float(z)!r}\n" for p, z in zip(self.psi, self.z, strict=True)]
-        Path(path).write_text(HEADER + "\n" + "".join(rows), encoding="utf-8")
+        write_text(Path(path), HEADER + "\n" + "".join(rows))
 
     @property
     def range(self) -> tuple[float, float]:

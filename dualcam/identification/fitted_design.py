@@ -11,7 +11,7 @@ from dualcam.design_file.toml_text import ENTRY, HEADER, line_of, lines_of_keys,
 from dualcam.errors import DualcamError, IdentificationError
 from dualcam.identification.unknowns import GROUPS
 from dualcam.identification.words import OPEN
-from dualcam.paths import path_of
+from dualcam.paths import path_of, write_text
 
 if TYPE_CHECKING:
     from dualcam.identification.result import FittedParameter, Identification
@@ -48,7 +48,7 @@ def write_fitted(found: Identification, path: str | Path) -> Path:
     if faults := found.recording_faults():
         raise IdentificationError(f"{path} is not written. {faults[0]}")
     existing = path.read_bytes() if path.exists() else None
-    path.write_text(_text(found, read_text(source)), encoding="utf-8")
+    write_text(path, _text(found, read_text(source)))
     try:
         _check(found, path)
     except DualcamError:

@@ -10,7 +10,7 @@ import dualcam
 from dualcam.html_page import page, table
 from dualcam.identification.picture import plot_identification
 from dualcam.identification.words import HEADS, OPEN, rows_of
-from dualcam.paths import page_path_of
+from dualcam.paths import page_path_of, write_text
 from dualcam.svg import figure_element
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ CAPTION = (
 def write_page(found: Identification, path: str | Path) -> Path:
     """Write the page. DualcamError for another ending than .html."""
     path = page_path_of(path, "the report")
-    path.write_text(_page(found), encoding="utf-8")
+    write_text(path, _page(found))
     return path
 
 

@@ -25,6 +25,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from dualcam.fmu import Array, Fmu
+from dualcam.paths import whole_file
 from dualcam.study.plot_keys import columns_of, columns_to_draw, problems_of_plots
 from dualcam.study.problem import StudyError, refuse
 from dualcam.study.results import read_results
@@ -55,7 +56,8 @@ def draw(studies: Sequence[tuple[Study, str | Path]], path: Path) -> None:
         for axis in axes.flat[len(panels) :]:
             axis.axis("off")
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=DPI)
+        with whole_file(path) as unfinished:
+            figure.savefig(unfinished, dpi=DPI)
     except OSError as error:
         raise StudyError(f"cannot write {path}: {error.strerror or error}") from error
     finally:

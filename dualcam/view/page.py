@@ -19,7 +19,7 @@ from dualcam.export.scenario import scenario_for, scenario_table
 from dualcam.fmu import Fmu
 from dualcam.library import MODELS, fmu_path, web_path
 from dualcam.model_description import Scalar, read_model_description
-from dualcam.paths import page_path_of
+from dualcam.paths import page_path_of, write_text
 from dualcam.unit_guards import units_checked_before
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def write_view(design: DesignSource | None, path: str | Path) -> Path:
     'my.html'
     """
     path = page_path_of(path, "the page")
-    path.write_text(view_page(None if design is None else as_design(design)), encoding="utf-8")
+    write_text(path, view_page(None if design is None else as_design(design)))
     return path
 
 

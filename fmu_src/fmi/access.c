@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
 COLD static void refuse_arrays(const Instance *instance, const char *function, size_t n,
@@ -212,7 +213,10 @@ static Draft draft_of(const FmuModel *model) {
 static bool retune(Instance *instance, const char *function, const Draft *draft) {
     FmuModel *model = &instance->values.model;
     Fault fault;
-    if (!model_retune(model, &draft->params, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_retune(model, &draft->params, &fault);
+    arithmetic_end(host);
+    if (!good) return instance_refuse(instance, "%s: %s", function, fault.text);
     model->inputs = draft->inputs;
     return true;
 }
@@ -227,7 +231,9 @@ static void write_inputs_and_states(Instance *instance, const ValueReference vr[
         if (state >= 0) x[state] = value[i];
         else write_reals(&instance->values, vr + i, 1, value + i);
     }
+    const HostArithmetic host = arithmetic_begin();
     model_set_states(model, x);
+    arithmetic_end(host);
 }
 
 /* Of a call that does not set inputs alone, or that is refused. */

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
 COMPACT_BEGIN
@@ -69,7 +70,9 @@ bool derivatives_get_of_outputs(Instance *instance, const char *function, unsign
         groups |= variable->group;
     }
     if (!instance_provide(instance, function, groups)) return false;
+    const HostArithmetic host = arithmetic_begin();
     for (size_t i = 0; i < n; i++) value[i] = model_output_derivative(&instance->values.model, vr[i], order[i]);
+    arithmetic_end(host);
     return access_are_numbers(instance, function, vr, n, value);
 }
 
@@ -114,8 +117,10 @@ static bool compute_partials(const Instance *instance, const char *function, con
         const int unknown = model_unknown(j->unknown[i]);
         Fault fault;
         if (done >> unknown & 1u) continue;
-        if (!model_partials(&instance->values.model, j->unknown[i], &partials->of[unknown], &fault))
-            return instance_refuse(instance, "%s: %s", function, fault.text);
+        const HostArithmetic host = arithmetic_begin();
+        const bool good = model_partials(&instance->values.model, j->unknown[i], &partials->of[unknown], &fault);
+        arithmetic_end(host);
+        if (!good) return instance_refuse(instance, "%s: %s", function, fault.text);
         done |= 1u << unknown;
     }
     return true;
@@ -145,10 +150,12 @@ bool derivatives_directional(Instance *instance, const char *function, const Jac
         !are_seeds(instance, function, j->known, j->knowns, seed) ||
         !instance_has_array(instance, function, j->unknowns, product, "sensitivity"))
         return false;
+    const HostArithmetic host = arithmetic_begin();
     for (size_t i = 0; i < j->unknowns; i++) {
         product[i] = 0.0;
         for (size_t k = 0; k < j->knowns; k++) product[i] += entry(j, &partials, i, k) * seed[k];
     }
+    arithmetic_end(host);
     return access_are_numbers(instance, function, j->unknown, j->unknowns, product);
 }
 
@@ -159,10 +166,12 @@ bool derivatives_adjoint(Instance *instance, const char *function, const Jacobia
         !are_seeds(instance, function, j->unknown, j->unknowns, seed) ||
         !instance_has_array(instance, function, j->knowns, product, "sensitivity"))
         return false;
+    const HostArithmetic host = arithmetic_begin();
     for (size_t k = 0; k < j->knowns; k++) {
         product[k] = 0.0;
         for (size_t i = 0; i < j->unknowns; i++) product[k] += seed[i] * entry(j, &partials, i, k);
     }
+    arithmetic_end(host);
     return access_are_numbers(instance, function, j->known, j->knowns, product);
 }
 

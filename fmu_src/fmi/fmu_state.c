@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
 /* Everything that a restored FMU state needs. */
@@ -100,7 +101,10 @@ static bool restore_and_build(const Snapshot *snapshot, Instance *instance, Faul
     Snapshot before;
     snapshot_take(&before, instance);
     restore_members(snapshot, instance);
-    if (model_rebuild(&instance->values.model, fault)) return true;
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_rebuild(&instance->values.model, fault);
+    arithmetic_end(host);
+    if (good) return true;
     restore_members(&before, instance);
     instance_invalidate(instance);
     return false;

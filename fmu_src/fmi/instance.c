@@ -8,6 +8,7 @@
 
 #include "fmi/resources.h"
 #include "numerics/tolerances.h"
+#include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
 enum { MESSAGE_SIZE = 1024 };
@@ -173,12 +174,19 @@ bool instance_setup(Instance *instance, const char *function, const double *tole
     return true;
 }
 
+static bool begin_model_exchange(Instance *instance, Fault *fault) {
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_begin_model_exchange(&instance->values.model, fault);
+    arithmetic_end(host);
+    return good;
+}
+
 bool instance_exit_initialization(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_INITIALIZATION)) return false;
     if (!instance_provide(instance, function, GROUP_STATE)) return false;
     Run *run = &instance->run;
     Fault fault;
-    if (run->interface_type == INTERFACE_MODEL_EXCHANGE && !model_begin_model_exchange(&instance->values.model, &fault))
+    if (run->interface_type == INTERFACE_MODEL_EXCHANGE && !begin_model_exchange(instance, &fault))
         return instance_refuse(instance, "%s: %s", function, fault.text);
     run->phase = run->interface_type == INTERFACE_CO_SIMULATION ? PHASE_STEP : PHASE_EVENT;
     return true;
@@ -186,20 +194,26 @@ bool instance_exit_initialization(Instance *instance, const char *function) {
 
 /* ---- variables that are computed ---- */
 
-bool instance_compute(Instance *instance, const char *function, unsigned groups) {
-    Fault fault;
+static bool compute(Instance *instance, unsigned groups, Fault *fault) {
     Values *values = &instance->values;
     if ((instance->valid & GROUP_STATE) == 0) {
-        if (!model_start(&values->model, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+        if (!model_start(&values->model, fault)) return false;
         instance->valid |= GROUP_STATE;
     }
     const unsigned missing = groups & ~instance->valid;
-    if (!model_outputs(&values->model, missing, &values->outputs, &fault))
-        return instance_refuse(instance, "%s: %s", function, fault.text);
+    if (!model_outputs(&values->model, missing, &values->outputs, fault)) return false;
     if (missing & GROUP_TIME) values->listed.time = instance->run.time;
     if (missing & GROUP_INDICATORS) model_indicators(&values->model, values->listed.indicator);
     instance->valid |= missing;
     return true;
+}
+
+bool instance_compute(Instance *instance, const char *function, unsigned groups) {
+    Fault fault;
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = compute(instance, groups, &fault);
+    arithmetic_end(host);
+    return good || instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
 /* ---- phases ---- */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "platform/attributes.h"
+#include "platform/platform.h"
 
 COMPACT_BEGIN
 
@@ -21,7 +22,13 @@ static const char *after(const char *text, const char *prefix) {
     return text;
 }
 
-/* The encoded path, from its first slash on, or NULL if the URI is not that of a local file. */
+/* Does the path begin with a drive of Windows, "C:"? */
+static bool is_drive(const char *path) {
+    return lower(path[0]) >= 'a' && lower(path[0]) <= 'z' && path[1] == ':';
+}
+
+/* The encoded path, or NULL if the URI is not that of a file that can be opened. "file://server/share/x" is the file
+ * "//server/share/x" where there are shares. The wrong URI "file://C:/x", which some masters make, is the file "C:/x". */
 static const char *path_of(const char *location) {
     const char *rest = location != NULL ? after(location, "file:") : NULL;
     if (rest == NULL) return NULL;
@@ -29,7 +36,9 @@ static const char *path_of(const char *location) {
     if (authority == NULL) return *rest == '/' ? rest : NULL;
     const char *host = after(authority, "localhost");
     const char *path = host != NULL ? host : authority;
-    return *path == '/' ? path : NULL;
+    if (*path == '/') return path;
+    if (!PLATFORM_HAS_SHARES || *authority == '\0') return NULL;
+    return is_drive(authority) ? authority : authority - 2;
 }
 
 static int hex(char c) {
@@ -49,11 +58,12 @@ static void decode(const char *encoded, char *text) {
     *text = '\0';
 }
 
-/* "//x" becomes "/x", "/C:/x" becomes "C:/x". */
+/* "//x" becomes "/x", unless this is a share; "/C:/x" becomes "C:/x". */
 static const char *without_extra_slash(const char *path) {
-    while (path[0] == '/' && path[1] == '/') path++;
-    const bool drive = lower(path[1]) >= 'a' && lower(path[1]) <= 'z' && path[2] == ':';
-    return drive ? path + 1 : path;
+    const size_t slashes = strspn(path, "/");
+    const char *rest = path + slashes;
+    if (slashes == 0 || is_drive(rest)) return rest;
+    return rest - (PLATFORM_HAS_SHARES && slashes > 1 ? 2 : 1);
 }
 
 static void drop_last_slashes(char *path) {

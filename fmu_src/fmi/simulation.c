@@ -2,10 +2,12 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "fmi/access.h"
 #include "numerics/tolerances.h"
+#include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
 /* ---- co-simulation ---- */
@@ -30,11 +32,14 @@ bool simulation_step(Instance *instance, const char *function, double t, double 
     const ModelInputs before = model->inputs;
     if (instance->run.derivatives_given == 0) model_clear_input_derivatives(&model->inputs);
     Fault fault;
-    if (!model_advance(model, h, instance->run.derivatives_given, &fault)) {
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_advance(model, h, instance->run.derivatives_given, &fault);
+    if (good) instance->run.time = t + h;
+    arithmetic_end(host);
+    if (!good) {
         model->inputs = before;
         return instance_refuse(instance, "%s: %s", function, fault.text);
     }
-    instance->run.time = t + h;
     instance->run.derivatives_given = 0;
     instance_invalidate(instance);
     return true;
@@ -46,8 +51,9 @@ typedef struct {
     Watcher watcher; /* the first member: the model knows only this one */
     Instance *instance;
     IntermediateUpdate *update;
-    double end; /* s, of the step */
-    bool event; /* the mode changes at the end */
+    HostArithmetic host; /* in which the master's update runs */
+    double end;          /* s, of the step */
+    bool event;          /* the mode changes at the end */
 } WatchedStep;
 
 /* Calls the master's update in this phase. Returns the end of the step, s. */
@@ -67,6 +73,14 @@ static double call_update(const WatchedStep *step, double time, Phase phase) {
     return point.may_end ? fmin(fmax(wanted, time), step->end) : step->end;
 }
 
+/* The same from within the model. */
+static double leave_for_update(WatchedStep *step, double time) {
+    arithmetic_end(step->host);
+    const double end = call_update(step, time, PHASE_INTERMEDIATE_OUTPUTS);
+    step->host = arithmetic_begin();
+    return end;
+}
+
 /* Watcher.changed: the mode has changed, `left` seconds before the end of the step. */
 static double mode_changed(Watcher *watcher, double left) {
     WatchedStep *step = (WatchedStep *)watcher;
@@ -74,7 +88,7 @@ static double mode_changed(Watcher *watcher, double left) {
     const bool handles_events = instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
     const double end = step->end, now = end - left;
     if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
-    else if (left > 0.0 && step->update != NULL) step->end = call_update(step, now, PHASE_INTERMEDIATE_OUTPUTS);
+    else if (left > 0.0 && step->update != NULL) step->end = leave_for_update(step, now);
     const double remaining = step->end == end ? left : fmin(step->end - now, left);
     step->event = remaining == 0.0;
     return remaining;
@@ -105,7 +119,7 @@ static bool is_sampled(const Instance *instance, unsigned reference) {
 }
 
 /* Sets the derivatives of the sampled inputs from the master's values at the thirds of the step. */
-COMPACT static bool sample_inputs(const WatchedStep *step, const char *function, double t, double h) {
+COMPACT static bool sample_inputs(const WatchedStep *step, double t, double h, Fault *fault) {
     Instance *instance = step->instance;
     const double third = h / 3.0;
     double u[INPUTS_MAX][INPUT_ORDER + 1];
@@ -117,24 +131,29 @@ COMPACT static bool sample_inputs(const WatchedStep *step, const char *function,
     for (unsigned r = 0; r < INPUTS_MAX; r++) {
         if (!is_sampled(instance, r)) continue;
         double *input = access_input(instance, r);
+        const HostArithmetic host = arithmetic_begin();
         differentiate(u[r], third, input);
-        if (!isfinite(input[1] + input[2] + input[3]))
-            return instance_refuse(instance, "%s: %s changes within %.17g s by more than allowed: finite derivatives",
-                                   function, VARIABLES[r].name, h);
+        arithmetic_end(host);
+        if (!isfinite(input[1] + input[2] + input[3])) {
+            snprintf(fault->text, sizeof fault->text,
+                     "%s changes within %.17g s by more than allowed: finite derivatives", VARIABLES[r].name, h);
+            return false;
+        }
         instance->run.derivatives_given |= (uint16_t)(1u << r);
     }
     return true;
 }
 
-static bool advance(WatchedStep *step, const char *function, double t, double h) {
+static bool advance(WatchedStep *step, double t, double h, Fault *fault) {
     Instance *instance = step->instance;
     FmuModel *model = &instance->values.model;
     model_clear_input_derivatives(&model->inputs);
     const bool samples = step->update != NULL && instance->intermediate.sampled_inputs != 0;
-    if (samples && !sample_inputs(step, function, t, h)) return false;
-    Fault fault;
-    return model_advance_watched(model, h, instance->run.derivatives_given, &step->watcher, &fault) ||
-           instance_refuse(instance, "%s: %s", function, fault.text);
+    if (samples && !sample_inputs(step, t, h, fault)) return false;
+    step->host = arithmetic_begin();
+    const bool good = model_advance_watched(model, h, instance->run.derivatives_given, &step->watcher, fault);
+    arithmetic_end(step->host);
+    return good;
 }
 
 bool simulation_step_with_updates(Instance *instance, const char *function, double t, double h,
@@ -146,11 +165,12 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
     WatchedStep step = {.watcher = {.changed = mode_changed}, .instance = instance, .update = update, .end = t + h};
     const ModelInputs inputs = instance->values.model.inputs;
     const Run run = instance->run;
-    if (!advance(&step, function, t, h)) {
+    Fault fault;
+    if (!advance(&step, t, h, &fault)) {
         instance->values.model.inputs = inputs;
         instance->run = run;
         instance_invalidate(instance);
-        return false;
+        return instance_refuse(instance, "%s: %s", function, fault.text);
     }
     instance->run.time = step.end;
     instance->run.derivatives_given = 0;
@@ -193,7 +213,9 @@ bool simulation_set_states(Instance *instance, const char *function, const doubl
         if (!isfinite(x[i]))
             return instance_refuse(instance, "%s: %s = %.17g: allowed is any finite number", function,
                                    VARIABLES[model_state_reference((int)i)].name, x[i]);
+    const HostArithmetic host = arithmetic_begin();
     model_set_states(&instance->values.model, x);
+    arithmetic_end(host);
     instance_invalidate(instance);
     return true;
 }
@@ -211,15 +233,19 @@ bool simulation_get_derivatives(Instance *instance, const char *function, double
     if (!is_vector(instance, function, PHASES_OF_RESULTS, derivative, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
-    return model_state_derivatives(&instance->values.model, derivative, &fault) ||
-           instance_refuse(instance, "%s: %s", function, fault.text);
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_state_derivatives(&instance->values.model, derivative, &fault);
+    arithmetic_end(host);
+    return good || instance_refuse(instance, "%s: %s", function, fault.text);
 }
 
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n) {
     if (!is_vector(instance, function, PHASES_OF_RESULTS, indicator, n, EVENT_INDICATORS) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
+    const HostArithmetic host = arithmetic_begin();
     model_indicators(&instance->values.model, indicator);
+    arithmetic_end(host);
     return true;
 }
 
@@ -232,9 +258,11 @@ bool simulation_get_nominals(Instance *instance, const char *function, unsigned 
 bool simulation_complete_integrator_step(Instance *instance, const char *function) {
     if (!instance_is_in(instance, function, PHASE_CONTINUOUS)) return false;
     Fault fault;
+    const HostArithmetic host = arithmetic_begin();
     const double h = instance->run.time - instance->run.completed_until;
-    if (!model_complete_integrator_step(&instance->values.model, h, &fault))
-        return instance_refuse(instance, "%s: %s", function, fault.text);
+    const bool good = model_complete_integrator_step(&instance->values.model, h, &fault);
+    arithmetic_end(host);
+    if (!good) return instance_refuse(instance, "%s: %s", function, fault.text);
     instance->run.completed_until = instance->run.time;
     instance_invalidate(instance);
     return true;
@@ -246,7 +274,10 @@ bool simulation_update_discrete_states(Instance *instance, const char *function,
     double before[CONTINUOUS_STATES + 1], after[CONTINUOUS_STATES + 1]; /* no array of length 0 in C */
     Fault fault;
     model_get_states(model, before);
-    if (!model_update_discrete_states(model, &fault)) return instance_refuse(instance, "%s: %s", function, fault.text);
+    const HostArithmetic host = arithmetic_begin();
+    const bool good = model_update_discrete_states(model, &fault);
+    arithmetic_end(host);
+    if (!good) return instance_refuse(instance, "%s: %s", function, fault.text);
     model_get_states(model, after);
     *states_changed = memcmp(before, after, CONTINUOUS_STATES * sizeof(double)) != 0;
     instance_invalidate(instance);

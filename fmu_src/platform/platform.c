@@ -50,16 +50,19 @@ double plain_number(const char *text, PlainLocale *locale) {
 #ifdef __APPLE__
 #include <xlocale.h>
 #endif
+#ifndef __wasi__
+#include <sys/stat.h>
+#endif
 
 bool platform_is_absolute(const char *path) {
     return path[0] == '/';
 }
 
+#ifdef __wasi__ /* has only files, and no other locale */
+
 FILE *platform_open(const char *path) {
     return fopen(path, "rb");
 }
-
-#ifdef __wasi__ /* has no other locale */
 
 PlainLocale *plain_locale_new(void) {
     static char plain;
@@ -76,6 +79,12 @@ double plain_number(const char *text, PlainLocale *locale) {
 }
 
 #else
+
+/* To open a pipe would wait for its writer. */
+FILE *platform_open(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
+}
 
 PlainLocale *plain_locale_new(void) {
     return (PlainLocale *)newlocale(LC_ALL_MASK, "C", (locale_t)0);

@@ -10,7 +10,14 @@
  * "C:/x" and shares, "\\server\share\x". */
 bool platform_is_absolute(const char *path);
 
-/* fopen(path, "rb") with the path in UTF-8. */
+/* Is "//server/share/x" the path of a file on another machine? */
+#ifdef _WIN32
+enum { PLATFORM_HAS_SHARES = 1 };
+#else
+enum { PLATFORM_HAS_SHARES = 0 };
+#endif
+
+/* fopen(path, "rb") with the path in UTF-8. NULL also where the path is no file, such as a directory or a pipe. */
 FILE *platform_open(const char *path);
 
 /* The "C" locale, with a decimal point; the locale of the host application may have a decimal comma. NULL if memory is

@@ -1,5 +1,6 @@
 """FMI 2.0: files of groove tables."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,16 @@ def test_without_resources_a_relative_table_is_refused(make, folder, location):
 @pytest.mark.parametrize("content", ["", "psi_rad,z_m\n0,0\n", "psi_rad,z_m\n0,0\n1,0.02\n2,0.01\n3,0.03\n"])
 def test_refuses_bad_tables(make, tmp_path, content):
     (tmp_path / "groove.csv").write_text(content)
+    fmu = make(resources=f"file://{tmp_path}")
+    fmu.set(TABLE)
+    fmu.ok("fmi2EnterInitializationMode")
+    assert "cam1.table" in fmu.refused_start()
+
+
+@pytest.mark.parametrize("make_path", [os.mkdir, os.mkfifo])
+def test_refuses_what_is_no_file(make, tmp_path, make_path):
+    """To open a pipe would wait for a writer."""
+    make_path(tmp_path / "groove.csv")
     fmu = make(resources=f"file://{tmp_path}")
     fmu.set(TABLE)
     fmu.ok("fmi2EnterInitializationMode")

@@ -12,6 +12,7 @@ from dualcam.design.cut.sampling import MOST_POINTS, SHARES, places, wrapped
 from dualcam.design.groove_files import HEADER
 from dualcam.design.grooves import Table
 from dualcam.design.statics import Array, DesignError
+from dualcam.paths import write_text
 from dualcam.unit_guards import units_checked_before
 
 INTERVALS = 128  # between the stops, at least
@@ -28,7 +29,7 @@ def write_csv(cut: GrooveCut, path: Path) -> None:
     psi = _close_enough(cut, places(cut, curves, intervals=INTERVALS))
     rows = np.column_stack([psi, cut.centre(psi).z, *curves(psi)])
     lines = [",".join(COLUMNS), *(",".join(map(repr, row)) for row in rows.tolist())]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text(path, "\n".join(lines) + "\n")
 
 
 def _close_enough(cut: GrooveCut, psi: Array) -> Array:

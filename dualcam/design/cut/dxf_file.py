@@ -12,6 +12,7 @@ from dualcam.design.cut.groove_cut import Curve, GrooveCut
 from dualcam.design.cut.labels import axis_label, cut_label, zero_label
 from dualcam.design.cut.sampling import CHORD_ERROR, places, unwrapped
 from dualcam.design.statics import Array, DesignError
+from dualcam.paths import whole_file
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -38,7 +39,8 @@ def write_dxf(cut: GrooveCut, path: Path) -> None:
     _draw_cylinder(drawing, cut)
     _draw_axis(drawing, cut)
     _write_text(drawing, cut)
-    drawing.saveas(path)
+    with whole_file(path) as unfinished:
+        drawing.saveas(unfinished)
 
 
 def require_ezdxf() -> Any:  # noqa: ANN401

@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from dualcam.errors import DesignError
+from dualcam.paths import whole_file
 
 TEMPLATES = {
     "minimal": "two equal helices, with the FMU's defaults",
@@ -50,10 +51,12 @@ def write_template(name: str, path: str | Path, overwrite: bool = False) -> Path
     path = Path(path)
     text = (files(__package__) / f"{name}.toml").read_text(encoding="utf-8")
     try:
-        with path.open("w" if overwrite else "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-    except FileExistsError:
-        raise DesignError(f"{path} exists already: choose another name, or remove the file") from None
+        if path.exists() and not overwrite:
+            raise DesignError(f"{path} exists already: choose another name, or remove the file")
+        with whole_file(path) as unfinished:
+            unfinished.write_text(text, encoding="utf-8", newline="\n")
+    except DesignError:
+        raise
     except (OSError, ValueError) as error:
         raise DesignError(f"{path} cannot be written: {error}; choose a folder that exists") from None
     return path

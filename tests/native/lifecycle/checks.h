@@ -11,8 +11,6 @@ void check_derivatives(fmi2Component c);
 /* Twice from one saved state, with steps of Euler's method. */
 void check_model_exchange(const Scene *scene);
 void check_bad_calls(void);
-/* The tables of the scenes. */
-void write_tables(void);
 void check_bad_tables(void);
 void check_bad_friction_tables(void);
 /* A state whose table is lost, or jams, is refused by all but the instance that has read the table. */

@@ -76,6 +76,14 @@ static const Scene inverse_scenes[] = {
     {"no such table", 5.0, false, {{"cam1.profile", 3.0, NULL}, {"cam1.table", 0.0, "none.csv"}}},
 };
 
+void write_tables(void) {
+    write_table("one.csv", 0.02, 1e-4);
+    write_table("two.csv", 0.021, -2e-4);
+    write_text("speed.csv", "v_m_s,mu\n0,0.2\n0.005,0.17\n0.02,0.12\n0.1,0.115\n0.2,0.13\n");
+    write_text("load.csv",
+               "v_m_s,R_N,mu\n0,50,0.2\n0.02,50,0.15\n0.2,50,0.14\n0,200,0.17\n0.02,200,0.13\n0.2,200,0.12\n");
+}
+
 const Scene *scenes(size_t *count) {
     *count = is_inverse() ? COUNT_OF(inverse_scenes) : COUNT_OF(forward_scenes);
     return is_inverse() ? inverse_scenes : forward_scenes;

@@ -23,6 +23,8 @@ typedef struct {
 const Scene *scenes(size_t *count);
 /* Ends the program if there is no such scene. */
 const Scene *scene_called(const char *name);
+/* Writes the tables that the scenes name. */
+void write_tables(void);
 /* Value of a setting of the scene, or `otherwise` if it has none of that name. */
 double setting_of(const Scene *scene, const char *name, double otherwise);
 

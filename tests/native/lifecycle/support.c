@@ -31,8 +31,8 @@ bool is_inverse(void) {
     return find_reference("shaft.stiffness", &found);
 }
 
-char latest_message[LONGEST_MESSAGE] = "none";
-int messages;
+_Thread_local char latest_message[LONGEST_MESSAGE] = "none";
+_Thread_local int messages;
 
 static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                         fmi2String category, fmi2String message, ...) {
@@ -44,7 +44,7 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String instanc
 const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
 const fmi2CallbackFunctions no_callbacks = {NULL, NULL, NULL, NULL, NULL};
 
-uint64_t random_state = 88172645463325252u;
+_Thread_local uint64_t random_state = 88172645463325252u;
 double random_in(double low, double high) {
     random_state ^= random_state << 13;
     random_state ^= random_state >> 7;

@@ -35,13 +35,13 @@ bool is_inverse(void);
 
 /* ---- messages of the FMU ---- */
 
-extern char latest_message[LONGEST_MESSAGE];
-extern int messages; /* since they were last set to 0 */
+extern _Thread_local char latest_message[LONGEST_MESSAGE];
+extern _Thread_local int messages; /* since they were last set to 0 */
 extern const fmi2CallbackFunctions callbacks, no_callbacks;
 
 /* ---- random numbers: xorshift64, the same ones on every machine ---- */
 
-extern uint64_t random_state;
+extern _Thread_local uint64_t random_state;
 double random_in(double low, double high);
 /* True with a probability of `share`. */
 bool chance(double share);
