@@ -42,7 +42,7 @@ static bool is_accurate(const LobattoSystem *s) {
 
 /* Does the sliding speed of contact i stay on its piece of the friction table? */
 static bool stays_on_piece(const LobattoSystem *s, int i) {
-    const FrictionReach *reach = &s->law[i].reach;
+    const FrictionReach *reach = &s->reach[i];
     bool stays = true;
     for (int k = 1; k < LOBATTO_NODES; k++) {
         const double v = s->speed.at[k] * s->pair[k / 2].sliding[i][k % 2];
@@ -55,13 +55,13 @@ static bool stays_on_piece(const LobattoSystem *s, int i) {
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
     for (int i = 0; i < 2; i++) {
-        if (s->law[i].has_table) {
+        if (s->law[i]->has_table) {
             if (!stays_on_piece(s, i)) return false;
             continue;
         }
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
         const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
-        if (!friction_is_resolved(&s->slip->fall[i], s->speed.at[0] * sliding, low, high)) return false;
+        if (!friction_is_resolved(&s->slip->law[i].fall, s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -150,17 +150,24 @@ static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
     return true;
 }
 
-/* Does no reaction pass the load below which friction levels off? */
-COMPACT static bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
-    const double per_contact = 1.0 / s->slip->params->contacts;
+COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *reaction, double per_contact) {
     bool stays = true;
-    for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
-        const double *reaction = loads->reaction[i].at, from = fabs(reaction[0]) * per_contact;
-        for (int k = 1; fall->level > 0.0 && k < LOBATTO_NODES; k++)
-            stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction[k]) * per_contact) < 1.0);
-    }
+    const double from = fabs(reaction->at[0]) * per_contact;
+    for (int k = 1; k < LOBATTO_NODES; k++)
+        stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction->at[k]) * per_contact) < 1.0);
     return stays;
+}
+
+/* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
+static inline bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
+    const double contacts = s->slip->params->contacts;
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
+        const double least = s->slip->flank[i] > 0 ? range.low : -range.high;
+        if (!(least >= fall->level * contacts) && !stays_beside(fall, &loads->reaction[i], 1.0 / contacts)) return false;
+    }
+    return true;
 }
 
 /* Without inertia: does the spring's load stay on the flanks of the contacts? Else the torque can come back into the
@@ -280,16 +287,16 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) {
-        FrictionNearby *law = &s->law[i];
+        const FrictionNearby *law = s->law[i];
         out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
         const double v = from->omega * out.sliding[i];
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
         out.value[i] = out.kinetic[i] = kinetic;
-        if (law->has_table) friction_table_begin(s->slip->fall[i].table, v, &law->reach);
+        if (law->has_table) friction_table_begin(s->slip->law[i].fall.table, v, &s->reach[i]);
         if (!law->has_table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
-        out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
+        out.value[i] = friction_nearby_at(law, &s->reach[i], (Vector2){v, v}).value[0];
         const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
-        const bool falls = shows && v < s->slip->fall[i].end;
+        const bool falls = shows && v < s->slip->law[i].fall.end;
         if (!falls) out.kinetic[i] = out.value[i];
         out.falls = out.falls || falls;
     }
@@ -307,9 +314,9 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
         if (friction->value[i] == friction->kinetic[i]) continue;
-        const double per_angle = fabs(friction->sliding[i] * s->law[i].minus_by_v[0]);
+        const double per_angle = fabs(friction->sliding[i] * s->law[i]->minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
-        const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
+        const double steepness = s->law[i]->is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
         most = fmax(most, steepness * x * x * x / 6.0);
     }
     const double error = s->h * LOBATTO.missed * LOBATTO.missed_once * excess * most / fabs(from->omega);
@@ -321,7 +328,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
 COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
+        const FrictionFall *fall = &s->slip->law[i].fall;
         const double sliding = friction->sliding[i], v = sliding * omega;
         if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
     }
@@ -332,9 +339,9 @@ COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction 
 COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     const double longest = s->h;
     for (int i = 0; i < 2; i++) {
-        if (!s->law[i].has_table) continue;
-        const FrictionFall *fall = &s->slip->fall[i];
-        FrictionReach *reach = &s->law[i].reach;
+        if (!s->law[i]->has_table) continue;
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        FrictionReach *reach = &s->reach[i];
         const double sliding = friction->sliding[i], v = sliding * omega;
         const double change = sliding * rhs * s->h;
         friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
@@ -356,7 +363,7 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
     }
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
-    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, &friction, from->omega, rhs);
+    if (s->law[0]->has_table || s->law[1]->has_table) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
 }
 

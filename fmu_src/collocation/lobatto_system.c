@@ -69,18 +69,11 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-static void set_law(LobattoSystem *s) {
+static inline void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
-    const Vector2 none = {0.0, 0.0};
-    s->sigma = none + slip->direction;
     s->end_speed.given = false;
-    for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i], &s->law[i]);
-        s->radius[i] = none + r;
-        s->radius2[i] = none + r * r;
-    }
-    if (slip->friction_is_loaded) lobatto_loads_begin(s);
+    for (int i = 0; i < 2; i++)
+        s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -92,11 +85,12 @@ void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
 
 /* Where friction varies: f_i at the speeds of two nodes. */
 ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    const double sigma = s->slip->direction;
     n->omega = omega;
     for (int i = 0; i < 2; i++) {
-        const Vector2 length2 = s->radius2[i] + n->slope[i] * n->slope[i];
-        const Vector2 sliding = s->sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
+        const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
+        const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        const VectorFriction f = friction_nearby_at(s->law[i], &s->reach[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
         n->sliding[i] = sliding;
@@ -104,7 +98,8 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
 }
 
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
-    vector_contact_factors_set_varying(&n->factors, i, s->radius[i], s->radius2[i], n->friction[i], n->slope[i]);
+    vector_contact_factors_set_varying(&n->factors, i, s->law[i]->radius, s->law[i]->radius2, n->friction[i],
+                                       n->slope[i]);
 }
 
 /* Where friction varies: the friction at the speeds of the solution, to first order. The last sweep has changed the

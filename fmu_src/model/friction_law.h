@@ -78,9 +78,6 @@ typedef struct {
     double level;     /* N, below which the law levels off: its fifth derivative jumps there; 0: no load law */
 } FrictionFall;
 
-/* `tolerance`: relative, of the motion. */
-FrictionFall friction_fall(const CamParams *cam, double tolerance);
-
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
 static inline double friction_share(const FrictionFall *fall, double v, double to) {
     if (fall->table) return friction_table_share(fall->table, fall->overshoot, v, to);
@@ -96,32 +93,45 @@ static inline bool friction_is_resolved(const FrictionFall *fall, double v, doub
     return v - low <= allowed && (v >= fall->end || high - v <= allowed);
 }
 
-/* The law as a step evaluates it again and again: its constants, in both halves of a vector. */
+/* The law of a contact as a step evaluates it again and again: its constants, in both halves of a vector. */
 typedef struct {
-    Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
-    Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
-    double gone;                /* m/s, above which the excess is below all rounding; infinity for a table */
-    double sign;                /* of all values */
-    bool is_gauss;              /* the Stribeck exponent is 2 */
+    Vector2 kinetic, viscous;        /* mu_k; s/m, mu_v */
+    Vector2 excess, minus_by_v;      /* mu_k (peak - 1); s/m, -1/v_s */
+    Vector2 per_load, load_exponent; /* 1/N, 1/(n R_ref); nu, 0 where the law does not depend on the load */
+    Vector2 radius, radius2;         /* m, m^2: r and r^2 */
+    double gone;                     /* m/s, above which the excess is below all rounding; infinity for a table */
+    double sign;                     /* of all values */
+    bool is_gauss;                   /* the Stribeck exponent is 2 */
     bool has_table;
-    FrictionReach reach; /* only of a table; see friction_table_begin() */
 } FrictionNearby;
 
-/* `sign`: +1 or -1, on all values of friction_nearby_at(). */
-void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near);
+/* What the parameters of a contact imply for every step where friction varies. */
+typedef struct {
+    FrictionFall fall;
+    FrictionNearby near[2]; /* by friction_sign_index() */
+} FrictionConstants;
+
+/* Of contact `i`, 0 or 1. */
+void friction_prepare(const Params *params, int i, FrictionConstants *constants);
+
+/* `sign`: sigma e_i, on all values of friction_nearby_at(). */
+static inline int friction_sign_index(int sign) {
+    return sign < 0;
+}
 
 /* mu and dmu/dv at two speeds v. */
 typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v);
+VectorFriction friction_on_piece(double sign, const FrictionReach *reach, Vector2 v);
 
-/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0. */
-static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
+/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
+ * `reach`: of a table only, see friction_table_begin(). */
+static inline VectorFriction friction_nearby_at(const FrictionNearby *near, const FrictionReach *reach, Vector2 v) {
     VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
     if (v[0] > near->gone && v[1] > near->gone) return mu;
-    if (near->has_table) return friction_on_piece(near, v);
+    if (near->has_table) return friction_on_piece(near->sign, reach, v);
     const Vector2 ratio = v * near->minus_by_v;
     Vector2 exponent, slope = near->minus_by_v;
     if (near->is_gauss) {
