@@ -10,13 +10,16 @@
 /* ---- the start ---- */
 
 /* Both contacts in one vector. */
-COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, double alpha, double value[2],
-                                 double kinetic[2]) {
+COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const GrooveBend *bend, double z,
+                                 double value[2], double kinetic[2]) {
     const SlipMode *slip = s->slip;
     const Params *p = slip->params;
-    const double v = g->dz_dtheta * s->omega, a[2] = {g->slope[0], g->slope[1]};
+    const InertiaParams *in = &p->inertia;
+    const double v = g->dz_dtheta * s->omega, omega2 = s->omega * s->omega, a[2] = {g->slope[0], g->slope[1]};
     const double axial = spring_force(&p->spring, z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
-                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+                         in->follower_mass * bend->d2z_dtheta2 * omega2;
+    const double net = slip->inputs->tau[0] - p->shaft.damping * s->omega;
+    const double axial_mass = in->follower_mass * g->dz_dtheta, turning_mass = in->follower * g->dpsi_dtheta[0];
     double dry[2], viscous[2], more[2] = {0.0, 0.0}, power[2] = {1.0, 1.0}, x[2] = {0.0, 0.0}, torque[2];
     for (int i = 0; i < 2; i++) {
         viscous[i] = s->law[i]->viscous[0] * slip->direction * s->omega * cam_sliding(g, i);
@@ -33,8 +36,15 @@ COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, 
             torque[i] = r * r * more[i] * x[i];
         }
         contact_factors_multiply(&f);
-        x[0] = (f.rn[1] * load - f.d[1] * (torque[1] - torque[0])) / f.delta;
-        x[1] = (f.rn[0] * load + f.d[0] * (torque[1] - torque[0])) / f.delta;
+        double moment = torque[1] - torque[0] + in->follower * bend->d2gamma_dtheta2 * omega2;
+        if (slip->follower_has_inertia) {
+            const double alpha = (f.delta * (net + torque[1]) - f.p * load - f.q * moment) /
+                                 (f.delta * in->shaft + f.p * axial_mass + f.q * turning_mass);
+            load += axial_mass * alpha;
+            moment += turning_mass * alpha;
+        }
+        x[0] = (f.rn[1] * load - f.d[1] * moment) / f.delta;
+        x[1] = (f.rn[0] * load + f.d[0] * moment) / f.delta;
         if (n == LOBATTO_LOAD_GUESSES) break;
         const Vector2 q = {fabs(x[0]) * cam_length(g, 0) * s->law[0]->per_load[0],
                            fabs(x[1]) * cam_length(g, 1) * s->law[1]->per_load[0]};

@@ -23,6 +23,11 @@ typedef struct {
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
+/* z'' and gamma''; 0 where the follower has neither mass nor inertia. */
+typedef struct {
+    double d2z_dtheta2, d2gamma_dtheta2;
+} GrooveBend;
+
 /* A sliding speed at which the step is to end, a sample of a friction table. Its length is then an unknown too. */
 typedef struct {
     bool given;

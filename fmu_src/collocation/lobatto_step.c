@@ -235,9 +235,10 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     return true;
 }
 
-/* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
- * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2]) {
+/* alpha, or without inertia omega, at the start, but for the square root of quadratic damping, and for the terms of z'',
+ * gamma'' and I unless `bend` is given: a first guess. */
+static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2],
+                               const GrooveBend *bend) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
@@ -252,7 +253,11 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, c
     if (slip->regime != REGIME_INERTIAL) return net / damping;
     double mass = f.delta * p->inertia.shaft;
     if (slip->follower_has_inertia) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
-    return (net - damping * from->omega) / mass;
+    if (bend == NULL) return (net - damping * from->omega) / mass;
+    const InertiaParams *in = &p->inertia;
+    const double swirl = f.p * in->follower_mass * bend->d2z_dtheta2 + f.q * in->follower * bend->d2gamma_dtheta2;
+    mass += f.q * in->follower * g->dpsi_dtheta[0];
+    return (net - (damping + swirl * from->omega) * from->omega) / mass;
 }
 
 /* Solves a step of s->h seconds. If such a step ends beyond the limit of the breakpoint, solves the step to the
@@ -307,9 +312,9 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
  * x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u| times
  * as large. The error grows with the fourth power of the share, see is_accurate(). */
 static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
-                            double rhs) {
+                            const GrooveBend *bend, double rhs) {
     const SlipMode *slip = s->slip;
-    const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic));
+    const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic, bend));
     const double root = sqrt(slip->params->tolerance), allowed = root * sqrt(root);
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
@@ -351,17 +356,25 @@ COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *fric
     }
 }
 
+static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {
+    GrooveBend bend = {0.0, 0.0};
+    if (!slip->follower_has_inertia || slip->transmission->straight) return bend;
+    const TransmissionPoint p = piece_point(slip->piece, from->theta, TRANSMISSION_FIRST_DERIVATIVES);
+    const double *psi = from->geometry->dpsi_dtheta, *a = from->geometry->slope, *b = p.dslope_dtheta;
+    bend.d2z_dtheta2 = b[0] * psi[0] * psi[0] + b[1] * psi[1] * psi[1];
+    bend.d2gamma_dtheta2 = (b[1] * psi[1] - b[0] * psi[0]) / (a[0] + a[1]);
+    return bend;
+}
+
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
     StartFriction friction = start_friction(s, from);
-    double rhs;
+    const GrooveBend bend = start_bend(s->slip, from);
     s->omega = from->omega;
-    for (int n = 0;; n++) {
-        rhs = guess_rhs(s->slip, from, friction.value);
-        if (n > 0 || !s->slip->friction_is_loaded) break;
-        lobatto_loads_guess(s, from->geometry, from->z, rhs, friction.value, friction.kinetic);
-    }
-    if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    if (s->slip->friction_is_loaded)
+        lobatto_loads_guess(s, from->geometry, &bend, from->z, friction.value, friction.kinetic);
+    const double rhs = guess_rhs(s->slip, from, friction.value, &bend);
+    if (friction.falls) s->h *= share_in_fall(s, from, &friction, &bend, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
     if (s->law[0]->has_table || s->law[1]->has_table) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
@@ -383,7 +396,7 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     LobattoSystem s;
     lobatto_system_begin(&s, slip);
     s.h = left;
-    const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
+    const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction, NULL);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, left, out)) return false;

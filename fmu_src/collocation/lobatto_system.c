@@ -142,13 +142,12 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
-static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vector2 omega, Vector2 alpha,
+static inline Vector2 friction_damping(const LobattoSystem *s, Vector2 torque, Vector2 omega, Vector2 alpha,
                                        const NodePair *n) {
+    const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
-    const CamParams *cam = slip->params->cam;
     const VectorContactFactors *f = &n->factors;
-    const Vector2 rn[2] = {cam[0].radius * cam[0].radius * n->dfriction_domega[0],
-                           cam[1].radius * cam[1].radius * n->dfriction_domega[1]};
+    const Vector2 rn[2] = {s->law[0]->radius2 * n->dfriction_domega[0], s->law[1]->radius2 * n->dfriction_domega[1]};
     const Vector2 d[2] = {-n->slope[0] * n->dfriction_domega[0], -n->slope[1] * n->dfriction_domega[1]};
     const Vector2 q = d[0] * f->rn[1] + f->d[0] * rn[1], delta = q + rn[0] * f->d[1] + f->rn[0] * d[1];
     const Vector2 p = rn[0] * f->rn[1] + f->rn[0] * rn[1];
@@ -188,7 +187,7 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
     Vector2 alpha = net / n->mass;
     if (loaded) alpha = lobatto_loads_find(s, omega, alpha, n);
     if (varies) {
-        if (first && !loaded) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
+        if (first && !loaded) n->friction_damping = friction_damping(s, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
     }
     return alpha;
@@ -359,28 +358,100 @@ static inline bool is_placed(const LobattoSystem *s) {
     return fabs(s->end_shift) <= LOBATTO_SHIFT_SHARE * s->slip->params->tolerance * fabs(theta);
 }
 
+/* ---- the first iterate where friction varies ---- */
+
+/* A parabola over the step: at the share c of the step start + c (linear + c square). */
+typedef struct {
+    double start, linear, square;
+} Parabola;
+
+static inline Parabola parabola_through(double start, Vector2 middle_and_end) {
+    const double m = middle_and_end[0] - start, e = middle_and_end[1] - start;
+    return (Parabola){start, 4.0 * m - e, 2.0 * (e - 2.0 * m)};
+}
+
+static inline Vector2 parabola_at(const Parabola *p, Vector2 c) {
+    return p->start + c * (p->linear + c * p->square);
+}
+
+/* Integral and double integral from the start on, per length of the step and per its square. */
+static inline Vector2 parabola_once(const Parabola *p, Vector2 c) {
+    return c * (p->start + c * (0.5 * p->linear + c * (p->square * (1.0 / 3.0))));
+}
+
+static inline Vector2 parabola_twice(const Parabola *p, Vector2 c) {
+    return c * c * (0.5 * p->start + c * (p->linear * (1.0 / 6.0) + c * (p->square * (1.0 / 12.0))));
+}
+
+static inline Vector2 inputs_in_middle_and_at_end(const LobattoSystem *s, const double input[]) {
+    return (Vector2){input_value(input, 0.5 * s->h), input_value(input, s->h)};
+}
+
+/* Half a sweep: one pair of nodes, the middle and the end of the step under constant acceleration. The parabola through
+ * alpha there, with the change by the next sweep, and at the start is a first iterate at the nodes whose error is of
+ * third order. alpha at the start is that of the first guess. */
+NOINLINE static void guess_parabola(LobattoSystem *s) {
+    const double h = s->h, rhs = s->y.at[0];
+    const Vector2 c = {0.5, 1.0}, t = h * c;
+    NodePair *n = &s->pair[1];
+    s->speed.half[1] = s->omega + rhs * t;
+    s->dtheta.half[1] = t * (s->omega + 0.5 * rhs * t);
+    if (!s->slip->inputs_are_constant) {
+        s->tau.half[1] = inputs_in_middle_and_at_end(s, s->slip->inputs->tau);
+        s->F_ext.half[1] = inputs_in_middle_and_at_end(s, s->slip->inputs->F_ext);
+    }
+    evaluate_varying(s, 1, true);
+    Vector2 alpha = s->y.half[1];
+    const double turned = s->dtheta.half[1][1], gained = s->speed.half[1][1] - s->omega;
+    const double growth = (alpha[1] - rhs + n->damping_rate[1] * gained) / turned;
+    Parabola change = parabola_through(0.0, alpha - rhs);
+    for (int k = 0; k < 2; k++) {
+        const Vector2 next =
+            h * (h * growth * parabola_twice(&change, c) - n->damping_rate * parabola_once(&change, c));
+        change = parabola_through(0.0, next);
+        alpha += next;
+    }
+    const Parabola p = parabola_through(rhs, alpha);
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const Vector2 node = LOBATTO.node.half[k];
+        s->y.half[k] = parabola_at(&p, node);
+        s->speed.half[k] = s->omega + h * parabola_once(&p, node);
+        s->dtheta.half[k] = h * (node * s->omega + h * parabola_twice(&p, node));
+    }
+    for (int i = 0; s->slip->friction_is_loaded && i < 2; i++) {
+        const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
+        for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
+    }
+}
+
+/* ---- the sweeps ---- */
+
 /* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
- * depend on the speed more than all else does. Then the first prediction includes the change of the speed by the sweep
- * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
+ * depend on the speed more than all else does. Then the last prediction is part of the solution: its own error is a tenth
+ * of it or less. The first sweep may be the last one, for guess_parabola() precedes it. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
     const double share = LOBATTO_SWEEP_SHARE * slip->params->tolerance, speed = fabs(s->omega);
     double before = INFINITY, missed = 0.0;
+    if (varies) {
+        if (slip->inputs_are_constant) find_inputs(s);
+        guess_parabola(s);
+        if (end->given) aim_at_end(s, end);
+        if (s->end_speed.given) aim_at_sample(s);
+    }
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
-        if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
+        const bool inputs_change = end->given && !slip->inputs_are_constant;
+        if ((n == 0 && !(varies && slip->inputs_are_constant)) || inputs_change) find_inputs(s);
         const LobattoValues change = sweep(s, varies, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
-        LobattoValues next = predict_change(s, &change, varies);
-        if (varies && n == 0) {
-            const LobattoValues faster = lobatto_combine(LOBATTO.once, &next);
-            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * faster.half[k]);
-        }
+        const LobattoValues next = predict_change(s, &change, varies);
         /* Where the motion slows down, friction needs the lower speed to the same share. */
         const double end_speed = fabs(s->speed.at[LOBATTO_END]);
         const double slowed = varies && end_speed < speed ? end_speed : speed;
-        bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= share * slowed / per_y;
+        const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
+        bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
         if (varies && slip->friction_is_loaded) converged &= s->load_error <= share;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
