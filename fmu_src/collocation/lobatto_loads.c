@@ -10,8 +10,8 @@
 /* ---- the start ---- */
 
 /* Both contacts in one vector. */
-COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const GrooveBend *bend, double z,
-                                 double value[2], double kinetic[2]) {
+NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const GrooveBend *bend, double z,
+                                  double value[2], double kinetic[2]) {
     const SlipMode *slip = s->slip;
     const Params *p = slip->params;
     const InertiaParams *in = &p->inertia;

@@ -42,14 +42,15 @@ typedef struct {
     double theta, omega, h;       /* rad, rad/s at the start; s */
     /* Only where friction varies: */
     const FrictionNearby *law[2]; /* times sigma e_i */
-    FrictionReach reach[2];       /* only of a friction table */
+    bool has_tables;              /* of friction, at a contact */
+    FrictionReach reach[2];       /* only of such a table */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
     double load_error; /* only where friction depends on the load: relative error of a force by the change of x_i in a
                           sweep */
-    double end_shift; /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    double end_shift;  /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -72,8 +73,8 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 static inline void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     s->end_speed.given = false;
-    for (int i = 0; i < 2; i++)
-        s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
+    for (int i = 0; i < 2; i++) s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
+    s->has_tables = s->law[0]->has_table || s->law[1]->has_table;
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -83,6 +84,17 @@ void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
     if (slip->friction_varies) set_law(s);
 }
 
+NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const Vector2 v = n->omega * n->sliding[i];
+        const FrictionNearby *law = s->law[i];
+        const VectorFriction f =
+            law->has_table ? friction_on_piece(law->sign, s->reach[i].piece, v) : friction_by_law(law, v);
+        n->friction[i] = f.value;
+        n->dfriction_domega[i] = f.by_speed * n->sliding[i];
+    }
+}
+
 /* Where friction varies: f_i at the speeds of two nodes. */
 ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
     const double sigma = s->slip->direction;
@@ -90,11 +102,13 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
     for (int i = 0; i < 2; i++) {
         const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
         const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction f = friction_nearby_at(s->law[i], &s->reach[i], omega * sliding);
+        n->sliding[i] = sliding;
+        if (s->has_tables) continue;
+        const VectorFriction f = friction_by_law(s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
-        n->sliding[i] = sliding;
     }
+    if (s->has_tables) find_friction_by_tables(s, n);
 }
 
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
@@ -113,6 +127,13 @@ static void follow_speeds(LobattoSystem *s) {
         }
         vector_contact_factors_multiply(&n->factors);
     }
+}
+
+/* rad/s: the largest difference between the speeds and those at which the balances were taken last. */
+static inline double speeds_moved(const LobattoSystem *s) {
+    LobattoValues change;
+    for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->speed.half[k] - s->pair[k].omega;
+    return lobatto_largest(lobatto_range(&change));
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
@@ -360,37 +381,24 @@ static inline bool is_placed(const LobattoSystem *s) {
 
 /* ---- the first iterate where friction varies ---- */
 
-/* A parabola over the step: at the share c of the step start + c (linear + c square). */
-typedef struct {
-    double start, linear, square;
-} Parabola;
-
-static inline Parabola parabola_through(double start, Vector2 middle_and_end) {
-    const double m = middle_and_end[0] - start, e = middle_and_end[1] - start;
-    return (Parabola){start, 4.0 * m - e, 2.0 * (e - 2.0 * m)};
-}
-
-static inline Vector2 parabola_at(const Parabola *p, Vector2 c) {
-    return p->start + c * (p->linear + c * p->square);
-}
-
-/* Integral and double integral from the start on, per length of the step and per its square. */
-static inline Vector2 parabola_once(const Parabola *p, Vector2 c) {
-    return c * (p->start + c * (0.5 * p->linear + c * (p->square * (1.0 / 3.0))));
-}
-
-static inline Vector2 parabola_twice(const Parabola *p, Vector2 c) {
-    return c * c * (0.5 * p->start + c * (p->linear * (1.0 / 6.0) + c * (p->square * (1.0 / 12.0))));
-}
-
 static inline Vector2 inputs_in_middle_and_at_end(const LobattoSystem *s, const double input[]) {
     return (Vector2){input_value(input, 0.5 * s->h), input_value(input, s->h)};
+}
+
+static void place_on_parabola(LobattoSystem *s, const Parabola *p) {
+    const double h = s->h;
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const Vector2 node = LOBATTO.node.half[k];
+        s->y.half[k] = parabola_at(p, node);
+        s->speed.half[k] = s->omega + h * parabola_once(p, node);
+        s->dtheta.half[k] = h * (node * s->omega + h * parabola_twice(p, node));
+    }
 }
 
 /* Half a sweep: one pair of nodes, the middle and the end of the step under constant acceleration. The parabola through
  * alpha there, with the change by the next sweep, and at the start is a first iterate at the nodes whose error is of
  * third order. alpha at the start is that of the first guess. */
-NOINLINE static void guess_parabola(LobattoSystem *s) {
+NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     const double h = s->h, rhs = s->y.at[0];
     const Vector2 c = {0.5, 1.0}, t = h * c;
     NodePair *n = &s->pair[1];
@@ -412,23 +420,33 @@ NOINLINE static void guess_parabola(LobattoSystem *s) {
         alpha += next;
     }
     const Parabola p = parabola_through(rhs, alpha);
-    for (int k = 0; k < LOBATTO_HALVES; k++) {
-        const Vector2 node = LOBATTO.node.half[k];
-        s->y.half[k] = parabola_at(&p, node);
-        s->speed.half[k] = s->omega + h * parabola_once(&p, node);
-        s->dtheta.half[k] = h * (node * s->omega + h * parabola_twice(&p, node));
-    }
+    place_on_parabola(s, &p);
     for (int i = 0; s->slip->friction_is_loaded && i < 2; i++) {
         const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
         for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
     }
+    return p;
+}
+
+/* The first iterate of a step that is to end at an angle or a sliding speed, if one is given. */
+ALWAYS_INLINE static inline void guess_step(LobattoSystem *s, const EndAngle *end) {
+    const double h = s->h;
+    Parabola p = guess_parabola(s);
+    if (end->given) aim_at_end(s, end);
+    if (s->end_speed.given) aim_at_sample(s);
+    const double longer = s->h / h;
+    if (longer == 1.0) return;
+    p.linear *= longer;
+    p.square *= longer * longer;
+    place_on_parabola(s, &p);
 }
 
 /* ---- the sweeps ---- */
 
 /* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
  * depend on the speed more than all else does. Then the last prediction is part of the solution: its own error is a tenth
- * of it or less. The first sweep may be the last one, for guess_parabola() precedes it. */
+ * of it or less. The first sweep may be the last one, for guess_parabola() precedes it; a step that it shows to be far
+ * from accurate needs no other. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
@@ -436,9 +454,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
     double before = INFINITY, missed = 0.0;
     if (varies) {
         if (slip->inputs_are_constant) find_inputs(s);
-        guess_parabola(s);
-        if (end->given) aim_at_end(s, end);
-        if (s->end_speed.given) aim_at_sample(s);
+        guess_step(s, end);
     }
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
@@ -460,9 +476,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
         if (converged && at_end && at_sample && (!varies || is_placed(s))) {
-            if (varies) follow_speeds(s);
+            if (varies && speeds_moved(s) > share * slowed) follow_speeds(s);
             return is_possible(s, varies);
         }
+        if (varies && n == 0 && !lobatto_is_accurate(s, LOBATTO_FAR_OFF)) return false;
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
             return at_end && size <= rounding && is_possible(s, varies);

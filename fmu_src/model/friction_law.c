@@ -71,19 +71,6 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
-/* An iteration may look a quarter of the piece beyond its ends. */
-NOINLINE VectorFriction friction_on_piece(double sign, const FrictionReach *p, Vector2 v) {
-    Vector2 t = (v - p->v) * p->per_width, slope = p->c[4], u = p->c[4];
-    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
-    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
-    for (int n = 3; n >= 0; n--) {
-        u = u * t + p->c[n];
-        slope = slope * t + u;
-    }
-    const Vector2 mu = sign * p->mu * vector2_exp(u * t);
-    return (VectorFriction){mu, mu * slope * p->per_width};
-}
-
 /* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
 static double friction_overshoot(double tolerance) {
     const double quarter = sqrt(sqrt(tolerance));
@@ -118,7 +105,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .load_exponent = none + (friction_depends_on_load(cam) ? law->load_exponent : 0.0),
         .radius = none + cam->radius,
         .radius2 = none + cam->radius * cam->radius,
-        .gone = law->table ? INFINITY : speed_without_excess(cam, excess),
+        .gone = speed_without_excess(cam, excess),
         .sign = sign,
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
@@ -127,8 +114,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
 
 COMPACT void friction_prepare(const Params *params, int i, FrictionConstants *constants) {
     constants->fall = friction_fall(&params->cam[i], params->tolerance);
-    for (int sign = -1; sign <= 1; sign += 2)
-        constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
+    for (int sign = -1; sign <= 1; sign += 2) constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
 }
 
 /* ---- jets ---- */
