@@ -30,7 +30,8 @@ Job = dict[str, Any]
 
 STEP_FUNCTIONS = ("fmi2SetReal", "fmi2SetRealInputDerivatives", "fmi2DoStep", "fmi2GetReal")
 BEGIN, END = "getpgrp", "getppid"  # of the C library; replay.py calls them before and after the counted loop
-FUNCTION = re.compile(r"c?fn=\((?P<id>\d+)\)(?: (?P<name>.*))?")
+FUNCTION = re.compile(r"(?P<called>c?)fn=\((?P<id>\d+)\)(?: (?P<name>.*))?")
+COST = re.compile(r"[+*-]?\d* (?P<instructions>\d+)$")
 WITHOUT = "valgrind is not installed: no instructions are counted"
 
 
@@ -55,10 +56,12 @@ def serialized(fmu: Any, state: object) -> bytes:  # noqa: ANN401
 
 @dataclass(frozen=True)
 class Counted:
-    """Instructions of a job's loop, and the calls of functions by name, as far as the library has symbols."""
+    """Instructions of a job's loop. By name, as far as the library has symbols: calls of functions, and the
+    instructions of functions without those of the functions that they call."""
 
     instructions: int
     calls: dict[str, int]
+    own: dict[str, int]
 
 
 def count(loops: Path, jobs: Sequence[Job]) -> list[int]:
@@ -84,19 +87,32 @@ def count_calls(loops: Path, jobs: Sequence[Job]) -> list[Counted]:
 
 
 def read_counts(file: Path) -> Counted:
-    """A file of callgrind. "cfn=(id) name", later only "cfn=(id)", names the function of the next "calls"."""
+    """A file of callgrind. "fn=(id) name", later only "fn=(id)", names the function of the lines that follow,
+    "cfn=(id)" that of the next "calls". The line after "calls" is the cost of the called function."""
     text = file.read_text()
     total = re.search(r"^(?:summary|totals): (\d+)", text, re.MULTILINE)
     if total is None:
         raise SystemExit(f"callgrind: no total in {file.name}")
     names: dict[str, str] = {}
     calls: Counter[str] = Counter()
-    called = ""
-    for line in text.splitlines():
+    own: Counter[str] = Counter()
+    called = here = ""
+    lines = iter(text.splitlines())
+    for line in lines:
         if function := FUNCTION.match(line):
-            called = function["id"]
             if function["name"]:
-                names[called] = function["name"]
+                names[function["id"]] = function["name"]
+            if function["called"]:
+                called = function["id"]
+            else:
+                here = function["id"]
         elif line.startswith("calls="):
             calls[called] += int(line.removeprefix("calls=").split()[0])
-    return Counted(int(total.group(1)), {names[key]: n for key, n in calls.items()})
+            next(lines)
+        elif here and (cost := COST.match(line)):
+            own[here] += int(cost["instructions"])
+    return Counted(int(total.group(1)), by_name(calls, names), by_name(own, names))
+
+
+def by_name(counts: Counter[str], names: dict[str, str]) -> dict[str, int]:
+    return {names[key]: n for key, n in counts.items()}

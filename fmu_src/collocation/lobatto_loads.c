@@ -7,32 +7,25 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-COMPACT void lobatto_loads_begin(LobattoSystem *s) {
-    const Params *p = s->slip->params;
-    const Vector2 none = {0.0, 0.0};
-    for (int i = 0; i < 2; i++) {
-        const FrictionParams *law = &p->cam[i].law;
-        s->per_load[i] = none + 1.0 / (p->contacts * law->load);
-        s->load_exponent[i] = none + (friction_depends_on_load(&p->cam[i]) ? law->load_exponent : 0.0);
-    }
-}
-
 /* ---- the start ---- */
 
 /* Both contacts in one vector. */
-COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, double alpha, double value[2],
-                                 double kinetic[2]) {
+NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const GrooveBend *bend, double z,
+                                  double value[2], double kinetic[2]) {
     const SlipMode *slip = s->slip;
     const Params *p = slip->params;
-    const double v = g->dz_dtheta * s->omega, a[2] = {g->slope[0], g->slope[1]};
+    const InertiaParams *in = &p->inertia;
+    const double v = g->dz_dtheta * s->omega, omega2 = s->omega * s->omega, a[2] = {g->slope[0], g->slope[1]};
     const double axial = spring_force(&p->spring, z) + slip->inputs->F_ext[0] + slip_damper_force(slip, v) +
-                         p->inertia.follower_mass * g->dz_dtheta * alpha;
+                         in->follower_mass * bend->d2z_dtheta2 * omega2;
+    const double net = slip->inputs->tau[0] - p->shaft.damping * s->omega;
+    const double axial_mass = in->follower_mass * g->dz_dtheta, turning_mass = in->follower * g->dpsi_dtheta[0];
     double dry[2], viscous[2], more[2] = {0.0, 0.0}, power[2] = {1.0, 1.0}, x[2] = {0.0, 0.0}, torque[2];
     for (int i = 0; i < 2; i++) {
-        viscous[i] = s->law[i].viscous[0] * slip->direction * s->omega * cam_sliding(g, i);
+        viscous[i] = s->law[i]->viscous[0] * slip->direction * s->omega * cam_sliding(g, i);
         dry[i] = value[i] - viscous[i];
     }
-    const Vector2 exponent = {s->load_exponent[0][0], s->load_exponent[1][0]};
+    const Vector2 exponent = {s->law[0]->load_exponent[0], s->law[1]->load_exponent[0]};
     for (int n = 0;; n++) {
         ContactFactors f;
         double load = axial;
@@ -43,11 +36,18 @@ COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, 
             torque[i] = r * r * more[i] * x[i];
         }
         contact_factors_multiply(&f);
-        x[0] = (f.rn[1] * load - f.d[1] * (torque[1] - torque[0])) / f.delta;
-        x[1] = (f.rn[0] * load + f.d[0] * (torque[1] - torque[0])) / f.delta;
+        double moment = torque[1] - torque[0] + in->follower * bend->d2gamma_dtheta2 * omega2;
+        if (slip->follower_has_inertia) {
+            const double alpha = (f.delta * (net + torque[1]) - f.p * load - f.q * moment) /
+                                 (f.delta * in->shaft + f.p * axial_mass + f.q * turning_mass);
+            load += axial_mass * alpha;
+            moment += turning_mass * alpha;
+        }
+        x[0] = (f.rn[1] * load - f.d[1] * moment) / f.delta;
+        x[1] = (f.rn[0] * load + f.d[0] * moment) / f.delta;
         if (n == LOBATTO_LOAD_GUESSES) break;
-        const Vector2 q = {fabs(x[0]) * cam_length(g, 0) * s->per_load[0][0],
-                           fabs(x[1]) * cam_length(g, 1) * s->per_load[1][0]};
+        const Vector2 q = {fabs(x[0]) * cam_length(g, 0) * s->law[0]->per_load[0],
+                           fabs(x[1]) * cam_length(g, 1) * s->law[1]->per_load[0]};
         const VectorLoadPower at = friction_load_power(exponent, q);
         for (int i = 0; i < 2; i++) {
             power[i] = at.value[i];
@@ -65,13 +65,13 @@ COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, 
 
 NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
     for (int i = 0; i < 2; i++) {
-        const Vector2 exponent = s->load_exponent[i], none = {0.0, 0.0};
+        const Vector2 exponent = s->law[i]->load_exponent, none = {0.0, 0.0};
         n->rest[i] = n->curve[i] = none;
         if (exponent[0] == 0.0) continue;
-        const Vector2 square = n->x[i] * n->x[i] * (s->radius2[i] + n->slope[i] * n->slope[i]);
-        const Vector2 q = (Vector2){sqrt(square[0]), sqrt(square[1])} * s->per_load[i];
+        const Vector2 square = n->x[i] * n->x[i] * (s->law[i]->radius2 + n->slope[i] * n->slope[i]);
+        const Vector2 q = (Vector2){sqrt(square[0]), sqrt(square[1])} * s->law[i]->per_load;
         const VectorLoadPower power = friction_load_power(exponent, q);
-        const Vector2 viscous = s->law[i].viscous * n->sliding[i]; /* the part of df_i/domega that has no R */
+        const Vector2 viscous = s->law[i]->viscous * n->sliding[i]; /* the part of df_i/domega that has no R */
         const Vector2 dry = n->friction[i] - viscous * n->omega, more = dry * power.by_log_load;
         n->friction[i] = dry * power.value + viscous * n->omega + more;
         n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
@@ -83,7 +83,7 @@ NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
 /* The change of net torque, N.m m^3, by changes of the friction forces f_i x_i, N/m: as minus rests of that size. */
 static inline Vector2 torque_by_friction(const LobattoSystem *s, const NodePair *n, const Vector2 force[2]) {
     const VectorContactFactors *f = &n->factors;
-    const Vector2 torque[2] = {s->radius2[0] * force[0], s->radius2[1] * force[1]};
+    const Vector2 torque[2] = {s->law[0]->radius2 * force[0], s->law[1]->radius2 * force[1]};
     return f->delta * torque[1] + f->p * (n->slope[0] * force[0] + n->slope[1] * force[1]) -
            f->q * (torque[1] - torque[0]);
 }

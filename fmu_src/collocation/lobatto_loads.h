@@ -10,12 +10,10 @@
 #include "collocation/lobatto_nodes.h"
 #include "geometry/cam.h"
 
-void lobatto_loads_begin(LobattoSystem *system);
-
-/* A first guess of x_i at all nodes: that at the start, at the height z. `alpha`: a first guess. Turns the coefficients
- * f_i at R_ref into those under the loads. */
-void lobatto_loads_guess(LobattoSystem *system, const Geometry *geometry, double z, double alpha, double value[2],
-                         double kinetic[2]);
+/* A first guess of x_i at all nodes: that at the start, at the height z. Turns the coefficients f_i at R_ref into those
+ * under the loads. */
+void lobatto_loads_guess(LobattoSystem *system, const Geometry *geometry, const GrooveBend *bend, double z,
+                         double value[2], double kinetic[2]);
 
 /* Turns f_i at R_ref into the tangent coefficients f'_i under the loads x_i of the sweep before. */
 void lobatto_loads_linearise(LobattoSystem *system, NodePair *pair);

@@ -23,6 +23,11 @@ typedef struct {
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
+/* z'' and gamma''; 0 where the follower has neither mass nor inertia. */
+typedef struct {
+    double d2z_dtheta2, d2gamma_dtheta2;
+} GrooveBend;
+
 /* A sliding speed at which the step is to end, a sample of a friction table. Its length is then an unknown too. */
 typedef struct {
     bool given;
@@ -35,15 +40,17 @@ typedef struct {
     const SlipMode *slip;
     bool has_damper, is_resisted; /* is_resisted: alpha depends on the speed */
     double theta, omega, h;       /* rad, rad/s at the start; s */
-    FrictionNearby law[2];        /* only where friction varies, times sigma e_i */
-    Vector2 sigma, radius[2], radius2[2];
+    /* Only where friction varies: */
+    const FrictionNearby *law[2]; /* times sigma e_i */
+    bool has_tables;              /* of friction, at a contact */
+    FrictionReach reach[2];       /* only of such a table */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
-    LobattoValues dtheta, speed;           /* rad, rad/s: theta_i - theta_0, omega_i */
-    LobattoValues y;                       /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    Vector2 per_load[2], load_exponent[2]; /* only where friction depends on the load: 1/N, 1/(n R_ref); nu */
-    double load_error;                     /* likewise: relative error of a force by the change of x_i in a sweep */
-    double end_shift; /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
+    LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
+    double load_error; /* only where friction depends on the load: relative error of a force by the change of x_i in a
+                          sweep */
+    double end_shift;  /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
 

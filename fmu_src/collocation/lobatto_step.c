@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "collocation/breakpoint.h"
+#include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
@@ -11,57 +12,28 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-/* ---- error ---- */
-
-/* The coefficient of c^3 of the cubic through the values. Where it happens to be small, the decay of the lower
- * coefficients stands for it. */
-static double cubic_term(const LobattoValues *y) {
-    const LobattoValues c = lobatto_combine(LOBATTO.bernstein, y);
-    const double *b = c.at;
-    const double linear = 3.0 * fabs(b[1] - b[0]), square = 3.0 * fabs(b[0] - 2.0 * b[1] + b[2]);
-    return fmax(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])), LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
-}
-
-/* The parabola through the last three nodes misses the value at the start by the cubic term times LOBATTO.missed. In
- * between, its integrals are those of prod(1 - c/c_i) times that. The cubic itself misses far less. x is the error of
- * the parabola relative to speed and distance. The limit x^(11/8) <= tolerance is set so that of 5000 random steps that
- * just pass, all are within the tolerance, and 99 of 100 within half of it. */
-static bool is_accurate(const LobattoSystem *s) {
-    const double tolerance = s->slip->params->tolerance;
-    const double missed = s->h * LOBATTO.missed * cubic_term(&s->y);
-    const double distance = fabs(s->dtheta.at[LOBATTO_END]), rounding = LOBATTO_ANGLE_ROUNDING * fabs(s->theta);
-    double by_speed = 0.0, by_angle = missed * LOBATTO.missed_once;
-    if (lobatto_system_is_inertial(s)) {
-        by_speed = missed * LOBATTO.missed_once / lobatto_largest(lobatto_range(&s->speed));
-        by_angle = missed * LOBATTO.missed_twice * s->h;
-    }
-    const double x = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (distance + DBL_MIN));
-    const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
-    return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
-}
+/* ---- friction ---- */
 
 /* Does the sliding speed of contact i stay on its piece of the friction table? */
 static bool stays_on_piece(const LobattoSystem *s, int i) {
-    const FrictionReach *reach = &s->law[i].reach;
-    bool stays = true;
-    for (int k = 1; k < LOBATTO_NODES; k++) {
-        const double v = s->speed.at[k] * s->pair[k / 2].sliding[i][k % 2];
-        stays &= v >= reach->low && v <= reach->high;
-    }
-    return stays;
+    const FrictionReach *reach = &s->reach[i];
+    LobattoValues v;
+    for (int k = 0; k < LOBATTO_HALVES; k++) v.half[k] = s->speed.half[k] * s->pair[k].sliding[i];
+    const LobattoRange range = lobatto_range(&v);
+    return range.low >= reach->low && range.high <= reach->high;
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
 static bool resolves_friction(const LobattoSystem *s) {
     const LobattoRange range = lobatto_range(&s->speed);
     for (int i = 0; i < 2; i++) {
-        if (s->law[i].has_table) {
+        if (s->law[i]->has_table) {
             if (!stays_on_piece(s, i)) return false;
             continue;
         }
         const double sliding = s->pair[0].sliding[i][0], v[2] = {range.low * sliding, range.high * sliding};
         const double low = v[0] < v[1] ? v[0] : v[1], high = v[0] < v[1] ? v[1] : v[0];
-        if (!friction_is_resolved(&s->slip->fall[i], s->speed.at[0] * sliding, low, high)) return false;
+        if (!friction_is_resolved(&s->slip->law[i].fall, s->speed.at[0] * sliding, low, high)) return false;
     }
     return true;
 }
@@ -150,17 +122,25 @@ static bool stays_on_flanks(const LobattoSystem *s, const NodeLoads *loads) {
     return true;
 }
 
-/* Does no reaction pass the load below which friction levels off? */
-COMPACT static bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
-    const double per_contact = 1.0 / s->slip->params->contacts;
+COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *reaction, double per_contact) {
     bool stays = true;
-    for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
-        const double *reaction = loads->reaction[i].at, from = fabs(reaction[0]) * per_contact;
-        for (int k = 1; fall->level > 0.0 && k < LOBATTO_NODES; k++)
-            stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction[k]) * per_contact) < 1.0);
-    }
+    const double from = fabs(reaction->at[0]) * per_contact;
+    for (int k = 1; k < LOBATTO_NODES; k++)
+        stays &= !(friction_level_share(fall->level, fall->overshoot, from, fabs(reaction->at[k]) * per_contact) < 1.0);
     return stays;
+}
+
+/* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
+static inline bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
+    const double contacts = s->slip->params->contacts;
+    for (int i = 0; i < 2; i++) {
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
+        const double least = s->slip->flank[i] > 0 ? range.low : -range.high;
+        if (!(least >= fall->level * contacts) && !stays_beside(fall, &loads->reaction[i], 1.0 / contacts))
+            return false;
+    }
+    return true;
 }
 
 /* Without inertia: does the spring's load stay on the flanks of the contacts? Else the torque can come back into the
@@ -214,7 +194,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     const SlipMode *slip = s->slip;
     const bool moves =
         lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
-    out->accurate = is_accurate(s) && (!slip->friction_varies || resolves_friction(s));
+    out->accurate = lobatto_is_accurate(s, 1.0) && (!slip->friction_varies || resolves_friction(s));
     if (!moves || !out->accurate) return false;
     NodeLoads loads;
     loads.booking = (Booking){.work_in = 0.0};
@@ -228,9 +208,10 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     return true;
 }
 
-/* alpha, or without inertia omega, at the start, but for the terms of z'', gamma'' and I and the square root of
- * quadratic damping: a first guess. */
-static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2]) {
+/* alpha, or without inertia omega, at the start, but for the square root of quadratic damping, and for the terms of z'',
+ * gamma'' and I unless `bend` is given: a first guess. */
+static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, const double friction[2],
+                               const GrooveBend *bend) {
     const Params *p = slip->params;
     const Geometry *g = from->geometry;
     ContactFactors f;
@@ -245,7 +226,11 @@ static inline double guess_rhs(const SlipMode *slip, const LobattoStart *from, c
     if (slip->regime != REGIME_INERTIAL) return net / damping;
     double mass = f.delta * p->inertia.shaft;
     if (slip->follower_has_inertia) mass += f.p * p->inertia.follower_mass * g->dz_dtheta;
-    return (net - damping * from->omega) / mass;
+    if (bend == NULL) return (net - damping * from->omega) / mass;
+    const InertiaParams *in = &p->inertia;
+    const double swirl = f.p * in->follower_mass * bend->d2z_dtheta2 + f.q * in->follower * bend->d2gamma_dtheta2;
+    mass += f.q * in->follower * g->dpsi_dtheta[0];
+    return (net - (damping + swirl * from->omega) * from->omega) / mass;
 }
 
 /* Solves a step of s->h seconds. If such a step ends beyond the limit of the breakpoint, solves the step to the
@@ -276,20 +261,33 @@ typedef struct {
     bool falls;                  /* at a contact */
 } StartFriction;
 
+/* Takes the pieces of the friction tables. */
+static void start_on_tables(LobattoSystem *s, double omega, StartFriction *out) {
+    const FrictionPiece *piece[2];
+    const Vector2 v = {omega * out->sliding[0], omega * out->sliding[1]};
+    for (int i = 0; i < 2; i++)
+        if (s->law[i]->has_table) friction_table_begin(s->slip->law[i].fall.table, v[i], &s->reach[i]);
+    for (int i = 0; i < 2; i++) piece[i] = s->reach[s->law[i]->has_table ? i : 1 - i].piece;
+    const Vector2 mu = friction_on_pieces(piece[0], piece[1], v);
+    for (int i = 0; i < 2; i++)
+        if (s->law[i]->has_table) out->value[i] = out->kinetic[i] = s->law[i]->sign * mu[i];
+}
+
 static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
+    for (int i = 0; i < 2; i++) out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+    if (s->has_tables) start_on_tables(s, from->omega, &out);
     for (int i = 0; i < 2; i++) {
-        FrictionNearby *law = &s->law[i];
-        out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
+        const FrictionNearby *law = s->law[i];
+        if (law->has_table) continue;
         const double v = from->omega * out.sliding[i];
         const double kinetic = law->kinetic[0] + law->viscous[0] * v;
         out.value[i] = out.kinetic[i] = kinetic;
-        if (law->has_table) friction_table_begin(s->slip->fall[i].table, v, &law->reach);
-        if (!law->has_table && v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
-        out.value[i] = friction_nearby_at(law, (Vector2){v, v}).value[0];
+        if (v * law->minus_by_v[0] < -LOBATTO_FALL_OVER) continue;
+        out.value[i] = friction_by_law(law, (Vector2){v, v}).value[0];
         const bool shows = law->is_gauss || fabs(out.value[i] - kinetic) > faint * fabs(kinetic);
-        const bool falls = shows && v < s->slip->fall[i].end;
+        const bool falls = shows && v < s->slip->law[i].fall.end;
         if (!falls) out.kinetic[i] = out.value[i];
         out.falls = out.falls || falls;
     }
@@ -298,18 +296,18 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
 
 /* Where mu falls: the share of the step that four nodes resolve; 0: a share too small for such steps. With u = v/v_s and
  * x its change in the step, the cubic term of exp(-u) is x^3/6 exp(-u), that of exp(-u^2) at most |8 u^3 - 12 u| times
- * as large. The error grows with the fourth power of the share, see is_accurate(). */
+ * as large. The error grows with the fourth power of the share, see lobatto_is_accurate(). */
 static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, const StartFriction *friction,
-                            double rhs) {
+                            const GrooveBend *bend, double rhs) {
     const SlipMode *slip = s->slip;
-    const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic));
+    const double excess = fabs(rhs - guess_rhs(slip, from, friction->kinetic, bend));
     const double root = sqrt(slip->params->tolerance), allowed = root * sqrt(root);
     double most = 0.0;
     for (int i = 0; i < 2; i++) {
         if (friction->value[i] == friction->kinetic[i]) continue;
-        const double per_angle = fabs(friction->sliding[i] * s->law[i].minus_by_v[0]);
+        const double per_angle = fabs(friction->sliding[i] * s->law[i]->minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
-        const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
+        const double steepness = s->law[i]->is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
         most = fmax(most, steepness * x * x * x / 6.0);
     }
     const double error = s->h * LOBATTO.missed * LOBATTO.missed_once * excess * most / fabs(from->omega);
@@ -321,7 +319,7 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
 COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &s->slip->fall[i];
+        const FrictionFall *fall = &s->slip->law[i].fall;
         const double sliding = friction->sliding[i], v = sliding * omega;
         if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
     }
@@ -329,34 +327,42 @@ COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction 
 }
 
 /* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
-COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
     const double longest = s->h;
     for (int i = 0; i < 2; i++) {
-        if (!s->law[i].has_table) continue;
-        const FrictionFall *fall = &s->slip->fall[i];
-        FrictionReach *reach = &s->law[i].reach;
+        if (!s->law[i]->has_table) continue;
+        const FrictionFall *fall = &s->slip->law[i].fall;
+        FrictionReach *reach = &s->reach[i];
         const double sliding = friction->sliding[i], v = sliding * omega;
         const double change = sliding * rhs * s->h;
-        friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
+        friction_table_reach(fall->overshoot, v, change > 0.0, reach);
         if (v + change >= reach->low && v + change <= reach->high) continue;
         s->h *= fmin(reach->aim / fabs(change), 1.0);
         s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
     }
 }
 
+static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {
+    GrooveBend bend = {0.0, 0.0};
+    if (!slip->follower_has_inertia || slip->transmission->straight) return bend;
+    const TransmissionPoint p = piece_point(slip->piece, from->theta, TRANSMISSION_FIRST_DERIVATIVES);
+    const double *psi = from->geometry->dpsi_dtheta, *a = from->geometry->slope, *b = p.dslope_dtheta;
+    bend.d2z_dtheta2 = b[0] * psi[0] * psi[0] + b[1] * psi[1] * psi[1];
+    bend.d2gamma_dtheta2 = (b[1] * psi[1] - b[0] * psi[0]) / (a[0] + a[1]);
+    return bend;
+}
+
 /* Where friction varies: guess_rhs(). Shortens the step where mu falls. */
 NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from) {
     StartFriction friction = start_friction(s, from);
-    double rhs;
+    const GrooveBend bend = start_bend(s->slip, from);
     s->omega = from->omega;
-    for (int n = 0;; n++) {
-        rhs = guess_rhs(s->slip, from, friction.value);
-        if (n > 0 || !s->slip->friction_is_loaded) break;
-        lobatto_loads_guess(s, from->geometry, from->z, rhs, friction.value, friction.kinetic);
-    }
-    if (friction.falls) s->h *= share_in_fall(s, from, &friction, rhs);
+    if (s->slip->friction_is_loaded)
+        lobatto_loads_guess(s, from->geometry, &bend, from->z, friction.value, friction.kinetic);
+    const double rhs = guess_rhs(s->slip, from, friction.value, &bend);
+    if (friction.falls) s->h *= share_in_fall(s, from, &friction, &bend, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
-    if (s->law[0].has_table || s->law[1].has_table) approach_samples(s, &friction, from->omega, rhs);
+    if (s->has_tables) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
 }
 
@@ -376,7 +382,8 @@ bool lobatto_step_along(const SlipMode *slip, const LobattoStart *from, double l
     LobattoSystem s;
     lobatto_system_begin(&s, slip);
     s.h = left;
-    const double rhs = slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction);
+    const double rhs =
+        slip->friction_varies ? begin_varying(&s, from) : guess_rhs(slip, from, slip->signed_friction, NULL);
     s.theta = from->theta;
     s.omega = slip->regime == REGIME_INERTIAL ? from->omega : rhs;
     if (!(s.h > 0.0) || !solve_longest(&s, rhs, from, left, out)) return false;

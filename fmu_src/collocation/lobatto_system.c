@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -69,18 +70,11 @@ static inline void find_kinematics(const SlipMode *slip, Vector2 theta, NodePair
 
 /* ---- the balance at two nodes, see balance.h ---- */
 
-static void set_law(LobattoSystem *s) {
+static inline void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
-    const Vector2 none = {0.0, 0.0};
-    s->sigma = none + slip->direction;
     s->end_speed.given = false;
-    for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        friction_nearby_of(&slip->params->cam[i], slip->direction * slip->flank[i], &s->law[i]);
-        s->radius[i] = none + r;
-        s->radius2[i] = none + r * r;
-    }
-    if (slip->friction_is_loaded) lobatto_loads_begin(s);
+    for (int i = 0; i < 2; i++) s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
+    s->has_tables = s->law[0]->has_table || s->law[1]->has_table;
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -90,21 +84,36 @@ void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
     if (slip->friction_varies) set_law(s);
 }
 
-/* Where friction varies: f_i at the speeds of two nodes. */
-ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
-    n->omega = omega;
+NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n) {
     for (int i = 0; i < 2; i++) {
-        const Vector2 length2 = s->radius2[i] + n->slope[i] * n->slope[i];
-        const Vector2 sliding = s->sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
-        const VectorFriction f = friction_nearby_at(&s->law[i], omega * sliding);
+        const Vector2 v = n->omega * n->sliding[i];
+        const FrictionNearby *law = s->law[i];
+        const VectorFriction f =
+            law->has_table ? friction_on_piece(law->sign, s->reach[i].piece, v) : friction_by_law(law, v);
         n->friction[i] = f.value;
-        n->dfriction_domega[i] = f.by_speed * sliding;
-        n->sliding[i] = sliding;
+        n->dfriction_domega[i] = f.by_speed * n->sliding[i];
     }
 }
 
+/* Where friction varies: f_i at the speeds of two nodes. */
+ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 omega, NodePair *n) {
+    const double sigma = s->slip->direction;
+    n->omega = omega;
+    for (int i = 0; i < 2; i++) {
+        const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
+        const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
+        n->sliding[i] = sliding;
+        if (s->has_tables) continue;
+        const VectorFriction f = friction_by_law(s->law[i], omega * sliding);
+        n->friction[i] = f.value;
+        n->dfriction_domega[i] = f.by_speed * sliding;
+    }
+    if (s->has_tables) find_friction_by_tables(s, n);
+}
+
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
-    vector_contact_factors_set_varying(&n->factors, i, s->radius[i], s->radius2[i], n->friction[i], n->slope[i]);
+    vector_contact_factors_set_varying(&n->factors, i, s->law[i]->radius, s->law[i]->radius2, n->friction[i],
+                                       n->slope[i]);
 }
 
 /* Where friction varies: the friction at the speeds of the solution, to first order. The last sweep has changed the
@@ -118,6 +127,13 @@ static void follow_speeds(LobattoSystem *s) {
         }
         vector_contact_factors_multiply(&n->factors);
     }
+}
+
+/* rad/s: the largest difference between the speeds and those at which the balances were taken last. */
+static inline double speeds_moved(const LobattoSystem *s) {
+    LobattoValues change;
+    for (int k = 0; k < LOBATTO_HALVES; k++) change.half[k] = s->speed.half[k] - s->pair[k].omega;
+    return lobatto_largest(lobatto_range(&change));
 }
 
 /* All that depends on theta, F_ext and, where friction varies, on the speed. */
@@ -147,13 +163,12 @@ static inline Vector2 damper_at(const LobattoSystem *s, Vector2 dz_dtheta, Vecto
 }
 
 /* 1/s: minus the derivative of alpha by the speed through the friction coefficients. */
-static inline Vector2 friction_damping(const SlipMode *slip, Vector2 torque, Vector2 omega, Vector2 alpha,
+static inline Vector2 friction_damping(const LobattoSystem *s, Vector2 torque, Vector2 omega, Vector2 alpha,
                                        const NodePair *n) {
+    const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
-    const CamParams *cam = slip->params->cam;
     const VectorContactFactors *f = &n->factors;
-    const Vector2 rn[2] = {cam[0].radius * cam[0].radius * n->dfriction_domega[0],
-                           cam[1].radius * cam[1].radius * n->dfriction_domega[1]};
+    const Vector2 rn[2] = {s->law[0]->radius2 * n->dfriction_domega[0], s->law[1]->radius2 * n->dfriction_domega[1]};
     const Vector2 d[2] = {-n->slope[0] * n->dfriction_domega[0], -n->slope[1] * n->dfriction_domega[1]};
     const Vector2 q = d[0] * f->rn[1] + f->d[0] * rn[1], delta = q + rn[0] * f->d[1] + f->rn[0] * d[1];
     const Vector2 p = rn[0] * f->rn[1] + f->rn[0] * rn[1];
@@ -193,7 +208,7 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
     Vector2 alpha = net / n->mass;
     if (loaded) alpha = lobatto_loads_find(s, omega, alpha, n);
     if (varies) {
-        if (first && !loaded) n->friction_damping = friction_damping(slip, tau - b * omega, omega, alpha, n);
+        if (first && !loaded) n->friction_damping = friction_damping(s, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
     }
     return alpha;
@@ -364,28 +379,95 @@ static inline bool is_placed(const LobattoSystem *s) {
     return fabs(s->end_shift) <= LOBATTO_SHIFT_SHARE * s->slip->params->tolerance * fabs(theta);
 }
 
+/* ---- the first iterate where friction varies ---- */
+
+static inline Vector2 inputs_in_middle_and_at_end(const LobattoSystem *s, const double input[]) {
+    return (Vector2){input_value(input, 0.5 * s->h), input_value(input, s->h)};
+}
+
+static void place_on_parabola(LobattoSystem *s, const Parabola *p) {
+    const double h = s->h;
+    for (int k = 0; k < LOBATTO_HALVES; k++) {
+        const Vector2 node = LOBATTO.node.half[k];
+        s->y.half[k] = parabola_at(p, node);
+        s->speed.half[k] = s->omega + h * parabola_once(p, node);
+        s->dtheta.half[k] = h * (node * s->omega + h * parabola_twice(p, node));
+    }
+}
+
+/* Half a sweep: one pair of nodes, the middle and the end of the step under constant acceleration. The parabola through
+ * alpha there, with the change by the next sweep, and at the start is a first iterate at the nodes whose error is of
+ * third order. alpha at the start is that of the first guess. */
+NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
+    const double h = s->h, rhs = s->y.at[0];
+    const Vector2 c = {0.5, 1.0}, t = h * c;
+    NodePair *n = &s->pair[1];
+    s->speed.half[1] = s->omega + rhs * t;
+    s->dtheta.half[1] = t * (s->omega + 0.5 * rhs * t);
+    if (!s->slip->inputs_are_constant) {
+        s->tau.half[1] = inputs_in_middle_and_at_end(s, s->slip->inputs->tau);
+        s->F_ext.half[1] = inputs_in_middle_and_at_end(s, s->slip->inputs->F_ext);
+    }
+    evaluate_varying(s, 1, true);
+    Vector2 alpha = s->y.half[1];
+    const double turned = s->dtheta.half[1][1], gained = s->speed.half[1][1] - s->omega;
+    const double growth = (alpha[1] - rhs + n->damping_rate[1] * gained) / turned;
+    Parabola change = parabola_through(0.0, alpha - rhs);
+    for (int k = 0; k < 2; k++) {
+        const Vector2 next =
+            h * (h * growth * parabola_twice(&change, c) - n->damping_rate * parabola_once(&change, c));
+        change = parabola_through(0.0, next);
+        alpha += next;
+    }
+    const Parabola p = parabola_through(rhs, alpha);
+    place_on_parabola(s, &p);
+    for (int i = 0; s->slip->friction_is_loaded && i < 2; i++) {
+        const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
+        for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
+    }
+    return p;
+}
+
+/* The first iterate of a step that is to end at an angle or a sliding speed, if one is given. */
+ALWAYS_INLINE static inline void guess_step(LobattoSystem *s, const EndAngle *end) {
+    const double h = s->h;
+    Parabola p = guess_parabola(s);
+    if (end->given) aim_at_end(s, end);
+    if (s->end_speed.given) aim_at_sample(s);
+    const double longer = s->h / h;
+    if (longer == 1.0) return;
+    p.linear *= longer;
+    p.square *= longer * longer;
+    place_on_parabola(s, &p);
+}
+
+/* ---- the sweeps ---- */
+
 /* `varies` is a constant of the compiler: friction that does not vary costs nothing. Friction that varies makes alpha
- * depend on the speed more than all else does. Then the first prediction includes the change of the speed by the sweep
- * after the next, and the last prediction is part of the solution: its own error is a tenth of it or less. */
+ * depend on the speed more than all else does. Then the last prediction is part of the solution: its own error is a tenth
+ * of it or less. The first sweep may be the last one, for guess_parabola() precedes it; a step that it shows to be far
+ * from accurate needs no other. */
 ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *end, bool varies) {
     const SlipMode *slip = s->slip;
     const double per_y = varies || lobatto_system_is_inertial(s) ? s->h : 1.0;
     const double share = LOBATTO_SWEEP_SHARE * slip->params->tolerance, speed = fabs(s->omega);
     double before = INFINITY, missed = 0.0;
+    if (varies) {
+        if (slip->inputs_are_constant) find_inputs(s);
+        guess_step(s, end);
+    }
     for (int n = 0; n < LOBATTO_SWEEPS; n++) {
         const double end_before = s->dtheta.at[LOBATTO_END];
-        if (n == 0 || (end->given && !slip->inputs_are_constant)) find_inputs(s);
+        const bool inputs_change = end->given && !slip->inputs_are_constant;
+        if ((n == 0 && !(varies && slip->inputs_are_constant)) || inputs_change) find_inputs(s);
         const LobattoValues change = sweep(s, varies, n == 0);
         const double size = lobatto_largest(lobatto_range(&change));
-        LobattoValues next = predict_change(s, &change, varies);
-        if (varies && n == 0) {
-            const LobattoValues faster = lobatto_combine(LOBATTO.once, &next);
-            for (int k = 0; k < LOBATTO_HALVES; k++) next.half[k] -= s->pair[k].damping_rate * (s->h * faster.half[k]);
-        }
+        const LobattoValues next = predict_change(s, &change, varies);
         /* Where the motion slows down, friction needs the lower speed to the same share. */
         const double end_speed = fabs(s->speed.at[LOBATTO_END]);
         const double slowed = varies && end_speed < speed ? end_speed : speed;
-        bool converged = n > 0 && lobatto_largest(lobatto_range(&next)) <= share * slowed / per_y;
+        const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
+        bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
         if (varies && slip->friction_is_loaded) converged &= s->load_error <= share;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
@@ -394,9 +476,10 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
         const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
         if (converged && at_end && at_sample && (!varies || is_placed(s))) {
-            if (varies) follow_speeds(s);
+            if (varies && speeds_moved(s) > share * slowed) follow_speeds(s);
             return is_possible(s, varies);
         }
+        if (varies && n == 0 && !lobatto_is_accurate(s, LOBATTO_FAR_OFF)) return false;
         if (n > 0 && !(size <= LOBATTO_CONTRACTION * before)) {
             const double rounding = LOBATTO_ROUNDING * lobatto_largest(lobatto_range(&s->y));
             return at_end && size <= rounding && is_possible(s, varies);

@@ -73,7 +73,7 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
                         RadauStep *step) {
     double h = longest, energy_before = INFINITY;
     const bool has_samples =
-        slip->friction_varies && (slip->friction_is_loaded || slip->fall[0].table || slip->fall[1].table);
+        slip->friction_varies && (slip->friction_is_loaded || slip->law[0].fall.table || slip->law[1].fall.table);
     bool at_sample = false;
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS; n++) {

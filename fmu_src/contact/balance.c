@@ -390,7 +390,7 @@ static double reaction_of(const SlipMode *slip, const Balance *b, int i) {
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to) {
     double share = 1.0;
     for (int i = 0; i < 2; i++) {
-        const FrictionFall *fall = &slip->fall[i];
+        const FrictionFall *fall = &slip->law[i].fall;
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
         if (part < 1.0) share = fmin(share, fall->table ? part : STEP_SAFETY * part);
         if (!fall->table && fall->level == 0.0) continue;

@@ -87,8 +87,8 @@ static Regime regime_of(const SlipMode *slip) {
     return damped ? REGIME_VISCOUS : REGIME_RATE_INDEPENDENT;
 }
 
-SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const Inputs *inputs, double theta,
-                      int direction, const int flank[2]) {
+SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const FrictionConstants *law,
+                      const Inputs *inputs, double theta, int direction, const int flank[2]) {
     const DamperParams *d = &p->damper;
     SlipMode slip; /* field by field: zeroing the coefficients would cost more than all fields */
     slip.params = p;
@@ -103,7 +103,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const I
         slip.signed_friction[i] =
             direction * flank[i] * (slip.friction_varies ? friction_static(&p->cam[i]) : p->cam[i].friction);
     }
-    for (int i = 0; slip.friction_varies && i < 2; i++) slip.fall[i] = friction_fall(&p->cam[i], p->tolerance);
+    slip.law = law;
     slip.c = direction > 0 ? d->c_load : d->c_release;
     slip.q = direction > 0 ? d->q_load : d->q_release;
     slip.follower_has_inertia = p->inertia.follower_mass + p->inertia.follower > 0.0;

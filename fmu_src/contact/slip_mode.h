@@ -43,7 +43,7 @@ typedef struct {
     double signed_friction[2];     /* f_i = sigma e_i mu_i, where friction varies that at rest */
     bool friction_varies;          /* mu_i depends on the sliding speed or on the load: see slip_set_friction() */
     bool friction_is_loaded;       /* mu_i depends on the load: loaded_slip.h sets it, not slip_set_friction() */
-    FrictionFall fall[2];          /* where friction varies */
+    const FrictionConstants *law;  /* of both contacts; NULL where no step is made */
     double c, q;                   /* N.s/m, N.s^2/m^2: of the damper in this direction */
     bool follower_has_inertia;     /* the follower has mass or inertia */
     bool inputs_are_constant;      /* the inputs are constant */
@@ -52,8 +52,9 @@ typedef struct {
                          before an event */
 } SlipMode;
 
-SlipMode slip_mode_of(const Params *params, const Transmission *transmission, const Inputs *inputs, double theta,
-                      int direction, const int flank[2]);
+/* `law`: of both contacts, not used where friction does not vary; NULL where no step is to be made. */
+SlipMode slip_mode_of(const Params *params, const Transmission *transmission, const FrictionConstants *law,
+                      const Inputs *inputs, double theta, int direction, const int flank[2]);
 
 /* The coefficients at theta in a groove that is not straight, without friction if friction varies; returns z, m. */
 double slip_coefficients_curved(const SlipMode *slip, double theta, SlipCoefficients *out);

@@ -36,7 +36,7 @@ static void raise_radau_peaks(const Mechanism *m, const SlipMode *slip, const Ra
  * step has another angle, and its piece of the transmission may end before `theta`. */
 static double speed_at_end(const Mechanism *m, const SlipMode *slip, double theta, double t) {
     const SlipMode here =
-        slip_mode_of(&m->params, &m->model.transmission, &m->inputs, theta, slip->direction, slip->flank);
+        slip_mode_of(&m->params, &m->model.transmission, m->model.law, &m->inputs, theta, slip->direction, slip->flank);
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 

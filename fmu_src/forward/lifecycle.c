@@ -32,6 +32,8 @@ static void build_model(Mechanism *m) {
     m->model.friction_is_loaded = any_friction_depends_on_load(&m->params);
     m->model.closed_form = USE_CLOSED_FORM && transmission->straight && is_linear(&m->params) &&
                            !any_friction_varies(&m->params) && !m->model.friction_is_loaded;
+    if (m->model.friction_is_loaded || any_friction_varies(&m->params))
+        for (int i = 0; i < 2; i++) friction_prepare(&m->params, i, &m->model.law[i]);
     if (transmission->straight) {
         const double slope[2] = {transmission->piece->slope[0][0], transmission->piece->slope[0][1]};
         m->configuration = (Configuration){.geometry = cam_geometry(m->params.cam, slope)};

@@ -108,6 +108,7 @@ typedef struct {
 typedef struct {
     Transmission transmission; /* geometry along theta; owns memory, as the tables below do */
     FrictionTables friction;   /* that params.cam[].law.table points to */
+    FrictionConstants law[2];  /* only where friction varies */
     bool friction_is_loaded;   /* a friction coefficient depends on the load */
     bool closed_form;          /* helices and linear forces: slip is known at any time (linear_slip.h) */
     LinearSlipMode linear_slip[SLIP_MODE_COUNT]; /* by slip_index(); coefficients of the closed form */

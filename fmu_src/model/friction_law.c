@@ -71,40 +71,13 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
-NOINLINE void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near) {
-    const Vector2 none = {0.0, 0.0};
-    const double excess = excess_of(cam);
-    near->kinetic = none + sign * cam->friction;
-    near->viscous = none + sign * cam->law.viscous;
-    near->excess = none + sign * excess;
-    near->minus_by_v = none - 1.0 / cam->law.stribeck_velocity;
-    near->gone = cam->law.table ? INFINITY : speed_without_excess(cam, excess);
-    near->is_gauss = cam->law.stribeck_exponent == 2;
-    near->sign = sign;
-    near->has_table = cam->law.table != NULL;
-}
-
-/* An iteration may look a quarter of the piece beyond its ends. */
-NOINLINE VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v) {
-    const FrictionReach *p = &near->reach;
-    Vector2 t = (v - p->v) * p->per_width, slope = p->c[4], u = p->c[4];
-    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
-    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
-    for (int n = 3; n >= 0; n--) {
-        u = u * t + p->c[n];
-        slope = slope * t + u;
-    }
-    const Vector2 mu = near->sign * p->mu * vector2_exp(u * t);
-    return (VectorFriction){mu, mu * slope * p->per_width};
-}
-
 /* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
 static double friction_overshoot(double tolerance) {
     const double quarter = sqrt(sqrt(tolerance));
     return FRICTION_OVERSHOOT * quarter * sqrt(quarter);
 }
 
-FrictionFall friction_fall(const CamParams *cam, double tolerance) {
+COMPACT static FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     const FrictionParams *law = &cam->law;
     const double overshoot = friction_overshoot(tolerance);
     if (law->table) return (FrictionFall){.table = law->table, .overshoot = overshoot};
@@ -116,6 +89,32 @@ FrictionFall friction_fall(const CamParams *cam, double tolerance) {
     fall.end = law->stribeck_velocity * (gauss ? sqrt(fallen) : fallen);
     fall.span = law->stribeck_velocity * (gauss ? STRIBECK_SPAN_GAUSS : STRIBECK_SPAN_TUSTIN);
     return fall;
+}
+
+COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
+    const CamParams *cam = &p->cam[i];
+    const FrictionParams *law = &cam->law;
+    const Vector2 none = {0.0, 0.0};
+    const double excess = excess_of(cam);
+    return (FrictionNearby){
+        .kinetic = none + sign * cam->friction,
+        .viscous = none + sign * law->viscous,
+        .excess = none + sign * excess,
+        .minus_by_v = none - 1.0 / law->stribeck_velocity,
+        .per_load = none + 1.0 / (p->contacts * law->load),
+        .load_exponent = none + (friction_depends_on_load(cam) ? law->load_exponent : 0.0),
+        .radius = none + cam->radius,
+        .radius2 = none + cam->radius * cam->radius,
+        .gone = speed_without_excess(cam, excess),
+        .sign = sign,
+        .is_gauss = law->stribeck_exponent == 2,
+        .has_table = law->table != NULL,
+    };
+}
+
+COMPACT void friction_prepare(const Params *params, int i, FrictionConstants *constants) {
+    constants->fall = friction_fall(&params->cam[i], params->tolerance);
+    for (int sign = -1; sign <= 1; sign += 2) constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
 }
 
 /* ---- jets ---- */

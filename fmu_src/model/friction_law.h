@@ -78,9 +78,6 @@ typedef struct {
     double level;     /* N, below which the law levels off: its fifth derivative jumps there; 0: no load law */
 } FrictionFall;
 
-/* `tolerance`: relative, of the motion. */
-FrictionFall friction_fall(const CamParams *cam, double tolerance);
-
 /* The share, above 0 and at most 1, of a change of speed from v to `to` that one step may span. */
 static inline double friction_share(const FrictionFall *fall, double v, double to) {
     if (fall->table) return friction_table_share(fall->table, fall->overshoot, v, to);
@@ -96,32 +93,67 @@ static inline bool friction_is_resolved(const FrictionFall *fall, double v, doub
     return v - low <= allowed && (v >= fall->end || high - v <= allowed);
 }
 
-/* The law as a step evaluates it again and again: its constants, in both halves of a vector. */
+/* The law of a contact as a step evaluates it again and again: its constants, in both halves of a vector. */
 typedef struct {
-    Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
-    Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
-    double gone;                /* m/s, above which the excess is below all rounding; infinity for a table */
-    double sign;                /* of all values */
-    bool is_gauss;              /* the Stribeck exponent is 2 */
+    Vector2 kinetic, viscous;        /* mu_k; s/m, mu_v */
+    Vector2 excess, minus_by_v;      /* mu_k (peak - 1); s/m, -1/v_s */
+    Vector2 per_load, load_exponent; /* 1/N, 1/(n R_ref); nu, 0 where the law does not depend on the load */
+    Vector2 radius, radius2;         /* m, m^2: r and r^2 */
+    double gone;                     /* m/s, above which the excess is below all rounding */
+    double sign;                     /* of all values */
+    bool is_gauss;                   /* the Stribeck exponent is 2 */
     bool has_table;
-    FrictionReach reach; /* only of a table; see friction_table_begin() */
 } FrictionNearby;
 
-/* `sign`: +1 or -1, on all values of friction_nearby_at(). */
-void friction_nearby_of(const CamParams *cam, double sign, FrictionNearby *near);
+/* What the parameters of a contact imply for every step where friction varies. */
+typedef struct {
+    FrictionFall fall;
+    FrictionNearby near[2]; /* by friction_sign_index() */
+} FrictionConstants;
+
+/* Of contact `i`, 0 or 1. */
+void friction_prepare(const Params *params, int i, FrictionConstants *constants);
+
+/* `sign`: sigma e_i, on all values of friction_nearby_at(). */
+static inline int friction_sign_index(int sign) {
+    return sign < 0;
+}
 
 /* mu and dmu/dv at two speeds v. */
 typedef struct {
     Vector2 value, by_speed;
 } VectorFriction;
 
-VectorFriction friction_on_piece(const FrictionNearby *near, Vector2 v);
+/* Of a table, on its piece. An iteration may look a quarter of the piece beyond its ends. */
+static inline VectorFriction friction_on_piece(double sign, const FrictionPiece *p, Vector2 v) {
+    const Vector2 none = {0.0, 0.0};
+    Vector2 t = (v - p->cell.lower) * p->per_width, slope = none + p->c[4], u = slope;
+    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
+    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
+    for (int n = 3; n >= 0; n--) {
+        u = u * t + p->c[n];
+        slope = slope * t + u;
+    }
+    u *= t;
+    const Vector2 mu = (sign * p->mu) * (p->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+    return (VectorFriction){mu, mu * slope * p->per_width};
+}
 
-/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0. */
-static inline VectorFriction friction_nearby_at(const FrictionNearby *near, Vector2 v) {
+/* mu on two pieces of tables, at a speed on each. */
+static inline Vector2 friction_on_pieces(const FrictionPiece *p, const FrictionPiece *q, Vector2 v) {
+    const Vector2 start = {p->cell.lower, q->cell.lower}, per_width = {p->per_width, q->per_width};
+    const Vector2 t = (v - start) * per_width;
+    Vector2 u = {p->c[4], q->c[4]};
+    for (int n = 3; n >= 0; n--) u = u * t + (Vector2){p->c[n], q->c[n]};
+    u *= t;
+    return (Vector2){p->mu, q->mu} * (p->is_flat && q->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+}
+
+/* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
+ * Without a table: */
+static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2 v) {
     VectorFriction mu = {near->kinetic + near->viscous * v, near->viscous};
     if (v[0] > near->gone && v[1] > near->gone) return mu;
-    if (near->has_table) return friction_on_piece(near, v);
     const Vector2 ratio = v * near->minus_by_v;
     Vector2 exponent, slope = near->minus_by_v;
     if (near->is_gauss) {

@@ -5,22 +5,11 @@
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
-/* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
-static size_t find(const double *knot, size_t last, double x) {
-    size_t low = 0, high = last + 1; /* knot[low] <= x < knot[high] */
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (x >= knot[middle]) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
 /* ---- over the speed ---- */
 
 /* The curve u_k, less ln mu where its piece starts, and its derivative by v. */
 static FrictionCoefficient curve_at(const FrictionPiece *p, double v) {
-    const double t = (v - p->v) * p->per_width, x = t < -0.25 ? -0.25 : t, *c = p->c;
+    const double t = (v - p->cell.lower) * p->per_width, x = t < -0.25 ? -0.25 : t, *c = p->c;
     const double slope = c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * (4.0 * c[3] + x * 5.0 * c[4])));
     return (FrictionCoefficient){x * (c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])))),
                                  t < x ? 0.0 : slope * p->per_width};
@@ -31,7 +20,7 @@ static const FrictionPiece *piece_of(const FrictionTable *table, size_t load, si
 }
 
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
-    const FrictionPiece *p = piece_of(table, table->loads / 2, find(table->speed, table->count, v));
+    const FrictionPiece *p = piece_of(table, table->loads / 2, friction_table_find(table->speed, table->count, v));
     const FrictionCoefficient u = curve_at(p, v);
     const double value = p->mu * exp(u.value);
     return (FrictionCoefficient){value, value * u.by_speed};
@@ -39,9 +28,9 @@ FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
 
 /* u_k(v) along a motion. */
 COMPACT static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
-    const FrictionPiece *p = piece_of(table, k, find(table->speed, table->count, v->c[0].value));
+    const FrictionPiece *p = piece_of(table, k, friction_table_find(table->speed, table->count, v->c[0].value));
     const double c[6] = {p->log_mu, p->c[0], p->c[1], p->c[2], p->c[3], p->c[4]};
-    const Jet t = jet_line((Dual){-p->v * p->per_width, 0.0}, (Dual){p->per_width, 0.0}, v);
+    const Jet t = jet_line((Dual){-p->cell.lower * p->per_width, 0.0}, (Dual){p->per_width, 0.0}, v);
     return jet_polynomial(c, 5, &t);
 }
 
@@ -54,7 +43,7 @@ typedef struct {
 } SplinePlace;
 
 COMPACT static SplinePlace place_of(const FrictionTable *table, double x) {
-    const size_t k = find(table->log_load, table->loads - 2, x);
+    const size_t k = friction_table_find(table->log_load, table->loads - 2, x);
     const double h = table->log_load[k + 1] - table->log_load[k];
     return (SplinePlace){k, (table->log_load[k + 1] - x) / h, h};
 }
@@ -74,7 +63,7 @@ COMPACT static FrictionCoefficient spline_at(const FrictionTable *table, const S
 COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
     const Dual log_ratio = level_log(R / table->load[1]);
     const SplinePlace at = place_of(table, table->log_load[0] + log_ratio.value);
-    const size_t j = find(table->speed, table->count, v);
+    const size_t j = friction_table_find(table->speed, table->count, v);
     double u[FRICTION_LOADS_MAX], slope[FRICTION_LOADS_MAX];
     for (size_t k = 0; k < table->loads; k++) {
         const FrictionPiece *p = piece_of(table, k, j);
@@ -127,45 +116,51 @@ COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v, const
 
 /* ---- steps ---- */
 
-/* By how much a step may pass knot k. knot[0] is 0, where no step ends. */
-static inline double passing(const double *knot, size_t last, double overshoot, size_t k) {
+static double width_beside(const double *knot, size_t last, size_t k) {
     if (k == 0 || k > last) return INFINITY;
     const double below = knot[k] - knot[k - 1];
-    return overshoot * (k < last ? fmin(below, knot[k + 1] - knot[k]) : below);
+    return k < last ? fmin(below, knot[k + 1] - knot[k]) : below;
 }
 
-/* The way of a step from x, up or down. */
+COMPACT KnotCell friction_table_cell(const double *knot, size_t last, size_t k) {
+    return (KnotCell){
+        knot[k], k < last ? knot[k + 1] : INFINITY, {width_beside(knot, last, k), width_beside(knot, last, k + 1)}};
+}
+
+/* How far a step goes from a place in a cell, up or down. */
 typedef struct {
-    size_t piece;        /* on which the step lies; `last`: beyond the last knot */
     double aim, longest; /* the distance at which the step is to end, if it gets that far; that which it may reach */
     double back;         /* the distance that it may go the other way */
 } KnotStep;
 
-/* A step ends at the next of the knots, or halfway where it is far. At the knot the step aims at the middle of the
- * overshoot; a step that starts close to a knot has reached that knot before. x lies between knots k and k + 1. */
-NOINLINE static KnotStep knot_step(const double *knot, size_t last, double overshoot, double x, bool up, size_t k) {
-    k += up;
-    double beyond = passing(knot, last, overshoot, k);
-    while (beyond < INFINITY && fabs(knot[k] - x) < FRICTION_REACHED * beyond) {
-        k = up ? k + 1 : k - 1;
-        beyond = passing(knot, last, overshoot, k);
-    }
-    const size_t piece = up ? k - 1 : k, behind = up ? piece : piece + 1;
-    const double most = piece < last ? FRICTION_SPAN * (knot[piece + 1] - knot[piece]) : INFINITY;
-    KnotStep step = {.piece = piece, .aim = INFINITY, .longest = INFINITY, .back = most};
-    if (beyond < INFINITY) {
-        const double distance = fabs(knot[k] - x);
-        const bool is_far = distance > FRICTION_SPAN_SLACK * most;
-        step.aim = is_far ? 0.5 * distance : distance + 0.5 * beyond;
-        step.longest = is_far ? FRICTION_SPAN_SLACK * step.aim : distance + beyond;
-    }
-    if (behind > 0 && behind <= last)
-        step.back = fmin(most, fabs(x - knot[behind]) + passing(knot, last, overshoot, behind));
+/* A step that starts so close to the knot ahead has reached that knot before. */
+static inline bool is_reached(const KnotCell *cell, double overshoot, double x, bool up) {
+    const double ahead = up ? cell->upper : cell->lower;
+    return fabs(ahead - x) < FRICTION_REACHED * (overshoot * cell->beside[up]) && cell->beside[up] < INFINITY;
+}
+
+/* A step ends at the knot ahead, or halfway where the knot is far. At the knot the step aims at the middle of the
+ * overshoot, the share of a width by which the step may pass. */
+static inline KnotStep knot_step(const KnotCell *cell, double overshoot, double x, bool up) {
+    const double most = FRICTION_SPAN * (cell->upper - cell->lower), beyond = overshoot * cell->beside[up];
+    const double distance = up ? cell->upper - x : x - cell->lower, behind = up ? x - cell->lower : cell->upper - x;
+    const bool is_far = distance > FRICTION_SPAN_SLACK * most;
+    KnotStep step = {INFINITY, INFINITY, fmin(most, fabs(behind) + overshoot * cell->beside[!up])};
+    if (beyond == INFINITY) return step;
+    step.aim = is_far ? 0.5 * fabs(distance) : fabs(distance) + 0.5 * beyond;
+    step.longest = is_far ? FRICTION_SPAN_SLACK * step.aim : fabs(distance) + beyond;
     return step;
 }
 
 COMPACT static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
-    const KnotStep step = knot_step(knot, last, overshoot, from, to > from, find(knot, last, from));
+    const bool up = to > from;
+    size_t k = friction_table_find(knot, last, from);
+    KnotCell cell = friction_table_cell(knot, last, k);
+    while (is_reached(&cell, overshoot, from, up)) {
+        k = up ? k + 1 : k - 1;
+        cell = friction_table_cell(knot, last, k);
+    }
+    const KnotStep step = knot_step(&cell, overshoot, from, up);
     const double change = fabs(to - from);
     return change <= step.longest ? 1.0 : step.aim / change;
 }
@@ -178,23 +173,9 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
     return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
 }
 
-COMPACT static void take_piece(const FrictionTable *table, size_t j, FrictionReach *reach) {
-    const FrictionPiece *p = piece_of(table, table->loads / 2, j);
-    const Vector2 none = {0.0, 0.0};
-    reach->index = j;
-    reach->v = none + p->v;
-    reach->per_width = none + p->per_width;
-    reach->mu = none + p->mu;
-    for (int n = 0; n < 5; n++) reach->c[n] = none + p->c[n];
-}
-
-void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach) {
-    take_piece(table, find(table->speed, table->count, v), reach);
-}
-
-void friction_table_reach(const FrictionTable *table, double overshoot, double v, bool up, FrictionReach *reach) {
-    const KnotStep step = knot_step(table->speed, table->count, overshoot, v, up, reach->index);
-    if (step.piece != reach->index) take_piece(table, step.piece, reach);
+void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach) {
+    while (is_reached(&reach->piece->cell, overshoot, v, up)) reach->piece += up ? 1 : -1;
+    const KnotStep step = knot_step(&reach->piece->cell, overshoot, v, up);
     reach->low = v - (up ? step.back : step.longest);
     reach->high = v + (up ? step.longest : step.back);
     reach->aim = step.aim;

@@ -21,12 +21,21 @@
 
 enum { FRICTION_LOADS_MAX = 16 };
 
+/* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last knot
+ * the upper knot is infinity. */
+typedef struct {
+    double lower, upper;
+    double beside
+        [2]; /* the smaller width of both cells at the lower and at the upper knot; infinity: no step ends there */
+} KnotCell;
+
 /* The curve from one sample to the next. Beyond the last sample it is constant, and per_width is 0. */
 typedef struct {
-    double v;          /* m/s, where it starts */
+    KnotCell cell;     /* m/s */
     double per_width;  /* s/m */
     double mu, log_mu; /* where it starts */
     double c[5];       /* of t, ..., t^5 */
+    bool is_flat;      /* from t = -1/4 to t = 5/4 the powers of t add up to a number that vector2_exp_near_0() takes */
 } FrictionPiece;
 
 struct FrictionTable {
@@ -51,6 +60,20 @@ typedef struct {
     double by_load;  /* 1/N, dmu/dR */
 } LoadedFriction;
 
+/* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
+static inline size_t friction_table_find(const double *knot, size_t last, double x) {
+    size_t low = 0; /* the index is one of low, ..., low + count - 1 */
+    for (size_t count = last + 1; count > 1;) {
+        const size_t half = count / 2;
+        low = x >= knot[low + half] ? low + half : low; /* without a branch: the processor cannot predict the branch */
+        count -= half;
+    }
+    return low;
+}
+
+/* Of knot k and the next; knot 0 is 0, where no step ends. */
+KnotCell friction_table_cell(const double *knot, size_t last, size_t k);
+
 /* mu(0+), at the middle one of the loads */
 static inline double friction_table_at_rest(const FrictionTable *table) {
     return table->piece[table->loads / 2 * (table->count + 1)].mu;
@@ -73,19 +96,21 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
 /* The same for the load, N, below which a law without a table levels off. */
 double friction_level_share(double level, double overshoot, double from, double to);
 
-/* The piece on which a step lies, in both halves of vectors, and the speeds up to which the step may use it. */
+/* The piece on which a step lies, and the speeds up to which the step may use it. */
 typedef struct {
-    size_t index;
-    Vector2 v, per_width, mu, c[5];
+    const FrictionPiece *piece;
     double low, high; /* m/s */
     double aim;       /* m/s, the change of speed at which a longer step is to end; infinity: none */
     double slack;     /* m/s, by which the step may miss the aim */
 } FrictionReach;
 
 /* The piece at the speed v; at the middle one of the loads. */
-void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach);
+static inline void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach) {
+    const size_t first = table->loads / 2 * (table->count + 1);
+    reach->piece = &table->piece[first + friction_table_find(table->speed, table->count, v)];
+}
 
 /* The piece of a step from the speed v, and how far the step reaches. `up`: the speed grows. */
-void friction_table_reach(const FrictionTable *table, double overshoot, double v, bool up, FrictionReach *reach);
+void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach);
 
 #endif

@@ -120,14 +120,17 @@ static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
     const double d0 = h * s->knot[j].slope, d1 = h * s->knot[j + 1].slope;
     const double c0 = 0.5 * h * h * s->knot[j].bend, c1 = 0.5 * h * h * s->knot[j + 1].bend;
     const double value = rise - d0 - c0, slope = d1 - d0 - 2.0 * c0, bend = 2.0 * (c1 - c0); /* left to t^3, t^4, t^5 */
-    return (FrictionPiece){
-        .v = a->v,
+    FrictionPiece piece = {
         .per_width = 1.0 / h,
         .mu = a->mu,
         .log_mu = a->log_mu,
         .c = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
               6.0 * value - 3.0 * slope + 0.5 * bend},
     };
+    double most = 0.0;
+    for (int n = 4; n >= 0; n--) most = 1.25 * (fabs(piece.c[n]) + most);
+    piece.is_flat = most <= VECTOR2_NEAR_0;
+    return piece;
 }
 
 /* Of load k. False if the speeds are so close that a slope overflows. */
@@ -140,11 +143,15 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
     FrictionPiece *const pieces = &table->piece[k * (table->count + 1)];
     for (size_t j = 0; j < table->count; j++) {
         const FrictionPiece piece = pieces[j] = piece_of(s, first + j);
+        pieces[j].cell = friction_table_cell(table->speed, table->count, j);
         for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
         if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
     const FrictionSample *end = &sample[table->count];
-    pieces[table->count] = (FrictionPiece){.v = end->v, .mu = end->mu, .log_mu = end->log_mu};
+    pieces[table->count] = (FrictionPiece){.cell = friction_table_cell(table->speed, table->count, table->count),
+                                           .mu = end->mu,
+                                           .log_mu = end->log_mu,
+                                           .is_flat = true};
     return isfinite(sum);
 }
 

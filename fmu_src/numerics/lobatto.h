@@ -74,4 +74,27 @@ static inline double lobatto_sum(Vector2 v) {
     return v[0] + v[1];
 }
 
+/* A parabola over the step: at the share c of the step start + c (linear + c square). */
+typedef struct {
+    double start, linear, square;
+} Parabola;
+
+static inline Parabola parabola_through(double start, Vector2 middle_and_end) {
+    const double m = middle_and_end[0] - start, e = middle_and_end[1] - start;
+    return (Parabola){start, 4.0 * m - e, 2.0 * (e - 2.0 * m)};
+}
+
+static inline Vector2 parabola_at(const Parabola *p, Vector2 c) {
+    return p->start + c * (p->linear + c * p->square);
+}
+
+/* Integral and double integral from the start on, per length of the step and per its square. */
+static inline Vector2 parabola_once(const Parabola *p, Vector2 c) {
+    return c * (p->start + c * (0.5 * p->linear + c * (p->square * (1.0 / 3.0))));
+}
+
+static inline Vector2 parabola_twice(const Parabola *p, Vector2 c) {
+    return c * c * (0.5 * p->start + c * (p->linear * (1.0 / 6.0) + c * (p->square * (1.0 / 12.0))));
+}
+
 #endif

@@ -308,15 +308,16 @@ enum { LOCATION_EXTENSIONS = 11 };
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 
 /* Lobatto step */
-/* Share of what the tolerance allows that the next sweep may change. Factor by which a sweep must reduce the change of
+/* Share of what the tolerance allows that the next sweep may change; the same where the change is added: its own error is
+ * a tenth or less, and in the scenes of benchmarks.friction_cost less than a hundredth. Factor by which a sweep must reduce the change of
  * the sweep before: else Newton's method is faster. Sweeps of one step. */
-static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_CONTRACTION = 0.1;
+static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_LAST_SHARE = 0.5, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
 
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2, LOBATTO_LOAD_GUESSES = 1 /* of the loads at the start */ };
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2, LOBATTO_LOAD_GUESSES = 2 /* of the loads at the start */ };
 static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
@@ -328,8 +329,8 @@ static const double LOBATTO_SHIFT_SHARE = 0.3;
  * square term, and of that to the linear one, in a motion that four nodes resolve. */
 static const double LOBATTO_AIM_SHARE = 1e-8, LOBATTO_DECAY = 0.3;
 /* Relative errors: of a force per third power of the last change of a load; of a peak per square of the error of its
- * cubic over peak and second derivative. */
-static const double LOBATTO_LOAD_SHARE = 0.3, LOBATTO_PEAK_SHARE = 10.0;
+ * cubic over peak and second derivative. Margin, of tolerance^8, after which a step is not swept again. */
+static const double LOBATTO_LOAD_SHARE = 0.3, LOBATTO_PEAK_SHARE = 10.0, LOBATTO_FAR_OFF = 4.0;
 
 /* Variation of a step */
 

@@ -7,23 +7,31 @@
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 
-/* exp(u) for u < 700, to 1e-14; below exp(-700) the value is exp(-700). With u = n log 2 + r and |r| <= log(2)/2: the
- * Taylor polynomial at r/16, to the 16th power, times 2^n. */
+/* The largest |u| of vector2_exp_near_0(): log(2)/2 */
+static const double VECTOR2_NEAR_0 = 0.34657359;
+
+/* exp(u) for |u| <= log(2)/2, to 1e-14: the Taylor polynomial at u/16, to the 16th power. */
+static inline Vector2 vector2_exp_near_0(Vector2 u) {
+    const Vector2 w = 0.0625 * u, w2 = w * w;
+    const Vector2 high = (1.0 / 24.0 + w * (1.0 / 120.0)) + w2 * (1.0 / 720.0);
+    const Vector2 root = (1.0 + w) + w2 * ((0.5 + w * (1.0 / 6.0)) + w2 * high);
+    const Vector2 square = root * root, fourth = square * square, eighth = fourth * fourth;
+    return eighth * eighth;
+}
+
+/* exp(u) for u < 700, to 1e-14; below exp(-700) the value is exp(-700). With u = n log 2 + r and |r| <= log(2)/2: exp(r)
+ * times 2^n. */
 static inline Vector2 vector2_exp(Vector2 u) {
     u = (Vector2){u[0] < -700.0 ? -700.0 : u[0], u[1] < -700.0 ? -700.0 : u[1]};
     const double log2_high = 0x1.62e42fee00000p-1, log2_low = 0x1.a39ef35793c76p-33;     /* their sum is log 2 */
     const Vector2 shifted = u * 0x1.71547652b82fep+0 + 0x1.8p52, n = shifted - 0x1.8p52; /* n to the nearest integer */
-    const Vector2 w = 0.0625 * ((u - n * log2_high) - n * log2_low), w2 = w * w;
-    const Vector2 high = (1.0 / 24.0 + w * (1.0 / 120.0)) + w2 * (1.0 / 720.0);
-    const Vector2 root = (1.0 + w) + w2 * ((0.5 + w * (1.0 / 6.0)) + w2 * high);
-    const Vector2 square = root * root, fourth = square * square, eighth = fourth * fourth;
     typedef uint64_t Bits __attribute__((vector_size(2 * sizeof(uint64_t))));
     Bits bits;
     memcpy(&bits, &shifted, sizeof bits);
     bits = (bits + 1023) << 52; /* 2^n: the last bits of `shifted` are those of n */
     Vector2 power;
     memcpy(&power, &bits, sizeof power);
-    return eighth * eighth * power;
+    return vector2_exp_near_0((u - n * log2_high) - n * log2_low) * power;
 }
 
 /* log(x), x > 0 and normal, to some roundings: x = 2^n m with m from sqrt(1/2) to sqrt(2), and the series of

@@ -38,7 +38,7 @@ static int sign_ahead(const Jet *jet, int from) {
 
 static SlipMode slip_mode_at(const Inverse *m, double theta, int direction, const int flank[2]) {
     static const Inputs none = {.tau = {0.0}};
-    return slip_mode_of(&m->params, &m->transmission, &none, theta, direction, flank);
+    return slip_mode_of(&m->params, &m->transmission, NULL, &none, theta, direction, flank);
 }
 
 /* ---- rigid shaft ---- */

@@ -16,7 +16,7 @@ COMPACT_BEGIN
 static void solve_for_torque(const Inverse *m, double theta, int direction, const int flank[2], const Balance *now,
                              Partials *out) {
     const Inputs none = {.tau = {0.0}};
-    const SlipMode slip = slip_mode_of(&m->params, &m->transmission, &none, theta, direction, flank);
+    const SlipMode slip = slip_mode_of(&m->params, &m->transmission, NULL, &none, theta, direction, flank);
     Partials residual;
     balance_partials(&slip, now, &residual);
     *out = (Partials){.by = {0.0}};
