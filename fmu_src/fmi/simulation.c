@@ -46,8 +46,8 @@ typedef struct {
     Watcher watcher; /* the first member: the model knows only this one */
     Instance *instance;
     IntermediateUpdate *update;
-    double end; /* s, of the step */
-    bool event; /* the mode changes at the end */
+    double begin, end; /* s, of the step */
+    bool event;        /* the mode changes at the end */
 } WatchedStep;
 
 /* Calls the master's update in this phase. Returns the end of the step, s. */
@@ -72,7 +72,8 @@ static double mode_changed(Watcher *watcher, double left) {
     WatchedStep *step = (WatchedStep *)watcher;
     const Instance *instance = step->instance;
     const bool handles_events = instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
-    const double end = step->end, now = end - left;
+    /* in a step as long as 1e16 s the time of the change rounds to seconds: it must not round to before the step */
+    const double end = step->end, now = fmax(end - left, step->begin);
     if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
     else if (left > 0.0 && step->update != NULL) step->end = call_update(step, now, PHASE_INTERMEDIATE_OUTPUTS);
     const double remaining = step->end == end ? left : fmin(step->end - now, left);
@@ -143,7 +144,8 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
     *end = (StepEnd){.time = t + h};
     if (update == NULL && instance->run.interface_type == INTERFACE_CO_SIMULATION)
         return simulation_step(instance, function, t, h);
-    WatchedStep step = {.watcher = {.changed = mode_changed}, .instance = instance, .update = update, .end = t + h};
+    WatchedStep step = {
+        .watcher = {.changed = mode_changed}, .instance = instance, .update = update, .begin = t, .end = t + h};
     const ModelInputs inputs = instance->values.model.inputs;
     const Run run = instance->run;
     if (!advance(&step, function, t, h)) {
@@ -206,13 +208,23 @@ bool simulation_get_states(Instance *instance, const char *function, double x[],
     return true;
 }
 
+static bool are_numbers(const Instance *instance, const char *function, const double x[], size_t n) {
+    for (size_t i = 0; i < n; i++)
+        if (isnan(x[i]))
+            return instance_refuse(instance,
+                                   "%s: element %zu is no number: allowed are states and inputs for which it is finite",
+                                   function, i);
+    return true;
+}
+
 bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n) {
     Fault fault;
     if (!is_vector(instance, function, PHASES_OF_READING, derivative, n, CONTINUOUS_STATES) ||
         !instance_provide(instance, function, GROUP_STATE))
         return false;
-    return model_state_derivatives(&instance->values.model, derivative, &fault) ||
-           instance_refuse(instance, "%s: %s", function, fault.text);
+    if (!model_state_derivatives(&instance->values.model, derivative, &fault))
+        return instance_refuse(instance, "%s: %s", function, fault.text);
+    return are_numbers(instance, function, derivative, n);
 }
 
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n) {
@@ -220,7 +232,7 @@ bool simulation_get_indicators(Instance *instance, const char *function, double 
         !instance_provide(instance, function, GROUP_STATE))
         return false;
     model_indicators(&instance->values.model, indicator);
-    return true;
+    return are_numbers(instance, function, indicator, n);
 }
 
 bool simulation_get_nominals(Instance *instance, const char *function, double nominal[], size_t n) {
