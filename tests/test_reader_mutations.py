@@ -1,4 +1,4 @@
-"""Design files and study plans with random mistakes: each gives a design, a plan, or an error with a reason."""
+"""Design files and study plans with random mistakes: each gives a design, a plan, or an error."""
 
 import json
 
@@ -121,7 +121,7 @@ EXHAUSTING = [
     *("x = 1" + "0" * 5000, "\x00"),
 ]
 SHORT = settings.default.max_examples <= 1000
-FEW = settings(max_examples=50 if SHORT else 20_000, deadline=None)
+FEW = settings(max_examples=50 if SHORT else 5_000, deadline=None)
 
 
 @FEW

@@ -1,4 +1,4 @@
-"""Makes the products, each only when an input has changed: libraries, FMUs, programs of the tests."""
+"""Makes the products, each only when an input has changed: libraries and FMUs."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from archive import validate, write_archive
-from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
+from compiler import compile_library, universal
 from fmus import Fmu, identity
-from platforms import ALL, NATIVE, TARGET, Platform, executable, host_platform
+from platforms import ALL, NATIVE, Platform, host_platform
 from webassembly.component import wrapped
 from webassembly.interface import manifests
 from workspace import (
     BUILD,
     FLEET,
-    ROOT,
     build_program,
     component_files,
     fingerprint,
@@ -25,8 +24,6 @@ from workspace import (
     say,
     set_stamp,
 )
-
-LIFECYCLE = ROOT / "tests/native/lifecycle"  # the sources of a test driver
 
 
 def build_library(fmu: Fmu, platform: Platform) -> Path:
@@ -101,24 +98,3 @@ def build(fmu: Fmu, for_all: bool = False) -> None:
         unfinished.unlink(missing_ok=True)
     set_stamp(fmu.path, stamp(platforms))
     say(f"{relative(fmu.path)} ({fmu.path.stat().st_size // 1024} kB, valid)")
-
-
-def build_native_drivers(fmu: Fmu) -> None:
-    """Two programs of tests/native/lifecycle/*.c and the FMU's sources: `<identifier>-sanitized`, and
-    `<identifier>` for valgrind. Their compiler may be the system's, whose warnings differ by version: they
-    are switched off here, and on for the pinned compiler of the FMUs."""
-    folder, sources = BUILD / "native", [*fmu.sources, *sorted(LIFECYCLE.glob("*.c"))]
-    used = [*sources, *sorted(LIFECYCLE.glob("*.h")), *headers(), *build_program()]
-    compiler, sanitizers, name = sanitizing_compiler(folder)
-    plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
-    for stem, command, flags in (
-        (f"{fmu.identifier}-sanitized", compiler, sanitizers),
-        (fmu.identifier, plain, []),
-    ):
-        program = executable(folder / stem)
-        flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
-        stamp = fingerprint(used, *command, *flags)
-        if not is_fresh(program, stamp):
-            say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
-            compile_c(command, flags, sources, program)
-            set_stamp(program, stamp)
