@@ -26,7 +26,9 @@ usage: ./build.sh [command] [arguments]
            STEP files (a minute); arguments go to pytest
   wheel    as `all`, then pack the Python package and all FMUs into one wheel in dist/, which needs no compiler
   test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
-  fuzz     build, then look for mechanisms and inputs that break a law (minutes); arguments go to pytest
+  fuzz     build, then look for mechanisms and inputs that break a law, and for texts that break a reader (minutes);
+           arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
+           minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach
   bench    build, then run all of the following six (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
@@ -178,7 +180,13 @@ case $command in
         fi
         run_program '.[test,study,docs]' -m pytest -n 2 "$@"
         ;;
-    fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
+    fuzz)
+        if [ "${1-}" = calls ]; then
+            run_program '.[test,fuzz]' tests/native/fuzz/run.py "${@:2}"
+        fi
+        run_program '.[test]' -m pytest tests/test_properties.py tests/test_reader_mutations.py --hypothesis-profile long \
+            -o faulthandler_timeout=0 "$@"
+        ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
     friction) run_program '.[build]' -m benchmarks.friction_cost "$@" ;;

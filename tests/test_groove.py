@@ -639,6 +639,15 @@ def test_dwell_is_ordinary(library, courses, laws):
         assert point.slope[0] == pytest.approx(0.0, abs=1e-30)
 
 
+@pytest.mark.parametrize("other", ["wavy", "flattening"])
+@pytest.mark.parametrize("lead", [1e-300, 1e-310, 7e-315, 1e-320])
+def test_a_nearly_level_helix_needs_few_pieces(library, courses, laws, lead, other):
+    """Slopes and heights below 2e-308 have few digits, which no piece can be too wide for."""
+    transmission = courses(cam(HELIX, lead=lead), laws[other], 0.0, 0.5)
+    assert transmission.count < 100
+    assert library.transmission_gamma(byref(transmission), 0.4) == pytest.approx(0.4)
+
+
 def test_stops_on_one_side_of_zero(library, courses, laws):
     whole = courses(laws["flattening"], laws["helix"], -0.4, 1.3963)
     for lower, upper in ((0.4, 1.2), (-0.3, -0.1)):

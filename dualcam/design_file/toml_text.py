@@ -11,6 +11,7 @@ from typing import Any
 from dualcam.design_file.findings import ERROR, DesignFileError, Finding
 
 LARGEST = 4 * 1024 * 1024  # bytes
+DEEPEST = 50  # tables and lists inside one another: readers call themselves for each level
 KEY = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
 DOTTED = rf"{KEY}(?:\s*\.\s*{KEY})*"
 HEADER = re.compile(rf"\s*\[\[?\s*({DOTTED})\s*\]\]?")
@@ -81,14 +82,29 @@ def _similar(path: Path) -> str:
 def parse(path: Path, text: str) -> dict[str, Any]:
     """The content of TOML text. DesignFileError with line and likely cause if the text is no TOML."""
     try:
-        return tomllib.loads(text)
+        content = tables_of(text)
     except tomllib.TOMLDecodeError as error:
         raise DesignFileError(path, [_syntax_finding(str(error), text)]) from None
     except ValueError as error:  # a whole number with thousands of digits
         raise DesignFileError(path, [Finding(ERROR, "", None, f"this is no TOML: {error}")]) from None
-    except RecursionError:
+    if content is None:
         finding = Finding(ERROR, "", None, "this is no design file: tables or lists are nested too deeply")
-        raise DesignFileError(path, [finding]) from None
+        raise DesignFileError(path, [finding])
+    return content
+
+
+def tables_of(text: str) -> dict[str, Any] | None:
+    """The content of TOML text; None if tables or lists are nested too deeply. ValueError if the text is no
+    TOML."""
+    try:
+        content = tomllib.loads(text)
+    except RecursionError:
+        return None
+    level: list[Any] = [content]
+    for _ in range(DEEPEST):
+        inside = (one for outer in level for one in (outer.values() if isinstance(outer, dict) else outer))
+        level = [one for one in inside if isinstance(one, dict | list)]
+    return None if level else content
 
 
 def _syntax_finding(message: str, text: str) -> Finding:

@@ -1,9 +1,11 @@
 #include "fmi/fmu_state.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
 #include "platform/attributes.h"
 
@@ -61,6 +63,7 @@ static void clear_padding(Snapshot *snapshot) {
     model_clear_padding(&snapshot->state);
 }
 
+/* Before the run has begun the state follows from parameters and inputs, whether it has been computed or not. */
 NOINLINE static void snapshot_take(Snapshot *snapshot, const Instance *instance) {
     const FmuModel *model = &instance->values.model;
     snapshot->magic = SNAPSHOT_MAGIC;
@@ -144,6 +147,54 @@ static uint64_t checksum(const void *bytes, size_t size) {
     return hash;
 }
 
+COMPACT_BEGIN
+
+/* Is the value of a parameter or input one that a master may set? Its bytes need not be aligned to anything. */
+static bool is_allowed(const Snapshot *snapshot, const Variable *variable) {
+    const char *at = (const char *)&snapshot->params + variable->offset;
+    double real;
+    int integer;
+    switch (variable->kind) {
+        case KIND_REAL: memcpy(&real, at, sizeof real); return variable_allows(variable, real);
+        case KIND_TEXT: return memchr(at, '\0', TABLE_PATH_SIZE) != NULL;
+        case KIND_BOOLEAN: return *(const unsigned char *)at <= 1;
+        default: memcpy(&integer, at, sizeof integer); return variable_allows(variable, integer);
+    }
+}
+
+_Static_assert(offsetof(Values, model.params) == 0, "Variable.offset counts from the parameters");
+_Static_assert(offsetof(Snapshot, inputs) - offsetof(Snapshot, params) == offsetof(Values, model.inputs),
+               "one offset for both");
+
+static bool are_parameters_allowed(const Snapshot *snapshot) {
+    const double tolerance = snapshot->params.tolerance;
+    if (!(tolerance >= TOLERANCE_MIN && tolerance <= TOLERANCE_MAX)) return false;
+    for (unsigned i = 0; i < LISTED_COUNT; i++)
+        if ((VARIABLES[i].group & (GROUP_PARAMS | GROUP_INPUTS)) != 0 && !is_allowed(snapshot, &VARIABLES[i]))
+            return false;
+    return true;
+}
+
+/* An instance of this interface type has all these phases outside of a step. */
+static bool is_run_possible(const Run *run) {
+    static const unsigned phases[] = {
+        [INTERFACE_MODEL_EXCHANGE] = PHASES_BEFORE_START | PHASE_EVENT | PHASE_CONTINUOUS | PHASE_TERMINATED,
+        [INTERFACE_CO_SIMULATION] = PHASES_BEFORE_START | PHASE_STEP | PHASE_TERMINATED,
+        [INTERFACE_HYBRID_CO_SIMULATION] = PHASES_BEFORE_START | PHASE_EVENT | PHASE_STEP | PHASE_TERMINATED};
+    const unsigned phase = run->phase;
+    return run->interface_type <= INTERFACE_HYBRID_CO_SIMULATION && (phase & phases[run->interface_type]) != 0 &&
+           (phase & (phase - 1)) == 0 && isfinite(run->time) && isfinite(run->completed_until);
+}
+
+/* A checksum shows damage, but anybody can compute it. Values that index tables or choose code must be possible, else a
+ * forged state would lead the program astray. The numbers of the state are not compared with one another. */
+static bool is_snapshot_possible(const Snapshot *snapshot) {
+    return are_parameters_allowed(snapshot) && is_run_possible(&snapshot->run) &&
+           ((snapshot->run.phase & PHASES_BEFORE_START) != 0 || model_state_is_possible(&snapshot->state));
+}
+
+COMPACT_END
+
 static SerializedSnapshot serialized_of(const Snapshot *snapshot) {
     SerializedSnapshot serialized = {
         .magic = SERIALIZED_MAGIC,
@@ -182,6 +233,7 @@ static bool snapshot_deserialize(const char *bytes, size_t size, Snapshot *snaps
     else if (memcmp(&serialized.guid, &expected.guid, sizeof serialized.guid) != 0) wrong = other_guid;
     else if (serialized.checksum != expected.checksum || !snapshot_is_valid(&serialized.snapshot))
         wrong = "is damaged: its checksum differs";
+    else if (!is_snapshot_possible(&serialized.snapshot)) wrong = "holds values that no state of this FMU has";
     if (wrong != NULL) {
         snprintf(fault->text, sizeof fault->text,
                  "serialized state %s: allowed are only unchanged bytes that it has serialized", wrong);

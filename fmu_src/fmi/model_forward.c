@@ -1,3 +1,5 @@
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "fmi/variables.h"
@@ -130,6 +132,22 @@ bool model_update_discrete_states(FmuModel *m, Fault *fault) {
 bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {
     (void)m, (void)h, (void)fault; /* the states hold everything already */
     return true;
+}
+
+static bool is_mode(Mode mode) {
+    return (int)mode >= MODE_STICK && (int)mode <= MODE_WEDGED;
+}
+
+static bool are_signs(const int flank[2]) {
+    return abs(flank[0]) <= 1 && abs(flank[1]) <= 1;
+}
+
+/* The latest step is computed again for its derivatives; without a step its mode is 0. */
+bool model_state_is_possible(const State *state) {
+    const Step *step = &state->step;
+    return is_mode(state->mode) && are_signs(state->flank) && (is_mode(step->mode) || step->mode == 0) &&
+           are_signs(step->flank) && isfinite(state->theta.hi) && isfinite(state->omega.hi) &&
+           isfinite(step->theta.hi) && isfinite(step->omega.hi) && step->h >= 0.0 && isfinite(step->h);
 }
 
 /* A new member does not compile before its padding is dealt with here. */

@@ -1,3 +1,6 @@
+#include <math.h>
+#include <stdlib.h>
+
 #include "fmi/variables.h"
 #include "sensitivity/inverse_derivatives.h"
 #include "sensitivity/inverse_sensitivity.h"
@@ -131,6 +134,11 @@ bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {
 _Static_assert(sizeof(InverseState) ==
                    3 * sizeof(double) + sizeof(int64_t) + sizeof(Mode) + sizeof(int32_t) + sizeof(Ledger),
                "padding in InverseState");
+
+bool model_state_is_possible(const InverseState *state) {
+    return (int)state->mode >= MODE_STICK && (int)state->mode <= MODE_WEDGED && abs(state->direction) == 1 &&
+           isfinite(state->theta) && isfinite(state->omega) && isfinite(state->cam);
+}
 
 void model_clear_padding(InverseState *state) {
     (void)state; /* no padding */

@@ -52,7 +52,7 @@ typedef struct {
     Instance *instance;
     IntermediateUpdate *update;
     HostArithmetic host; /* in which the master's update runs */
-    double end;          /* s, of the step */
+    double begin, end;   /* s, of the step */
     bool event;          /* the mode changes at the end */
 } WatchedStep;
 
@@ -86,7 +86,8 @@ static double mode_changed(Watcher *watcher, double left) {
     WatchedStep *step = (WatchedStep *)watcher;
     const Instance *instance = step->instance;
     const bool handles_events = instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
-    const double end = step->end, now = end - left;
+    /* in a step as long as 1e16 s the time of the change rounds to seconds: it must not round to before the step */
+    const double end = step->end, now = fmax(end - left, step->begin);
     if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
     else if (left > 0.0 && step->update != NULL) step->end = leave_for_update(step, now);
     const double remaining = step->end == end ? left : fmin(step->end - now, left);
@@ -162,7 +163,8 @@ bool simulation_step_with_updates(Instance *instance, const char *function, doub
     *end = (StepEnd){.time = t + h};
     if (update == NULL && instance->run.interface_type == INTERFACE_CO_SIMULATION)
         return simulation_step(instance, function, t, h);
-    WatchedStep step = {.watcher = {.changed = mode_changed}, .instance = instance, .update = update, .end = t + h};
+    WatchedStep step = {
+        .watcher = {.changed = mode_changed}, .instance = instance, .update = update, .begin = t, .end = t + h};
     const ModelInputs inputs = instance->values.model.inputs;
     const Run run = instance->run;
     Fault fault;
@@ -228,6 +230,15 @@ bool simulation_get_states(Instance *instance, const char *function, double x[],
     return true;
 }
 
+static bool are_numbers(const Instance *instance, const char *function, const double x[], size_t n) {
+    for (size_t i = 0; i < n; i++)
+        if (isnan(x[i]))
+            return instance_refuse(instance,
+                                   "%s: element %zu is no number: allowed are states and inputs for which it is finite",
+                                   function, i);
+    return true;
+}
+
 bool simulation_get_derivatives(Instance *instance, const char *function, double derivative[], size_t n) {
     Fault fault;
     if (!is_vector(instance, function, PHASES_OF_RESULTS, derivative, n, CONTINUOUS_STATES) ||
@@ -236,7 +247,8 @@ bool simulation_get_derivatives(Instance *instance, const char *function, double
     const HostArithmetic host = arithmetic_begin();
     const bool good = model_state_derivatives(&instance->values.model, derivative, &fault);
     arithmetic_end(host);
-    return good || instance_refuse(instance, "%s: %s", function, fault.text);
+    if (!good) return instance_refuse(instance, "%s: %s", function, fault.text);
+    return are_numbers(instance, function, derivative, n);
 }
 
 bool simulation_get_indicators(Instance *instance, const char *function, double indicator[], size_t n) {
@@ -246,7 +258,7 @@ bool simulation_get_indicators(Instance *instance, const char *function, double 
     const HostArithmetic host = arithmetic_begin();
     model_indicators(&instance->values.model, indicator);
     arithmetic_end(host);
-    return true;
+    return are_numbers(instance, function, indicator, n);
 }
 
 bool simulation_get_nominals(Instance *instance, const char *function, unsigned phases, double nominal[], size_t n) {

@@ -1,5 +1,6 @@
 #include "geometry/transmission_fit.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,13 +78,14 @@ static double node_theta(const Fit *fit, const TransmissionPiece *piece, int j) 
 }
 
 /* The error allowed to a_i is a share of the largest a_i between the stops or, where an end close to vertical makes
- * this value huge, of the larger of the piece's largest a_i and of slope 1; plus the rounding of a_i. */
+ * this value huge, of the larger of the piece's largest a_i and of slope 1; plus the rounding of a_i. Numbers below
+ * DBL_MIN have few digits: a lead angle of 1e-315 rad would need more pieces than there may be. */
 static void set_allowed(const Fit *fit, const double steepest[2], const double rounding[2], NodeSamples *samples) {
     for (int i = 0; i < 2; i++)
-        samples->allowed[i] =
-            TRANSMISSION_ERROR * fmin(fit->steepest[i], steepest[i]) + TRANSMISSION_ROUNDING_FACTOR * rounding[i];
+        samples->allowed[i] = TRANSMISSION_ERROR * fmin(fit->steepest[i], steepest[i]) +
+                              TRANSMISSION_ROUNDING_FACTOR * rounding[i] + DBL_MIN;
     samples->allowed[2] = samples->allowed[0] + samples->allowed[1]; /* |dz'/da_i| <= 1 */
-    samples->z_allowed = TRANSMISSION_ERROR * fit->highest;
+    samples->z_allowed = TRANSMISSION_ERROR * fit->highest + DBL_MIN;
 }
 
 /* False if nothing fixes the pin at a node. */

@@ -1,4 +1,4 @@
-"""Makes the products, each only when an input has changed: libraries, FMUs, programs of the tests."""
+"""Makes the products, each only when an input has changed: libraries and FMUs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from archive import validate, write_archive
-from compiler import ZIG, compile_c, compile_library, sanitizing_compiler, universal
+from compiler import compile_library, universal
 from fmus import Fmu, identity
-from platforms import ALL, NATIVE, TARGET, Platform, executable, host_platform
+from platforms import ALL, NATIVE, Platform, host_platform
 from related_files import FOLDER, SMOKE_TEST, STATE, manifest, related_files
 from serialized_state import serialized_state
 from webassembly.component import wrapped
@@ -19,7 +19,6 @@ from webassembly.interface import manifests
 from workspace import (
     BUILD,
     FLEET,
-    ROOT,
     build_program,
     component_files,
     fingerprint,
@@ -29,8 +28,6 @@ from workspace import (
     say,
     set_stamp,
 )
-
-LIFECYCLE = ROOT / "tests/native/lifecycle"  # the sources of a test driver
 
 
 def build_library(fmu: Fmu, platform: Platform) -> Path:
@@ -124,24 +121,3 @@ def _layered_standard(fmu: Fmu, platforms: Sequence[Platform]) -> dict[str, byte
             (Path(scratch) / "modelDescription.xml").write_text(fmu.description, encoding="utf-8")
             found[f"{FOLDER}/{STATE}"] = serialized_state(Path(scratch), fmu.identifier)
     return found
-
-
-def build_native_drivers(fmu: Fmu) -> None:
-    """Two programs of tests/native/lifecycle/*.c and the FMU's sources: `<identifier>-sanitized`, and
-    `<identifier>` for valgrind. Their compiler may be the system's, whose warnings differ by version: they
-    are switched off here, and on for the pinned compiler of the FMUs."""
-    folder, sources = BUILD / "native", [*fmu.sources, *sorted(LIFECYCLE.glob("*.c"))]
-    used = [*sources, *sorted(LIFECYCLE.glob("*.h")), *headers(), *build_program()]
-    compiler, sanitizers, name = sanitizing_compiler(folder)
-    plain = compiler if compiler != ZIG else [*ZIG, *TARGET]
-    for stem, command, flags in (
-        (f"{fmu.identifier}-sanitized", compiler, sanitizers),
-        (fmu.identifier, plain, []),
-    ):
-        program = executable(folder / stem)
-        flags = ["-g", "-O1", "-w", *flags, *fmu.defines, *identity(fmu)]
-        stamp = fingerprint(used, *command, *flags)
-        if not is_fresh(program, stamp):
-            say(f"compile {relative(program)} ({name if sanitizers[0] in flags else 'no sanitizer'})")
-            compile_c(command, flags, sources, program)
-            set_stamp(program, stamp)

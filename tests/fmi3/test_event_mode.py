@@ -135,3 +135,14 @@ def test_fmpy_with_event_mode_and_early_return():
     )  # fmt: skip
     assert np.min(np.abs(found["time"] - math.pi / frequency(1))) < 1e-12
     assert found["theta"][-1] == pytest.approx(2 * balance(1, 2.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("h", [1e16, 1e300, 1.7e308])
+def test_early_return_from_an_endless_step_is_not_before_the_step(make3, h):
+    """The time of the mode change, t + h less what is left of the step, rounds to zero."""
+    fmu = make3(events=True, early=True).start()
+    fmu.step(0.01, tau=2.0)
+    begin = fmu.time
+    assert fmu.step(h, tau=2.0) == (True, True)
+    assert begin <= fmu.time < begin + h
+    assert fmu.get("time") == fmu.time

@@ -99,3 +99,13 @@ def test_states_by_value_reference_are_the_continuous_states(make3):
         assert fmu.everything() == other.everything()
     fmu.refused_set({"tau": 1.0, "omega": math.nan}, mentions=("omega",))
     fmu.refused_set({"theta": 1.0, "v": 1.0}, mentions=("v", "calculated"))
+
+
+def test_indicators_that_are_no_numbers_are_refused(make3):
+    """The axial force is infinite, and the edge of the stick band less the torque no number."""
+    fmu = make3(exchange=True).initialize({"cam1.profile": 2, "cam2.profile": 2, "stop.upper": 0.6})
+    fmu.settle()
+    fmu.set({"F_ext": -1.7e308, "spring.preload": -1.7e308, "tau": -1e308})
+    fmu.refused("GetEventIndicators", (c_double * 7)(), 7, mentions=("element 1 is no number",))
+    fmu.set({"F_ext": 0.0})
+    fmu.ok("GetEventIndicators", (c_double * 7)(), 7)

@@ -1,7 +1,9 @@
 """FMI 3.0: FMU states, saved, restored, and as bytes."""
 
 import ctypes
-from ctypes import byref, c_void_p
+import math
+import struct
+from ctypes import byref, c_size_t, c_void_p
 
 import driver as fmi2
 import pytest
@@ -68,3 +70,38 @@ def test_a_state_of_another_use_is_refused(make3):
                 fmu.refused("SetFMUState", state, mentions=("FMU state of",))
     for fmu, state in zip(fmus, states, strict=True):
         fmu.free_state(state)
+
+
+def checksum(content: bytes) -> int:
+    """FNV-1a, 64 bits (G. Fowler, L. Noll, P. Vo)."""
+    value = 0xCBF29CE484222325
+    for byte in content:
+        value = (value ^ byte) * 0x100000001B3 % 2**64
+    return value
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (-4, b"\x46"),  # type of the interface
+        (-8, b"\x03"),  # two phases at once
+        (-8, b"\x10"),  # continuous time, in co-simulation
+        (-24, struct.pack("d", math.nan)),  # time
+        (104, struct.pack("d", -1.0)),  # cam1.radius
+        (104 + 8, struct.pack("d", math.inf)),  # cam1.lead_angle
+        (-24 - 568 + 40, b"\x63"),  # mode
+    ],
+)
+def test_a_forged_state_with_a_right_checksum_is_refused(make3, place, value):
+    """Anybody can compute the checksum: impossible values must not reach tables and decisions."""
+    header, first = 4 * 8 + 64, 3 * 8  # bytes before the snapshot; place of the checksum
+    fmu = make3().start()
+    fmu.step(0.1, tau=2.0)
+    state = fmu.take()
+    content = bytearray(fmu.to_bytes(state))
+    assert struct.unpack_from("Q", content, first)[0] == checksum(content[header:])
+    start = place % len(content)
+    content[start : start + len(value)] = value
+    struct.pack_into("Q", content, first, checksum(content[header:]))
+    fmu.refused("DeserializeFMUState", bytes(content), len(content), byref(c_void_p()), mentions=("values",))
+    fmu.free_state(state)

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dualcam.design_file.toml_text import tables_of
 from dualcam.model_description import Scalar
 from dualcam.study.checking import Parts
 from dualcam.study.entries import hint
@@ -49,9 +49,10 @@ def is_search(content: Mapping[str, Any]) -> bool:
 def asks_for_optimum(path: Path) -> bool:
     """Whether a file describes an optimisation; False for one that cannot be read."""
     try:
-        return is_search(tomllib.loads(path.read_text(encoding="utf-8-sig")))
+        content = tables_of(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError):
         return False
+    return content is not None and is_search(content)
 
 
 def read_optimisation(path: str | Path) -> Optimisation:

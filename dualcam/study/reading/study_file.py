@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dualcam.design_file.toml_text import tables_of
 from dualcam.errors import DualcamWarning
 from dualcam.library import MODELS
 from dualcam.model_description import Scalar
@@ -89,9 +89,12 @@ def read_study(path: str | Path) -> Study:
 def content_of(path: Path) -> dict[str, Any]:
     """The tables of a file. StudyError for one that is no TOML."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        content = tables_of(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         raise StudyError(f"{path} cannot be read as TOML: {error}") from error
+    if content is None:
+        raise StudyError(f"{path} is no study: tables or lists are nested too deeply")
+    return content
 
 
 def _is_design(content: Mapping[str, Any]) -> bool:

@@ -1,0 +1,313 @@
+/* The functions of FMI 2.0 under the names of calls.h. */
+#if FMI_VERSION == 2
+#include <stdarg.h>
+#include <string.h>
+
+#include "calls.h"
+#include "fmi2Functions.h"
+#include "guard.h"
+
+static bool is_ok(fmi2Status status) {
+    return status == fmi2OK;
+}
+
+/* ---- life ---- */
+
+static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
+                        fmi2String category, fmi2String message, ...) {
+    (void)instance, (void)status, (void)category;
+    Run *run = environment;
+    snprintf(run->message, sizeof run->message, "%s", message);
+    run->messages++;
+}
+
+void call_instantiate(Run *run, Use use) {
+    static const char *const scheme[] = {"file://%s", "file:%s/", "file://localhost%s"};
+    char location[1024];
+    snprintf(location, sizeof location, scheme[run->options % 3], directory());
+    const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, run};
+    run->use = use == USE_MODEL_EXCHANGE ? USE_MODEL_EXCHANGE : USE_CO_SIMULATION;
+    run->c = fmi2Instantiate("fuzz", use == USE_MODEL_EXCHANGE ? fmi2ModelExchange : fmi2CoSimulation, MODEL_GUID,
+                             location, &callbacks, fmi2False, fmi2True);
+    REQUIRE(run, run->c != NULL);
+}
+
+void call_free(Run *run) {
+    fmi2FreeInstance(run->c);
+}
+
+static bool setup(Run *run, const double *tolerance, double start, const double *stop) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard,
+                     is_ok(fmi2SetupExperiment(run->c, tolerance != NULL, tolerance != NULL ? *tolerance : 0.0, start,
+                                               stop != NULL, stop != NULL ? *stop : 0.0)));
+}
+
+bool call_enter_initialization(Run *run, const double *tolerance, double start, const double *stop) {
+    if (!setup(run, tolerance, start, stop)) return false;
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2EnterInitializationMode(run->c)));
+}
+
+bool call_exit_initialization(Run *run) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2ExitInitializationMode(run->c)));
+}
+
+bool call_terminate(Run *run) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2Terminate(run->c)));
+}
+
+bool call_reset(Run *run) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2Reset(run->c)));
+}
+
+bool call_logging(Run *run, bool on, size_t n, const char *const categories[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetDebugLogging(run->c, on, n, (const fmi2String *)categories)));
+}
+
+/* ---- variables ---- */
+
+bool call_get_reals(Run *run, const unsigned vr[], size_t n, double value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetReal(run->c, vr, n, value))), value, n);
+}
+
+bool call_get_integers(Run *run, const unsigned vr[], size_t n, int value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2GetInteger(run->c, vr, n, value)));
+}
+
+bool call_get_booleans(Run *run, const unsigned vr[], size_t n) {
+    fmi2Boolean value[MAX_REFERENCES];
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2GetBoolean(run->c, vr, n, value)));
+}
+
+bool call_get_texts(Run *run, const unsigned vr[], size_t n) {
+    fmi2String value[MAX_REFERENCES];
+    const Guard guard = guard_begin(run);
+    const bool ok = guard_end(run, guard, is_ok(fmi2GetString(run->c, vr, n, value)));
+    for (size_t i = 0; ok && i < n; i++) REQUIRE(run, strlen(value[i]) < 1024);
+    return ok;
+}
+
+bool call_set_reals(Run *run, const unsigned vr[], size_t n, const double value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetReal(run->c, vr, n, value)));
+}
+
+bool call_set_integers(Run *run, const unsigned vr[], size_t n, const int value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetInteger(run->c, vr, n, value)));
+}
+
+bool call_set_booleans(Run *run, const unsigned vr[], size_t n, const int value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetBoolean(run->c, vr, n, value)));
+}
+
+bool call_set_texts(Run *run, const unsigned vr[], size_t n, const char *const value[]) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetString(run->c, vr, n, (const fmi2String *)value)));
+}
+
+bool call_directional(Run *run, const unsigned unknown[], size_t unknowns, const unsigned known[], size_t knowns,
+                      const double seed[], double product[]) {
+    const Guard guard = guard_begin(run);
+    const fmi2Status status = fmi2GetDirectionalDerivative(run->c, unknown, unknowns, known, knowns, seed, product);
+    return guard_numbers(run, guard_end(run, guard, is_ok(status)), product, unknowns);
+}
+
+bool call_output_derivatives(Run *run, const unsigned vr[], size_t n, const int order[], double value[]) {
+    const Guard guard = guard_begin(run);
+    const fmi2Status status = fmi2GetRealOutputDerivatives(run->c, vr, n, order, value);
+    return guard_numbers(run, guard_end(run, guard, is_ok(status)), value, n);
+}
+
+/* ---- FMU states ---- */
+
+bool raw_get_state(Run *run, void **state) {
+    return is_ok(fmi2GetFMUstate(run->c, state));
+}
+
+bool raw_free_state(Run *run, void **state) {
+    return is_ok(fmi2FreeFMUstate(run->c, state));
+}
+
+size_t raw_state_size(Run *run, void *state) {
+    size_t size = 0;
+    REQUIRE(run, is_ok(fmi2SerializedFMUstateSize(run->c, state, &size)));
+    return size;
+}
+
+bool raw_serialize(Run *run, void *state, void *bytes, size_t size) {
+    return is_ok(fmi2SerializeFMUstate(run->c, state, bytes, size));
+}
+
+bool call_get_state(Run *run, void **state) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, raw_get_state(run, state));
+}
+
+bool call_set_state(Run *run, void *state) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetFMUstate(run->c, state)));
+}
+
+bool call_free_state(Run *run, void **state) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, raw_free_state(run, state));
+}
+
+bool call_state_size(Run *run, void *state, size_t *size) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SerializedFMUstateSize(run->c, state, size)));
+}
+
+bool call_serialize(Run *run, void *state, void *bytes, size_t size) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, raw_serialize(run, state, bytes, size));
+}
+
+bool call_deserialize(Run *run, const void *bytes, size_t size, void **state) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2DeSerializeFMUstate(run->c, bytes, size, state)));
+}
+
+/* ---- time ---- */
+
+/* Time lands on t + h, to the last bit. */
+static void check_time(Run *run, double expected) {
+    double time = 0.0;
+    REQUIRE(run, is_ok(fmi2GetRealStatus(run->c, fmi2LastSuccessfulTime, &time)));
+    REQUIRE(run, time == expected);
+}
+
+bool call_step(Run *run, double t, double h) {
+    const Guard guard = guard_begin(run);
+    if (!guard_end(run, guard, is_ok(fmi2DoStep(run->c, t, h, fmi2False)))) return false;
+    check_time(run, t + h);
+    run->time = t + h;
+    return true;
+}
+
+bool call_enter_events(Run *run) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2EnterEventMode(run->c)));
+}
+
+bool call_leave_events(Run *run) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2EnterContinuousTimeMode(run->c)));
+}
+
+bool call_update_states(Run *run) {
+    fmi2EventInfo info;
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2NewDiscreteStates(run->c, &info)));
+}
+
+bool call_complete_step(Run *run) {
+    fmi2Boolean event, terminate;
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2CompletedIntegratorStep(run->c, fmi2False, &event, &terminate)));
+}
+
+bool call_set_time(Run *run, double time) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetTime(run->c, time)));
+}
+
+bool call_set_states(Run *run, const double x[], size_t n) {
+    const Guard guard = guard_begin(run);
+    return guard_end(run, guard, is_ok(fmi2SetContinuousStates(run->c, x, n)));
+}
+
+bool call_get_states(Run *run, double x[], size_t n) {
+    const Guard guard = guard_begin(run);
+    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetContinuousStates(run->c, x, n))), x, n);
+}
+
+bool call_get_derivatives(Run *run, double derivative[], size_t n) {
+    const Guard guard = guard_begin(run);
+    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetDerivatives(run->c, derivative, n))), derivative, n);
+}
+
+bool call_get_indicators(Run *run, double indicator[], size_t n) {
+    const Guard guard = guard_begin(run);
+    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetEventIndicators(run->c, indicator, n))), indicator, n);
+}
+
+bool call_get_nominals(Run *run, double nominal[], size_t n) {
+    const Guard guard = guard_begin(run);
+    return guard_numbers(run, guard_end(run, guard, is_ok(fmi2GetNominalsOfContinuousStates(run->c, nominal, n))),
+                         nominal, n);
+}
+
+/* ---- what only FMI 2.0 has ---- */
+
+static bool set_input_derivatives(Run *run) {
+    unsigned vr[MAX_REFERENCES];
+    int order[MAX_REFERENCES];
+    double value[MAX_REFERENCES];
+    const size_t n = take_below(&run->in, 4);
+    const bool plausible = take_byte(&run->in) < 200;
+    for (size_t i = 0; i < n; i++) {
+        vr[i] = plausible ? take_below(&run->in, 4) : take_byte(&run->in);
+        order[i] = plausible ? 1 + (int)take_below(&run->in, 3) : (int)take_byte(&run->in) - 100;
+        value[i] = plausible ? 10.0 * ((int)take_byte(&run->in) - 128) : take_any_number(&run->in);
+    }
+    const Guard guard = guard_begin(run);
+    const bool ok = guard_end(run, guard, is_ok(fmi2SetRealInputDerivatives(run->c, vr, n, order, value)));
+    if (ok && !plausible) run->wild = true;
+    return ok;
+}
+
+static fmi2Status ask_status(Run *run, unsigned question) {
+    const fmi2StatusKind kind = (fmi2StatusKind)take_below(&run->in, 5);
+    fmi2Status status;
+    fmi2Real real;
+    fmi2Integer integer;
+    fmi2Boolean boolean;
+    fmi2String text;
+    switch (question) {
+        case 0: return fmi2GetStatus(run->c, kind, &status);
+        case 1: return fmi2GetRealStatus(run->c, kind, &real);
+        case 2: return fmi2GetIntegerStatus(run->c, kind, &integer);
+        case 3: return fmi2GetBooleanStatus(run->c, kind, &boolean);
+        case 4: return fmi2GetStringStatus(run->c, kind, &text);
+        default: return fmi2CancelStep(run->c);
+    }
+}
+
+/* The two calls of initialization apart, with any numbers. */
+static void begin_somehow(Run *run) {
+    const double tolerance = take_any_number(&run->in), start = take_any_number(&run->in);
+    const double stop = take_any_number(&run->in);
+    const unsigned given = take_below(&run->in, 4);
+    if (setup(run, given & 1 ? &tolerance : NULL, start, given & 2 ? &stop : NULL)) {
+        run->time = start;
+        run->tolerance = 1.0; /* unknown: no check of energies */
+        run->wild = true;
+    }
+    if (take_byte(&run->in) < 128) return;
+    const Guard guard = guard_begin(run);
+    guard_end(run, guard, is_ok(fmi2EnterInitializationMode(run->c)));
+}
+
+void call_special(Run *run) {
+    const unsigned choice = take_below(&run->in, 16);
+    if (choice < 8) {
+        set_input_derivatives(run);
+    } else if (choice < 10) {
+        begin_somehow(run);
+    } else {
+        const Guard guard = guard_begin(run);
+        guard_end(run, guard, is_ok(ask_status(run, choice - 10)));
+    }
+}
+#endif
