@@ -3,7 +3,7 @@
 import ctypes
 import math
 import struct
-from ctypes import byref, c_size_t, c_void_p
+from ctypes import byref, c_void_p
 
 import driver as fmi2
 import pytest
