@@ -292,7 +292,11 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
     const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
-    for (; osc->rate * t > QUADRATURE_RULES[1].reach; t *= 0.5) doublings++; /* rate t itself may be infinite */
+    while (osc->rate * t > QUADRATURE_RULES[1].reach &&
+           doublings < BISECTIONS_MAX) { /* rate t itself may be infinite */
+        t *= 0.5;
+        doublings++;
+    }
     square_by_quadrature(osc, lead, t, kernel->square);
     for (; doublings > 0; doublings--, t *= 2.0) {
         Kernel k;

@@ -69,7 +69,7 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) < 0.0};
     bool blocked = false;
     double t = first_length(limits, indicator, x, &whole);
-    for (int n = 0; n < LOCATION_ITERATIONS; n++) {
+    for (int n = 0; n < LOCATION_ITERATIONS && !work_is_spent(slip.work); n++) {
         t = fmax(t, DBL_MIN);
         if (!radau_step_solve(&slip, &whole.start, t, stages, step)) {
             blocked = true;
@@ -180,6 +180,6 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
         propose_next(first, to_breakpoint, location);
         if (end_on_first_event(&limits, location, &solved)) return true;
         length = LOCATION_SHORTENING * solved;
-    } while (length > shortest);
+    } while (length > shortest && !work_is_spent(slip->work));
     return false;
 }

@@ -220,6 +220,12 @@ bool simulation_get_indicators(Instance *instance, const char *function, double 
         !instance_provide(instance, function, GROUP_STATE))
         return false;
     model_indicators(&instance->values.model, indicator);
+    for (size_t i = 0; i < n; i++)
+        if (isnan(indicator[i]))
+            return instance_refuse(instance,
+                                   "%s: event indicator %zu is no number: allowed are states and inputs for "
+                                   "which it is finite",
+                                   function, i + 1);
     return true;
 }
 
