@@ -33,7 +33,7 @@ COMPACT void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, double z, 
         dry[i] = value[i] - viscous[i];
     }
     const Vector2 exponent = {s->load_exponent[0][0], s->load_exponent[1][0]};
-    for (int n = 0;; n++) {
+    for (int n = 0;; n++) { /* at most LOBATTO_LOAD_GUESSES + 1 turns */
         ContactFactors f;
         double load = axial;
         for (int i = 0; i < 2; i++) {

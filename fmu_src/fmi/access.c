@@ -143,7 +143,7 @@ static bool is_sampled(const Instance *instance, ValueReference reference) {
 static int settable_state(const Instance *instance, ValueReference reference) {
     if (instance->run.phase != PHASE_CONTINUOUS) return -1;
     int state = CONTINUOUS_STATES - 1;
-    while (state >= 0 && model_state_reference(state) != reference) state--;
+    while (state >= 0 && model_state_reference(state) != reference) state--; /* at most CONTINUOUS_STATES turns */
     return state;
 }
 

@@ -162,7 +162,7 @@ static SlipProposal go_on(Mechanism *m, StepRun *run, EventLocation *location, S
 NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
     EventLocation location;
     Segment segment;
-    for (;;) {
+    for (;;) { /* at most MAX_WORK turns, see check_limits() */
         if (is_mode_known(run)) return OUTCOME_DONE;
         const Outcome limits = run->left > 0.0 || run->settles ? check_limits(m, run) : OUTCOME_GOES_ON;
         if (limits != OUTCOME_GOES_ON) return limits;

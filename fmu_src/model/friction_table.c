@@ -8,7 +8,7 @@
 /* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
 static size_t find(const double *knot, size_t last, double x) {
     size_t low = 0, high = last + 1; /* knot[low] <= x < knot[high] */
-    while (high - low > 1) {
+    while (high - low > 1) {         /* at most 64 turns: the interval halves */
         const size_t middle = low + (high - low) / 2;
         if (x >= knot[middle]) low = middle;
         else high = middle;
@@ -146,7 +146,7 @@ typedef struct {
 NOINLINE static KnotStep knot_step(const double *knot, size_t last, double overshoot, double x, bool up, size_t k) {
     k += up;
     double beyond = passing(knot, last, overshoot, k);
-    while (beyond < INFINITY && fabs(knot[k] - x) < FRICTION_REACHED * beyond) {
+    while (beyond < INFINITY && fabs(knot[k] - x) < FRICTION_REACHED * beyond) { /* at most one turn per sample */
         k = up ? k + 1 : k - 1;
         beyond = passing(knot, last, overshoot, k);
     }

@@ -8,9 +8,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Evaluations at most: about two seconds, 0.1 us each. What the decision and the proposal of a segment count for, and a
+/* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count for, and a
  * balance where friction depends on the load, which iterates. */
-enum { MAX_WORK = 20000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 5 };
+enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 5 };
 
 typedef struct {
     int64_t done, most; /* evaluations */
