@@ -214,6 +214,7 @@ def refused_for_a_reason(fmu: Driver) -> bool:
     reasons = (
         "jam and let go without end",
         "the step needs too many segments",
+        "the step needs too many evaluations of the motion",
         "nothing resists the motion on a dwell",
         "no speed balances the torque",
     )
