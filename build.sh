@@ -177,7 +177,7 @@ case $command in
         fi
         run_program '.[test,study,docs]' -m pytest -n 2 "$@"
         ;;
-    fuzz) run_program '.[test]' -m pytest tests/test_properties.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
+    fuzz) run_program '.[test]' -m pytest tests/test_properties.py tests/test_extreme_values.py --hypothesis-profile long -o faulthandler_timeout=0 "$@" ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;
     friction) run_program '.[build]' -m benchmarks.friction_cost "$@" ;;
