@@ -184,8 +184,8 @@ case $command in
         if [ "${1-}" = calls ]; then
             run_program '.[test,fuzz]' tests/native/fuzz/run.py "${@:2}"
         fi
-        run_program '.[test]' -m pytest tests/test_properties.py tests/test_reader_mutations.py --hypothesis-profile long \
-            -o faulthandler_timeout=0 "$@"
+        run_program '.[test]' -m pytest tests/test_properties.py tests/test_reader_mutations.py \
+            tests/test_extreme_values.py --hypothesis-profile long -o faulthandler_timeout=0 "$@"
         ;;
     bench) run_program '.[bench]' -m benchmarks.bench "$@" ;;
     cost) run_program '.[build]' -m benchmarks.step_cost "$@" ;;

@@ -202,3 +202,45 @@ def test_wedge_ends_where_flanks_agree(make_model):
         found.append(fmu.get("omega"))
     assert found[0] > 0.0
     assert np.ptp(found) <= 1e-8 * found[0]
+
+
+# A heavy follower, no inertia of the shaft, and a contact that the load locks.
+LOCKED_UNDER_LOAD = {
+    "cam1.radius": 0.1,
+    "cam2.radius": 0.1,
+    "cam1.lead_angle": 1.0,
+    "cam1.friction": 0.0,
+    "cam2.profile": 2,
+    "cam2.lead_angle": 0.75,
+    "cam2.ellipse_a": 0.4,
+    "cam2.ellipse_b": 0.6454311564206855,
+    "cam2.ellipse_curvature": -1,
+    "cam2.friction": 0.05717224847382875,
+    "cam2.friction_load_exponent": -0.5,
+    "cam2.friction_load": 1.0,
+    "spring.preload": 0.0,
+    "spring.stiffness": 100.0,
+    "spring.stiffness2": -100.0,
+    "spring.stiffness3": -1000.0,
+    "damper.c_load": 1.0,
+    "damper.c_release": 1.0,
+    "damper.q_load": 1.0,
+    "damper.q_release": 1.0,
+    "shaft.damping": 1.0,
+    "inertia.shaft": 0.0,
+    "inertia.follower_mass": 1.0,
+    "inertia.follower": 1e-5,
+    "stop.upper": 1.0,
+    "initial.theta": 1.0,
+}
+
+
+@pytest.mark.parametrize("parts", [1, 3, 10])
+def test_a_wedge_under_load_friction_ends_where_flanks_agree(make, parts):
+    """Not at the end of a step: then the answer would depend on the cuts. Here the contacts jam again at
+    once, without end: a step of any length is refused (P. Painleve, 1895)."""
+    fmu = make().start(LOCKED_UNDER_LOAD | {"tau": 0.0, "F_ext": -1.0})
+    assert fmu.get("mode") == WEDGED
+    fmu.set_rates(tau=-1.0)
+    assert fmu.call("fmi2DoStep", 0.0, 1.0 / parts, 1) == ERROR
+    assert "the contacts jam and let go without end" in fmu.messages[-1].text

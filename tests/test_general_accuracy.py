@@ -179,3 +179,37 @@ def test_general_scenes_are_varied(scenes):
     assert min(p.z for p in points) < 0
     assert sum(any(p.doubts for p in s.points) for s in scenes) <= FADING_SHARE * len(scenes)
     assert all(s.error[name] <= 1e-11 * scales(s.points)[name] for s in scenes for name in MEASURED)
+
+
+STIFF_FOLLOWER = {
+    "cam1.radius": 1.0,
+    "cam2.radius": 1.0,
+    "cam1.lead_angle": 1.5707953267948966,
+    "cam2.lead_angle": 1.5391735501932127,
+    "cam1.friction": 0.0,
+    "cam2.friction": 0.01,
+    "spring.preload": -1.0,
+    "spring.stiffness": 0.0,
+    "spring.stiffness2": -100.0,
+    "spring.stiffness3": -1000.0,
+    "damper.c_release": 1.0,
+    "damper.q_load": 1.0,
+    "damper.q_release": 1.0,
+    "inertia.shaft": 0.0,
+    "inertia.follower": 1e-4,
+    "stop.lower": -10.0,
+    "stop.upper": 0.01,
+}
+
+
+def test_a_stop_that_a_stiff_motion_reaches_is_not_overrun(make):
+    """alpha = 0 to the digits of omega, whose damping is 1e17 1/s: alpha does not say that the motion turns
+    before the stop. The work of a constant torque is the torque times the way to the stop."""
+    fmu = make().start(STIFF_FOLLOWER)
+    torque = -abs(fmu.get("torque_load"))
+    fmu.set({"tau": torque, "F_ext": -1.0})
+    fmu.ok("fmi2DoStep", 0.0, 1.0, 1)
+    assert fmu.get("theta") == STIFF_FOLLOWER["stop.upper"]
+    assert fmu.get("energy.work_in") == pytest.approx(torque * STIFF_FOLLOWER["stop.upper"], rel=10 * DEFAULT)
+    held, largest = energy_held(fmu)
+    assert abs(held) <= 10 * DEFAULT * largest

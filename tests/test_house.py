@@ -129,6 +129,17 @@ VIOLATIONS = {
         {"fmu_src/model/long.c": "\n" * 501},
         "long.c has 501 lines, more than 500",
     ),
+    "loop without a bound": (
+        "loops",
+        {"fmu_src/model/loop.c": "while (x < y) x = f(x); /* it ends */\n"},
+        "fmu_src/model/loop.c:1: a loop without a bound: while (x < y)",
+    ),
+    "endless for": ("loops", {"fmu_src/model/loop.c": "for (int n = 0;; n++) f(n);\n"}, "without a bound"),
+    "do without a bound": (
+        "loops",
+        {"fmu_src/model/loop.c": "do {\n    f();\n} while (g());\n"},
+        "fmu_src/model/loop.c:1: a loop without a bound: do {",
+    ),
     "header of 501 lines": ("lengths", {"fmu_src/model/long.h": "\n" * 501}, "long.h has 501 lines"),
     "C file of a test of 801 lines": (
         "lengths",

@@ -214,6 +214,7 @@ def refused_for_a_reason(fmu: Driver) -> bool:
     reasons = (
         "jam and let go without end",
         "the step needs too many segments",
+        "the step needs too many evaluations of the motion",
         "nothing resists the motion on a dwell",
         "no speed balances the torque",
     )
@@ -359,6 +360,35 @@ def loaded_band(mechanism, theta, force):
     return [way * math.inf if x is None else x * force for way, x in zip((-1, 1), ratios, strict=True)]
 
 
+def pair_agrees(parameters, a, mu, tau, force, way, flank) -> bool:
+    """Does the pair of flanks let slip begin at rest in the direction `way`? docs/mechanism.md, section 9:
+    y_i = n R_i/h_i and alpha from two torques and one axial force; alpha points along `way`, and each y_i
+    presses its own flank, to rounding."""
+    r = [parameters[f"cam{i}.radius"] for i in (1, 2)]
+    J, m, inertia = (parameters[f"inertia.{name}"] for name in ("shaft", "follower_mass", "follower"))
+    gamma, lift = a[1] / (a[0] + a[1]), a[0] * a[1] / (a[0] + a[1])
+    n = [a[i] + way * flank[i] * mu[i] * r[i] for i in (0, 1)]
+    d = [(r[i] - way * flank[i] * mu[i] * a[i]) / r[i] for i in (0, 1)]
+    by_alpha = d[0] * (J + inertia * gamma) * n[1] + d[1] * J * n[0] + m * lift * n[0] * n[1]
+    alpha = ((d[0] * n[1] + d[1] * n[0]) * tau - force * n[0] * n[1]) / by_alpha if by_alpha else math.nan
+    y = (
+        [(tau - (J + inertia * gamma) * alpha) / n[0], (tau - J * alpha) / n[1]]
+        if n[0] * n[1]
+        else [0.0, 0.0]
+    )
+    size = abs(force) + abs(m * lift * alpha) + sum(abs(d[i] * y[i]) for i in (0, 1))
+    return way * alpha > 0.0 and all(flank[i] * y[i] > TOLERANCE * size or not mu[i] for i in (0, 1))
+
+
+def wedges(parameters, a, mu, tau, force) -> bool:
+    """Beyond a finite edge of the band: rigid bodies under Coulomb friction have no motion where no pair of
+    flanks agrees with its own forces (P. Painleve, 1895)."""
+    if not any(parameters[f"inertia.{name}"] for name in ("shaft", "follower_mass", "follower")):
+        return False
+    pairs = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+    return not any(pair_agrees(parameters, a, mu, tau, force, way, pair) for way in (1, -1) for pair in pairs)
+
+
 def rests(fmu: Driver, parameters, grooves) -> bool:
     """May it stand still there? The geometry is that of the reference."""
     tau, theta, mode, gamma = (fmu.get(name) for name in ("tau", "theta", "mode", "gamma"))
@@ -391,6 +421,8 @@ def rests(fmu: Driver, parameters, grooves) -> bool:
         return theta == parameters["stop.lower"] and tau <= release + rounding
     if mode == UPPER_STOP:
         return theta == parameters["stop.upper"] and tau >= load - rounding
+    if not mechanism.is_loaded and not release <= tau <= load and wedges(parameters, a, mu, tau, force):
+        return True
     # without any force the pin wedges as under the smallest one, of either sign
     signs = [math.copysign(1.0, force)] if force else [1.0, -1.0]
     return any(math.isinf(edge) for sign in signs for edge in edges(abs(force or 1.0) * sign))

@@ -28,6 +28,7 @@ OPTIMISED = ("-O3", "-fvisibility=hidden")
 # loop `for (...; n < limit; n++)`.
 LOOP_LIMITS = {
     "segments per step": ("tolerances", "MAX_SEGMENTS_PER_STEP"),
+    "work per step": ("work", "MAX_WORK"),
     "jams per step": ("tolerances", "MAX_JAMS_PER_STEP"),
     "shortest segment": ("tolerances", "LOCATION_SHORTEST"),
     "shortenings": ("tolerances", "STEP_TRIALS"),

@@ -128,27 +128,25 @@ def bound(found: Found) -> list[str]:
             {limit("searches per segment")} lengths of a segment, with at most {limit("solves per search")}
             solves for each length. A solve takes at most {limit("evaluations per solve")} evaluations of the
             balance of forces ({limit("evaluations per solve, quasi-static")} without inertia and damping).
-            The products are {limit("evaluations per segment")} evaluations per segment and
-            {limit("evaluations per step")} per step. The instant of an event is found in polynomials, whose
-            interval is halved at most {limit("depth of halving")} times. In closed form, for steps up to half
-            a period of the oscillation, a segment takes at most
-            {limit("closed form: evaluations per segment")} evaluations and a step
-            {limit("closed form: evaluations per step")}."""
+            The product is {limit("evaluations per segment")} evaluations per segment. One counter adds up the
+            evaluations of all segments and searches of a step, in closed form too. A step that needs more
+            than {limit("evaluations per step")} is refused. The instant of an event is found in polynomials,
+            whose interval is halved at most {limit("depth of halving")} times. In closed form, for steps up
+            to half a period of the oscillation, a segment takes at most
+            {limit("closed form: evaluations per segment")} evaluations."""
         ),
         prose(
             f"""The bound proves that a step ends. It is far above the steps that occur: at the price of the
-            acceleration alone ({rounded(str(found.evaluation_ns))} ns) the product is
-            {rounded(str(product / 3600.0))} hours, {rounded(str(product / longest))} times the longest step
-            of the runs. The cost of a mode change varies much less than the bound allows: the instructions of
-            a step, divided by its mode changes and one more, are at most {per_change or "not counted"}. A
-            motion that changes its mode without end takes up to {allowed} times as much until it is
-            refused."""
+            acceleration alone ({rounded(str(found.evaluation_ns))} ns) these evaluations take
+            {rounded(str(product))} s, {rounded(str(product / longest))} times the longest step of the runs.
+            The cost of a mode change varies much less than the bound allows: the instructions of a step,
+            divided by its mode changes and one more, are at most {per_change or "not counted"}. A motion that
+            changes its mode without end takes up to {allowed} times as much until it is refused."""
         ),
         prose(
-            """Two numbers have no constant bound: the breakpoints of the transmission that a step passes, of
-            which a table has one per knot, and the half periods of the oscillation in a longer step in closed
-            form. A hard limit in real time needs three settings: a `stop.restitution` of 0, steps that are
-            short against the oscillation, and few knots of a table in each step. Then a step has one mode
-            change or two."""
+            """Long steps come nearer to this bound: through many breakpoints of the transmission, of which a
+            table has one per knot, and over many half periods of the oscillation. A hard limit in real time
+            needs three settings: a `stop.restitution` of 0, steps that are short against the oscillation, and
+            few knots of a table in each step. Then a step has one mode change or two."""
         ),
     ]

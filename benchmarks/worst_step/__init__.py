@@ -15,6 +15,6 @@ and instructions. Each counted step runs from a saved state some steps before. M
 before and after a step, read in a run of its own, tell the events of the step. Without valgrind there are
 times only.
 
-The bound (bound.py) holds by construction: it is the product of the limits of all loops, as they are written
-in the C sources.
+The bound (bound.py) holds by construction: it follows from the limits of all loops and of the counter of
+evaluations, as they are written in the C sources.
 """

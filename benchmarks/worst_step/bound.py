@@ -1,4 +1,4 @@
-"""The bound of the work in a step: the product of the limits of all loops in the C sources."""
+"""The bound of the work in a step: the limits of the loops and of the counter in the C sources."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ class Bound:
     solves: int  # of the collocation equations per length
     evaluations: int  # of the balance of forces per solve
     segments: int  # per step: each to a mode change, to a breakpoint, or one collocation step long
+    work: int  # evaluations per step after which no segment and no solve begins
     quasistatic: int  # evaluations per solve without inertia and damping
 
     @property
@@ -29,7 +30,7 @@ class Bound:
 
     @property
     def evaluations_per_step(self) -> float:
-        return float(self.segments) * self.evaluations_per_segment
+        return self.work + max(self.evaluations, self.quasistatic)
 
 
 def bound() -> Bound:
@@ -45,6 +46,7 @@ def bound() -> Bound:
         solves=int(loop_limit("shortenings") + searching),
         evaluations=int(loop_limit("collocation iterations") * nodes + 1),
         segments=int(loop_limit("segments per step")),
+        work=int(loop_limit("work per step")),
         quasistatic=int((loop_limit("quasi-static iterations") + 1) * nodes),
     )
 
@@ -81,8 +83,12 @@ def bound_rows() -> Iterator[tuple[str, float, str]]:
         f"{constants('bisections')}: an interval without width",
     )
     yield "jams per step", loop_limit("jams per step"), constants("jams per step")
-    yield "evaluations per step", b.evaluations_per_step, "the product of all"
+    yield "evaluations per step", b.evaluations_per_step, f"{constants('work per step')}, and one solve more"
     yield "evaluations per solve, quasi-static", b.quasistatic, "without inertia and damping"
     root = int(loop_limit("closed-form root iterations"))
     yield "closed form: evaluations per segment", closed, f"roots of at most {root} evaluations"
-    yield "closed form: evaluations per step", float(b.segments) * closed, "the product"
+    yield (
+        "closed form: evaluations per step",
+        b.work + closed,
+        f"{constants('work per step')}, and one segment",
+    )

@@ -89,6 +89,7 @@ IndicatorSample linear_indicator_at_start(const LinearIndicator *indicator) {
 
 IndicatorSample linear_indicator_at(const LinearIndicator *indicator, double t) {
     const LinearSlipMode *linear = indicator->segment->linear;
+    work_add(indicator->segment->work, 1);
     oscillator_kernel(&linear->oscillator, t, indicator->kernel);
     LinearMotion motion;
     linear_slip_motion(linear, &indicator->segment->start, indicator->kernel, &motion);

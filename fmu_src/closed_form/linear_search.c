@@ -151,14 +151,15 @@ static double half_periods_to_skip(const LinearIndicator *indicator, const Indic
     return floor(fmax(clear, 0.0) / osc->half_period);
 }
 
-/* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped. */
+/* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped. Where
+ * the minima stay just above zero for very many periods, the search ends with the work of the step. */
 double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
     enum { WITH_FIRST_MINIMUM = 3 }; /* intervals that hold the first minimum, whatever the phase */
     if (has_constant_inputs(&indicator->segment->start)) return crossing_at_constant_inputs(indicator, t_end);
     const Oscillator *osc = oscillator_of_indicator(indicator);
     IndicatorSample a = linear_indicator_at_start(indicator);
     double next = oscillator_zero(osc, a.second, a.third);
-    for (int interval = 1;; interval++) {
+    for (int interval = 1; !work_is_spent(indicator->segment->work); interval++) { /* at most MAX_WORK turns */
         const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
         const double t = crossing_if_rate_monotone(indicator, &a, &b);
         if (t < INFINITY) return t;
@@ -175,6 +176,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
         if (next + osc->half_period == next) return INFINITY; /* the rounding of time hides the vibration */
         next += osc->half_period;
     }
+    return INFINITY;
 }
 
 /* ---- peaks ---- */

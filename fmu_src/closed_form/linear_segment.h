@@ -12,12 +12,14 @@
 #define DUALCAM_LINEAR_SEGMENT_H
 
 #include "closed_form/linear_slip.h"
+#include "model/work.h"
 
 typedef struct {
     const LinearSlipMode *linear;
     const Params *params;
     const Geometry *geometry;
     SlipStart start;
+    Work *work;     /* counts evaluations, or NULL */
     double to_stop; /* rad, >= 0: angle to the end stop ahead */
     bool flanks;    /* friction acts, so the sign of the reactions matters */
     /* m, the upper and the lower edge of the stick band per F_0 > 0. For either sign of F_0 the band ends at the larger

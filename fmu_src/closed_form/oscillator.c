@@ -292,9 +292,12 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
     const double lead = kernel->lead;
     int doublings = 0;
     double t = kernel->t;
-    for (; osc->rate * t > QUADRATURE_RULES[1].reach; t *= 0.5) doublings++; /* rate t itself may be infinite */
+    while (osc->rate * t > QUADRATURE_RULES[1].reach && doublings < BISECTIONS_MAX) { /* at most BISECTIONS_MAX turns */
+        t *= 0.5;
+        doublings++;
+    }
     square_by_quadrature(osc, lead, t, kernel->square);
-    for (; doublings > 0; doublings--, t *= 2.0) {
+    for (; doublings > 0; doublings--, t *= 2.0) { /* at most BISECTIONS_MAX turns */
         Kernel k;
         oscillator_kernel(osc, t, &k);
         double_square(osc, lead, &k, kernel->square);

@@ -69,7 +69,7 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) < 0.0};
     bool blocked = false;
     double t = first_length(limits, indicator, x, &whole);
-    for (int n = 0; n < LOCATION_ITERATIONS; n++) {
+    for (int n = 0; n < LOCATION_ITERATIONS && !work_is_spent(slip.work); n++) {
         t = fmax(t, DBL_MIN);
         if (!radau_step_solve(&slip, &whole.start, t, stages, step)) {
             blocked = true;
@@ -104,6 +104,7 @@ static void step_past_zero(const SegmentLimits *limits, StepIndicator indicator,
     slip.to_rounding = true;
     const int stages = step->method->stages;
     double share = LOCATION_FIRST_EXTENSION;
+    /* At most LOCATION_EXTENSIONS turns. */
     for (int n = 0; step_indicator_at_end(limits, indicator, step) > 0.0; n++, share *= 4.0) {
         if (n < LOCATION_EXTENSIONS && radau_step_solve(&slip, &landed.start, landed.h * (1.0 + share), stages, step))
             continue;
@@ -119,7 +120,9 @@ static bool turns_at_stop(const SegmentLimits *limits, const RadauStep *step) {
     const Params *p = limits->slip->params;
     const Balance *end = radau_step_end(step);
     const double angle = fmax(LOCATION_STOP_ROUNDING, p->tolerance) * largest_angle(p);
-    const double braking = -limits->slip->direction * end->alpha;
+    const double doubt =
+        p->tolerance * fabs(end->rhs.by_omega * end->omega); /* what the speed's error makes of alpha */
+    const double braking = -limits->slip->direction * end->alpha - doubt;
     return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * angle;
 }
 
@@ -172,7 +175,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
     const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
-    do {
+    do { /* at most 15 turns: the length falls to LOCATION_SHORTEST */
         const double longest = fmin(fmin(left, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
@@ -180,6 +183,6 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
         propose_next(first, to_breakpoint, location);
         if (end_on_first_event(&limits, location, &solved)) return true;
         length = LOCATION_SHORTENING * solved;
-    } while (length > shortest);
+    } while (length > shortest && !work_is_spent(slip->work));
     return false;
 }

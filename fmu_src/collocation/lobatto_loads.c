@@ -26,7 +26,7 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
         dry[i] = value[i] - viscous[i];
     }
     const Vector2 exponent = {s->law[0]->load_exponent[0], s->law[1]->load_exponent[0]};
-    for (int n = 0;; n++) {
+    for (int n = 0;; n++) { /* at most LOBATTO_LOAD_GUESSES + 1 turns */
         ContactFactors f;
         double load = axial;
         for (int i = 0; i < 2; i++) {

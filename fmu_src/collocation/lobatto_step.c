@@ -241,7 +241,7 @@ static bool solve_to_breakpoint(LobattoSystem *s, double rhs) {
     const double limit = breakpoint_limit(&breakpoint);
     EndAngle end = {.distance = breakpoint_aim(&breakpoint), .slack = 0.25 * breakpoint.overshoot};
     lobatto_system_guess(s, rhs);
-    do {
+    do { /* at most two turns: the second one aims at the breakpoint */
         if (slip->direction * s->dtheta.at[LOBATTO_END] > limit) {
             const double alpha = lobatto_system_is_inertial(s) ? slip->direction * rhs : 0.0;
             end.given = true;
@@ -369,7 +369,7 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
 /* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
  * where the whole is not. */
 static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, double longest, LobattoStep *out) {
-    for (int n = 0;; n++) {
+    for (int n = 0;; n++) { /* at most LOBATTO_HALVINGS + 1 turns */
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
         if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;

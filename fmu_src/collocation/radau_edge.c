@@ -52,6 +52,7 @@ static bool find_angle_on_edge(const RadauSystem *s, double t, double *theta) {
         .last = INFINITY,
     };
     for (int n = 0; n < EDGE_ITERATIONS; n++) {
+        slip_count(s->slip, 1);
         const EdgeProgress progress = improve_angle(s, t, n, &bracket, theta);
         if (progress != EDGE_SEARCHING) return progress == EDGE_FOUND;
     }

@@ -221,6 +221,7 @@ static bool solve_for_nodes(RadauSystem *s, NewtonMatrix *newton, Balance node[R
     if (!guess(s, newton)) return false;
     double last = INFINITY, size;
     for (int n = 0; n < RADAU_NEWTON_ITERATIONS; n++) {
+        slip_count(s->slip, s->method->stages);
         if (!evaluate(s, rhs, n > 0 ? node : NULL)) return false;
         const SmallCorrection allowed = small_correction(s);
         const double small = allowed.rounding + (s->slip->to_rounding ? 0.0 : allowed.wanted);

@@ -139,6 +139,7 @@ COLD static bool vary_in_parts(const SlipMode *slip, const RadauStep *step, Vari
     double left = h, t = h, scale[KNOWN_COUNT];
     for (int known = 0; known < KNOWN_COUNT; known++) scale[known] = fabs(v->theta[known]);
     for (int n = 0; n < VARIATION_TRIALS && left > 0.0 && t > 0.1 * VARIATION_SHORTEST * h; n++) {
+        if (work_is_spent(slip->work)) return false;
         PartTwice part = {front, front};
         t = fmin(t, left);
         const bool is_shortest = t <= VARIATION_SHORTEST * h;

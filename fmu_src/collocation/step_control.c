@@ -76,7 +76,7 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         slip->friction_varies && (slip->friction_is_loaded || slip->law[0].fall.table || slip->law[1].fall.table);
     bool at_sample = false;
     int stages = first_stages(slip, start, h, first);
-    for (int n = 0; n < STEP_TRIALS; n++) {
+    for (int n = 0; n < STEP_TRIALS && !work_is_spent(slip->work); n++) {
         if (!radau_step_solve(slip, start, h, stages, step)) {
             h *= STEP_UNSOLVED_SHORTENING;
             continue;

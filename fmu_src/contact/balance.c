@@ -199,6 +199,7 @@ static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, do
     bool enclosed = false; /* the torque left is known to change its sign, not only to end at a jam */
     if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
+        slip_count(slip, 1);
         const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
         blocked = isnan(left.value) || (blocked && sign * left.value > 0.0);
         enclosed |= sign * left.value <= 0.0;

@@ -145,7 +145,9 @@ static bool loads_in_straight(const Params *p, const TransmissionPiece *piece) {
 
 /* The first theta, to rounding, at which the contacts jam; they do not at `good` and do at `bad`. */
 static double first_jam(const Params *p, const TransmissionPiece *piece, double good, double bad) {
-    for (double middle = 0.5 * (good + bad); middle > good && middle < bad; middle = 0.5 * (good + bad)) {
+    for (int n = 0; n < BISECTIONS_MAX; n++) {
+        const double middle = 0.5 * (good + bad);
+        if (!(middle > good && middle < bad)) break;
         if (loads_at(p, piece, middle)) good = middle;
         else bad = middle;
     }

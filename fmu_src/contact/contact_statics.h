@@ -8,7 +8,9 @@
 #include "contact/contact.h"
 #include "geometry/cam.h"
 #include "geometry/transmission.h"
+#include "model/friction_law.h"
 #include "model/params.h"
+#include "model/work.h"
 
 typedef struct {
     const Params *params;
@@ -59,6 +61,11 @@ double contact_statics_heat(const ContactStatics *statics, const ContactForces *
 
 /* N.m/rad, >= 0: reaction times sliding distance at contact i per angle of cam 2. */
 double contact_statics_sliding(const ContactStatics *statics, const ContactForces *forces, int i);
+
+/* Counts one evaluation of torque and reactions. Where friction depends on the load, the evaluation iterates. */
+static inline void contact_statics_count(Work *work, const Params *params) {
+    work_add(work, any_friction_depends_on_load(params) ? WORK_OF_LOADED_BALANCE : 1);
+}
 
 /* A number from 0 to 3 for each pair of flanks. */
 static inline int flank_branch(const int flank[2]) {

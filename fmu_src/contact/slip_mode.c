@@ -95,6 +95,7 @@ SlipMode slip_mode_of(const Params *p, const Transmission *transmission, const F
     slip.transmission = transmission;
     slip.piece = transmission_piece(transmission, theta, direction);
     slip.inputs = inputs;
+    slip.work = NULL;
     slip.direction = direction;
     slip.friction_is_loaded = any_friction_depends_on_load(p);
     slip.friction_varies = slip.friction_is_loaded || any_friction_varies(p);

@@ -18,6 +18,7 @@
 #include "model/inputs.h"
 #include "model/params.h"
 #include "model/regime.h"
+#include "model/work.h"
 
 /* Grooves and friction at one theta and speed, with derivatives by theta at constant speed. */
 typedef struct {
@@ -37,6 +38,7 @@ typedef struct {
     const Transmission *transmission;
     const TransmissionPiece *piece;
     const Inputs *inputs; /* polynomials of the time since they were written */
+    Work *work;           /* counts evaluations, or NULL */
     Regime regime;
     int direction;                 /* sigma */
     int flank[2];                  /* e_i */
@@ -77,6 +79,11 @@ static inline const SlipCoefficients *slip_coefficients_at(const SlipMode *slip,
     }
     if (slip->friction_varies && !slip->friction_is_loaded) slip_set_friction(slip, omega, storage);
     return storage;
+}
+
+/* Counts evaluations of the balance. Where friction depends on the load, each iterates over the reactions. */
+static inline void slip_count(const SlipMode *slip, int evaluations) {
+    work_add(slip->work, slip->friction_is_loaded ? WORK_OF_LOADED_BALANCE * evaluations : evaluations);
 }
 
 /* f_i */

@@ -229,6 +229,7 @@ COMPACT void taylor_follow(const SlipMode *slip, const Balance *balance, int las
     const bool follows = regime != REGIME_RATE_INDEPENDENT || first * by.by[KNOWN_TAU] < 0.0;
     int k = regime == REGIME_INERTIAL ? 2 : 0;
     if (regime == REGIME_VISCOUS && t->known == KNOWN_COUNT) k = 1; /* the balance gives omega_0, not its derivative */
+    /* At most JET_TERMS turns. */
     for (; follows && k <= last; k++) solve(slip, k, residual_by_speed(regime, &by, k, t->stiffness), t);
     taylor_balance(slip, t);
 }

@@ -60,14 +60,21 @@ static const void *address(const Instance *instance, ValueReference reference) {
 }
 
 COLD static bool refuse_no_number(const Instance *instance, const char *function, ValueReference reference) {
-    return instance_refuse(instance, "%s: %s is no number: allowed are inputs for which it is finite", function,
-                           VARIABLES[reference].name);
+    return instance_refuse(instance,
+                           "%s: %s, or its derivative, is no finite number: allowed are inputs for which it is finite",
+                           function, VARIABLES[reference].name);
+}
+
+/* Where a contact locks, no torque moves cam 2 that way: the edge of the stick band is infinite, and so is their ratio. */
+static bool may_be_infinite(ValueReference reference) {
+    return reference == VR_TORQUE_LOAD || reference == VR_TORQUE_RELEASE || reference == VR_EFFICIENCY;
 }
 
 bool access_are_numbers(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
                         const double value[]) {
     for (size_t i = 0; i < n; i++)
-        if (isnan(value[i])) return refuse_no_number(instance, function, vr[i]);
+        if (!isfinite(value[i]) && (isnan(value[i]) || !may_be_infinite(vr[i])))
+            return refuse_no_number(instance, function, vr[i]);
     return true;
 }
 
@@ -137,7 +144,7 @@ static bool is_sampled(const Instance *instance, ValueReference reference) {
 static int settable_state(const Instance *instance, ValueReference reference) {
     if (instance->run.phase != PHASE_CONTINUOUS) return -1;
     int state = CONTINUOUS_STATES - 1;
-    while (state >= 0 && model_state_reference(state) != reference) state--;
+    while (state >= 0 && model_state_reference(state) != reference) state--; /* at most CONTINUOUS_STATES turns */
     return state;
 }
 

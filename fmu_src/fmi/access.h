@@ -36,7 +36,7 @@ double *access_input(Instance *instance, ValueReference reference);
 /* The variable with this reference and type, or NULL, with the reason in the log. */
 const Variable *access_find(const Instance *instance, const char *function, ValueReference reference, Type type);
 
-/* Is none of the values read NaN? Extreme inputs can make one. */
+/* Are the values read finite? Extreme inputs can make an infinite one, or NaN: such a value is refused. */
 bool access_are_numbers(const Instance *instance, const char *function, const ValueReference vr[], size_t n,
                         const double value[]);
 

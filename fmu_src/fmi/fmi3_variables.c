@@ -75,7 +75,7 @@ fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference valueRe
 /* ---- dependencies and derivatives ---- */
 
 static const Dependency *next_dependency(const Dependency *row, fmi3ValueReference unknown) {
-    while (row->unknown != VARIABLE_COUNT && row->unknown != unknown) row++;
+    while (row->unknown != VARIABLE_COUNT && row->unknown != unknown) row++; /* at most one turn per dependency */
     return row->unknown != VARIABLE_COUNT ? row : NULL;
 }
 
@@ -96,7 +96,7 @@ static bool find_dependencies(const Instance *instance, const char *function, fm
 
 static size_t count_dependencies(const Dependency *row) {
     size_t n = 0;
-    for (; row != NULL; row = next_dependency(row + 1, row->unknown)) n++;
+    for (; row != NULL; row = next_dependency(row + 1, row->unknown)) n++; /* at most one turn per dependency */
     return n;
 }
 
@@ -124,6 +124,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference
                             "elementIndicesOfIndependents") ||
         !instance_has_array(instance, __func__, nDependencies, dependencyKinds, "dependencyKinds"))
         return fmi3Error;
+    /* At most one turn per dependency. */
     for (size_t i = 0; row != NULL; i++, row = next_dependency(row + 1, dependent)) {
         elementIndicesOfDependent[i] = elementIndicesOfIndependents[i] = 0; /* 0: all of a scalar */
         independents[i] = row->known;

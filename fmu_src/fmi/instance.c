@@ -19,7 +19,7 @@ const char *const ERROR_CATEGORY = "logStatusError";
 
 /* Replaces bytes of the caller's texts that are not plain text. */
 static void clean(char *text) {
-    for (char *c = text; *c != '\0'; c++)
+    for (char *c = text; *c != '\0'; c++) /* at most one turn per character */
         if (*c < ' ' || *c > '~') *c = '?';
 }
 
@@ -52,7 +52,7 @@ __attribute__((format(printf, 3, 4))) static Instance *refuse_instance(const Log
 
 void escape_message(char *escaped, size_t size, const char *text, const char *doubled) {
     size_t length = 0;
-    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) {
+    for (const char *c = text; *c != '\0' && length + 3 <= size; c++) { /* at most one turn per character */
         if (strchr(doubled, *c) != NULL) escaped[length++] = *c;
         escaped[length++] = *c;
     }
@@ -234,6 +234,7 @@ static const char *phase_name(Phase phase) {
 COLD bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[192] = "";
     size_t length = 0;
+    /* At most one turn per phase. */
     for (unsigned phase = PHASE_INSTANTIATED; phase <= PHASE_INTERMEDIATE_OUTPUTS; phase <<= 1) {
         if ((phases & phase) == 0) continue;
         const char *separator = length > 0 ? " or " : "";

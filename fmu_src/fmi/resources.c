@@ -17,7 +17,7 @@ static char lower(char c) {
 /* The rest of `text` after `prefix`, or NULL if `text` does not begin with it. `prefix` is in lower case; the case of
  * `text` does not matter. */
 static const char *after(const char *text, const char *prefix) {
-    for (; *prefix != '\0'; text++, prefix++)
+    for (; *prefix != '\0'; text++, prefix++) /* at most one turn per character */
         if (lower(*text) != *prefix) return NULL;
     return text;
 }
@@ -49,7 +49,7 @@ static int hex(char c) {
 
 /* Replaces percent codes; a percent sign alone stays. The text does not get longer. */
 static void decode(const char *encoded, char *text) {
-    while (*encoded != '\0') {
+    while (*encoded != '\0') { /* at most one turn per character */
         const int high = *encoded == '%' ? hex(encoded[1]) : -1;
         const int low = high >= 0 ? hex(encoded[2]) : -1;
         *text++ = low >= 0 ? (char)(16 * high + low) : *encoded;

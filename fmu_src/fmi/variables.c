@@ -147,7 +147,7 @@ _Static_assert((int)START_TEXT_SIZE <= (int)TABLE_PATH_SIZE, "a start value of a
 
 /* Copies a text of less than `size` bytes. */
 static void copy_text(char *to, const volatile char *from, size_t size) {
-    for (size_t i = 0; i + 1 < size && from[i] != '\0'; i++) to[i] = from[i];
+    for (size_t i = 0; i + 1 < size && from[i] != '\0'; i++) to[i] = from[i]; /* at most one turn per character */
 }
 
 Guid model_guid(void) {

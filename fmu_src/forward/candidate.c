@@ -28,8 +28,10 @@ const LinearSlipMode *linear_slip_of(const Mechanism *m, int index, LinearSlipMo
 SlipMode slip_mode_from_here(const Mechanism *m, int index) {
     int flank[2];
     slip_flanks(index, flank);
-    return slip_mode_of(&m->params, &m->model.transmission, m->model.law, &m->inputs, m->state.theta.hi,
-                        slip_direction(index), flank);
+    SlipMode slip = slip_mode_of(&m->params, &m->model.transmission, m->model.law, &m->inputs, m->state.theta.hi,
+                                 slip_direction(index), flank);
+    slip.work = m->work;
+    return slip;
 }
 
 NOINLINE Balance balance_from_here(const Mechanism *m, const SlipMode *slip) {

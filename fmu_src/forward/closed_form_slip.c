@@ -12,6 +12,7 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .params = &m->params,
         .geometry = &m->configuration.geometry,
         .start = slip_start_of(m, linear),
+        .work = m->work,
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
         .edge = {fmin(m->configuration.band.load, LINEAR_STEEPEST_EDGE),

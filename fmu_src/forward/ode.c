@@ -90,4 +90,6 @@ void ode_indicators(const Mechanism *m, double indicator[ODE_INDICATORS]) {
     } else {
         indicate_rest(m, indicator);
     }
+    for (int i = 0; i < ODE_INDICATORS; i++) /* the sign is what counts */
+        if (isinf(indicator[i])) indicator[i] = copysign(DBL_MAX, indicator[i]);
 }

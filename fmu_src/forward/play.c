@@ -30,6 +30,7 @@ typedef struct {
 
 NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     const Mechanism *m = path->m;
+    work_add(m->work, 1);
     const TransmissionPoint point = piece_at(path->piece, theta);
     Geometry g = cam_geometry(m->params.cam, point.slope);
     const double F_0 = spring_force(&m->params.spring, point.z) + m->inputs.F_ext[0];
@@ -214,7 +215,7 @@ static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jum
     const double start = m->state.theta.hi, width = path->piece->upper - path->piece->lower;
     const int direction = path->direction;
     double from = start + jump->dtheta, step = PLAY_FIRST_SAMPLE * width;
-    while (direction * (end - from) > 0.0) {
+    while (direction * (end - from) > 0.0 && !work_is_spent(m->work)) { /* at most 64 turns per piece */
         double to = from + direction * step;
         if (!(direction * (end - to) > 0.0)) to = end;
         const double lock = lock_between(path, from, to);
@@ -239,10 +240,10 @@ void play_jump(const Mechanism *m, int direction, double torque, double bump, Ju
     EdgePath path = {m, transmission_piece(transmission, m->state.theta.hi, direction), direction, torque, &halvings};
     *jump = (Jump){.stopped = false};
     for (int i = 0; i < 2; i++) jump->reaction[i] = m->state.ledger.peak.reaction[i] * m->params.contacts;
-    for (;; path.piece += direction) {
+    for (;; path.piece += direction) { /* at most one turn per piece */
         const double breakpoint = direction > 0 ? path.piece->upper : path.piece->lower;
         if (cross_piece(&path, path.piece == last ? stop : breakpoint, bump, jump)) return;
-        if (path.piece == last) break;
+        if (path.piece == last || work_is_spent(m->work)) break;
     }
     jump->stopped = true;
 }

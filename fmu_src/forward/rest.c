@@ -3,9 +3,11 @@
 #include <math.h>
 
 #include "forward/candidate.h"
+#include "forward/decide.h"
 #include "forward/stick.h"
 #include "numerics/bernstein.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- wedged beyond a finite edge of the stick band ---- */
 
@@ -22,9 +24,11 @@ bool wedge_holds(const Mechanism *m) {
     return m->state.mode == MODE_WEDGED && has_inertia(&m->params) && stick_direction_beyond_band(m) != 0;
 }
 
-/* The conditions of one slip mode at rest. False if friction jams this mode. */
+/* The conditions of one slip mode at rest. False if friction jams this mode, or depends on the load: its conditions are no
+ * polynomials of tau and F_0. */
 static bool conditions_of(const Mechanism *m, int index, Conditions *c) {
     const SlipMode slip = slip_mode_from_here(m, index);
+    if (slip.friction_is_loaded) return false;
     const InertiaParams *in = &m->params.inertia;
     SlipCoefficients storage;
     double z;
@@ -96,6 +100,33 @@ static double wedge_time(const Mechanism *m, double left) {
     return first;
 }
 
+/* Does a pair of flanks agree t seconds after `now`? Leaves the inputs of that time in `m`. */
+static bool lets_go(Mechanism *m, const Inputs *now, double t) {
+    work_add(m->work, WORK_OF_SEGMENT * WORK_OF_LOADED_BALANCE);
+    m->inputs = *now;
+    inputs_advance(&m->inputs, t);
+    return is_slip(decision_of(m).mode);
+}
+
+/* The same where friction depends on the load: by samples of the decision, and bisection. */
+COLD static double loaded_wedge_time(Mechanism *m, double left) {
+    const Inputs now = m->inputs;
+    double before = 0.0, after = INFINITY;
+    for (int k = 1; k <= LOADED_REST_SAMPLES && after == INFINITY; k++) {
+        const double t = left * k / (int)LOADED_REST_SAMPLES;
+        if (lets_go(m, &now, t)) after = t;
+        else before = t;
+    }
+    for (int n = 0; n < BISECTIONS_MAX && after < INFINITY; n++) {
+        const double middle = 0.5 * (before + after);
+        if (after - before <= LOCATION_ROUNDING * after || middle == before || middle == after) break;
+        if (lets_go(m, &now, middle)) after = middle;
+        else before = middle;
+    }
+    m->inputs = now;
+    return fmin(after, left);
+}
+
 double wedge_agreement(const Mechanism *m) {
     const int direction = stick_direction_beyond_band(m);
     double largest = -1.0;
@@ -148,5 +179,6 @@ void rest_propose(Mechanism *m, double left, Segment *segment) {
         return;
     }
     const double time = stick_rest_time(m, left);
-    rest_propose_for(m, wedge_holds(m) ? wedge_time(m, time) : time, segment);
+    const bool holds = wedge_holds(m), loaded = holds && m->model.friction_is_loaded;
+    rest_propose_for(m, loaded ? loaded_wedge_time(m, time) : holds ? wedge_time(m, time) : time, segment);
 }

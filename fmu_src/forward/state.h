@@ -41,6 +41,7 @@
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
+#include "model/work.h"
 #include "numerics/sum.h"
 
 /* The start of the latest step. With these values the step can be repeated. */
@@ -142,6 +143,7 @@ typedef struct {
     Model model;
     Configuration configuration; /* belongs to state.theta */
     Cache cache;
+    Work *work;            /* of the step that is being made; else NULL */
     const char *resources; /* directory from which a table's relative path starts, or NULL; not owned */
     bool continuous;       /* model exchange (ode.h): modes change in mechanism_settle() only */
 } Mechanism;

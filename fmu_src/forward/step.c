@@ -21,6 +21,7 @@ typedef enum {
     OUTCOME_NOT_FINITE,
     OUTCOME_TOO_MANY_JAMS,
     OUTCOME_TOO_MANY_SEGMENTS,
+    OUTCOME_TOO_MUCH_WORK,
 } Outcome;
 
 /* A step that is being made. */
@@ -33,6 +34,7 @@ typedef struct {
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
     LobattoHint hint;      /* for the next segment */
     int segments, jams;    /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
+    Work work;             /* so far; all segments and all searches count */
     int next_check;        /* stall guard: the number of segments at which the progress is checked */
     double left_at_check;  /* s, time left at the latest check */
     double least_progress; /* s, between two checks */
@@ -40,7 +42,12 @@ typedef struct {
 
 static StepRun run_of(double h, StepVisitor *visitor) {
     return (StepRun){
-        .left = h, .visitor = visitor, .left_at_check = INFINITY, .least_progress = STALL_GUARD_PROGRESS * h};
+        .left = h,
+        .visitor = visitor,
+        .work = {.most = MAX_WORK},
+        .left_at_check = INFINITY,
+        .least_progress = STALL_GUARD_PROGRESS * h,
+    };
 }
 
 /* ---- limits ---- */
@@ -53,6 +60,7 @@ static int most_segments(const Mechanism *m) {
 static Outcome check_limits(const Mechanism *m, StepRun *run) {
     if (run->jams >= MAX_JAMS_PER_STEP) return OUTCOME_TOO_MANY_JAMS;
     if (run->segments >= most_segments(m)) return OUTCOME_TOO_MANY_SEGMENTS;
+    if (work_is_spent(&run->work)) return OUTCOME_TOO_MUCH_WORK;
     if (run->segments < run->next_check) return OUTCOME_GOES_ON;
     if (run->left_at_check - run->left < run->least_progress) return OUTCOME_TOO_MANY_SEGMENTS;
     run->left_at_check = run->left;
@@ -127,6 +135,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     const bool passes_breakpoint = segment->ends_at_breakpoint && segment->end == EVENT_NONE;
     const bool counts = segment->kind != SEGMENT_LOBATTO && !passes_breakpoint;
     run->segments += counts;
+    work_add(&run->work, WORK_OF_SEGMENT);
     run->jams += segment->kind == SEGMENT_JAM;
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
 }
@@ -150,10 +159,10 @@ static SlipProposal go_on(Mechanism *m, StepRun *run, EventLocation *location, S
 }
 
 /* While time is left: decide the mode, propose a segment in it, apply the segment, handle its event. */
-NOINLINE static Outcome go_through(Mechanism *m, StepRun *run) {
+NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
     EventLocation location;
     Segment segment;
-    for (;;) {
+    for (;;) { /* at most MAX_WORK turns, see check_limits() */
         if (is_mode_known(run)) return OUTCOME_DONE;
         const Outcome limits = run->left > 0.0 || run->settles ? check_limits(m, run) : OUTCOME_GOES_ON;
         if (limits != OUTCOME_GOES_ON) return limits;
@@ -166,6 +175,14 @@ NOINLINE static Outcome go_through(Mechanism *m, StepRun *run) {
         }
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
+}
+
+/* A search that ended because the work was spent has found nothing: what followed from it does not count. */
+static Outcome go_through(Mechanism *m, StepRun *run) {
+    m->work = &run->work;
+    const Outcome outcome = make_segments(m, run);
+    m->work = NULL;
+    return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 
 /* ---- failures ---- */
@@ -181,6 +198,7 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
     switch (outcome) {
         case OUTCOME_NOT_FINITE: return "the motion leaves the range of numbers";
         case OUTCOME_TOO_MANY_JAMS: return "the contacts jam and let go without end";
+        case OUTCOME_TOO_MUCH_WORK: return "the step needs too many evaluations of the motion";
         default: return "the step needs too many segments";
     }
 }
@@ -189,9 +207,10 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
 static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
     snprintf(fault->text, sizeof fault->text,
              "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values and "
-             "at most %d segments and %d jams; any %d segments in a row must advance %g of the step",
+             "at most %d segments, %d jams and %d evaluations of the motion; any %d segments in a row must advance %g "
+             "of the step",
              h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, most_segments(m),
-             (int)MAX_JAMS_PER_STEP, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
+             (int)MAX_JAMS_PER_STEP, (int)MAX_WORK, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 
 /* Do the inputs stay finite in the step? */

@@ -21,7 +21,7 @@ static bool is_in_order(const CsvFile *csv, Sample before, Sample sample) {
 
 /* Reads all lines after the header. samples->sample has space for SAMPLES_MAX samples. */
 static bool read_samples(CsvFile *csv, Samples *samples) {
-    while (!csv_at_end(csv)) {
+    while (!csv_at_end(csv)) { /* at most one turn per character of the file */
         const size_t k = samples->count;
         if (k == SAMPLES_MAX)
             return csv_refuse(csv, "the table is too long: at most %d points are allowed", SAMPLES_MAX);

@@ -35,7 +35,7 @@ static bool is_finite_piece(const TablePiece *p) {
 
 static const TablePiece *find(const Table *table, double psi) {
     size_t low = 0, high = table->count; /* piece[low].psi <= psi < piece[high].psi */
-    while (high - low > 1) {
+    while (high - low > 1) {             /* at most 64 turns: the interval halves */
         const size_t middle = low + (high - low) / 2;
         if (psi >= table->piece[middle].psi) low = middle;
         else high = middle;
@@ -98,7 +98,7 @@ GroovePoint table_at(const Table *table, double psi) {
 
 static const TablePiece *find_height(const Table *table, double z) {
     size_t low = 0, high = table->count;
-    while (high - low > 1) {
+    while (high - low > 1) { /* at most 64 turns: the interval halves */
         const size_t middle = low + (high - low) / 2;
         if (z >= table->piece[middle].z) low = middle;
         else high = middle;

@@ -32,7 +32,7 @@ bool transmission_is_of(const Transmission *transmission, const Params *p) {
 
 const TransmissionPiece *transmission_piece(const Transmission *transmission, double theta, int direction) {
     size_t low = 0, high = transmission->count; /* piece[low].lower <= theta < piece[high].lower */
-    while (high - low > 1) {
+    while (high - low > 1) {                    /* at most 64 turns: the interval halves */
         const size_t middle = low + (high - low) / 2;
         if (theta >= transmission->piece[middle].lower) low = middle;
         else high = middle;

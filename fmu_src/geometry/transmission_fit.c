@@ -240,6 +240,7 @@ bool transmission_fit(Transmission *transmission, const Params *p, Fault *fault)
     fit.narrowest = BREAKPOINT_MERGING * (upper - lower);
     measure(&fit, breakpoint, count);
     bool good = true;
+    /* At most one turn per breakpoint. */
     for (size_t j = 0; good && j + 1 < count; j++) good = fit_between(&fit, breakpoint[j], breakpoint[j + 1]);
     free(breakpoint);
     return good;

@@ -11,6 +11,7 @@
 enum { NO_FLANKS_BEAR = 4 }; /* flank_branch() is 0 to 3 */
 
 void band_edge_at(const BandEdge *edge, double x, EdgePoint *out) {
+    contact_statics_count(edge->work, edge->params);
     out->statics = contact_statics_at(edge->params, edge->piece, x);
     out->F_0 = spring_force(&edge->params->spring, out->statics.z) + edge->F_ext;
     out->finite = contact_statics_on_edge(&out->statics, edge->direction, out->F_0, &out->forces);
@@ -109,7 +110,9 @@ static bool may_fall_between(const EdgeSample *a, const EdgeSample *b) {
 static bool jumps_down(const BandEdge *edge, const EdgeSample *a, const EdgeSample *b, double *before, double *after) {
     if (a->branch == b->branch) return false;
     EdgeSample left = *a, right = *b;
-    for (double x = 0.5 * (left.x + right.x); x != left.x && x != right.x; x = 0.5 * (left.x + right.x)) {
+    for (int n = 0; n < BISECTIONS_MAX; n++) {
+        const double x = 0.5 * (left.x + right.x);
+        if (x == left.x || x == right.x) break;
         const EdgeSample middle = band_edge_sample(edge, x);
         if (middle.branch == a->branch) left = middle;
         else right = middle;

@@ -19,6 +19,7 @@ typedef struct {
     int direction;                  /* +1: upper edge, T_load; -1: lower edge, T_release */
     double F_ext;                   /* N */
     double theta;                   /* rad, angle of the far end */
+    Work *work;                     /* counts evaluations, or NULL */
 } BandEdge;
 
 typedef struct {

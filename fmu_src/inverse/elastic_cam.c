@@ -25,7 +25,7 @@ static void slip_integrand(const void *scene, double x, QuadratureSample *out) {
     EdgePoint point;
     band_edge_at(edge, x, &point);
     *out = (QuadratureSample){.branch = -1};
-    if (!isfinite(point.torque)) return;
+    if (!isfinite(point.torque) || work_is_spent(edge->work)) return;
     const double shaft_torque = p->shaft.stiffness * (edge->direction * path->highest - x);
     const bool snaps = edge->direction * (shaft_torque - point.torque) > 0.0;
     const double tau = snaps ? shaft_torque : point.torque;
@@ -45,7 +45,8 @@ static void sliding_integrand(const void *scene, double x, QuadratureSample *out
     const BandEdge *edge = &((const SlipPath *)scene)->edge;
     EdgePoint point;
     band_edge_at(edge, x, &point);
-    *out = (QuadratureSample){.branch = isfinite(point.torque) ? edge_point_branch(&point) : -1};
+    const bool known = isfinite(point.torque) && !work_is_spent(edge->work);
+    *out = (QuadratureSample){.branch = known ? edge_point_branch(&point) : -1};
     for (int i = 0; i < 2 && point.finite; i++)
         out->rate[RATE_HEAT_CAM1 + i] = edge->direction * contact_statics_sliding(&point.statics, &point.forces, i);
 }
@@ -125,11 +126,14 @@ static double rest_on_interval(const BandEdge *edge, double x, double end, bool 
 
 bool elastic_cam_slip(ElasticCam *cam, double theta_from, double theta_to, int direction) {
     const Inverse *m = cam->m;
-    SlipPath path = {.edge = {.params = &m->params, .direction = direction, .F_ext = cam->F_ext, .theta = theta_to}};
+    SlipPath path = {
+        .edge = {
+            .params = &m->params, .direction = direction, .F_ext = cam->F_ext, .theta = theta_to, .work = cam->work}};
     BandEdge *edge = &path.edge;
     const double stop = stop_ahead(&m->params.stop, direction);
     bool first = true, rests = false;
-    while (!rests && direction * (stop - cam->x) > 0.0) {
+    while (!rests && direction * (stop - cam->x) > 0.0) { /* at most one turn per piece and per share of the range */
+        if (work_is_spent(cam->work)) return false;
         edge->piece = transmission_piece(&m->transmission, cam->x, direction);
         if (!band_edge_is_exceeded(edge, cam->x)) break;
         if (first) path.highest = fmax(direction * theta_from, band_edge_holding_angle(edge, cam->x));

@@ -15,11 +15,12 @@ typedef struct {
     double F_ext_rate;      /* N/s; 0 inside a step, where F_ext is constant over each of many intervals */
     Quadrature *quadrature; /* books work and heat of the motion, or NULL */
     Quadrature *sliding;    /* reaction times sliding distance as rates of heat; NULL where nothing wears */
+    Work *work;             /* counts evaluations, or NULL */
     bool moved;             /* set once cam 2 has moved */
 } ElasticCam;
 
 /* Moves cam 2 in `direction` as far as the shaft takes it while the far end goes from one angle to another.
- * False if no torque is finite on the path that is booked. */
+ * False if no torque is finite on the path that is booked, or the work is spent. */
 bool elastic_cam_slip(ElasticCam *cam, double theta_from, double theta_to, int direction);
 
 /* Moves cam 2 after the load or the parameters changed while the far end stands at theta. */

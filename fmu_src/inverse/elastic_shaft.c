@@ -89,14 +89,19 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
 double elastic_shaft_start(const Inverse *m) {
     const StopParams *stop = &m->params.stop;
     const double theta = m->inputs.theta[0];
-    ElasticCam cam = {.m = m, .x = fmin(fmax(theta, stop->lower), stop->upper), .F_ext = m->inputs.F_ext[0]};
+    Work work = {.most = MAX_WORK};
+    ElasticCam cam = {.m = m, .F_ext = m->inputs.F_ext[0], .work = &work};
+    cam.x = fmin(fmax(theta, stop->lower), stop->upper);
     elastic_cam_relax(&cam, theta);
-    return cam.x;
+    return work_is_spent(&work) ? NAN : cam.x;
 }
 
 void elastic_shaft_present(const Inverse *m, ElasticShaftState *out) {
     const double theta = m->inputs.theta[0];
+    Work work = {.most = MAX_WORK};
     ElasticCam cam = {.m = m, .x = m->state.cam, .F_ext = m->inputs.F_ext[0], .F_ext_rate = m->inputs.F_ext[1]};
+    cam.work = &work;
     elastic_cam_follow(&cam, m->state.theta, theta);
+    if (work_is_spent(&work)) cam.x = NAN;
     elastic_shaft_state(&cam, theta, m->inputs.omega[0], out);
 }

@@ -24,10 +24,11 @@ typedef struct {
     Mode mode;
 } ElasticShaftState;
 
-/* The angle of cam 2 for theta and F_ext of m->inputs, if the shaft carried no torque before. */
+/* The angle of cam 2 for theta and F_ext of m->inputs, if the shaft carried no torque before; NAN: the work is spent. */
 double elastic_shaft_start(const Inverse *m);
 
-/* The state if theta goes straight from the angle of m->state to that of m->inputs, at the present F_ext. */
+/* The state if theta goes straight from the angle of m->state to that of m->inputs, at the present F_ext; NAN where
+ * the work is spent. */
 void elastic_shaft_present(const Inverse *m, ElasticShaftState *out);
 
 /* Cam 2 as it stands, while the far end is at theta and turns at omega. */

@@ -94,7 +94,8 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     const double shaft_before = shaft_energy(m, next->theta, next->cam);
     ElasticStep step = {.next = next, .quadrature = step_booking_begin(m, &next->ledger)};
     step.sliding = step.quadrature;
-    step.cam = (ElasticCam){.m = m, .x = next->cam, .quadrature = m->params.ledger ? &step.quadrature : NULL};
+    step.cam = (ElasticCam){.m = m, .x = next->cam, .work = m->work};
+    if (m->params.ledger) step.cam.quadrature = &step.quadrature;
     if (has_wear(&m->params)) step.cam.sliding = &step.sliding;
     if (!follow_motion(&step, motion)) {
         snprintf(

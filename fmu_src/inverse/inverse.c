@@ -33,6 +33,16 @@ void inverse_free(Inverse *m) {
     friction_tables_free(&m->friction);
 }
 
+/* The search for the place of cam 2 has spent its work. */
+static bool describe_start(const Inverse *m, Fault *fault) {
+    snprintf(
+        fault->text, sizeof fault->text,
+        "theta = %.17g, F_ext = %.17g: cam 2 finds no place at the end of the shaft; allowed are %d evaluations of "
+        "the motion",
+        m->inputs.theta[0], m->inputs.F_ext[0], (int)MAX_WORK);
+    return false;
+}
+
 bool inverse_start(Inverse *m, Fault *fault) {
     if (!inverse_rebuild(m, fault) || !inverse_reaches(m, m->inputs.theta[0], fault)) return false;
     const double theta = m->inputs.theta[0], omega = m->inputs.omega[0];
@@ -47,6 +57,7 @@ bool inverse_start(Inverse *m, Fault *fault) {
         ElasticShaftState shaft;
         elastic_shaft_present(m, &shaft);
         m->state.mode = shaft.mode;
+        if (isnan(shaft.x)) return describe_start(m, fault);
     }
     ledger_open(&m->state.ledger, inverse_stored_energy(m));
     return true;
@@ -112,6 +123,27 @@ static bool check_ledger(const Ledger *l, double h, double theta, Fault *fault) 
     return false;
 }
 
+/* Moves `next` along the motion. */
+static bool follow(const Inverse *m, const ImposedMotion *motion, bool repeats, double omega, InverseState *next,
+                   Fault *fault) {
+    if (has_elastic_shaft(m)) return elastic_shaft_advance(m, motion, omega, next, fault);
+    return repeats || rigid_shaft_advance(m, motion, omega, next, fault);
+}
+
+/* The same with a limit of work. */
+static bool follow_within_limit(Inverse *m, const ImposedMotion *motion, bool repeats, double omega, InverseState *next,
+                                Fault *fault) {
+    Work work = {.most = MAX_WORK};
+    m->work = &work;
+    const bool done = follow(m, motion, repeats, omega, next, fault);
+    m->work = NULL;
+    if (!work_is_spent(&work)) return done;
+    snprintf(fault->text, sizeof fault->text,
+             "step of %.17g s to theta = %.17g needs too many evaluations of the motion; allowed are %d", motion->h,
+             m->inputs.theta[0], (int)MAX_WORK);
+    return false;
+}
+
 bool inverse_advance(Inverse *m, double h, GivenInput given, Fault *fault) {
     const ImposedMotion motion = motion_of(m, given, h);
     if (!check_motion(m, &motion, h, fault)) return false;
@@ -119,11 +151,7 @@ bool inverse_advance(Inverse *m, double h, GivenInput given, Fault *fault) {
     InverseInputs inputs = m->inputs;
     imposed_motion_finish(&motion, given, &inputs);
     InverseState next = m->state;
-    if (has_elastic_shaft(m)) {
-        if (!elastic_shaft_advance(m, &motion, inputs.omega[0], &next, fault)) return false;
-    } else if (!repeats && !rigid_shaft_advance(m, &motion, inputs.omega[0], &next, fault)) {
-        return false;
-    }
+    if (!follow_within_limit(m, &motion, repeats, inputs.omega[0], &next, fault)) return false;
     if (!check_ledger(&next.ledger, h, inputs.theta[0], fault)) return false;
     m->state = next;
     m->inputs = inputs;

@@ -11,6 +11,7 @@
 #include "model/ledger.h"
 #include "model/mode.h"
 #include "model/params.h"
+#include "model/work.h"
 
 /* At the latest communication point. */
 typedef struct {
@@ -30,6 +31,7 @@ typedef struct {
     Transmission transmission; /* geometry along theta; owns memory, as the tables below do */
     FrictionTables friction;   /* that params.cam[].law.table points to */
     const char *resources;     /* directory that a table's relative path starts from, or NULL; not owned */
+    Work *work;                /* of the step that is being made; else NULL */
     bool continuous;           /* model exchange: the direction changes in inverse_settle() only */
 } Inverse;
 

@@ -42,7 +42,8 @@ static void motion_integrand(const void *scene, double s, QuadratureSample *out)
     const OperatingPoint at = operating_point_on(part, s);
     RequiredTorque required;
     *out = (QuadratureSample){.branch = -1};
-    if (!rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
+    contact_statics_count(part->m->work, p);
+    if (work_is_spent(part->m->work) || !rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
     const double dtheta_ds = bernstein_value(&part->motion->dtheta_ds, s);
     const Geometry *g = &required.statics.geometry;
     out->branch = flank_branch(required.forces.flank);
@@ -63,8 +64,10 @@ static void sliding_integrand(const void *scene, double s, QuadratureSample *out
     const MotionPart *part = scene;
     const OperatingPoint at = operating_point_on(part, s);
     RequiredTorque required;
+    const Params *p = &part->m->params;
     *out = (QuadratureSample){.branch = -1};
-    if (!rigid_shaft_required_torque(&part->m->params, part->piece, &at, &required)) return;
+    contact_statics_count(part->m->work, p);
+    if (work_is_spent(part->m->work) || !rigid_shaft_required_torque(p, part->piece, &at, &required)) return;
     const double dtheta_ds = fabs(bernstein_value(&part->motion->dtheta_ds, s));
     out->branch = flank_branch(required.forces.flank);
     for (int i = 0; i < 2; i++)
@@ -117,7 +120,7 @@ static bool follow_part(RigidStep *step, double a, double b) {
     part->piece = transmission_piece(transmission, imposed_theta(part->motion, a), direction);
     const TransmissionPiece *const last =
         direction > 0 ? transmission->piece + transmission->count - 1 : transmission->piece;
-    while (part->piece != last) {
+    while (part->piece != last) { /* at most one turn per piece */
         const double breakpoint = direction > 0 ? part->piece->upper : part->piece->lower;
         if (direction * (end - breakpoint) <= 0.0) break;
         const double c = crossing_of(part->motion, breakpoint, a, b);

@@ -23,8 +23,8 @@ typedef struct {
 COLD int csv_quoted(const char *text, int limit) {
     const size_t length = strlen(text);
     if (length <= (size_t)limit) return (int)length;
-    while (limit > 0 && ((unsigned char)text[limit] & 0xC0) == 0x80)
-        limit--; /* the cut would be inside a UTF-8 character */
+    while (limit > 0 && ((unsigned char)text[limit] & 0xC0) == 0x80) /* at most one turn per character */
+        limit--;                                                     /* the cut would be inside a UTF-8 character */
     return limit;
 }
 
@@ -71,7 +71,7 @@ static FILE *open_table(const CsvFile *csv, const char *resources) {
 static char *read_all(const CsvFile *csv, FILE *file, size_t *length) {
     size_t size = 1 << 14, used = 0;
     char *text = malloc(size);
-    while (text) {
+    while (text) { /* at most one turn per block of the file */
         used += fread(text + used, 1, size - used, file);
         if (used < size) break;
         if (size > CSV_MAX_BYTES) break;
@@ -100,8 +100,8 @@ static bool is_space(char c) {
 }
 
 static Span trimmed(Span span) {
-    while (span.begin < span.end && is_space(*span.begin)) span.begin++;
-    while (span.begin < span.end && is_space(span.end[-1])) span.end--;
+    while (span.begin < span.end && is_space(*span.begin)) span.begin++; /* at most one turn per character */
+    while (span.begin < span.end && is_space(span.end[-1])) span.end--;  /* at most one turn per character */
     return span;
 }
 
@@ -114,13 +114,13 @@ static Span next_line(Span *text) {
 }
 
 static bool is_blank(Span text) {
-    for (const char *c = text.begin; c < text.end; c++)
+    for (const char *c = text.begin; c < text.end; c++) /* at most one turn per character */
         if (!is_space(*c) && *c != '\n') return false;
     return true;
 }
 
 static const char *skip_digits(const char *c, const char *end) {
-    while (c < end && *c >= '0' && *c <= '9') c++;
+    while (c < end && *c >= '0' && *c <= '9') c++; /* at most one turn per character */
     return c;
 }
 

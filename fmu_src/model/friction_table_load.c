@@ -98,7 +98,7 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
     const int with_loads = csv_header(csv, header, 2);
     if (with_loads < 0) return false;
     s->count = s->speeds = s->loads = 0;
-    while (!csv_at_end(csv)) {
+    while (!csv_at_end(csv)) { /* at most one turn per character of the file */
         double value[3];
         if (s->count == FRICTION_SAMPLES_MAX)
             return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
@@ -163,7 +163,7 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
 static void fill_bends(FrictionTable *table) {
     const double *x = table->log_load;
     double diagonal[FRICTION_LOADS_MAX];
-    for (size_t k = 1; k + 1 < table->loads; k++) {
+    for (size_t k = 1; k + 1 < table->loads; k++) { /* at most one turn per load */
         const double below = x[k] - x[k - 1], above = x[k + 1] - x[k];
         double *row = table->bend[k];
         row[k - 1] = 6.0 / below;
@@ -175,7 +175,7 @@ static void fill_bends(FrictionTable *table) {
         diagonal[k] -= factor * below;
         for (size_t l = 0; l < table->loads; l++) row[l] -= factor * table->bend[k - 1][l];
     }
-    for (size_t k = table->loads - 1; k-- > 1;)
+    for (size_t k = table->loads - 1; k-- > 1;) /* at most one turn per load */
         for (size_t l = 0; l < table->loads; l++)
             table->bend[k][l] = (table->bend[k][l] - (x[k + 1] - x[k]) * table->bend[k + 1][l]) / diagonal[k];
 }

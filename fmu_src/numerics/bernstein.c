@@ -98,6 +98,7 @@ static double descent(const Bernstein *p, int depth) {
 double bernstein_descent(const Bernstein *p) {
     Bernstein q = *p;
     int first = 0; /* the first coefficient that is not zero */
+    /* At most BERNSTEIN_MAX + 1 turns. */
     while (first <= q.degree && !(q.c[first] > 0.0) && !(q.c[first] < 0.0)) first++;
     if (first > q.degree) return INFINITY;
     if (q.c[0] < 0.0) {
@@ -111,7 +112,7 @@ double bernstein_descent(const Bernstein *p) {
 
 /* The sign of the first (step 1) or last (step -1) coefficient that is not zero, or 0. */
 static int outer_sign(const Bernstein *p, int step) {
-    for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step)
+    for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step) /* at most BERNSTEIN_MAX + 1 turns */
         if (p->c[i] != 0.0) return sign_of(p->c[i]);
     return 0;
 }

@@ -101,7 +101,9 @@ static void raise_peaks(Quadrature *s, const Panel *panel) {
 /* Bisects to the point between a and b at which the formula `branch` ceases to hold: *before is the last double where
  * this formula holds, *after the next double. */
 static void find_change(const Quadrature *s, double a, double b, int branch, double *before, double *after) {
-    for (double middle = 0.5 * (a + b); middle != a && middle != b; middle = 0.5 * (a + b)) {
+    for (int n = 0; n < BISECTIONS_MAX; n++) {
+        const double middle = 0.5 * (a + b);
+        if (middle == a || middle == b) break;
         QuadratureSample sample;
         s->integrand(s->scene, middle, &sample);
         if (sample.branch == branch) a = middle;

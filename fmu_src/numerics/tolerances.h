@@ -32,7 +32,8 @@ static const double BEYOND_NODES = 0.6, PEAK_SPREAD = 0.02;
 /* Iterations at most; the method takes at most three times those of bisection, which are 64 for all doubles. */
 enum { ROOT_MAX_ITERATIONS = 200 };
 
-/* Share of |x| at which a bracket holds no double between its ends. */
+/* Share of |x| at which a bracket holds no double inside. Halvings of any interval of doubles at most: DBL_MAX to 5e-324. */
+enum { BISECTIONS_MAX = 2200 };
 static const double ROOT_WIDTH = 2.0 * DBL_EPSILON;
 
 /* quadrature */
@@ -42,7 +43,6 @@ enum { QUADRATURE_MAX_DEPTH = 40, QUADRATURE_MAX_PANELS = 20000 };
 
 /* Golden sections in the search for a peak: 0.618^40 = 4e-9 of the interval, and the value errs by the square. */
 enum { QUADRATURE_PEAK_STEPS = 40 };
-
 /* Panels below this share of the interval are not divided where formulas change: rounding may change them often. */
 static const double QUADRATURE_NARROW = 1e-6;
 
@@ -401,8 +401,8 @@ static const double NEAR_DWELL = 1e-3;
 /* A solver that integrates for model exchange finds an end stop to this share of the largest angle. */
 static const double AT_STOP = 1e-13;
 
-/* Model exchange: an indicator crosses zero this much late, beyond the tie tolerance, so that a reported crossing
- * changes the mode. Stops are not late: to fall on beyond them would make the smallest bounces go on for ever. */
+/* Model exchange: an indicator crosses zero this much late, beyond the tie, so that a reported crossing changes the mode.
+ * Stops are not late: to fall on beyond them would make the smallest bounces go on for ever. */
 static const double LATE_SPEED = 1e-10; /* rad/s */
 static const double LATE_TIES = 4.0;    /* ties of torque */
 static const double LATE_LOADS = 1e-11; /* of the terms of a reaction; the tie of the reactions is less */
@@ -431,9 +431,9 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step that needs more segments is refused. The limit bounds the work of a step to about two seconds: a segment takes
- * 15 us where friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, whose
- * number has no bound, vibrations of a tiny inertia, and long steps through stiff motion reach the limit. */
+/* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where
+ * friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, vibrations of a
+ * tiny inertia, and long steps through stiff motion reach the limit. */
 enum { MAX_SEGMENTS_PER_STEP = 100000, MAX_LOADED_SEGMENTS_PER_STEP = 20000 };
 
 /* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
@@ -457,8 +457,8 @@ static const double IMPOSED_STOP_ROUNDING = 1e-9;
 /* rad/s: the event indicator changes its sign this late, so that rest, omega = 0, is no event. */
 static const double INVERSE_INDICATOR_DELAY = 1e-10;
 
-/* The elastic shaft's torque and the edge of the stick band are known to a few roundings. Shares of the sum of the
- * magnitudes that their difference adds up. The tests pass with ten times these values. */
+/* Rounding of the elastic shaft's torque and of the band's edge, as shares of the sum of the magnitudes that their
+ * difference adds up. The tests pass with ten times these values. */
 static const double BAND_EDGE_ROUNDING = 16.0 * DBL_EPSILON; /* a smaller excess does not move cam 2 */
 static const double BAND_EDGE_TIE = 64.0 * DBL_EPSILON;      /* a smaller difference: the torque is on the edge */
 

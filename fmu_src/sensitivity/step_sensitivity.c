@@ -121,8 +121,9 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
         return true;
     }
     const RadauStep *step = &segment->location->step;
-    const SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, m->model.law, inputs, step->start.theta,
-                                           slip.direction, slip.flank);
+    SlipMode at_start = slip_mode_of(&m->params, &m->model.transmission, m->model.law, inputs, step->start.theta,
+                                     slip.direction, slip.flank);
+    at_start.work = m->work;
     return radau_step_vary(&at_start, step, &v->x);
 }
 

@@ -52,6 +52,13 @@ WITHOUT_ROOM = (
     *("variables.def", "dependencies.def", "identity.h"),
     *("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi3Functions.h"),
 )
+# A loop that counts to a limit, and the words that give the bound of another loop.
+COUNTED = re.compile(
+    r"for \((?:[\w ]+ )?(\w+) = [^;]*; (?:[^;]*\b)?\1 (?:<|<=|>|>=) [^;]*; "
+    r"(?:\1\+\+|\1--|\1 [+-]= \d+|\1\+\+, .*)\)"
+)
+BOUND = re.compile(r"[Aa]t most (?:.* turns\b|one turn per )")
+WITHOUT_BOUNDS = ("tools", "fleet", "component", "web")  # rooms that no call of a native FMU enters
 MOST_PAIRS = 16  # of one room; a pair is the .c and .h of one stem
 MOST_LINES = {"tests": 800, "system_examples": 800, "case_studies": 800}
 MOST_LINES_ELSEWHERE = 500
@@ -262,6 +269,38 @@ def check_lengths(root: Path) -> list[str]:
     return found
 
 
+def loops(text: str) -> Iterator[tuple[int, str]]:
+    """Line, from 1, and head of each loop in C code."""
+    lines = text.splitlines()
+    for number, line in enumerate(lines, start=1):
+        begun = re.search(r"\b(?:for|while) \(|\bdo \{", re.sub(r"/\*.*", "", line))
+        if begun is None or line.lstrip().startswith("*"):
+            continue
+        head = line[begun.start() :]
+        for more in lines[number:]:
+            if head.count("(") <= head.count(")"):
+                break
+            head += " " + more.strip()
+        yield number, head
+
+
+def check_loops(root: Path) -> list[str]:
+    """Loops of the FMUs that neither count to a limit nor say their bound: a comment "at most ... turns", or
+    "at most one turn per ...", beside the loop or in the line above."""
+    found = []
+    for path in source_files(root):
+        if room_of(root, path) in WITHOUT_BOUNDS:
+            continue
+        text = path.read_text(encoding="utf-8")
+        lines = text.splitlines()
+        for number, head in loops(text):
+            ends_do = re.match(r"\s*\} while", lines[number - 1]) is not None
+            said = any(BOUND.search(line) for line in lines[max(number - 2, 0) : number])
+            if not (ends_do or said or COUNTED.match(head)):
+                found.append(f"{path.relative_to(root)}:{number}: a loop without a bound: {head}")
+    return found
+
+
 # ---- Python ----
 
 
@@ -359,6 +398,7 @@ CHECKS: dict[str, Callable[[Path], list[str]]] = {
     "main headers": check_main_headers,
     "words": check_words,
     "lengths": check_lengths,
+    "loops": check_loops,
     "sys.path": check_sys_path,
     "benchmarks apart": check_benchmarks_apart,
     "examples apart": check_examples_apart,
