@@ -8,6 +8,7 @@
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -19,7 +20,8 @@ static double cubic_term(const LobattoValues *y) {
     const LobattoValues c = lobatto_combine(LOBATTO.bernstein, y);
     const double *b = c.at;
     const double linear = 3.0 * fabs(b[1] - b[0]), square = 3.0 * fabs(b[0] - 2.0 * b[1] + b[2]);
-    return fmax(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])), LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
+    return max_of(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])),
+                  LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
 }
 
 /* The parabola through the last three nodes misses the value at the start by the cubic term times LOBATTO.missed. In
@@ -35,7 +37,7 @@ static bool is_accurate(const LobattoSystem *s) {
         by_speed = missed * LOBATTO.missed_once / lobatto_largest(lobatto_range(&s->speed));
         by_angle = missed * LOBATTO.missed_twice * s->h;
     }
-    const double x = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (distance + DBL_MIN));
+    const double x = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (distance + DBL_MIN));
     const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
     return x < 1.0 && x8 * x2 * x <= (t2 * t2) * (t2 * t2);
 }
@@ -185,7 +187,7 @@ static bool peaks_at_end(const LobattoValues *v, double known) {
 }
 
 static inline double larger_end(const LobattoValues *v) {
-    return fmax(fabs(v->at[0]), fabs(v->at[LOBATTO_END]));
+    return max_of(fabs(v->at[0]), fabs(v->at[LOBATTO_END]));
 }
 
 static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Peaks *known, LobattoStep *out) {
@@ -309,8 +311,9 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
         if (friction->value[i] == friction->kinetic[i]) continue;
         const double per_angle = fabs(friction->sliding[i] * s->law[i].minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
-        const double steepness = s->law[i].is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
-        most = fmax(most, steepness * x * x * x / 6.0);
+        const double steepness =
+            s->law[i].is_gauss ? max_of(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
+        most = max_of(most, steepness * x * x * x / 6.0);
     }
     const double error = s->h * LOBATTO.missed * LOBATTO.missed_once * excess * most / fabs(from->omega);
     const double parts = ceil(sqrt(sqrt(error / allowed)));
@@ -323,7 +326,7 @@ COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction 
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &s->slip->fall[i];
         const double sliding = friction->sliding[i], v = sliding * omega;
-        if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
+        if (!fall->table) share = min_of(share, friction_share(fall, v, v + sliding * rhs * s->h));
     }
     return share < 1.0 ? STEP_SAFETY * share : 1.0;
 }
@@ -339,7 +342,7 @@ COMPACT static void approach_samples(LobattoSystem *s, const StartFriction *fric
         const double change = sliding * rhs * s->h;
         friction_table_reach(fall->table, fall->overshoot, v, change > 0.0, reach);
         if (v + change >= reach->low && v + change <= reach->high) continue;
-        s->h *= fmin(reach->aim / fabs(change), 1.0);
+        s->h *= min_of(reach->aim / fabs(change), 1.0);
         s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
     }
 }
@@ -367,7 +370,7 @@ static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
         if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
-        s->h = longest = 0.5 * fmin(s->h, longest);
+        s->h = longest = 0.5 * min_of(s->h, longest);
         s->end_speed.given = false;
     }
 }

@@ -1,7 +1,6 @@
 #include "inverse/elastic_shaft.h"
 
-#include <math.h>
-
+#include "elementary/elementary.h"
 #include "inverse/band_edge.h"
 #include "model/friction_law.h"
 
@@ -89,7 +88,7 @@ void elastic_shaft_state(const ElasticCam *cam, double theta, double omega, Elas
 double elastic_shaft_start(const Inverse *m) {
     const StopParams *stop = &m->params.stop;
     const double theta = m->inputs.theta[0];
-    ElasticCam cam = {.m = m, .x = fmin(fmax(theta, stop->lower), stop->upper), .F_ext = m->inputs.F_ext[0]};
+    ElasticCam cam = {.m = m, .x = min_of(max_of(theta, stop->lower), stop->upper), .F_ext = m->inputs.F_ext[0]};
     elastic_cam_relax(&cam, theta);
     return cam.x;
 }
