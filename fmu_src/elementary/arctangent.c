@@ -3,6 +3,7 @@
 
 #include "elementary/arctangent_table.h"
 #include "elementary/elementary.h"
+#include "platform/attributes.h"
 
 /* An angle as a sum, most significant term first. */
 typedef struct {
@@ -43,7 +44,7 @@ static double turned(DoubleDouble base, double sign, Angle a) {
     return second.hi + (second.lo + (first.lo + (base.lo + sign * a.low)));
 }
 
-double elementary_atan(double x) {
+NOINLINE double elementary_atan(double x) {
     const double size = fabs(x);
     if (size < 1.0 / 16.0) return size < 0x1p-27 ? x : x + atan_rest(x);
     if (size <= 1.0) return copysign(sum_of(angle_in_octant(size, 1.0)), x);
@@ -60,7 +61,7 @@ static inline double angle_of(double y, double x, bool back) {
 }
 
 /* Both numbers times a power of two, so that the larger one lies between 1 and 2. The smaller one may underflow. */
-static void scale_to_one(double *y, double *x) {
+COMPACT static void scale_to_one(double *y, double *x) {
     const double larger = max_of(*x, *y), normal = larger < DBL_MIN ? 0x1p100 : 1.0;
     const int exponent = (int)(bits_of(larger * normal) >> 52) - 1023;
     const double first = power_of_two(-(exponent / 2)), second = power_of_two(-(exponent - exponent / 2));
@@ -70,7 +71,7 @@ static void scale_to_one(double *y, double *x) {
 
 /* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is
  * that. */
-static double angle_at_limits(double y, double x, bool back) {
+COMPACT static double angle_at_limits(double y, double x, bool back) {
     if (x == INFINITY && y == INFINITY) x = y = 1.0;
     if (y == 0.0 || x == INFINITY || y < x * 0x1p-60) return back ? PI.hi : y == 0.0 ? 0.0 : y / x;
     if (x == 0.0 || y == INFINITY || x < y * 0x1p-60) return HALF_PI.hi;
@@ -78,7 +79,7 @@ static double angle_at_limits(double y, double x, bool back) {
     return angle_of(y, x, back);
 }
 
-double elementary_atan2(double y, double x) {
+NOINLINE double elementary_atan2(double y, double x) {
     const double across = fabs(x), up = fabs(y);
     const bool back = copysign(1.0, x) < 0.0;
     const bool usual = min_of(across, up) > 0x1p-400 && max_of(across, up) < 0x1p500;

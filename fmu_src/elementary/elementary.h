@@ -1,4 +1,5 @@
-/* This room holds the elementary functions of the core: exp, log, sin, cos and the others. It includes no other room.
+/* This room holds the elementary functions of the core: exp, log, sin, cos and the others. May include:
+ * platform.
  *
  * The C standard leaves the last digits of exp() and sin() to each C library. These functions use additions,
  * multiplications, divisions, square roots and integers alone, which IEEE 754 rounds in one way only. So every platform

@@ -3,6 +3,7 @@
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
 #include "elementary/exponential_table.h"
+#include "platform/attributes.h"
 
 enum { STEPS = EXP_STEPS };
 
@@ -27,7 +28,7 @@ static inline Factors factors_of(double x, int shift) {
 }
 
 /* exp(x) where 2^(k/STEPS) may leave the normal numbers. The last product rounds once more, only below them. */
-static double exp_at_limits(double x) {
+COMPACT static double exp_at_limits(double x) {
     if (x != x) return x;
     if (x > EXP_OVERFLOW) return INFINITY;
     if (x < EXP_UNDERFLOW) return 0.0;
@@ -36,7 +37,7 @@ static double exp_at_limits(double x) {
     return (f.power + f.power * f.rest) * power_of_two(shift);
 }
 
-double elementary_exp(double x) {
+NOINLINE double elementary_exp(double x) {
     if (!(fabs(x) < 700.0)) return exp_at_limits(x);
     const Factors f = factors_of(x, 0);
     return f.power + f.power * f.rest;
@@ -51,7 +52,7 @@ static double expm1_series(double x) {
     return x + (0.5 * x2 + x * x2 * (low + x4 * (high + x4 * c[8])));
 }
 
-double elementary_expm1(double x) {
+NOINLINE double elementary_expm1(double x) {
     if (fabs(x) <= 0.25) return fabs(x) < 0x1p-54 ? x : expm1_series(x);
     if (x < -40.0) return -1.0;                /* exp(-40) < 2^-57 */
     if (!(x < 60.0)) return elementary_exp(x); /* exp(60) > 2^86 */

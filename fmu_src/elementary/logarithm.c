@@ -3,6 +3,7 @@
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
 #include "elementary/logarithm_table.h"
+#include "platform/attributes.h"
 
 static const uint64_t FIRST = 0x3fe6a00000000000; /* 0.707: where a binade of m begins; 1 is the middle of a step */
 static const uint64_t BITS_OF_FRACTION = 52;
@@ -26,14 +27,14 @@ static inline double log_of_sum(double x, double rest, int shift) {
     return sum.hi + (sum.lo + (binades * LOG_2_LOW + step->log_low) + (split.lo + series));
 }
 
-double elementary_log(double x) {
+NOINLINE double elementary_log(double x) {
     if (x >= DBL_MIN && x <= DBL_MAX) return log_of_sum(x, 0.0, 0);
     if (x == 0.0) return -INFINITY;
     if (!(x > 0.0)) return x != x ? x : NAN;
     return x > DBL_MAX ? x : log_of_sum(x * 0x1p54, 0.0, -54);
 }
 
-double elementary_log1p(double x) {
+NOINLINE double elementary_log1p(double x) {
     if (fabs(x) < 0x1p-54) return x;
     if (!(x > -1.0 && x < 0x1p60)) return elementary_log(1.0 + x);
     const DoubleDouble sum = exact_sum(1.0, x);

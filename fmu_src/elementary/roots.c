@@ -3,6 +3,7 @@
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
 #include "elementary/roots_table.h"
+#include "platform/attributes.h"
 
 /* x = m 2^(3n), 1 <= m < 8, x normal. A polynomial gives the root of m to two digits. Two steps of Halley's method
  * follow, y + y (m - y^3)/(2 y^3 + m), which has order three. The second step takes y with 26 bits, so that y^2 is exact;
@@ -19,7 +20,7 @@ static double root_of_normal(double x) {
     return (y + y * (r - y) / (2.0 * y + r)) * power_of_two(n);
 }
 
-double elementary_cbrt(double x) {
+COMPACT double elementary_cbrt(double x) {
     const double size = fabs(x);
     if (size == 0.0 || !(size <= DBL_MAX)) return x;
     const double root = size < DBL_MIN ? root_of_normal(size * 0x1p54) * 0x1p-18 : root_of_normal(size);

@@ -4,6 +4,7 @@
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
 #include "elementary/trigonometric_table.h"
+#include "platform/attributes.h"
 
 /* x = quadrant pi/2 + r, |r| <= pi/4 up to rounding */
 typedef struct {
@@ -20,7 +21,7 @@ enum {
 };
 
 /* 32 bits of a number in limbs of 32 bits, least limb first, from bit `first` upwards; bits outside are 0. */
-static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
+COMPACT static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
     uint64_t pair = 0;
     const int index = first >= 0 ? first / 32 : -1, above = first - 32 * index;
     for (int j = 1; j >= 0; j--) {
@@ -31,7 +32,7 @@ static uint32_t bits_from(const uint32_t limb[LIMBS], int first) {
 }
 
 /* The fraction of `product` below bit `point` in quadrants, in [-1/2, 1/2]: less 1 where `negative`. */
-static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool negative) {
+COMPACT static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool negative) {
     DoubleDouble sum = {0.0, 0.0};
     double unit = 0x1p-32;
     for (int j = 1; j <= FRACTION_LIMBS; j++, unit *= 0x1p-32) {
@@ -44,7 +45,7 @@ static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point, bool n
 
 /* The product of x and 2/pi in integers; multiples of 4 quadrants are left out before they arise.
  * (M. H. Payne, R. N. Hanek, Radian reduction for trigonometric functions, ACM SIGNUM Newsletter 18, 1983) */
-static Reduced reduce_exactly(double x) {
+COMPACT static Reduced reduce_exactly(double x) {
     const uint64_t bits = bits_of(x), fraction = (bits & 0xfffffffffffff) | 0x10000000000000;
     const int exponent = (int)(bits >> 52 & 0x7ff) - 1075; /* |x| = fraction 2^exponent */
     const int first = exponent > 2 ? (exponent - 2) / 32 : 0;
@@ -101,7 +102,7 @@ static inline DoubleDouble cosine_sum(DoubleDouble r) {
     return (DoubleDouble){sum.hi, sum.lo + (z2 * series - x * r.lo)};
 }
 
-SinCos elementary_sin_cos(double x) {
+NOINLINE SinCos elementary_sin_cos(double x) {
     if (!(fabs(x) <= DBL_MAX)) return (SinCos){x - x, x - x};
     if (fabs(x) < 0x1p-27) return (SinCos){x, 1.0};
     const Reduced reduced = reduce(x);
@@ -122,7 +123,7 @@ static double quotient_of(DoubleDouble a, DoubleDouble b) {
     return quotient + (((a.hi - back.hi) - back.lo) + (a.lo - quotient * b.lo)) / b.hi;
 }
 
-double elementary_tan(double x) {
+COMPACT double elementary_tan(double x) {
     if (!(fabs(x) <= DBL_MAX)) return x - x;
     if (fabs(x) < 0x1p-27) return x;
     const Reduced reduced = reduce(x);

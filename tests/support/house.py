@@ -15,7 +15,7 @@ from pathlib import Path
 # Rooms of fmu_src, bottom up, and the rooms from which each one may include besides itself.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "platform": (),
-    "elementary": (),
+    "elementary": ("platform",),
     "numerics": ("platform", "elementary"),
     "model": ("platform", "elementary", "numerics"),
     "geometry": ("platform", "elementary", "numerics", "model"),
