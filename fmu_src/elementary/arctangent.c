@@ -16,6 +16,20 @@ static double atan_rest(double t) {
     return t * z * ((c[0] + z * c[1]) + z2 * ((c[2] + z * c[3]) + z2 * c[4]));
 }
 
+static Angle angle_from_step(int j, double t) {
+    return (Angle){ATAN_STEP[j].high, t, ATAN_STEP[j].low + atan_rest(t)};
+}
+
+static int nearest_step(double x) {
+    const double steps = ATAN_STEPS;
+    return (int)(x * steps + 0.5);
+}
+
+static double tangent_of(int j) {
+    const double steps = ATAN_STEPS;
+    return j / steps;
+}
+
 /* atan(y/x) for 0 <= y <= x, x normal and far from overflow. With c = j/ATAN_STEPS close to y/x:
  * atan(y/x) = atan(c) + atan(t), t = (y - c x)/(x + c y). The parts of x times c are exact, and so is y - c x but for
  * its last rounding. */
@@ -26,11 +40,9 @@ static Angle angle_in_octant(double y, double x) {
         const DoubleDouble back = exact_product(quotient, x);
         return (Angle){quotient, atan_rest(quotient), ((y - back.hi) - back.lo) / x};
     }
-    const double steps = ATAN_STEPS;
-    const int j = (int)(quotient * steps + 0.5);
-    const double c = j / steps, upper = upper_half(x);
-    const double t = ((y - c * upper) - c * (x - upper)) / (x + c * y);
-    return (Angle){ATAN_STEP[j].high, t, ATAN_STEP[j].low + atan_rest(t)};
+    const int j = nearest_step(quotient);
+    const double c = tangent_of(j), upper = upper_half(x);
+    return angle_from_step(j, ((y - c * upper) - c * (x - upper)) / (x + c * y));
 }
 
 static double sum_of(Angle a) {
@@ -47,7 +59,11 @@ static double turned(DoubleDouble base, double sign, Angle a) {
 NOINLINE double elementary_atan(double x) {
     const double size = fabs(x);
     if (size < 1.0 / 16.0) return size < 0x1p-27 ? x : x + atan_rest(x);
-    if (size <= 1.0) return copysign(sum_of(angle_in_octant(size, 1.0)), x);
+    if (size <= 1.0) {
+        const int j = nearest_step(size);
+        const double c = tangent_of(j);
+        return copysign(sum_of(angle_from_step(j, (size - c) / (1.0 + c * size))), x);
+    }
     if (x != x) return x;
     if (size > 0x1p60) return copysign(HALF_PI.hi, x);
     return copysign(turned(HALF_PI, -1.0, angle_in_octant(1.0, size)), x);

@@ -28,7 +28,8 @@ static inline double log_of_sum(double x, double rest, int shift) {
 }
 
 NOINLINE double elementary_log(double x) {
-    if (x >= DBL_MIN && x <= DBL_MAX) return log_of_sum(x, 0.0, 0);
+    const uint64_t least = bits_of(DBL_MIN), infinite = bits_of(INFINITY);
+    if (bits_of(x) - least < infinite - least) return log_of_sum(x, 0.0, 0); /* positive and normal */
     if (x == 0.0) return -INFINITY;
     if (!(x > 0.0)) return x != x ? x : NAN;
     return x > DBL_MAX ? x : log_of_sum(x * 0x1p54, 0.0, -54);
