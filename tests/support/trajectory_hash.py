@@ -1,6 +1,6 @@
 """One trajectory on every platform: the same scenes in programs for many platforms, one hash of all bits.
 
-    ./build.sh hash [--quick]
+    ./build.sh hash [--quick] [word ...]
 
 The program tests/native/hash plays the scenes of tests/native/lifecycle with both FMUs and prints a hash of
 every bit of every output, scene by scene. This module compiles the program with the C code of the FMUs, by
@@ -351,7 +351,13 @@ def total(found: dict[str, str]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="native and WebAssembly only")
-    builds = QUICK if parser.parse_args().quick else all_builds()
+    parser.add_argument(
+        "only", nargs="*", help="words: builds whose name has one of them, beside the first build"
+    )
+    arguments = parser.parse_args()
+    builds = list(QUICK) if arguments.quick else all_builds()
+    if arguments.only:
+        builds[1:] = [b for b in builds[1:] if any(word in b.name for word in arguments.only)]
     console, first = Console(), dict[str, str]()
     table = Table("platform", "compiler", "hash of all scenes", "scenes that differ")
     failed = False
