@@ -45,6 +45,10 @@ usage: ./build.sh [command] [arguments]
   endurance build, then run benchmarks.endurance (two minutes): memory over 10^6 instances, drift over 10^8 steps
   friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
            needs valgrind
+  elementary  build, then run benchmarks.elementary (a minute): error and cost of exp, sin and the like, beside the C
+           library's; needs valgrind for instructions
+  hash     build for all platforms, then run the same scenes on all platforms and compilers of this machine and compare
+           one hash of all bits (some minutes), tests/support/trajectory_hash.py; --quick: native and WebAssembly
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
@@ -212,6 +216,12 @@ case $command in
     study)
         [ $# -gt 0 ] || set -- system_examples/study/*.toml --out build/study --figure docs/study.png
         run_program '.[build,study]' -m dualcam study "$@"
+        ;;
+    elementary) run_program '.[bench]' -m benchmarks.elementary "$@" ;;
+    hash)
+        install_dependencies '.[test]'
+        [ "${1-}" = --quick ] || build all
+        run_program '.[test]' -m trajectory_hash "$@"
         ;;
     compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
     stress) run_program '.[test]' -m benchmarks.stress "$@" ;;

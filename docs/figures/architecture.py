@@ -26,8 +26,9 @@ Place = tuple[float, float, float, float]  # left, bottom, width and height of a
 # Bottom up: where a room's box stands, its colour, and what the room holds.
 ARITHMETIC, LAWS, MOTION, BOUNDARY = "#e9e9e9", "#fbe8cf", "#d6e4f5", "#dcefdc"
 ROOMS: dict[str, tuple[Place, str, str]] = {
-    "platform": ((5.3, 0.0, 4.5, 0.95), ARITHMETIC, "operating systems"),
-    "numerics": ((0.2, 0.0, 4.9, 0.95), ARITHMETIC, "sums, jets, roots, tolerances"),
+    "platform": ((7.0, 0.0, 2.8, 0.95), ARITHMETIC, "operating systems"),
+    "elementary": ((4.35, 0.0, 2.3, 0.95), ARITHMETIC, "exp, log, sin, ..."),
+    "numerics": ((0.2, 0.0, 3.8, 0.95), ARITHMETIC, "sums, jets, roots, tolerances"),
     "model": ((0.2, 1.35, 6.4, 0.95), LAWS, "parameters, inputs, modes, ledger"),
     "geometry": ((0.2, 2.7, 9.6, 0.95), LAWS, "groove laws, tables, and the transmission along theta"),
     "contact": ((0.2, 4.05, 9.6, 0.95), LAWS, "friction, flanks, stick band, balance of forces"),

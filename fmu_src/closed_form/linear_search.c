@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* Under constant inputs the indicator is a constant plus a decaying oscillation. Its first minimum is the lowest, its
@@ -64,7 +65,7 @@ static double find_root(const LinearIndicator *indicator, RootOrder order, const
         const double step = -f.f / f.first;
         double next = t + step;
         if (significant && is_last_step(indicator, &f, step, t))
-            return fabs(step) <= DBL_EPSILON * t ? t : fmin(fmax(next, left), right);
+            return fabs(step) <= DBL_EPSILON * t ? t : min_of(max_of(next, left), right);
         const bool inside = next > left && next < right, slow = right - left > 0.5 * width;
         width = right - left;
         if (!inside || (slow && n % 2 == 1)) next = 0.5 * (left + right);
@@ -100,12 +101,12 @@ static bool has_extremum(const IndicatorSample *a, const IndicatorSample *b) {
 static double tangents_intersection(const IndicatorSample *a, const IndicatorSample *b) {
     const double length = b->t - a->t;
     const double x = (b->value - a->value - b->rate * length) / (a->rate - b->rate);
-    return a->value + a->rate * fmin(fmax(x, 0.0), length);
+    return a->value + a->rate * min_of(max_of(x, 0.0), length);
 }
 
 /* True if the indicator stays above zero between a and b: then its extremum need not be found. */
 static bool is_above_zero(const IndicatorSample *a, const IndicatorSample *b) {
-    return fmin(fmin(a->value, b->value), tangents_intersection(a, b)) > a->rounding + b->rounding;
+    return min_of(min_of(a->value, b->value), tangents_intersection(a, b)) > a->rounding + b->rounding;
 }
 
 /* Downward crossing between a and b, where the rate is monotone, or infinity. */
@@ -129,7 +130,7 @@ static double crossing_at_constant_inputs(const LinearIndicator *indicator, doub
     IndicatorSample a = linear_indicator_at_start(indicator);
     double next = first_extremum(indicator, &a);
     for (int n = 0; n < EXTREMA; n++) {
-        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
+        const IndicatorSample b = linear_indicator_at(indicator, min_of(next, t_end));
         const double t = crossing_if_monotone(indicator, &a, &b);
         if (t < INFINITY || next >= t_end) return t;
         a = b;
@@ -148,7 +149,7 @@ static double half_periods_to_skip(const LinearIndicator *indicator, const Indic
     if (!(drift < 0.0)) return INFINITY; /* later minima lie higher than the earlier ones */
     const double phase = (dy + 0.5 * osc->decay2 * y) / osc->frequency, amplitude = sqrt(y * y + phase * phase);
     const double clear = (k->value - y - amplitude) / -drift;
-    return floor(fmax(clear, 0.0) / osc->half_period);
+    return floor(max_of(clear, 0.0) / osc->half_period);
 }
 
 /* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped. Where
@@ -160,7 +161,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
     IndicatorSample a = linear_indicator_at_start(indicator);
     double next = oscillator_zero(osc, a.second, a.third);
     for (int interval = 1; !work_is_spent(indicator->segment->work); interval++) { /* at most MAX_WORK turns */
-        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
+        const IndicatorSample b = linear_indicator_at(indicator, min_of(next, t_end));
         const double t = crossing_if_rate_monotone(indicator, &a, &b);
         if (t < INFINITY) return t;
         if (!(next < t_end)) return INFINITY;
@@ -184,9 +185,9 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
 /* Largest |indicator| between a and b, where the rate is monotone, as far as it exceeds `known`. */
 static double peak_if_rate_monotone(const LinearIndicator *indicator, const IndicatorSample *a,
                                     const IndicatorSample *b, double known) {
-    const double ends = fmax(fabs(a->value), fabs(b->value));
-    if (!has_extremum(a, b) || fabs(tangents_intersection(a, b)) <= fmax(ends, known)) return ends;
-    return fmax(ends, fabs(linear_indicator_at(indicator, find_root(indicator, OF_RATE, a, b->t)).value));
+    const double ends = max_of(fabs(a->value), fabs(b->value));
+    if (!has_extremum(a, b) || fabs(tangents_intersection(a, b)) <= max_of(ends, known)) return ends;
+    return max_of(ends, fabs(linear_indicator_at(indicator, find_root(indicator, OF_RATE, a, b->t)).value));
 }
 
 /* Largest |indicator| from `from` on, over `intervals` intervals of monotone rate, of which the first ends at
@@ -196,8 +197,8 @@ static double peak_in_intervals(const LinearIndicator *indicator, double from, d
     double peak = 0.0;
     IndicatorSample a = linear_indicator_at(indicator, from);
     for (int n = 0; n < intervals && a.t < t_end; n++) {
-        const IndicatorSample b = linear_indicator_at(indicator, fmin(next, t_end));
-        peak = fmax(peak, peak_if_rate_monotone(indicator, &a, &b, fmax(peak, known)));
+        const IndicatorSample b = linear_indicator_at(indicator, min_of(next, t_end));
+        peak = max_of(peak, peak_if_rate_monotone(indicator, &a, &b, max_of(peak, known)));
         a = b;
         next += oscillator_of_indicator(indicator)->half_period;
     }
@@ -208,7 +209,7 @@ static double peak_at_constant_inputs(const LinearIndicator *indicator, double t
     const IndicatorSample start = linear_indicator_at_start(indicator);
     double t = first_extremum(indicator, &start), peak = 0.0;
     for (int n = 0; n < EXTREMA && t < t_end; n++) {
-        peak = fmax(peak, fabs(linear_indicator_at(indicator, t).value));
+        peak = max_of(peak, fabs(linear_indicator_at(indicator, t).value));
         t += oscillator_of_indicator(indicator)->half_period;
     }
     return peak;
@@ -226,8 +227,8 @@ double linear_search_peak(const LinearIndicator *indicator, double t_end, double
     const double late = floor((t_end - first) / osc->half_period) - (INTERVALS - 2);
     if (late > 0.0) {
         const double from = first + late * osc->half_period;
-        peak = fmax(peak,
-                    peak_in_intervals(indicator, from, from + osc->half_period, t_end, INTERVALS, fmax(peak, known)));
+        peak = max_of(
+            peak, peak_in_intervals(indicator, from, from + osc->half_period, t_end, INTERVALS, max_of(peak, known)));
     }
     return peak;
 }

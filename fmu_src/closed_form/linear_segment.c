@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* A quantity has at most one zero in the segment. True if the quantity has none after the start. A quantity that
@@ -66,7 +67,7 @@ bool linear_segment_is_steady(const LinearSegment *s, const SegmentEnds *ends) {
     const double spring = fabs(s->params->spring.preload) +
                           fabs(s->params->spring.stiffness * s->geometry->dz_dtheta * l->theta) + fabs(l->F_ext);
     const double torque = fabs(l->tau) + fabs(s->linear->transfer.rho) * spring + fabs(s->linear->damping * l->omega);
-    return fmax(fabs(l->alpha), fabs(ends->motion.alpha)) * s->linear->mass <= LINEAR_TORQUE_ROUNDING * torque;
+    return max_of(fabs(l->alpha), fabs(ends->motion.alpha)) * s->linear->mass <= LINEAR_TORQUE_ROUNDING * torque;
 }
 
 static inline bool ends_on_flank(const LinearSegment *s, const SegmentEnds *ends, int i) {

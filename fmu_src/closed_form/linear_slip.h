@@ -1,7 +1,7 @@
 /* The motion in one slip mode in closed form: helical grooves, linear spring, linear damper, inputs linear in time.
  *
  * The room closed_form/ holds slip of two helices under linear forces, where the motion is known exactly at any time,
- * and the events that end such a motion. May include: numerics, model, contact (which brings geometry).
+ * and the events that end such a motion. May include: elementary, numerics, model, contact (which brings geometry).
  *
  * With both grooves helical, z' and gamma' are constant, and so is every coefficient below. With A the axial load
  * and T the torque that cam 2 passes to the follower (docs/mechanism.md, sections 3 and 6),

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 static const double PI = 3.14159265358979323846;
@@ -60,7 +61,7 @@ Oscillator oscillator_of(double decay2, double stiffness) {
         .separation = separation,
         .frequency = frequency,
         .half_period = separation < 0.0 ? PI / frequency : INFINITY,
-        .rate = fmax(fabs(decay2), sqrt(fabs(stiffness))),
+        .rate = max_of(fabs(decay2), sqrt(fabs(stiffness))),
         .horizon = growth > 0.0 ? OSCILLATOR_MAX_GROWTH / growth : INFINITY,
     };
 }
@@ -120,10 +121,10 @@ static void integrate_closed(const Oscillator *osc, double t, Kernel *k) {
 
 static void fill_underdamped(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
-    const double envelope = a == 0.0 ? 1.0 : exp(-a * t);
-    const double sine = envelope * sin(w * t), cosine = envelope * cos(w * t);
-    k->s = sine / w;
-    k->ds = cosine - a * k->s;
+    const double envelope = a == 0.0 ? 1.0 : elementary_exp(-a * t);
+    const SinCos turn = elementary_sin_cos(w * t);
+    k->s = envelope * turn.sin / w;
+    k->ds = envelope * turn.cos - a * k->s;
     integrate_closed(osc, t, k);
 }
 
@@ -131,7 +132,7 @@ static void fill_underdamped(const Oscillator *osc, double t, Kernel *k) {
  * digit. Below |x| = 1 the series gives phi_3, and the recurrence runs backwards. */
 static void phi_functions(double x, double out[3]) {
     if (fabs(x) > 1.0) {
-        out[0] = expm1(x) / x;
+        out[0] = elementary_expm1(x) / x;
         out[1] = (out[0] - 1.0) / x;
         out[2] = (out[1] - 0.5) / x;
         return;
@@ -162,9 +163,9 @@ static void fill_overdamped(const Oscillator *osc, double t, Kernel *k) {
 /* Real roots that differ by less than 1/t. */
 static void fill_nearly_critical(const Oscillator *osc, double t, Kernel *k) {
     const double a = 0.5 * osc->decay2, w = osc->frequency;
-    const double envelope = exp((w - a) * t); /* slow root; s = envelope (1 - exp(-2wt))/(2w) */
-    k->s = w > 0.0 ? envelope * -expm1(-2.0 * w * t) / (2.0 * w) : envelope * t;
-    k->ds = exp(-(a + w) * t) + (w - a) * k->s;
+    const double envelope = elementary_exp((w - a) * t); /* slow root; s = envelope (1 - exp(-2wt))/(2w) */
+    k->s = w > 0.0 ? envelope * -elementary_expm1(-2.0 * w * t) / (2.0 * w) : envelope * t;
+    k->ds = elementary_exp(-(a + w) * t) + (w - a) * k->s;
     integrate_closed(osc, t, k);
 }
 
@@ -307,7 +308,7 @@ void oscillator_square(const Oscillator *osc, Kernel *kernel) {
 
 static double underdamped_zero(const Oscillator *osc, double y0, double dy0) {
     const double w = osc->frequency;
-    const double t = atan2(y0 * w, -(dy0 + 0.5 * osc->decay2 * y0)) / w;
+    const double t = elementary_atan2(y0 * w, -(dy0 + 0.5 * osc->decay2 * y0)) / w;
     return t > 0.0 ? t : t + osc->half_period;
 }
 
@@ -320,7 +321,7 @@ static double real_zero(const Oscillator *osc, double y0, double dy0) {
     if (slope == 0.0) return INFINITY;
     const double ratio = -y0 / slope;
     if (!(ratio > 0.0)) return INFINITY;
-    return w > 0.0 ? log1p(2.0 * w * ratio) / (2.0 * w) : ratio;
+    return w > 0.0 ? elementary_log1p(2.0 * w * ratio) / (2.0 * w) : ratio;
 }
 
 double oscillator_zero(const Oscillator *osc, double y0, double dy0) {
@@ -337,6 +338,6 @@ double oscillator_offset_zero(const Oscillator *osc, double y0, double dy0, doub
     const double u = 2.0 * y0 / ((y0 > 0.0 ? root : -root) - dy0);
     const double x = 0.5 * w * u;
     if (w == 0.0) return u;
-    if (w2 < 0.0) return log1p(2.0 * x / (1.0 - x)) / w; /* 2 artanh(x)/w */
-    return 2.0 * (u < 0.0 ? atan(x) + PI : atan(x)) / w;
+    if (w2 < 0.0) return elementary_log1p(2.0 * x / (1.0 - x)) / w; /* 2 artanh(x)/w */
+    return 2.0 * (u < 0.0 ? elementary_atan(x) + PI : elementary_atan(x)) / w;
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 double ballistic_time(double speed, double alpha, double distance) {
@@ -34,8 +35,8 @@ Breakpoint breakpoint_ahead(const SlipMode *slip, double theta) {
     const bool up = slip->direction > 0;
     const double share = overshoot_share(slip, up ? piece->knot_upper : piece->knot_lower);
     return (Breakpoint){
-        .distance = fmax(slip->direction * ((up ? piece->upper : piece->lower) - theta), 0.0),
-        .overshoot = share * fmin(piece->upper - piece->lower, next_width(slip)),
+        .distance = max_of(slip->direction * ((up ? piece->upper : piece->lower) - theta), 0.0),
+        .overshoot = share * min_of(piece->upper - piece->lower, next_width(slip)),
     };
 }
 

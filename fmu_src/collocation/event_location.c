@@ -6,6 +6,7 @@
 #include "collocation/breakpoint.h"
 #include "collocation/step_control.h"
 #include "collocation/step_indicator.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* ---- a step that ends on a crossing ---- */
@@ -24,9 +25,9 @@ typedef struct {
 
 static void narrow(Bracket *bracket, double t, double f) {
     if (f > 0.0) {
-        bracket->left = fmax(bracket->left, t);
+        bracket->left = max_of(bracket->left, t);
     } else {
-        bracket->right = fmin(bracket->right, t);
+        bracket->right = min_of(bracket->right, t);
         bracket->closed = true;
     }
 }
@@ -42,7 +43,7 @@ static bool is_found(const Bracket *bracket, double t, double next) {
 static double first_length(const SegmentLimits *limits, StepIndicator indicator, double x, const RadauStep *whole) {
     if (!(x < LOCATION_BALLISTIC && indicator == STEP_TO_STOP)) return x * whole->h;
     const int sign = limits->slip->direction;
-    return fmin(ballistic_time(sign * whole->start.omega, sign * whole->start.alpha, limits->to_stop), whole->h);
+    return min_of(ballistic_time(sign * whole->start.omega, sign * whole->start.alpha, limits->to_stop), whole->h);
 }
 
 /* A step to a breakpoint may end within half the overshoot of the limit, on either side. */
@@ -70,7 +71,7 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
     bool blocked = false;
     double t = first_length(limits, indicator, x, &whole);
     for (int n = 0; n < LOCATION_ITERATIONS && !work_is_spent(slip.work); n++) {
-        t = fmax(t, DBL_MIN);
+        t = max_of(t, DBL_MIN);
         if (!radau_step_solve(&slip, &whole.start, t, stages, step)) {
             blocked = true;
             t = 0.5 * (bracket.left + t);
@@ -119,7 +120,7 @@ static void step_past_zero(const SegmentLimits *limits, StepIndicator indicator,
 static bool turns_at_stop(const SegmentLimits *limits, const RadauStep *step) {
     const Params *p = limits->slip->params;
     const Balance *end = radau_step_end(step);
-    const double angle = fmax(LOCATION_STOP_ROUNDING, p->tolerance) * largest_angle(p);
+    const double angle = max_of(LOCATION_STOP_ROUNDING, p->tolerance) * largest_angle(p);
     const double doubt =
         p->tolerance * fabs(end->rhs.by_omega * end->omega); /* what the speed's error makes of alpha */
     const double braking = -limits->slip->direction * end->alpha - doubt;
@@ -166,7 +167,8 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
     const RadauStep *step = &location->step;
     location->next = step_control_next(step);
     location->aimed_at_breakpoint = step->h == to_breakpoint || step->at_sample;
-    if (location->aimed_at_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
+    if (location->aimed_at_breakpoint)
+        location->next = (StepProposal){max_of(location->next.h, first->h), first->stages};
 }
 
 bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
@@ -176,7 +178,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
     const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
     do { /* at most 15 turns: the length falls to LOCATION_SHORTEST */
-        const double longest = fmin(fmin(left, length), to_breakpoint);
+        const double longest = min_of(min_of(left, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;

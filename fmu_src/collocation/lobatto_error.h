@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "collocation/lobatto_system.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* The coefficient of c^3 of the cubic through the values. Where it happens to be small, the decay of the lower
@@ -14,7 +15,8 @@ static inline double lobatto_cubic_term(const LobattoValues *y) {
     const LobattoValues c = lobatto_combine(LOBATTO.bernstein, y);
     const double *b = c.at;
     const double linear = 3.0 * fabs(b[1] - b[0]), square = 3.0 * fabs(b[0] - 2.0 * b[1] + b[2]);
-    return fmax(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])), LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
+    return max_of(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])),
+                  LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
 }
 
 /* The parabola through the last three nodes misses the value at the start by the cubic term times LOBATTO.missed. In
@@ -30,7 +32,7 @@ static inline bool lobatto_is_accurate(const LobattoSystem *s, double margin) {
         by_speed = missed * LOBATTO.missed_once / lobatto_largest(lobatto_range(&s->speed));
         by_angle = missed * LOBATTO.missed_twice * s->h;
     }
-    const double x = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (distance + DBL_MIN));
+    const double x = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (distance + DBL_MIN));
     const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
     return x < 1.0 && x8 * x2 * x <= margin * (t2 * t2) * (t2 * t2);
 }

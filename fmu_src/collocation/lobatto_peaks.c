@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -28,7 +29,7 @@ static double value_after(const LobattoSystem *s, PeakQuantity quantity, double 
 /* The turning points of the cubic with these Bernstein coefficients: the zeros of a (1 - x)^2 + 2 b x (1 - x) + c x^2. */
 static void turning_points(const double at[LOBATTO_NODES], double x[2]) {
     const double a = at[1] - at[0], b = at[2] - at[1], c = at[3] - at[2], square = a - 2.0 * b + c, half = b - a;
-    const double q = -(half + copysign(sqrt(fmax(half * half - square * a, 0.0)), half));
+    const double q = -(half + copysign(sqrt(max_of(half * half - square * a, 0.0)), half));
     x[0] = q / square;
     x[1] = a / q;
 }
@@ -50,7 +51,7 @@ static bool raise(const LobattoSystem *s, PeakQuantity quantity, const LobattoVa
         const double bend =
             6.0 * fabs(y * (c.at[0] - 2.0 * c.at[1] + c.at[2]) + x[k] * (c.at[1] - 2.0 * c.at[2] + c.at[3]));
         if (!(LOBATTO_PEAK_SHARE * error * error <= s->slip->params->tolerance * size * bend)) return false;
-        *peak = fmax(*peak, found / unit);
+        *peak = max_of(*peak, found / unit);
     }
     return true;
 }

@@ -9,6 +9,7 @@
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -165,7 +166,7 @@ static bool peaks_at_end(const LobattoValues *v, double known) {
 }
 
 static inline double larger_end(const LobattoValues *v) {
-    return fmax(fabs(v->at[0]), fabs(v->at[LOBATTO_END]));
+    return max_of(fabs(v->at[0]), fabs(v->at[LOBATTO_END]));
 }
 
 static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Peaks *known, LobattoStep *out) {
@@ -307,8 +308,9 @@ static double share_in_fall(const LobattoSystem *s, const LobattoStart *from, co
         if (friction->value[i] == friction->kinetic[i]) continue;
         const double per_angle = fabs(friction->sliding[i] * s->law[i]->minus_by_v[0]);
         const double u = fabs(from->omega) * per_angle, x = fabs(rhs) * s->h * per_angle;
-        const double steepness = s->law[i]->is_gauss ? fmax(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
-        most = fmax(most, steepness * x * x * x / 6.0);
+        const double steepness =
+            s->law[i]->is_gauss ? max_of(fabs(8.0 * u * u * u - 12.0 * u), LOBATTO_FALL_LEAST) : 1.0;
+        most = max_of(most, steepness * x * x * x / 6.0);
     }
     const double error = s->h * LOBATTO.missed * LOBATTO.missed_once * excess * most / fabs(from->omega);
     const double parts = ceil(sqrt(sqrt(error / allowed)));
@@ -321,7 +323,7 @@ COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction 
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &s->slip->law[i].fall;
         const double sliding = friction->sliding[i], v = sliding * omega;
-        if (!fall->table) share = fmin(share, friction_share(fall, v, v + sliding * rhs * s->h));
+        if (!fall->table) share = min_of(share, friction_share(fall, v, v + sliding * rhs * s->h));
     }
     return share < 1.0 ? STEP_SAFETY * share : 1.0;
 }
@@ -337,7 +339,7 @@ static void approach_samples(LobattoSystem *s, const StartFriction *friction, do
         const double change = sliding * rhs * s->h;
         friction_table_reach(fall->overshoot, v, change > 0.0, reach);
         if (v + change >= reach->low && v + change <= reach->high) continue;
-        s->h *= fmin(reach->aim / fabs(change), 1.0);
+        s->h *= min_of(reach->aim / fabs(change), 1.0);
         s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
     }
 }
@@ -373,7 +375,7 @@ static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
         if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
-        s->h = longest = 0.5 * fmin(s->h, longest);
+        s->h = longest = 0.5 * min_of(s->h, longest);
         s->end_speed.given = false;
     }
 }

@@ -5,6 +5,7 @@
 
 #include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -359,7 +360,7 @@ COMPACT static bool aim_at_sample(LobattoSystem *s) {
     const double v = omega * sliding, missed = end->speed - v;
     if (fabs(missed) <= end->slack || s->h >= end->longest) return true;
     const double bend = s->h * s->y.at[LOBATTO_END] - (omega - s->omega); /* of the speed, over the step */
-    s->h = fmin(s->h * (1.0 + missed / (v - end->start + sliding * bend)), end->longest);
+    s->h = min_of(s->h * (1.0 + missed / (v - end->start + sliding * bend)), end->longest);
     place_nodes_again(s);
     return false;
 }
@@ -474,7 +475,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         if (end->given) missed = aim_at_end(s, end);
         const bool at_sample = !varies || !s->end_speed.given || aim_at_sample(s);
         s->end_shift = s->dtheta.at[LOBATTO_END] - end_before;
-        const bool at_end = !end->given || fabs(missed) <= fmin(end->slack, LOBATTO_AIM_SHARE * end->distance);
+        const bool at_end = !end->given || fabs(missed) <= min_of(end->slack, LOBATTO_AIM_SHARE * end->distance);
         if (converged && at_end && at_sample && (!varies || is_placed(s))) {
             if (varies && speeds_moved(s) > share * slowed) follow_speeds(s);
             return is_possible(s, varies);

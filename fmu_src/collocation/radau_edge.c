@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* Bracket invariant: the edge is below the torque at `from`, and not below the torque at `to`, which may be infinite.
@@ -76,7 +77,7 @@ double radau_edge_noise(const RadauSystem *s, const Balance node[RADAU_MAX]) {
         const Balance *b = &node[i];
         const double rho = b->force != 0.0 ? b->tau / b->force : 0.0;
         const double torque = fabs(b->tau) + fabs(rho) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
-        noise = fmax(noise, EDGE_TORQUE_ROUNDING * torque / b->rhs.by_theta);
+        noise = max_of(noise, EDGE_TORQUE_ROUNDING * torque / b->rhs.by_theta);
     }
     return noise;
 }

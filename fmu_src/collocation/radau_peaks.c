@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -32,7 +33,7 @@ static double value_after(const SlipMode *slip, const RadauStep *step, PeakQuant
  * three steps. */
 COMPACT static double vertex_near(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double x,
                                   double found) {
-    const double d = fmin(PEAK_SPREAD, 0.5 * fmin(x, 1.0 - x));
+    const double d = min_of(PEAK_SPREAD, 0.5 * min_of(x, 1.0 - x));
     const double before = value_after(slip, step, quantity, x - d), after = value_after(slip, step, quantity, x + d);
     const double bend = before - 2.0 * found + after, shift = 0.5 * (before - after) / bend;
     return bend < 0.0 && fabs(shift) <= 2.0 ? value_after(slip, step, quantity, x + shift * d) : 0.0;
@@ -43,8 +44,8 @@ COMPACT static double vertex_near(const SlipMode *slip, const RadauStep *step, P
 static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity quantity, double known) {
     const Radau *r = step->method;
     const RadauValues v = values_of(step, quantity);
-    const double ends = fmax(fabs(v.value[0]), fabs(v.value[r->stages]));
-    if (fmax(fabs(v.low), fabs(v.high)) + BEYOND_NODES * (v.high - v.low) <= known) return ends;
+    const double ends = max_of(fabs(v.value[0]), fabs(v.value[r->stages]));
+    if (max_of(fabs(v.low), fabs(v.high)) + BEYOND_NODES * (v.high - v.low) <= known) return ends;
     const Bernstein p = radau_polynomial(r, v.value);
     if (bernstein_is_monotone(&p)) return ends;
     const double x = bernstein_peak(&p);
@@ -52,8 +53,8 @@ static double peak_of(const SlipMode *slip, const RadauStep *step, PeakQuantity 
     if (!(size > ends) || x <= 0.0 || x >= 1.0) return ends;
     const double found = value_after(slip, step, quantity, x);
     if (!isfinite(found)) return size;
-    if (!slip->friction_is_loaded || fabs(found - size) <= slip->params->tolerance * size) return fmax(ends, found);
-    return fmax(fmax(ends, found), vertex_near(slip, step, quantity, x, found));
+    if (!slip->friction_is_loaded || fabs(found - size) <= slip->params->tolerance * size) return max_of(ends, found);
+    return max_of(max_of(ends, found), vertex_near(slip, step, quantity, x, found));
 }
 
 /* True if alpha keeps its sign throughout, so that |omega| is largest at an end. */
@@ -61,11 +62,11 @@ static bool is_speed_monotone(const RadauStep *step) {
     RadauValues v = {.value = {step->start.alpha}};
     for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = step->node[j].alpha;
     radau_find_range(&v, step->method->stages);
-    return fmax(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
+    return max_of(v.low, -v.high) > BEYOND_NODES * (v.high - v.low);
 }
 
 RadauPeaks radau_step_peaks(const SlipMode *slip, const RadauStep *step, const RadauPeaks *known) {
-    const double at_ends = fmax(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
+    const double at_ends = max_of(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
     return (RadauPeaks){
         .omega = is_speed_monotone(step) ? at_ends : peak_of(slip, step, PEAK_SPEED, known->omega),
         .reaction = {peak_of(slip, step, PEAK_REACTION_1, known->reaction[0]),

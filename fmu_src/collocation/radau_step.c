@@ -6,6 +6,7 @@
 #include "collocation/radau_edge.h"
 #include "collocation/radau_system.h"
 #include "collocation/step_energy.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* ---- error ---- */
@@ -20,7 +21,7 @@ static double speed_defect(const RadauSystem *s) {
 
 /* x^(1/2 + s/(s + 1)) for s = 3, 5, 7 stages, by roots: pow() would take a tenth of the time of a short step. */
 static double error_at_end(double x, int stages) {
-    if (stages == 5) return x * cbrt(x);
+    if (stages == 5) return x * elementary_cbrt(x);
     const double quarter = sqrt(sqrt(x));
     return stages == 3 ? x * quarter : x * quarter * sqrt(quarter);
 }
@@ -33,9 +34,9 @@ typedef struct {
 static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
     StepSize size = {0.0, fabs(s->start->omega), 0.0};
     for (int i = 0; i < s->method->stages; i++) {
-        size.distance = fmax(size.distance, fabs(s->dtheta[i]));
-        size.speed = fmax(size.speed, fabs(step->node[i].omega));
-        size.stiffness = fmax(size.stiffness, radau_system_stiffness(s, &step->node[i].rhs));
+        size.distance = max_of(size.distance, fabs(s->dtheta[i]));
+        size.speed = max_of(size.speed, fabs(step->node[i].omega));
+        size.stiffness = max_of(size.stiffness, radau_system_stiffness(s, &step->node[i].rhs));
     }
     return size;
 }
@@ -43,7 +44,7 @@ static StepSize step_size(const RadauSystem *s, const RadauStep *step) {
 /* Is a defect no more than the rounding of the forces? A shorter step does not lessen such a defect. It counts where a
  * motion has just begun, from rest, and its speed is still as small as the effect of the rounding. */
 static bool is_rounding(const RightHandSide *start, double defect) {
-    return defect <= RADAU_FORCE_ROUNDING * fmax(start->size, fabs(start->value));
+    return defect <= RADAU_FORCE_ROUNDING * max_of(start->size, fabs(start->value));
 }
 
 /* The error inside the step from the defect at the start, relative to speed and distance. A stiff step damps the
@@ -62,7 +63,7 @@ static double estimate_error(const RadauSystem *s, const RadauStep *step) {
         by_speed = size.speed > 0.0 ? damped * r->defect_once / size.speed : 0.0;
         by_angle = h * (damped * r->defect_twice + fabs(speed_defect(s)) * r->defect_once * stiff / (1.0 + stiff));
     }
-    const double inside = fmax(by_speed, fmax(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
+    const double inside = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (size.distance + DBL_MIN));
     const double error =
         (inside < 1.0 ? error_at_end(inside, r->stages) : inside) * RADAU_ERROR_SAFETY / s->slip->params->tolerance;
     const double strict = s->slip->friction_is_loaded ? RADAU_LOADED_STRICT : 1.0;
@@ -121,7 +122,7 @@ static bool follow_edge(RadauSystem *s, RadauStep *step) {
     const double missed = fabs(step->dtheta - s->h * radau_dot(r->weight, s->y, r->stages));
     step->angle_noise = radau_edge_noise(s, step->node);
     const double rounding = RADAU_ANGLE_ROUNDING * (fabs(s->start->theta) + fabs(step->dtheta)) + step->angle_noise;
-    step->error = fmax(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
+    step->error = max_of(missed - rounding, 0.0) / (fabs(step->dtheta) + DBL_MIN) / s->slip->params->tolerance;
     return true;
 }
 
@@ -153,5 +154,5 @@ double radau_step_time_scale(const SlipMode *slip, const Balance *b) {
     double rate = fabs(p->by_omega);
     rate += slip->regime == REGIME_INERTIAL ? sqrt(fabs(p->by_theta)) : fabs(p->by_theta);
     if (slip->regime == REGIME_RATE_INDEPENDENT) rate = 0.0;
-    return 1.0 / fmax(rate, DBL_MIN);
+    return 1.0 / max_of(rate, DBL_MIN);
 }

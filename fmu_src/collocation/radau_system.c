@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/lu.h"
 #include "numerics/tolerances.h"
 
@@ -179,7 +180,7 @@ static bool correct(RadauSystem *s, const RightHandSide rhs[RADAU_MAX], NewtonMa
     *largest = 0.0;
     for (int i = 0; i < n; i++) {
         s->y[i] += d[i];
-        *largest = fmax(*largest, fabs(d[i]));
+        *largest = max_of(*largest, fabs(d[i]));
     }
     return isfinite(*largest);
 }
@@ -194,14 +195,14 @@ static SmallCorrection small_correction(const RadauSystem *s) {
     const int n = s->method->stages;
     double speed = fabs(s->start->omega), slowest = INFINITY, y = fabs(s->start->rhs.value);
     for (int i = 0; i < n; i++) {
-        speed = fmax(speed, fabs(s->omega[i]));
-        slowest = fmin(slowest, fabs(s->omega[i]));
-        y = fmax(y, fabs(s->y[i]));
+        speed = max_of(speed, fabs(s->omega[i]));
+        slowest = min_of(slowest, fabs(s->omega[i]));
+        y = max_of(y, fabs(s->y[i]));
     }
     if (s->slip->friction_varies) speed = slowest; /* friction at a node needs the node's speed to the same share */
     const double per_y = is_inertial(s) ? speed / s->h : speed;
     return (SmallCorrection){
-        .rounding = RADAU_ROUNDING * fmax(y, s->start->rhs.size),
+        .rounding = RADAU_ROUNDING * max_of(y, s->start->rhs.size),
         .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
     };
 }

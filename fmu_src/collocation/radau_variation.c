@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "collocation/radau_system.h"
+#include "elementary/elementary.h"
 #include "numerics/lu.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -111,7 +112,7 @@ COLD static bool agree(const PartTwice *part, double scale[KNOWN_COUNT]) {
     bool good = true;
     for (int known = part->once.v.first; known < part->once.v.end; known++) {
         const double once = part->once.v.theta[known], twice = part->twice.v.theta[known];
-        scale[known] = fmax(scale[known], fabs(twice));
+        scale[known] = max_of(scale[known], fabs(twice));
         good = good && fabs(once - twice) <= VARIATION_TOLERANCE * scale[known];
     }
     return good;
@@ -141,9 +142,9 @@ COLD static bool vary_in_parts(const SlipMode *slip, const RadauStep *step, Vari
     for (int n = 0; n < VARIATION_TRIALS && left > 0.0 && t > 0.1 * VARIATION_SHORTEST * h; n++) {
         if (work_is_spent(slip->work)) return false;
         PartTwice part = {front, front};
-        t = fmin(t, left);
+        t = min_of(t, left);
         const bool is_shortest = t <= VARIATION_SHORTEST * h;
-        const bool is_short = is_shortest || t <= VARIATION_SHORT * fmin(h - left, left);
+        const bool is_short = is_shortest || t <= VARIATION_SHORT * min_of(h - left, left);
         if (carry_twice(slip, t, &part) && (agree(&part, scale) || is_short)) {
             front = part.twice;
             if (is_shortest) extrapolate(&part, &front.v);

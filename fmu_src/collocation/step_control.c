@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 /* Few stages while the motion is slow against the step. Along the edge of the stick band, which is solved for node by
@@ -13,9 +14,9 @@ static int stages_for(const SlipMode *slip, const Balance *start, double h) {
     return slip->params->tolerance > STEP_7_STAGES_TOLERANCE || ratio < STEP_FOR_5_STAGES ? 5 : 7;
 }
 
-/* x^(1/order), by functions that the closed form needs as well: pow() would add kilobytes of tables. */
+/* x^(1/order), x > 0 */
 static double root_of(double x, double order) {
-    return exp(log1p(x - 1.0) / order);
+    return elementary_exp(elementary_log(x) / order);
 }
 
 /* Where damping rules the motion, stiffness does no harm to long steps. */
@@ -34,18 +35,18 @@ static double order_of(const RadauStep *step) {
 
 /* The factor on h that brings the error to 1, less a margin. */
 static double length_factor(const RadauStep *step, double order) {
-    return STEP_SAFETY / root_of(fmax(fmax(step->error, step->energy_error), STEP_LEAST_ERROR), order);
+    return STEP_SAFETY / root_of(max_of(max_of(step->error, step->energy_error), STEP_LEAST_ERROR), order);
 }
 
 /* The factor on h after a rejected step. Where the step is too long, the error falls more slowly than its order says,
  * except along the edge of the stick band. */
 static double rejection_factor(const SlipMode *slip, const RadauStep *step) {
     const double share = slip->regime == REGIME_RATE_INDEPENDENT ? 1.0 : STEP_REJECTED_ORDER;
-    return fmin(STEP_LEAST_SHORTENING, fmax(STEP_MOST_SHORTENING, length_factor(step, share * order_of(step))));
+    return min_of(STEP_LEAST_SHORTENING, max_of(STEP_MOST_SHORTENING, length_factor(step, share * order_of(step))));
 }
 
 StepProposal step_control_next(const RadauStep *step) {
-    const double factor = fmin(STEP_MOST_GROWTH, fmax(length_factor(step, order_of(step)), 1.0));
+    const double factor = min_of(STEP_MOST_GROWTH, max_of(length_factor(step, order_of(step)), 1.0));
     return (StepProposal){step->h * factor, step->method->stages};
 }
 
@@ -62,7 +63,7 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
     double share = 1.0;
     for (int j = 0; slip->friction_varies && j < step->method->stages; j++) {
         const double part = balance_friction_share(slip, &step->start, &step->node[j]);
-        if (part < 1.0) share = fmin(share, part * step->method->node[j]);
+        if (part < 1.0) share = min_of(share, part * step->method->node[j]);
     }
     return share;
 }
@@ -85,7 +86,7 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         if (share < 1.0) {
             const bool aims = has_samples && n < STEP_SAMPLE_TRIALS; /* a step that does not get there may end before */
             const double most = aims && step->error <= 1.0 ? 1.0 : STEP_LEAST_SHORTENING;
-            h *= fmin(fmax(share, STEP_MOST_SHORTENING), most);
+            h *= min_of(max_of(share, STEP_MOST_SHORTENING), most);
             at_sample = has_samples;
             continue;
         }

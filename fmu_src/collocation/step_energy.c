@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 double step_energy_error(const SlipMode *slip, const Booking *b, const EnergyEnds *e) {
@@ -17,5 +18,5 @@ double step_energy_error(const SlipMode *slip, const Booking *b, const EnergyEnd
     const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(e->spring_force) * z;
     const double rounding =
         STEP_ENERGY_ROUNDING * (passed + at_rest + e->kinetic[0] + e->kinetic[1]) + e->angle_noise * fabs(e->tau);
-    return fmax(residual - rounding, 0.0) / (STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN);
+    return max_of(residual - rounding, 0.0) / (STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN);
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "contact/loaded_contacts.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -13,7 +14,7 @@
 NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
     const CamParams *cam = slip->params->cam;
     double slope[2];
-    for (int i = 0; i < 2; i++) slope[i] = sqrt(fmax(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
+    for (int i = 0; i < 2; i++) slope[i] = sqrt(max_of(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
     const Geometry g = cam_geometry(cam, slope);
     const BandFactors band = contact_band_under(slip->params, &g, fabs(b->force));
     const bool loads = (slip->direction > 0) == (b->force >= 0.0);
@@ -37,7 +38,7 @@ static ContactFactors factors_of(const SlipMode *slip, const Balance *b) {
     ContactFactors f;
     for (int i = 0; i < 2; i++) {
         const double r = slip->params->cam[i].radius;
-        contact_factors_set(&f, i, r, b->friction[i], sqrt(fmax(b->length2[i] - r * r, 0.0)));
+        contact_factors_set(&f, i, r, b->friction[i], sqrt(max_of(b->length2[i] - r * r, 0.0)));
     }
     contact_factors_multiply(&f);
     return f;
@@ -117,7 +118,7 @@ static double rounding_of(const SegmentLimits *limits, StepIndicator indicator, 
 
 static inline RadauValues values_of(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
     RadauValues v;
-    v.value[0] = fmax(value_at(limits, indicator, step, -1), 0.0);
+    v.value[0] = max_of(value_at(limits, indicator, step, -1), 0.0);
     for (int j = 0; j < step->method->stages; j++) v.value[j + 1] = value_at(limits, indicator, step, j);
     radau_find_range(&v, step->method->stages);
     return v;
@@ -131,7 +132,7 @@ static Bernstein polynomial_of(const SegmentLimits *limits, StepIndicator indica
     for (int j = 0; j <= stages; j++)
         if (fabs(v->value[j]) <= rounding) v->value[j] = 0.0;
     Bernstein p = radau_polynomial(step->method, v->value);
-    const double coefficient_rounding = CROSSING_COEFFICIENT * fmax(fabs(v->low), fabs(v->high));
+    const double coefficient_rounding = CROSSING_COEFFICIENT * max_of(fabs(v->low), fabs(v->high));
     for (int i = 0; i <= p.degree; i++)
         if (fabs(p.c[i]) <= coefficient_rounding) p.c[i] = 0.0;
     return p;

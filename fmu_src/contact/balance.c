@@ -4,6 +4,7 @@
 
 #include "contact/loaded_slip.h"
 #include "contact/residual.h"
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -78,7 +79,7 @@ static inline ViscousSpeed viscous_speed(double b, double c, double n, int direc
     const bool same_sign = b * c >= 0.0;
     const double four_cn = same_sign ? fabs(c * n) : c * direction * n;
     const double square = b * b + 4.0 * four_cn;
-    const double sum = b + sign * sqrt(fmax(square, 0.0));
+    const double sum = b + sign * sqrt(max_of(square, 0.0));
     return (ViscousSpeed){.omega = sum != 0.0 ? 2.0 * n / sum : 0.0, .sign = sign, .sum = sum, .square = square};
 }
 
@@ -393,11 +394,11 @@ double balance_friction_share(const SlipMode *slip, const Balance *from, const B
     for (int i = 0; i < 2; i++) {
         const FrictionFall *fall = &slip->law[i].fall;
         const double part = friction_share(fall, sliding_speed(slip, from, i), sliding_speed(slip, to, i));
-        if (part < 1.0) share = fmin(share, fall->table ? part : STEP_SAFETY * part);
+        if (part < 1.0) share = min_of(share, fall->table ? part : STEP_SAFETY * part);
         if (!fall->table && fall->level == 0.0) continue;
         const double from_load = reaction_of(slip, from, i), to_load = reaction_of(slip, to, i);
-        share = fmin(share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, from_load, to_load)
-                                        : friction_level_share(fall->level, fall->overshoot, from_load, to_load));
+        share = min_of(share, fall->table ? friction_table_load_share(fall->table, fall->overshoot, from_load, to_load)
+                                          : friction_level_share(fall->level, fall->overshoot, from_load, to_load));
     }
     return share;
 }

@@ -5,6 +5,7 @@
 
 #include "contact/contact_factors.h"
 #include "contact/loaded_contacts.h"
+#include "elementary/elementary.h"
 #include "geometry/transmission_build.h"
 #include "model/csv_file.h"
 #include "model/elements.h"
@@ -171,7 +172,7 @@ COMPACT_BEGIN
 /* Of a helix the parameter, as `cam1.lead_angle = 1.5`; of other grooves the lead angle at this slope. */
 static void name_lead(char text[80], const Params *p, int i, double slope) {
     if (p->cam[i].profile == PROFILE_HELIX) snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
-    else snprintf(text, 80, "lead angle %.17g of cam%d there", atan(slope / p->cam[i].radius), i + 1);
+    else snprintf(text, 80, "lead angle %.17g of cam%d there", elementary_atan(slope / p->cam[i].radius), i + 1);
 }
 
 static void name_friction(char text[100], const CamParams *cam, int i) {

@@ -1,7 +1,7 @@
 /* Coulomb friction at the two contacts of the pin.
  *
  * The contact room holds the forces at the pin: friction, flanks, the stick band, the balance of forces and its
- * derivatives. It may include platform, numerics, model and geometry.
+ * derivatives. It may include platform, elementary, numerics, model and geometry.
  *
  * In each groove the pin bears on one of two flanks. With x_i = R_i/hypot(r_i, a_i), R_i the total normal reaction
  * (positive on the flank that carries F > 0) and the flank sign e_i = sign(x_i), contact_factors.h gives the torques

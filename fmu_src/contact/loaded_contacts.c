@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -56,10 +57,10 @@ COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, cons
     double x[2], change = 0.0;
     solve_linear(f, axial, moment, x);
     for (int i = 0; i < 2; i++) {
-        change = fmax(change, fabs(x[i] - c->x[i]));
+        change = max_of(change, fabs(x[i] - c->x[i]));
         c->x[i] += share * (x[i] - c->x[i]);
     }
-    return change / fmax(fmax(fabs(x[0]), fabs(x[1])), fmax(fabs(c->x[0]), fabs(c->x[1])));
+    return change / max_of(max_of(fabs(x[0]), fabs(x[1])), max_of(fabs(c->x[0]), fabs(c->x[1])));
 }
 
 /* Has the balance one answer? See the head of loaded_contacts.h. */
@@ -97,7 +98,7 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
             c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
             return;
         }
-        share = change > 0.5 * before ? fmax(0.5 * share, 0.05) : fmin(2.0 * share, 1.0);
+        share = change > 0.5 * before ? max_of(0.5 * share, 0.05) : min_of(2.0 * share, 1.0);
         before = change;
     }
 }
@@ -175,7 +176,7 @@ COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, i
 bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
                         Transfer *transfer) {
     if (!any_friction_depends_on_load(params)) return contact_edge(g, direction, flank, transfer);
-    return loaded_edge(params, g, fmax(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
+    return loaded_edge(params, g, max_of(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
 }
 
 COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0) {

@@ -1,5 +1,6 @@
 #include "contact/slip_mode.h"
 
+#include "elementary/elementary.h"
 #include "platform/attributes.h"
 
 /* gamma' = a_2/(a_1 + a_2) and z' = a_1 gamma', differentiated (section 2 of docs/mechanism.md):
@@ -26,7 +27,7 @@ static inline void set_kinematics(SlipCoefficients *k, const TransmissionPoint *
 
 ALWAYS_INLINE static inline void set_coefficients(const SlipMode *slip, TransmissionPoint s, SlipCoefficients *k) {
     for (int i = 0; i < 2; i++)
-        s.slope[i] = fmax(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
+        s.slope[i] = max_of(s.slope[i], 0.0); /* the polynomial of a level groove rounds below 0 */
     set_kinematics(k, &s, slip->follower_has_inertia);
     for (int i = 0; i < 2; i++) k->slope[i] = (Dual){s.slope[i], s.dslope_dtheta[i]};
     if (slip->friction_varies) return;

@@ -1,7 +1,6 @@
 #include "contact/taylor.h"
 
-#include <math.h>
-
+#include "elementary/elementary.h"
 #include "platform/attributes.h"
 
 static Dual constant(double value) {
@@ -26,7 +25,7 @@ COMPACT void taylor_expand_grooves(const SlipMode *slip, Taylor *t) {
         double slope[TRANSMISSION_DEGREE + 1];
         for (int k = 0; k <= TRANSMISSION_DEGREE; k++) slope[k] = piece->slope[k][i];
         expand(slope, start, piece->scale, t->slope[i]);
-        t->slope[i][0] = fmax(t->slope[i][0], 0.0); /* the polynomial of a level groove rounds below 0 */
+        t->slope[i][0] = max_of(t->slope[i][0], 0.0); /* the polynomial of a level groove rounds below 0 */
     }
     expand(piece->z, start, piece->scale, t->height);
 }

@@ -5,7 +5,7 @@
  * tables of variables come from variables.def and dependencies.def. No physics stands here: model.h calls forward or
  * inverse dynamics.
  *
- * May include: platform, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
+ * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation, forward, inverse,
  * sensitivity. */
 #ifndef DUALCAM_FMI_H
 #define DUALCAM_FMI_H

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "elementary/elementary.h"
 #include "fmi/resources.h"
 #include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
@@ -169,7 +170,7 @@ bool instance_setup(Instance *instance, const char *function, const double *tole
                                function, *stop_time, start_time);
     instance->run.time = instance->run.completed_until = start_time;
     instance->values.model.params.tolerance =
-        tolerance != NULL ? fmin(fmax(*tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
+        tolerance != NULL ? min_of(max_of(*tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
     instance_invalidate(instance);
     return true;
 }

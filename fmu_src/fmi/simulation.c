@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "elementary/elementary.h"
 #include "fmi/access.h"
 #include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
@@ -13,7 +14,7 @@
 /* ---- co-simulation ---- */
 
 static bool is_near(double t, double time, double h) {
-    return fabs(t - time) <= TIME_ROUNDING * fmax(h, fmax(fabs(t), fabs(time)));
+    return fabs(t - time) <= TIME_ROUNDING * max_of(h, max_of(fabs(t), fabs(time)));
 }
 
 static bool is_step(const Instance *instance, const char *function, double t, double h) {
@@ -70,7 +71,7 @@ static double call_update(const WatchedStep *step, double time, Phase phase) {
     instance_invalidate(instance);
     const double wanted = step->update(instance, &point);
     instance->run.phase = PHASE_STEP;
-    return point.may_end ? fmin(fmax(wanted, time), step->end) : step->end;
+    return point.may_end ? min_of(max_of(wanted, time), step->end) : step->end;
 }
 
 /* The same from within the model. */
@@ -87,10 +88,10 @@ static double mode_changed(Watcher *watcher, double left) {
     const Instance *instance = step->instance;
     const bool handles_events = instance->run.interface_type == INTERFACE_HYBRID_CO_SIMULATION;
     /* in a step as long as 1e16 s the time of the change rounds to seconds: it must not round to before the step */
-    const double end = step->end, now = fmax(end - left, step->begin);
+    const double end = step->end, now = max_of(end - left, step->begin);
     if (left > 0.0 && handles_events && instance->intermediate.early_return_allowed) step->end = now;
     else if (left > 0.0 && step->update != NULL) step->end = leave_for_update(step, now);
-    const double remaining = step->end == end ? left : fmin(step->end - now, left);
+    const double remaining = step->end == end ? left : min_of(step->end - now, left);
     step->event = remaining == 0.0;
     return remaining;
 }
@@ -101,7 +102,7 @@ static double significant(double difference, double size) {
 
 /* Derivatives at the start of the cubic through u[0] to u[3], `third` seconds apart (Newton's forward differences). */
 static void differentiate(const double u[4], double third, double derivative[4]) {
-    const double size = fmax(fmax(fabs(u[0]), fabs(u[1])), fmax(fabs(u[2]), fabs(u[3])));
+    const double size = max_of(max_of(fabs(u[0]), fabs(u[1])), max_of(fabs(u[2]), fabs(u[3])));
     const double d1 = u[1] - u[0];
     const double d2 = significant(u[2] - 2.0 * u[1] + u[0], size);
     const double d3 = significant(u[3] - 3.0 * (u[2] - u[1]) - u[0], size);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "collocation/radau_step.h"
+#include "elementary/elementary.h"
 #include "forward/stick.h"
 #include "platform/attributes.h"
 
@@ -88,7 +89,7 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
 /* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the value of x_i a little
  * later decides; this value takes the place of the second derivative. */
 static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
-    const double dt = CANDIDATE_LOOK_AHEAD * fmin(1.0, radau_step_time_scale(slip, now));
+    const double dt = CANDIDATE_LOOK_AHEAD * min_of(1.0, radau_step_time_scale(slip, now));
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
     const double theta =
         now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));

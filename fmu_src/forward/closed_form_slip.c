@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
 
@@ -15,8 +16,8 @@ static inline LinearSegment segment_from_here(const Mechanism *m, const LinearSl
         .work = m->work,
         .to_stop = angle_to_stop(m, linear->direction),
         .flanks = has_friction(&m->params),
-        .edge = {fmin(m->configuration.band.load, LINEAR_STEEPEST_EDGE),
-                 fmax(m->configuration.band.release, -LINEAR_STEEPEST_EDGE)},
+        .edge = {min_of(m->configuration.band.load, LINEAR_STEEPEST_EDGE),
+                 max_of(m->configuration.band.release, -LINEAR_STEEPEST_EDGE)},
     };
 }
 
@@ -68,7 +69,7 @@ bool closed_form_slip_propose(Mechanism *m, double left, Segment *segment) {
     const int index = present_slip_index(m);
     const LinearSlipMode *linear = kept_linear_slip(m, index);
     const LinearSegment s = segment_from_here(m, linear);
-    const LinearEvent last = linear_event_horizon(&s, fmin(left, linear->oscillator.horizon));
+    const LinearEvent last = linear_event_horizon(&s, min_of(left, linear->oscillator.horizon));
     Kernel kernel = m->cache.kernel[index];
     if (kernel.t != last.t) oscillator_kernel(&linear->oscillator, last.t, &kernel);
     SegmentEnds ends;

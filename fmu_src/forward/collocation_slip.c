@@ -6,6 +6,7 @@
 #include "collocation/lobatto_step.h"
 #include "collocation/radau_peaks.h"
 #include "collocation/radau_step.h"
+#include "elementary/elementary.h"
 #include "forward/candidate.h"
 #include "forward/impact.h"
 #include "forward/jump.h"
@@ -67,7 +68,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
 static double torque_rounding(const Mechanism *m, const Balance *b, double lever) {
     const double terms = fabs(b->tau) + fabs(lever) * (fabs(b->force - b->F_ext) + fabs(b->F_ext));
     const double by_angle = fabs(lever * spring_rate(&m->params.spring, b->z) * b->dz_dtheta);
-    return fmax(BREAKAWAY_ROUNDING * terms, stick_tie(m) * stick_torque_size(m, lever)) +
+    return max_of(BREAKAWAY_ROUNDING * terms, stick_tie(m) * stick_torque_size(m, lever)) +
            CANDIDATE_ANGLE_ROUNDING * REACTION_ZERO_SHARE * largest_angle(&m->params) * by_angle;
 }
 
@@ -84,15 +85,15 @@ static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balanc
     const double excess = side * (start->tau + lever * start->force);
     const double rounding = torque_rounding(m, start, lever);
     if (!(excess <= rounding)) return 0.0;
-    const double missing = rounding + fmax(-excess, 0.0);
+    const double missing = rounding + max_of(-excess, 0.0);
     const Inputs *in = slip->inputs;
     double t[INPUT_ORDER], factorial = 1.0; /* s, until the k-th derivative alone has made what is missing */
     for (int k = 1; k <= INPUT_ORDER; k++) {
         factorial *= k;
         t[k - 1] = factorial * missing / fabs(in->tau[k] + lever * in->F_ext[k]);
     }
-    const double unseen = fmin(t[0], fmin(sqrt(t[1]), cbrt(t[2])));
-    return unseen < INFINITY ? fmax(unseen, DBL_EPSILON * left) : 0.0;
+    const double unseen = min_of(t[0], min_of(sqrt(t[1]), elementary_cbrt(t[2])));
+    return unseen < INFINITY ? max_of(unseen, DBL_EPSILON * left) : 0.0;
 }
 
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
@@ -116,7 +117,7 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
     }
     if (found) return radau_segment(m, slip, location, segment);
     const double unseen = unseen_time(m, slip, start, left);
-    if (unseen > 0.0) rest_propose_for(m, fmin(left, unseen), segment);
+    if (unseen > 0.0) rest_propose_for(m, min_of(left, unseen), segment);
     else jam_propose(m, segment);
     return true;
 }

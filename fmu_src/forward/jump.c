@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "forward/closed_form_slip.h"
 #include "forward/decide.h"
 #include "forward/play.h"
@@ -37,7 +38,7 @@ JumpProposal jump_of_helices(const Mechanism *m, const LinearSlipMode *linear, S
     const bool mirrors = force * spring < 0.0 && fabs(force) > stick_tie(m) * stick_axial_size(m);
     const double to_edge = stable ? net / linear->stiffness : INFINITY;
     const double to_mirror = mirrors ? -force / spring : INFINITY;
-    const double distance = fmin(to_edge, fmin(to_mirror, s.to_stop));
+    const double distance = min_of(to_edge, min_of(to_mirror, s.to_stop));
     segment_begin(m, SEGMENT_JUMP, segment);
     if (m->params.ledger) book_helices(&s, sign * distance, segment);
     segment->dtheta = sign * distance;
@@ -97,7 +98,7 @@ static double growing_time(const Inputs *in, int direction, double left) {
     if (!inputs_load_constant(in)) return 0.0;
     const double rate[INPUT_ORDER + 1] = {direction * in->tau[1], direction * in->tau[2], direction * in->tau[3]};
     const Bernstein p = bernstein_of_taylor(rate, left);
-    return left * fmin(bernstein_descent(&p), 1.0);
+    return left * min_of(bernstein_descent(&p), 1.0);
 }
 
 /* Where the edge of the band is level, time does not follow from theta, but theta follows from the torque. As long as

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "elementary/elementary.h"
 #include "forward/configuration.h"
 #include "forward/decide.h"
 #include "forward/rest.h"
@@ -23,7 +24,7 @@ void ode_set_states(Mechanism *m, const double x[ODE_STATES]) {
     const TransmissionPiece *first = &transmission->piece[0], *last = &transmission->piece[transmission->count - 1];
     const double lower = m->params.stop.lower - SOLVER_OVERSHOOT * (first->upper - first->lower);
     const double upper = m->params.stop.upper + SOLVER_OVERSHOOT * (last->upper - last->lower);
-    mechanism_set_motion(m, fmin(fmax(x[0], lower), upper), x[1]);
+    mechanism_set_motion(m, min_of(max_of(x[0], lower), upper), x[1]);
 }
 
 void ode_get_states(const Mechanism *m, double x[ODE_STATES]) {

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "contact/loaded_contacts.h"
+#include "elementary/elementary.h"
 #include "forward/configuration.h"
 #include "forward/stick.h"
 #include "numerics/golden_section.h"
@@ -152,14 +153,14 @@ static void look_for_peaks(const EdgePath *path, double from, double to, Jump *j
         for (int k = 1; k <= PLAY_PEAK_PARTS; k++) best = reaction[i][k] > reaction[i][best] ? k : best;
         double largest = reaction[i][best];
         const double step = (to - from) / (int)PLAY_PEAK_PARTS;
-        const double left = from + step * fmax(best - 1, 0.0),
-                     right = from + step * fmin(best + 1, (double)(int)PLAY_PEAK_PARTS);
+        const double left = from + step * max_of(best - 1, 0.0),
+                     right = from + step * min_of(best + 1, (double)(int)PLAY_PEAK_PARTS);
         if (largest > PLAY_NEAR_PEAK * jump->reaction[i]) {
             const EdgeReaction reaction_i = {path, i};
             const int steps = PLAY_GOLDEN_STEPS;
-            largest = fmax(largest, golden_section_maximum(reaction_at, &reaction_i, left, right, steps).value);
+            largest = max_of(largest, golden_section_maximum(reaction_at, &reaction_i, left, right, steps).value);
         }
-        jump->reaction[i] = fmax(jump->reaction[i], largest);
+        jump->reaction[i] = max_of(jump->reaction[i], largest);
     }
 }
 
@@ -227,7 +228,7 @@ static bool cross_piece(const EdgePath *path, double end, double bump, Jump *jum
         jump->dtheta = to - start;
         if (held) return true;
         from = to;
-        step = fmin(2.0 * step, width / (int)PLAY_SAMPLES);
+        step = min_of(2.0 * step, width / (int)PLAY_SAMPLES);
     }
     return false;
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "forward/candidate.h"
 #include "forward/decide.h"
 #include "forward/stick.h"
@@ -62,7 +63,7 @@ static void condition_along(const Mechanism *m, const Conditions *c, int i, doub
 }
 
 static double least_at(double u[CONDITIONS][INPUT_ORDER + 1], double t) {
-    return fmin(input_value(u[0], t), fmin(input_value(u[1], t), input_value(u[2], t)));
+    return min_of(input_value(u[0], t), min_of(input_value(u[1], t), input_value(u[2], t)));
 }
 
 /* The first time in (0, left] after which all conditions are met; infinity if there is none. Where the axial load passes
@@ -77,8 +78,8 @@ static double time_of(double u[CONDITIONS][INPUT_ORDER + 1], double left) {
             const double t = x[k] * left, rate = input_rate(u[i], t);
             double others = INFINITY;
             for (int j = 0; j < CONDITIONS; j++)
-                if (j != i) others = fmin(others, input_value(u[j], t));
-            if (rate > 0.0 && others >= -0.5 * LATE_LOADS) first = fmin(first, t);
+                if (j != i) others = min_of(others, input_value(u[j], t));
+            if (rate > 0.0 && others >= -0.5 * LATE_LOADS) first = min_of(first, t);
         }
     }
     return first;
@@ -95,7 +96,7 @@ static double wedge_time(const Mechanism *m, double left) {
         if (!conditions_of(m, slip_index(direction, flank), &c)) continue;
         double u[CONDITIONS][INPUT_ORDER + 1];
         for (int i = 0; i < CONDITIONS; i++) condition_along(m, &c, i, u[i]);
-        first = fmin(first, time_of(u, left));
+        first = min_of(first, time_of(u, left));
     }
     return first;
 }
@@ -124,7 +125,7 @@ COLD static double loaded_wedge_time(Mechanism *m, double left) {
         else before = middle;
     }
     m->inputs = now;
-    return fmin(after, left);
+    return min_of(after, left);
 }
 
 double wedge_agreement(const Mechanism *m) {
@@ -137,7 +138,7 @@ double wedge_agreement(const Mechanism *m) {
         if (!conditions_of(m, slip_index(direction, flank), &c)) continue;
         double u[CONDITIONS][INPUT_ORDER + 1];
         for (int i = 0; i < CONDITIONS; i++) condition_along(m, &c, i, u[i]);
-        largest = fmax(largest, least_at(u, 0.0));
+        largest = max_of(largest, least_at(u, 0.0));
     }
     return largest;
 }

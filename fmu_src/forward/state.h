@@ -1,5 +1,5 @@
 /* The room forward/ holds forward dynamics: torque in, motion out.
- * May include: platform, numerics, model, geometry, contact, closed_form, collocation.
+ * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation.
  *
  * The mechanism: two coaxial cylindrical cams share one follower pin, which a spring and a damper load along the axis.
  * Cam 1 is fixed. The torque tau acts on cam 2, which rotates by theta and moves the follower by z.

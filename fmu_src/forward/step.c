@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "elementary/elementary.h"
 #include "forward/closed_form_slip.h"
 #include "forward/collocation_slip.h"
 #include "forward/decide.h"
@@ -128,7 +129,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
-    run->left = fmax(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
+    run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
     run->hint = (LobattoHint){.refused = false};

@@ -5,6 +5,7 @@
 
 #include "contact/balance.h"
 #include "contact/loaded_contacts.h"
+#include "elementary/elementary.h"
 #include "numerics/bernstein.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
@@ -201,12 +202,12 @@ RestInterval stick_rest_interval(const Mechanism *m) {
 NOINLINE static double time_above(const double u[INPUT_ORDER + 1], double sign, double t_end) {
     if (u[2] == 0.0 && u[3] == 0.0) { /* a straight line: the time is exact */
         if (!(sign * u[1] > 0.0)) return INFINITY;
-        const double t = fmax(-sign * u[0], 0.0) / (sign * u[1]);
+        const double t = max_of(-sign * u[0], 0.0) / (sign * u[1]);
         return t <= t_end ? t : INFINITY;
     }
     double below[INPUT_ORDER + 1];
     for (int k = 0; k <= INPUT_ORDER; k++) below[k] = -sign * u[k];
-    below[0] = fmax(below[0], 0.0);
+    below[0] = max_of(below[0], 0.0);
     const Bernstein p = bernstein_of_taylor(below, t_end);
     return t_end * bernstein_descent(&p);
 }
@@ -269,7 +270,7 @@ COMPACT static double loaded_excess(const void *context, double t) {
 
 /* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. */
 COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
-    double before = 0.0, f_before = fmin(loaded_excess(rest, 0.0), 0.0);
+    double before = 0.0, f_before = min_of(loaded_excess(rest, 0.0), 0.0);
     for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
         const double t = t_end * k / (int)LOADED_REST_SAMPLES, f = loaded_excess(rest, t);
         if (f > 0.0) return root_between(loaded_excess, rest, before, f_before, t, f);
@@ -283,22 +284,22 @@ COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
  * mirrored, so that the next segment begins. */
 static double rest_time(const Mechanism *m, double ties, double left) {
     const double F_0 = stick_axial_load(m);
-    const double side = side_of(m, F_0), t_end = fmin(time_to_mirror(m, F_0, left), left);
+    const double side = side_of(m, F_0), t_end = min_of(time_to_mirror(m, F_0, left), left);
     if (m->model.friction_is_loaded && !inputs_load_constant(&m->inputs)) {
         LoadedRest rest = {m, F_0, side, 1.0, ties};
         const double load = loaded_time_beyond(&rest, t_end);
         rest.sign = -1.0;
-        return fmin(t_end, fmin(load, loaded_time_beyond(&rest, t_end)));
+        return min_of(t_end, min_of(load, loaded_time_beyond(&rest, t_end)));
     }
     const BandFactors f = rest_factors(m, stick_edges(m, side), F_0, side);
     const double above = time_beyond(m, f.load, F_0, 1.0, ties, t_end);
     const double below = time_beyond(m, f.release, F_0, -1.0, ties, t_end);
-    return fmin(t_end, fmin(above, below));
+    return min_of(t_end, min_of(above, below));
 }
 
 double stick_rest_time(const Mechanism *m, double left) {
     const double t = rest_time(m, 0.0, left), least = DBL_EPSILON * left;
-    return t > least ? t : fmax(rest_time(m, STICK_TIES_OF_NO_SLIP, left), least);
+    return t > least ? t : max_of(rest_time(m, STICK_TIES_OF_NO_SLIP, left), least);
 }
 
 double stick_sharing(const Mechanism *m, int i) {

@@ -5,12 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "elementary/elementary.h"
 #include "model/csv_file.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 static bool build_helix(Groove *groove, const CamParams *cam) {
-    groove->gain = cam->radius * tan(cam->lead_angle);
+    groove->gain = cam->radius * elementary_tan(cam->lead_angle);
     groove->first = -INFINITY;
     groove->last = INFINITY;
     return true;
@@ -18,7 +19,7 @@ static bool build_helix(Groove *groove, const CamParams *cam) {
 
 static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Fault *fault) {
     /* S0 = sin(atan(t)), C0 = cos(atan(t)) */
-    const double t = cam->ellipse_a / cam->ellipse_b * tan(cam->lead_angle), kappa = cam->ellipse_curvature;
+    const double t = cam->ellipse_a / cam->ellipse_b * elementary_tan(cam->lead_angle), kappa = cam->ellipse_curvature;
     groove->C0 = 1.0 / sqrt(1.0 + t * t);
     groove->S0 = t * groove->C0;
     groove->gain = cam->radius * cam->ellipse_b / cam->ellipse_a;
@@ -91,7 +92,7 @@ static double clamped(double x, double low, double high) {
  * psi = 0. */
 static GroovePoint ellipse_at(const Groove *g, double psi) {
     const double u = g->rate * psi;
-    const double S = fmax(g->S0 + u, 0.0), rise = u * (g->S0 + S);
+    const double S = max_of(g->S0 + u, 0.0), rise = u * (g->S0 + S);
     const double CC = g->C0 * g->C0 - rise, C = sqrt(CC);
     const double inverse = 1.0 / C, slope = g->gain * S * inverse;
     return (GroovePoint){
@@ -110,7 +111,7 @@ GroovePoint groove_at(const Groove *groove, double psi) {
 /* From C = C0 - z/(kappa b): S - S0 = (C0^2 - C^2)/(S0 + S) */
 static double ellipse_angle(const Groove *g, double z) {
     const double drop = z / g->height, C = g->C0 - drop;
-    const double S = sqrt(fmax((1.0 - C) * (1.0 + C), 0.0)), sum = g->S0 + S;
+    const double S = sqrt(max_of((1.0 - C) * (1.0 + C), 0.0)), sum = g->S0 + S;
     return sum > 0.0 ? drop * (g->C0 + C) / (sum * g->rate) : 0.0;
 }
 

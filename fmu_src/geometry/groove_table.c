@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#include "elementary/elementary.h"
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
@@ -21,9 +22,9 @@ static TablePiece piece_of(const Samples *s, size_t j, const CurveKnot *knot) {
         .psi = s->sample[j].psi,
         .width = h,
         .z = s->sample[j].z,
-        .slope = {a.slope, fmax(a.slope + a.bend * h / 4.0, 0.0),
-                  fmax(5.0 * curve_chord(&curve, j) - curve_end_sum(h, a, b), 0.0),
-                  fmax(b.slope - b.bend * h / 4.0, 0.0), b.slope},
+        .slope = {a.slope, max_of(a.slope + a.bend * h / 4.0, 0.0),
+                  max_of(5.0 * curve_chord(&curve, j) - curve_end_sum(h, a, b), 0.0),
+                  max_of(b.slope - b.bend * h / 4.0, 0.0), b.slope},
     };
 }
 

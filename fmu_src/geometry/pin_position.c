@@ -3,12 +3,13 @@
 #include <float.h>
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 GammaRange pin_gamma_range(const Groove groove[2], double theta) {
     return (GammaRange){
-        .lower = fmax(groove[0].first, theta - groove[1].last),
-        .upper = fmin(groove[0].last, theta - groove[1].first),
+        .lower = max_of(groove[0].first, theta - groove[1].last),
+        .upper = min_of(groove[0].last, theta - groove[1].first),
     };
 }
 
@@ -40,7 +41,7 @@ double pin_gamma(const Groove groove[2], double theta, double guess) {
         if (!inside || fabs(next - gamma) > 0.5 * last_step) next = 0.5 * (in.lower + in.upper);
         last_step = fabs(next - gamma);
         gamma = next;
-        if (last_step <= PIN_ROUNDING * fmax(fabs(gamma), fabs(phi))) return gamma;
+        if (last_step <= PIN_ROUNDING * max_of(fabs(gamma), fabs(phi))) return gamma;
     }
     return gamma;
 }
@@ -63,7 +64,7 @@ PinPosition pin_position(const Groove groove[2], double theta, double guess) {
     const GroovePoint point[2] = {groove_at(&groove[0], psi[0]), groove_at(&groove[1], psi[1])};
     PinPosition position = {.gamma = gamma, .z = pin_height(point[0], point[1])};
     /* the angles round, and so do the heights that determine them */
-    const double angle = fmax(fabs(psi[0]), fabs(psi[1])) + fabs(position.z) / (point[0].slope + point[1].slope);
+    const double angle = max_of(fabs(psi[0]), fabs(psi[1])) + fabs(position.z) / (point[0].slope + point[1].slope);
     for (int i = 0; i < 2; i++) {
         position.slope[i] = groove_slope(&groove[i], psi[i], position.z);
         position.rounding[i] = slope_rounding(&groove[i], point[i], angle);

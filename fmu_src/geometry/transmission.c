@@ -1,6 +1,5 @@
 #include "geometry/transmission.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

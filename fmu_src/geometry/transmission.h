@@ -8,7 +8,7 @@
  *
  * The room geometry/ holds the shape of the mechanism: the groove laws g_i(psi) and tables of samples (groove.h), the
  * pin in both grooves (pin_position.h), the transmission, and the kinematics at one theta (cam.h). May include:
- * platform, numerics, model. */
+ * platform, elementary, numerics, model. */
 #ifndef DUALCAM_TRANSMISSION_H
 #define DUALCAM_TRANSMISSION_H
 

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "elementary/elementary.h"
 #include "geometry/cam.h"
 #include "geometry/groove_pair.h"
 #include "geometry/transmission_fit.h"
@@ -53,8 +54,9 @@ static void measure_size(Transmission *transmission) {
         const double ends[2] = {transmission->piece[k].lower, transmission->piece[k].upper};
         for (int i = 0; i < 2; i++) {
             const TransmissionPoint point = piece_at(&transmission->piece[k], ends[i]);
-            transmission->slope_size = fmax(transmission->slope_size, fmax(fabs(point.slope[0]), fabs(point.slope[1])));
-            transmission->z_size = fmax(transmission->z_size, fabs(point.z));
+            transmission->slope_size =
+                max_of(transmission->slope_size, max_of(fabs(point.slope[0]), fabs(point.slope[1])));
+            transmission->z_size = max_of(transmission->z_size, fabs(point.z));
         }
     }
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "elementary/elementary.h"
 #include "geometry/cam.h"
 #include "geometry/groove_pair.h"
 #include "geometry/pin_position.h"
@@ -82,7 +83,7 @@ static double node_theta(const Fit *fit, const TransmissionPiece *piece, int j) 
  * DBL_MIN have few digits: a lead angle of 1e-315 rad would need more pieces than there may be. */
 static void set_allowed(const Fit *fit, const double steepest[2], const double rounding[2], NodeSamples *samples) {
     for (int i = 0; i < 2; i++)
-        samples->allowed[i] = TRANSMISSION_ERROR * fmin(fit->steepest[i], steepest[i]) +
+        samples->allowed[i] = TRANSMISSION_ERROR * min_of(fit->steepest[i], steepest[i]) +
                               TRANSMISSION_ROUNDING_FACTOR * rounding[i] + DBL_MIN;
     samples->allowed[2] = samples->allowed[0] + samples->allowed[1]; /* |dz'/da_i| <= 1 */
     samples->z_allowed = TRANSMISSION_ERROR * fit->highest + DBL_MIN;
@@ -96,8 +97,8 @@ static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *
         if (pin_is_undetermined(fit->transmission->groove, &position)) return false;
         for (int i = 0; i < 2; i++) {
             samples->value[i][j] = position.slope[i];
-            steepest[i] = fmax(steepest[i], position.slope[i]);
-            rounding[i] = fmax(rounding[i], position.rounding[i]);
+            steepest[i] = max_of(steepest[i], position.slope[i]);
+            rounding[i] = max_of(rounding[i], position.rounding[i]);
         }
         samples->value[2][j] = cam_dz_dtheta(position.slope);
         if (j == 0) samples->z_lower = position.z;
@@ -224,8 +225,8 @@ static void measure(Fit *fit, const Breakpoint *breakpoint, size_t count) {
     for (size_t j = 0; j < 2 * count - 1; j++) {
         const double left = breakpoint[j / 2].theta, right = breakpoint[(j + 1) / 2].theta;
         const PinPosition position = position_at(fit, 0.5 * (left + right));
-        for (int i = 0; i < 2; i++) fit->steepest[i] = fmax(fit->steepest[i], position.slope[i]);
-        fit->highest = fmax(fit->highest, fabs(position.z));
+        for (int i = 0; i < 2; i++) fit->steepest[i] = max_of(fit->steepest[i], position.slope[i]);
+        fit->highest = max_of(fit->highest, fabs(position.z));
     }
 }
 

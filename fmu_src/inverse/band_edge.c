@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "model/elements.h"
 #include "numerics/golden_section.h"
 #include "numerics/root.h"
@@ -103,7 +104,7 @@ static double negative_slope_at(const void *edge, double x) {
 static bool may_fall_between(const EdgeSample *a, const EdgeSample *b) {
     const double halfway =
         1.5 * (b->holding_angle - a->holding_angle) / fabs(b->x - a->x) - 0.25 * (a->slope + b->slope);
-    return fmin(fmin(a->slope, b->slope), halfway) < SMALL_EDGE_SLOPE * fmax(fmax(a->slope, b->slope), halfway);
+    return min_of(min_of(a->slope, b->slope), halfway) < SMALL_EDGE_SLOPE * max_of(max_of(a->slope, b->slope), halfway);
 }
 
 /* Does theta_h jump down where other flanks take over between a and b? Bisection ends at two neighbouring doubles. */

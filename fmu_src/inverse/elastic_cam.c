@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "inverse/band_edge.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
@@ -72,7 +73,7 @@ static bool book_slip(SlipPath *path, Quadrature *quadrature, double from, doubl
         double before = to, after = to;
         if (part < ELASTIC_PATH_PARTS - 1) next_reversal(&path->edge, from, to, &before, &after);
         if (!quadrature_over(quadrature, from, before)) return false;
-        path->highest = fmax(path->highest, band_edge_holding_angle(&path->edge, before));
+        path->highest = max_of(path->highest, band_edge_holding_angle(&path->edge, before));
         from = after;
     }
     return true;
@@ -98,7 +99,7 @@ static bool book_path(SlipPath *path, const ElasticCam *cam, double from, double
 static double interval_end(const BandEdge *edge, double x) {
     const StopParams *stop = &edge->params->stop;
     const double limit =
-        edge->direction > 0 ? fmin(edge->piece->upper, stop->upper) : fmax(edge->piece->lower, stop->lower);
+        edge->direction > 0 ? min_of(edge->piece->upper, stop->upper) : max_of(edge->piece->lower, stop->lower);
     const double share = x + edge->direction * (stop->upper - stop->lower) / (int)ELASTIC_SEARCH_INTERVALS;
     return edge->direction * (share - limit) < 0.0 ? share : limit;
 }
@@ -136,7 +137,7 @@ bool elastic_cam_slip(ElasticCam *cam, double theta_from, double theta_to, int d
         if (work_is_spent(cam->work)) return false;
         edge->piece = transmission_piece(&m->transmission, cam->x, direction);
         if (!band_edge_is_exceeded(edge, cam->x)) break;
-        if (first) path.highest = fmax(direction * theta_from, band_edge_holding_angle(edge, cam->x));
+        if (first) path.highest = max_of(direction * theta_from, band_edge_holding_angle(edge, cam->x));
         first = false;
         const double x = rest_on_interval(edge, cam->x, interval_end(edge, cam->x), &rests);
         if (x == cam->x) break;

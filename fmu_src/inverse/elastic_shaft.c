@@ -1,7 +1,6 @@
 #include "inverse/elastic_shaft.h"
 
-#include <math.h>
-
+#include "elementary/elementary.h"
 #include "inverse/band_edge.h"
 #include "model/friction_law.h"
 
@@ -91,7 +90,7 @@ double elastic_shaft_start(const Inverse *m) {
     const double theta = m->inputs.theta[0];
     Work work = {.most = MAX_WORK};
     ElasticCam cam = {.m = m, .F_ext = m->inputs.F_ext[0], .work = &work};
-    cam.x = fmin(fmax(theta, stop->lower), stop->upper);
+    cam.x = min_of(max_of(theta, stop->lower), stop->upper);
     elastic_cam_relax(&cam, theta);
     return work_is_spent(&work) ? NAN : cam.x;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "elementary/elementary.h"
 #include "inverse/elastic_shaft.h"
 #include "inverse/step_booking.h"
 #include "numerics/sign.h"
@@ -24,8 +25,8 @@ static void raise_peaks(ElasticStep *step, double theta) {
     ElasticShaftState now;
     elastic_shaft_state(&step->cam, theta, 0.0, &now);
     double *peak = step->quadrature.peak;
-    peak[SIZE_TORQUE] = fmax(peak[SIZE_TORQUE], fabs(now.tau));
-    for (int i = 0; i < 2; i++) peak[SIZE_REACTION1 + i] = fmax(peak[SIZE_REACTION1 + i], fabs(now.reaction[i]));
+    peak[SIZE_TORQUE] = max_of(peak[SIZE_TORQUE], fabs(now.tau));
+    for (int i = 0; i < 2; i++) peak[SIZE_REACTION1 + i] = max_of(peak[SIZE_REACTION1 + i], fabs(now.reaction[i]));
 }
 
 /* The far end goes to theta in one direction, at constant F_ext. `opens`: it begins a monotone part of the motion. */
@@ -106,7 +107,7 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
         return false;
     }
     const double fastest = fabs(imposed_omega(motion, bernstein_peak(&motion->dtheta_ds)));
-    step.quadrature.peak[SIZE_OMEGA] = fmax(step.quadrature.peak[SIZE_OMEGA], fastest);
+    step.quadrature.peak[SIZE_OMEGA] = max_of(step.quadrature.peak[SIZE_OMEGA], fastest);
     next->cam = step.cam.x;
     next->omega = omega;
     if (m->params.ledger)

@@ -3,7 +3,7 @@
  * The room inverse/ holds the imposed motion, the torque with a rigid and with an elastic shaft, the step and its
  * booking, and the outputs. Nothing here knows of FMI. All values are in SI units.
  *
- * May include: platform, numerics, model, geometry, contact, closed_form, collocation; not forward.
+ * May include: platform, elementary, numerics, model, geometry, contact, closed_form, collocation; not forward.
  *
  * With D(v) the damper's force, sigma the direction of motion, and rho and kappa_1 those of the flanks on which the
  * contacts then bear (contact.h),

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -35,7 +36,7 @@ FrictionCoefficient friction_at(const CamParams *cam, double v) {
     if (v > speed_without_excess(cam, excess)) return mu;
     const double per_speed = 1.0 / law->stribeck_velocity;
     const Exponent exponent = stribeck_exponent(law, v * per_speed);
-    const double share = excess * exp(exponent.value);
+    const double share = excess * elementary_exp(exponent.value);
     mu.value += share;
     mu.by_speed += share * exponent.slope * per_speed;
     return mu;
@@ -47,7 +48,7 @@ COMPACT LoadedFriction friction_under(const CamParams *cam, double v, double R) 
     const FrictionCoefficient mu = friction_at(cam, v);
     if (!friction_depends_on_load(cam)) return (LoadedFriction){mu.value, mu.by_speed, 0.0};
     const Dual log_ratio = level_log(R / law->load);
-    const double power = exp(law->load_exponent * log_ratio.value);
+    const double power = elementary_exp(law->load_exponent * log_ratio.value);
     const double dry = (mu.value - law->viscous * v) * power;
     return (LoadedFriction){
         .value = dry + law->viscous * v,
@@ -65,7 +66,7 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     VectorLoadPower out = {none, none, false};
     for (int j = 0; j < 2; j++) {
         const Dual l = level_log(q[j]);
-        out.value[j] = exp(exponent[j] * l.value);
+        out.value[j] = elementary_exp(exponent[j] * l.value);
         out.by_log_load[j] = exponent[j] * l.slope * q[j] * out.value[j];
     }
     return out;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -22,7 +23,7 @@ static const FrictionPiece *piece_of(const FrictionTable *table, size_t load, si
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
     const FrictionPiece *p = piece_of(table, table->loads / 2, friction_table_find(table->speed, table->count, v));
     const FrictionCoefficient u = curve_at(p, v);
-    const double value = p->mu * exp(u.value);
+    const double value = p->mu * elementary_exp(u.value);
     return (FrictionCoefficient){value, value * u.by_speed};
 }
 
@@ -50,7 +51,7 @@ COMPACT static SplinePlace place_of(const FrictionTable *table, double x) {
 
 /* Value and slope over ln R of the spline through u[k]. Beyond the loads a straight line continues the spline. */
 COMPACT static FrictionCoefficient spline_at(const FrictionTable *table, const SplinePlace *at, const double u[]) {
-    const double h = at->h, a = fmin(fmax(at->a, 0.0), 1.0), b = 1.0 - a;
+    const double h = at->h, a = min_of(max_of(at->a, 0.0), 1.0), b = 1.0 - a;
     double bend[2] = {0.0, 0.0};
     for (size_t l = 0; l < table->loads; l++)
         for (size_t end = 0; end < 2; end++) bend[end] += table->bend[at->k + end][l] * u[l];
@@ -72,7 +73,7 @@ COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v
         slope[k] = curve.by_speed;
     }
     const FrictionCoefficient spline = spline_at(table, &at, u);
-    const double mu = exp(spline.value);
+    const double mu = elementary_exp(spline.value);
     return (LoadedFriction){mu, mu * spline_at(table, &at, slope).value,
                             mu * spline.by_speed * log_ratio.slope / table->load[1]};
 }
@@ -80,7 +81,7 @@ COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v
 /* The same as spline_at(), of jets. `x`: ln R. */
 COMPACT static Jet spline_along(const FrictionTable *table, const Jet u[], const Jet *x) {
     const SplinePlace at = place_of(table, x->c[0].value);
-    const double inner = fmin(fmax(at.a, 0.0), 1.0), h = at.h;
+    const double inner = min_of(max_of(at.a, 0.0), 1.0), h = at.h;
     Jet bend[2] = {{.c = {{0.0, 0.0}}}, {.c = {{0.0, 0.0}}}};
     for (size_t l = 0; l < table->loads; l++)
         for (size_t end = 0; end < 2; end++) jet_add_scaled(&bend[end], table->bend[at.k + end][l], &u[l]);
@@ -119,7 +120,7 @@ COMPACT Jet friction_table_along(const FrictionTable *table, const Jet *v, const
 static double width_beside(const double *knot, size_t last, size_t k) {
     if (k == 0 || k > last) return INFINITY;
     const double below = knot[k] - knot[k - 1];
-    return k < last ? fmin(below, knot[k + 1] - knot[k]) : below;
+    return k < last ? min_of(below, knot[k + 1] - knot[k]) : below;
 }
 
 COMPACT KnotCell friction_table_cell(const double *knot, size_t last, size_t k) {
@@ -145,7 +146,7 @@ static inline KnotStep knot_step(const KnotCell *cell, double overshoot, double 
     const double most = FRICTION_SPAN * (cell->upper - cell->lower), beyond = overshoot * cell->beside[up];
     const double distance = up ? cell->upper - x : x - cell->lower, behind = up ? x - cell->lower : cell->upper - x;
     const bool is_far = distance > FRICTION_SPAN_SLACK * most;
-    KnotStep step = {INFINITY, INFINITY, fmin(most, fabs(behind) + overshoot * cell->beside[!up])};
+    KnotStep step = {INFINITY, INFINITY, min_of(most, fabs(behind) + overshoot * cell->beside[!up])};
     if (beyond == INFINITY) return step;
     step.aim = is_far ? 0.5 * fabs(distance) : fabs(distance) + 0.5 * beyond;
     step.longest = is_far ? FRICTION_SPAN_SLACK * step.aim : fabs(distance) + beyond;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "elementary/elementary.h"
 #include "model/csv_file.h"
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
@@ -105,7 +106,7 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
         if (!csv_row(csv, 2 + with_loads, form[with_loads], value)) return false;
         const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
         if (with_loads && !(R > 0.0)) return csv_refuse(csv, "line %zu: R_N = %.17g must be > 0", csv->line, R);
-        s->sample[s->count] = (FrictionSample){value[0], R, mu, logarithm(mu)};
+        s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu)};
         if (!add_sample(csv, s)) return false;
     }
     return check_whole(csv, s, with_loads != 0);
@@ -184,7 +185,7 @@ static void fill_bends(FrictionTable *table) {
 static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
     for (size_t n = s->speeds; n < s->count; n++) {
         const FrictionSample *a = &s->sample[n - s->speeds], *b = &s->sample[n];
-        const double power = (b->log_mu - a->log_mu) / logarithm(b->R / a->R);
+        const double power = (b->log_mu - a->log_mu) / elementary_log(b->R / a->R);
         if (!(fabs(power) <= FRICTION_LOAD_POWER))
             return csv_refuse(csv,
                               "at v_m_s = %.17g mu goes with the power %.3g of the load from R_N = %.17g to %.17g: "
@@ -199,7 +200,7 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
     for (size_t k = 0; k < s->loads; k++) {
         if (!fill_load(table, s, k)) return false;
         table->load[k + 1] = s->sample[k * s->speeds].R;
-        table->log_load[k] = s->loads > 1 ? logarithm(table->load[k + 1]) : 0.0;
+        table->log_load[k] = s->loads > 1 ? elementary_log(table->load[k + 1]) : 0.0;
     }
     if (s->loads > 2) fill_bends(table);
     return true;

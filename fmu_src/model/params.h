@@ -2,13 +2,14 @@
  *
  * The room model/ describes the mechanism for all other rooms: parameters, inputs, the laws of spring and damper,
  * modes, regimes, events, the energy ledger, faults and knowns of differentiation. All values are in SI units. May
- * include: platform, numerics. */
+ * include: platform, elementary, numerics. */
 #ifndef DUALCAM_PARAMS_H
 #define DUALCAM_PARAMS_H
 
 #include <math.h>
 #include <stdbool.h>
 
+#include "elementary/elementary.h"
 #include "model/inputs.h"
 #include "numerics/sum.h"
 
@@ -105,7 +106,7 @@ typedef struct {
 
 /* rad: the largest |theta| between the stops; theta rounds by some eps of this value. */
 static inline double largest_angle(const Params *p) {
-    return fmax(fabs(p->stop.upper), fabs(p->stop.lower));
+    return max_of(fabs(p->stop.upper), fabs(p->stop.lower));
 }
 
 /* rad: the end stop ahead in `direction` (+1 or -1) */
@@ -115,7 +116,7 @@ static inline double stop_ahead(const StopParams *stop, int direction) {
 
 /* rad, >= 0: how far theta is from that stop */
 static inline double distance_to_stop(const StopParams *stop, int direction, Sum theta) {
-    return fmax(direction * (stop_ahead(stop, direction) - theta.hi - theta.lo), 0.0);
+    return max_of(direction * (stop_ahead(stop, direction) - theta.hi - theta.lo), 0.0);
 }
 
 /* J: (J + m z'^2 + I gamma'^2) omega^2/2, with `dpsi_dtheta` gamma'. */

@@ -1,7 +1,6 @@
 #include "model/sampled_curve.h"
 
-#include <math.h>
-
+#include "elementary/elementary.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
 
@@ -46,16 +45,16 @@ static CurveKnot bounded(const CurveSamples *s, size_t j, CurveKnot knot) {
     const int s_left = left ? sign_of(curve_chord(s, j - 1)) : sign_of(curve_chord(s, j));
     const int s_right = right ? sign_of(curve_chord(s, j)) : s_left;
     if (s_left == 0 || s_right == 0) return (CurveKnot){0.0, 0.0};
-    knot.slope = s_left == s_right ? s_right * fmax(s_right * knot.slope, 0.0) : 0.0;
-    if (right) knot.bend = s_right * fmax(s_right * knot.bend, -4.0 * (s_right * knot.slope) / curve_width(s, j));
-    if (left) knot.bend = s_left * fmin(s_left * knot.bend, 4.0 * (s_left * knot.slope) / curve_width(s, j - 1));
+    knot.slope = s_left == s_right ? s_right * max_of(s_right * knot.slope, 0.0) : 0.0;
+    if (right) knot.bend = s_right * max_of(s_right * knot.bend, -4.0 * (s_right * knot.slope) / curve_width(s, j));
+    if (left) knot.bend = s_left * min_of(s_left * knot.bend, 4.0 * (s_left * knot.slope) / curve_width(s, j - 1));
     return knot;
 }
 
 /* f of step (3) */
 static double shrink(const CurveSamples *s, size_t j, const CurveKnot *knot) {
     const double chord = curve_chord(s, j), sum = curve_end_sum(curve_width(s, j), knot[j], knot[j + 1]);
-    return sign_of(sum) != 0 && sign_of(sum) == sign_of(chord) ? fmin(1.0, 5.0 * chord / sum) : 1.0;
+    return sign_of(sum) != 0 && sign_of(sum) == sign_of(chord) ? min_of(1.0, 5.0 * chord / sum) : 1.0;
 }
 
 /* Step (4). The factors belong to the knots before step (4): the factor of the left piece is computed before its right
@@ -64,7 +63,7 @@ static void shrink_all(const CurveSamples *s, CurveKnot *knot) {
     double left = 1.0;
     for (size_t j = 0; j < s->count; j++) {
         const double right = j + 1 < s->count ? shrink(s, j, knot) : 1.0;
-        const double f = fmin(left, right);
+        const double f = min_of(left, right);
         knot[j].slope *= f;
         knot[j].bend *= f;
         left = right;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/sign.h"
 
 /* De Casteljau's algorithm. */
@@ -78,7 +79,7 @@ static double zero_between(const Bernstein *p, double sign, double left, double 
 
 /* The only zero of p in (0, 1]; p > 0 before the zero and p < 0 after the zero. */
 static double only_zero(const Bernstein *p) {
-    return zero_between(p, 1.0, 0.0, fmax(p->c[0], 0.0), 1.0, fmin(p->c[p->degree], 0.0), BERNSTEIN_ZERO_WIDTH);
+    return zero_between(p, 1.0, 0.0, max_of(p->c[0], 0.0), 1.0, min_of(p->c[p->degree], 0.0), BERNSTEIN_ZERO_WIDTH);
 }
 
 /* bernstein_descent() of a p that does not fall at 0, after `depth` halvings. */
@@ -166,7 +167,8 @@ double bernstein_peak(const Bernstein *p) {
     }
     const double sign = bernstein_value(p, (double)best / (int)SAMPLES) < 0.0 ? -1.0 : 1.0;
     const Bernstein d = bernstein_derivative(p);
-    double left = fmax(best - 1.0, 0.0) / (int)SAMPLES, right = fmin(best + 1.0, (double)(int)SAMPLES) / (int)SAMPLES;
+    double left = max_of(best - 1.0, 0.0) / (int)SAMPLES,
+           right = min_of(best + 1.0, (double)(int)SAMPLES) / (int)SAMPLES;
     const double rises = sign * bernstein_value(&d, left), falls = sign * bernstein_value(&d, right);
     if (rises <= 0.0 || falls >= 0.0) return (double)best / (int)SAMPLES; /* no maximum beside the sample */
     return zero_between(&d, sign, left, rises, right, falls, BERNSTEIN_PEAK_WIDTH);
@@ -189,10 +191,16 @@ static int first_direction(const double u[4]) {
     return 0;
 }
 
+/* sqrt(x^2 + y^2) for x, y >= 0 without a square that overflows */
+static double length_of(double x, double y) {
+    const double larger = max_of(x, y), smaller = min_of(x, y), ratio = larger > 0.0 ? smaller / larger : 0.0;
+    return larger * sqrt(1.0 + ratio * ratio);
+}
+
 /* sqrt(u_2^2 - 2 u_3 u_1), or 0 if that is not real. No square is formed, which could underflow. */
 static double root_of_discriminant(const double u[4]) {
     const double size = fabs(u[2]), product = sqrt(2.0 * fabs(u[3])) * sqrt(fabs(u[1]));
-    if (sign_of(u[3]) * sign_of(u[1]) < 0) return hypot(size, product);
+    if (sign_of(u[3]) * sign_of(u[1]) < 0) return length_of(size, product);
     return size > product ? sqrt(size - product) * sqrt(size + product) : 0.0;
 }
 

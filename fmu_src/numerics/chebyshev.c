@@ -1,8 +1,8 @@
 #include "numerics/chebyshev.h"
 
-#include <math.h>
 #include <string.h>
 
+#include "elementary/elementary.h"
 #include "platform/attributes.h"
 
 enum { N = CHEBYSHEV_DEGREE };
@@ -33,12 +33,12 @@ static void build_monomials(ChebyshevBasis *basis) {
 COMPACT void chebyshev_build(ChebyshevBasis *basis) {
     const double degree = N;
     double cosine[2 * N];
-    for (int j = 0; j < 2 * N; j++) cosine[j] = cos(PI * j / degree);
+    for (int j = 0; j < 2 * N; j++) cosine[j] = elementary_sin_cos(PI * j / degree).cos;
     cosine[N / 2] = cosine[N + N / 2] = 0.0;
     for (int j = 0; j <= N; j++) basis->node[j] = -cosine[j];
     build_weights(cosine, basis);
     build_monomials(basis);
-    for (int j = 0; j < CHEBYSHEV_CHECKS; j++) basis->check[j] = -cos(PI * (2 * j + 0.5) / degree);
+    for (int j = 0; j < CHEBYSHEV_CHECKS; j++) basis->check[j] = -elementary_sin_cos(PI * (2 * j + 0.5) / degree).cos;
 }
 
 /* The value at the middle node is kept out of the sums: its rounding would enter every coefficient. */

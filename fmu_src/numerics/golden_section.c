@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
+
 /* Left and right divide [a, b] so that one of the two is in the right place after the interval has shrunk. */
 GoldenSectionMaximum golden_section_maximum(ScalarFunction *f, const void *context, double a, double b, int steps) {
     static const double RATIO = 0.61803398874989485; /* (sqrt(5) - 1)/2 */
@@ -22,5 +24,5 @@ GoldenSectionMaximum golden_section_maximum(ScalarFunction *f, const void *conte
             f_right = f(context, right);
         }
     }
-    return (GoldenSectionMaximum){.x = f_left > f_right ? left : right, .value = fmax(f_left, f_right)};
+    return (GoldenSectionMaximum){.x = f_left > f_right ? left : right, .value = max_of(f_left, f_right)};
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -53,7 +54,7 @@ COMPACT Jet jet_divide(const Jet *a, const Jet *b) {
 
 /* e = exp a: de/dt = e da/dt, so that k e_k = sum j a_j e_(k-j). */
 COMPACT Jet jet_exp(const Jet *a) {
-    const double start = exp(a->c[0].value);
+    const double start = elementary_exp(a->c[0].value);
     Jet e = {.c = {{start, start * a->c[0].slope}}};
     for (int k = 1; k < JET_TERMS; k++)
         for (int j = 1; j <= k; j++)
@@ -64,7 +65,7 @@ COMPACT Jet jet_exp(const Jet *a) {
 /* l = log a: a dl/dt = da/dt, so that l_k is the coefficient of the integral of (da/dt)/a. */
 COMPACT Jet jet_log(const Jet *a) {
     const Jet rate = jet_rate(a), quotient = jet_divide(&rate, a);
-    Jet l = {.c = {{logarithm(a->c[0].value), a->c[0].slope / a->c[0].value}}};
+    Jet l = {.c = {{elementary_log(a->c[0].value), a->c[0].slope / a->c[0].value}}};
     for (int k = 1; k < JET_TERMS; k++) l.c[k] = dual_scale(1.0 / k, quotient.c[k - 1]);
     return l;
 }
@@ -102,11 +103,11 @@ enum { DEGREE = 4 };
 static const double POLYNOMIAL[] = {-25.0 / 24.0, 2.0, -1.5, 2.0 / 3.0, -0.125};
 
 COMPACT Dual level_log(double q) {
-    if (q >= LEVEL_LOG_FROM) return (Dual){logarithm(q), 1.0 / q};
+    if (q >= LEVEL_LOG_FROM) return (Dual){elementary_log(q), 1.0 / q};
     const double per_square = 1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), u = q * q * per_square;
     Dual sum = {POLYNOMIAL[DEGREE], 0.0};
     for (int k = DEGREE - 1; k >= 0; k--) sum = (Dual){POLYNOMIAL[k] + u * sum.value, sum.value + u * sum.slope};
-    return (Dual){logarithm(LEVEL_LOG_FROM) + sum.value, sum.slope * 2.0 * q * per_square};
+    return (Dual){elementary_log(LEVEL_LOG_FROM) + sum.value, sum.slope * 2.0 * q * per_square};
 }
 
 COMPACT Jet level_log_along(const Jet *q) {
@@ -115,6 +116,6 @@ COMPACT Jet level_log_along(const Jet *q) {
     const Jet square = jet_multiply(q, q),
               u = jet_line(none, (Dual){1.0 / (LEVEL_LOG_FROM * LEVEL_LOG_FROM), 0.0}, &square);
     Jet sum = jet_polynomial(POLYNOMIAL, DEGREE, &u);
-    sum.c[0].value += logarithm(LEVEL_LOG_FROM);
+    sum.c[0].value += elementary_log(LEVEL_LOG_FROM);
     return sum;
 }

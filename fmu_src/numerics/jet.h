@@ -4,8 +4,7 @@
 #ifndef DUALCAM_JET_H
 #define DUALCAM_JET_H
 
-#include <math.h>
-
+#include "elementary/elementary.h"
 #include "numerics/dual.h"
 
 enum { JET_TERMS = 4 };
@@ -28,11 +27,6 @@ Jet jet_multiply(const Jet *a, const Jet *b);
 Jet jet_divide(const Jet *a, const Jet *b);
 
 Jet jet_exp(const Jet *a);
-
-/* log(x), x > 0, by log1p(), which the closed form needs as well: log() would add kilobytes of tables. */
-static inline double logarithm(double x) {
-    return x >= 1.0 ? log1p(x - 1.0) : -log1p(1.0 / x - 1.0);
-}
 
 /* a(0) > 0 */
 Jet jet_log(const Jet *a);

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "elementary/elementary.h"
 #include "numerics/bernstein.h"
 #include "numerics/vector2.h"
 
@@ -60,7 +61,7 @@ static inline LobattoRange lobatto_range(const LobattoValues *v) {
 
 /* The largest |value| of a range. */
 static inline double lobatto_largest(LobattoRange r) {
-    return fmax(r.high, -r.low);
+    return max_of(r.high, -r.low);
 }
 
 /* True if `sign` times the cubic through the values stays above zero over the whole step. */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "elementary/elementary.h"
 #include "numerics/golden_section.h"
 #include "numerics/tolerances.h"
 
@@ -55,7 +56,7 @@ static double integrate(const Panel *panel, double total[RATE_COUNT], double *si
             if (j % 2 == 1) gauss += GAUSS[mirrored(j) / 2] * rate;
         }
         total[c] = half * kronrod;
-        error = fmax(error, fabs(half * (kronrod - gauss)));
+        error = max_of(error, fabs(half * (kronrod - gauss)));
         *size += fabs(half) * magnitude;
     }
     return error;
@@ -89,10 +90,11 @@ static void raise_peaks(Quadrature *s, const Panel *panel) {
             if (panel->sample[k].size[c] > panel->sample[best].size[c]) best = k;
         const double top = panel->sample[best].size[c];
         const bool inside = best > 0 && best < POINTS - 1;
-        const double drop = inside ? top - fmin(panel->sample[best - 1].size[c], panel->sample[best + 1].size[c]) : 0.0;
+        const double drop =
+            inside ? top - min_of(panel->sample[best - 1].size[c], panel->sample[best + 1].size[c]) : 0.0;
         if (drop > QUADRATURE_PEAK_ROUNDING * top && top + drop > s->peak[c])
-            s->peak[c] = fmax(s->peak[c], maximum(s, c, panel->x[best - 1], panel->x[best + 1]));
-        s->peak[c] = fmax(s->peak[c], top);
+            s->peak[c] = max_of(s->peak[c], maximum(s, c, panel->x[best - 1], panel->x[best + 1]));
+        s->peak[c] = max_of(s->peak[c], top);
     }
 }
 
@@ -162,7 +164,7 @@ static bool cover(Quadrature *s, const Scale *whole, double from, double to, int
         return cover_both(s, scale, from, before, after, to, depth);
     }
     const double allowed =
-        fmax(s->tolerance * fmax(size, QUADRATURE_NEGLIGIBLE * scale->size), QUADRATURE_ROUNDING * size);
+        max_of(s->tolerance * max_of(size, QUADRATURE_NEGLIGIBLE * scale->size), QUADRATURE_ROUNDING * size);
     if (error > allowed && !spent) {
         const double middle = 0.5 * (from + to);
         return cover_both(s, scale, from, middle, middle, to, depth);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
 static bool same_sign(double a, double b) {
@@ -26,10 +27,10 @@ double root_between(ScalarFunction *f, const void *context, double a, double f_a
     if (f_b == 0.0) return b;
     double t = isfinite(f_a) && isfinite(f_b) ? f_a / (f_a - f_b) : 0.5; /* the secant's zero */
     for (int i = 0; i < ROOT_MAX_ITERATIONS; i++) {
-        const double width = fabs(b - a), near = ROOT_WIDTH * fmax(fabs(a), fabs(b));
+        const double width = fabs(b - a), near = ROOT_WIDTH * max_of(fabs(a), fabs(b));
         if (width <= near) break;
         const double least = 0.5 * near / width;
-        const double x = a + fmin(fmax(t, least), 1.0 - least) * (b - a);
+        const double x = a + min_of(max_of(t, least), 1.0 - least) * (b - a);
         const double f_x = f(context, x);
         if (f_x == 0.0) return x;
         const bool on_side_of_a = same_sign(f_x, f_a);

@@ -2,7 +2,7 @@
  *
  * The room numerics/ holds arithmetic and methods that know nothing of cams: compensated sums, dual numbers, Taylor
  * jets, Bernstein polynomials, Chebyshev interpolation, root finding, golden section search, quadrature, the tables of
- * the collocation methods; and tolerances.h, which all rooms share. May include: platform. */
+ * the collocation methods; and tolerances.h, which all rooms share. May include: platform, elementary. */
 #ifndef DUALCAM_ROOT_H
 #define DUALCAM_ROOT_H
 

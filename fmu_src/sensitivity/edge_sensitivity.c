@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "contact/loaded_contacts.h"
+#include "elementary/elementary.h"
 #include "forward/candidate.h"
 #include "forward/stick.h"
 #include "numerics/tolerances.h"
@@ -72,7 +73,7 @@ void edge_speed_give(const SlipMode *slip, double theta, double omega, Variation
     Balance here;
     balance_at(slip, theta, 0.0, 0.0, &here);
     const double width = slip->piece->upper - slip->piece->lower;
-    const double t = SENSITIVITY_DIFFERENCE * fmin(width / fabs(omega), fabs(here.force) / fabs(in->F_ext[1]));
+    const double t = SENSITIVITY_DIFFERENCE * min_of(width / fabs(omega), fabs(here.force) / fabs(in->F_ext[1]));
     for (int known = x->first; known < x->end; known++) x->omega[known] = 0.0;
     for (int k = 0; k < 4; k++) {
         const Inputs there = {.tau = {in->tau[0]}, .F_ext = {in->F_ext[0] + in->F_ext[1] * offset[k] * t}};

@@ -36,8 +36,7 @@ class WebAssembly(Platform):
     """A module that exports the FMI functions, and malloc and free for their arguments. It has no main():
     `reactor` is WASI's name for such a module.
 
-    The compiler forms no fused multiply-add and no relaxed SIMD, so that only the functions of the C library
-    (exp, sin, cos) can differ from those of another platform."""
+    The compiler forms no fused multiply-add and no relaxed SIMD, so that all bits are those of other platforms."""
 
     def linking(self, identifier: str) -> list[str]:
         exports = ["-rdynamic", "-Wl,--export=malloc", "-Wl,--export=free"]

@@ -1,0 +1,289 @@
+"""Writes the coefficients and tables of fmu_src/elementary, computed at 60 digits.
+
+    python fmu_src/tools/make_elementary.py [--check]
+
+A polynomial is the one whose greatest relative error is least, found by the exchange of E. Remez (J.-M. Muller,
+Elementary Functions, 3rd ed., section 3.6). The script refuses a polynomial whose error is more than 2^-57 of
+the function; rounding of the coefficients counts too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import mpmath
+
+ROOM = Path(__file__).resolve().parent.parent / "elementary"
+MP = mpmath.MPContext()
+MP.dps = 60
+Number = Any  # of MP
+Function = Callable[[Number], Number]
+LARGEST_ERROR = 2.0**-57
+GRID, EXCHANGES = 400, 6
+EXP_STEPS, LOG_BITS, ATAN_STEPS = 64, 6, 32
+
+
+def rounded(x: Number) -> Number:
+    return MP.mpf(float(x))
+
+
+def multiple(x: Number, unit: Number) -> Number:
+    """The multiple of `unit` that is nearest to x."""
+    return MP.nint(x / unit) * unit
+
+
+def parts(x: Number, *bits: int) -> list[Number]:
+    """Numbers that add up to x: of so many bits each, and the rest as a double."""
+    found = []
+    for count in bits:
+        unit = MP.mpf(2) ** (int(MP.floor(MP.log(abs(x), 2))) + 1 - count)
+        found.append(multiple(x, unit))
+        x -= found[-1]
+    return [*found, rounded(x)]
+
+
+def extremes(values: Sequence[Number]) -> list[int]:
+    """Where |values| is largest between changes of sign."""
+    found = [0]
+    for k, x in enumerate(values):
+        if x * values[found[-1]] < 0:
+            found.append(k)
+        elif abs(x) > abs(values[found[-1]]):
+            found[-1] = k
+    return found
+
+
+def series(f: Function, degree: int, low: Number, high: Number, weight: Function) -> list[Number]:
+    """Coefficients, rounded to doubles, of the polynomial whose greatest weighted error on [low, high] is least.
+
+    `weight(x)`: what one unit of error in the polynomial does to the function, relative to the function. In
+    each exchange the polynomial gets errors of one size and alternating signs at `degree + 2` points. Then
+    these points move to the extremes of the error.
+
+    Raises
+    ------
+    ValueError
+        The relative error of the function is more than LARGEST_ERROR.
+    """
+    middle, half = (high + low) / 2, (high - low) / 2
+    grid = [middle - half * MP.cos(MP.pi * k / GRID) for k in range(GRID + 1)]
+    exact, weights = [f(x) for x in grid], [weight(x) for x in grid]
+    points = [(GRID * k + GRID // 7) // (degree + 2) for k in range(degree + 2)]
+    for _ in range(EXCHANGES):
+        rows = [
+            [weights[k] * grid[k] ** n for n in range(degree + 1)] + [(-1) ** i] for i, k in enumerate(points)
+        ]
+        right = MP.matrix([weights[k] * exact[k] for k in points])
+        found = list(MP.lu_solve(MP.matrix(rows), right))[: degree + 1]
+        errors = [w * (y - MP.polyval(found[::-1], x)) for x, y, w in zip(grid, exact, weights, strict=True)]
+        turns = extremes(errors)
+        while len(turns) > degree + 2:
+            turns.pop(0 if abs(errors[turns[0]]) < abs(errors[turns[-1]]) else -1)
+        if len(turns) < degree + 2:
+            break
+        points = turns
+    found = [rounded(c) for c in found]
+    worst = max(
+        abs(w * (y - MP.polyval(found[::-1], x))) for x, y, w in zip(grid, exact, weights, strict=True)
+    )
+    if worst > LARGEST_ERROR:
+        raise ValueError(f"a polynomial of degree {degree} has an error of 2^{float(MP.log(worst, 2)):.1f}")
+    return found
+
+
+def text(x: Number) -> str:
+    value = float(x)
+    assert MP.mpf(value) == x
+    return "0" if value == 0.0 else value.hex().replace("0000000p", "p")
+
+
+def constant(name: str, x: Number) -> str:
+    return f"static const double {name} = {text(x)};\n"
+
+
+def constants(name: str, numbers: Sequence[Number]) -> str:
+    lines = [", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4)]
+    body = "".join(f"    {line},\n" for line in lines)
+    return f"static const double {name}[{len(numbers)}] = {{\n{body}}};\n"
+
+
+def rows(kind: str, name: str, fields: str, lines: Iterable[Sequence[Number]]) -> str:
+    entries = [f"    {{{', '.join(map(text, line))}}},\n" for line in lines]
+    struct = f"typedef struct {{\n    double {fields};\n}} {kind};\n\n"
+    return f"{struct}static const {kind} {name}[{len(entries)}] = {{\n{''.join(entries)}}};\n"
+
+
+def exponential() -> str:
+    def tail(x: Number, terms: int) -> Number:
+        """The series of exp(x) from x^terms/terms! on, over x^terms."""
+        return MP.nsum(lambda n: x**n / MP.factorial(n + terms), [0, 40])
+
+    step = MP.log(2) / EXP_STEPS
+    high, low = parts(step, 36)
+    powers = [MP.mpf(2) ** (MP.mpf(k) / EXP_STEPS) for k in range(EXP_STEPS)]
+    near = step * MP.mpf("0.501")
+    quarter = MP.mpf(1) / 4
+    return "\n".join(
+        [
+            f"enum {{ EXP_STEPS = {EXP_STEPS} }}; /* of one binade */\n",
+            constant("EXP_STEPS_PER_UNIT", rounded(1 / step)),
+            constant("EXP_STEP_HIGH", high) + constant("EXP_STEP_LOW", low),
+            "/* The largest x with a finite exp(x), and the least one with exp(x) above half of the least number */",
+            constant("EXP_OVERFLOW", rounded(1024 * MP.log(2)))
+            + constant("EXP_UNDERFLOW", rounded(-1075 * MP.log(2))),
+            "/* (exp(x) - 1 - x)/x^2 */",
+            constants("EXP_SERIES", series(lambda x: tail(x, 2), 3, -near, near, lambda x: x * x)),
+            "/* (exp(x) - 1 - x - x^2/2)/x^3 */",
+            constants(
+                "EXPM1_SERIES",
+                series(lambda x: tail(x, 3), 8, -quarter, quarter, lambda x: x**3 / MP.expm1(x) if x else x),
+            ),
+            "/* 2^(k/EXP_STEPS) and the relative rounding */",
+            rows("ExpPower", "EXP_POWER", "power, tail", [(rounded(p), rounded(p / rounded(p) - 1)) for p in powers]),
+        ]
+    )
+
+
+def logarithm() -> str:
+    count = 2**LOG_BITS
+    first = MP.mpf(float.fromhex("0x1.6ap-1"))
+
+    def edge(j: int) -> Number:
+        """The j-th border of the steps of m. Steps are equal in the bits of m, which has half the unit below 1."""
+        half_units = MP.mpf(j) / count * 2 + (first - MP.mpf(1) / 2) * 4  # above 1/2, in units of 1/4
+        return MP.mpf(1) / 2 + half_units / 4 if half_units <= 2 else 1 + (half_units - 2) / 2
+
+    lines, widest = [], MP.mpf(0)
+    for j in range(count):
+        c = multiple(2 / (edge(j) + edge(j + 1)), MP.mpf(2) ** -9)
+        if edge(j) < 1 < edge(j + 1):
+            c = MP.mpf(1)
+        high = multiple(-MP.log(c), MP.mpf(2) ** -42)
+        lines.append((c, high, rounded(-MP.log(c) - high)))
+        widest = max(widest, abs(edge(j) * c - 1), abs(edge(j + 1) * c - 1))
+    two_high = multiple(MP.log(2), MP.mpf(2) ** -42)
+
+    def rest(r: Number) -> Number:
+        return MP.nsum(lambda n: (-r) ** n / (n + 3), [0, 60])
+
+    return "\n".join(
+        [
+            f"enum {{ LOG_BITS = {LOG_BITS} }}; /* the steps of a binade are 2^LOG_BITS */\n",
+            "/* log 2 in two parts. Multiples of 2^-42 add up without rounding. */",
+            constant("LOG_2_HIGH", two_high) + constant("LOG_2_LOW", rounded(MP.log(2) - two_high)),
+            f"/* (log(1 + r) - r + r^2/2)/r^3, |r| < {float(widest):.5f} */",
+            constants("LOG_SERIES", series(rest, 5, -widest, widest, lambda r: r * r)),
+            "/* c, a multiple of 2^-9 near 1/m, and -log c in two parts */",
+            rows("LogStep", "LOG_STEP", "c, log_high, log_low", lines),
+        ]
+    )
+
+
+def two_by_pi(words: int) -> list[int]:
+    context = MP.clone()
+    context.prec = 32 * words + 100
+    bits = int(context.floor(2 / context.pi * context.mpf(2) ** (32 * words)))
+    return [bits >> 32 * (words - 1 - k) & 0xFFFFFFFF for k in range(words)]
+
+
+def trigonometric() -> str:
+    quarter = (MP.pi / 4 * MP.mpf("1.0001")) ** 2
+
+    def sine(z: Number) -> Number:
+        return MP.nsum(lambda n: (-1) ** int(n + 1) * z**n / MP.factorial(2 * n + 3), [0, 30])
+
+    def cosine(z: Number) -> Number:
+        return MP.nsum(lambda n: (-1) ** int(n) * z**n / MP.factorial(2 * n + 4), [0, 30])
+
+    words = two_by_pi(37)
+    lines = [", ".join(f"0x{word:08x}" for word in words[k : k + 8]) for k in range(0, len(words), 8)]
+    zero = MP.mpf(0)
+    first, second, third = parts(MP.pi / 2, 33, 33)
+    return "\n".join(
+        [
+            constant("TWO_BY_PI_ROUNDED", rounded(2 / MP.pi)),
+            "/* pi/2 in three parts, of which two have 33 bits, and in two parts */",
+            constant("HALF_PI_1", first) + constant("HALF_PI_2", second) + constant("HALF_PI_3", third),
+            constant("HALF_PI_HIGH", rounded(MP.pi / 2))
+            + constant("HALF_PI_LOW", rounded(MP.pi / 2 - rounded(MP.pi / 2))),
+            "/* (sin(x) - x)/x^3 as a polynomial in x^2 */",
+            constants("SIN_SERIES", series(sine, 5, zero, quarter, lambda z: z)),
+            "/* (cos(x) - 1 + x^2/2)/x^4 as a polynomial in x^2 */",
+            constants("COS_SERIES", series(cosine, 5, zero, quarter, lambda z: z * z)),
+            "/* The binary digits of 2/pi, 32 in a word */",
+            f"static const uint32_t TWO_BY_PI[{len(words)}] = {{\n    " + ",\n    ".join(lines) + ",\n};\n",
+        ]
+    )
+
+
+def arctangent() -> str:
+    def rest(z: Number) -> Number:
+        return MP.nsum(lambda n: (-1) ** int(n + 1) * z**n / (2 * n + 3), [0, 60])
+
+    def pair(name: str, x: Number) -> str:
+        return f"static const DoubleDouble {name} = {{{text(rounded(x))}, {text(rounded(x - rounded(x)))}}};\n"
+
+    angles = [MP.atan(MP.mpf(k) / ATAN_STEPS) for k in range(ATAN_STEPS + 1)]
+    zero, last = MP.mpf(0), MP.mpf("1.01") / 256
+    return "\n".join(
+        [
+            f"enum {{ ATAN_STEPS = {ATAN_STEPS} }};\n",
+            pair("PI", MP.pi) + pair("HALF_PI", MP.pi / 2),
+            "/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 1/16 */",
+            constants("ATAN_SERIES", series(rest, 4, zero, last, lambda z: z)),
+            "/* atan(k/ATAN_STEPS) in two parts */",
+            rows("AtanStep", "ATAN_STEP", "high, low", [(rounded(a), rounded(a - rounded(a))) for a in angles]),
+        ]
+    )
+
+
+def roots() -> str:
+    def start(m: Number) -> Number:
+        return MP.cbrt(m)
+
+    one, eight = MP.mpf(1), MP.mpf(8)
+    middle = (one + eight) / 2
+    nodes = [middle + (eight - one) / 2 * MP.cos(MP.pi * (2 * k + 1) / 8) for k in range(4)]
+    powers = MP.matrix([[x**n for n in range(4)] for x in nodes])
+    found = [rounded(c) for c in MP.lu_solve(powers, MP.matrix([start(x) for x in nodes]))]
+    return "/* The third root of m, 1 <= m <= 8, to two digits */\n" + constants("CBRT_START", found)
+
+
+def texts() -> dict[Path, str]:
+    said = f"/* Written by {Path(__file__).name}, which says what these numbers are. */"
+    made = {
+        "exponential": ("", exponential()),
+        "logarithm": ("", logarithm()),
+        "trigonometric": ("#include <stdint.h>\n\n", trigonometric()),
+        "arctangent": ('#include "elementary/double_double.h"\n\n', arctangent()),
+        "roots": ("", roots()),
+    }
+    return {
+        ROOM / f"{name}_table.h": f"{said}\n/* clang-format off */\n\n{includes}{body}"
+        for name, (includes, body) in made.items()
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="Writes the tables of the elementary functions")
+    parser.add_argument("--check", action="store_true", help="only compare with the committed files")
+    check = parser.parse_args().check
+    stale = {
+        path: text
+        for path, text in texts().items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
+    }
+    for path, body in stale.items():
+        if check:
+            print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
+        else:
+            path.write_text(body, encoding="utf-8", newline="\n")
+    return int(check and bool(stale))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
