@@ -114,13 +114,18 @@ static void step_past_zero(const SegmentLimits *limits, StepIndicator indicator,
 
 /* At the end stop: true if the motion would turn back no farther beyond the stop than theta is known. Then the stop is
  * not hit. Example: a swing that began at the stop without speed returns to it. An error of its energy would let it
- * touch the stop and lose time. */
-static bool turns_at_stop(const SegmentLimits *limits, const RadauStep *step) {
-    const Params *p = limits->slip->params;
+ * touch the stop and lose time. So a kinetic energy that the steps have gained by their errors, which the balance of
+ * energy tells, hits no stop; such an error reaches no farther than the tolerance. */
+static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const RadauStep *step) {
+    const Params *p = slip->params;
     const Balance *end = radau_step_end(step);
-    const double angle = fmax(LOCATION_STOP_ROUNDING, p->tolerance) * largest_angle(p);
-    const double braking = -limits->slip->direction * end->alpha;
-    return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * angle;
+    const double braking = -slip->direction * end->alpha;
+    if (!(braking > 0.0)) return false;
+    const double beyond = end->omega * end->omega / (2.0 * braking), largest = largest_angle(p); /* rad */
+    if (beyond <= LOCATION_STOP_ROUNDING * largest) return true;
+    const double kinetic = kinetic_energy_of(&p->inertia, end->dz_dtheta, end->dpsi_dtheta[0], end->omega);
+    const double gained = stop->energy_gained + step->energy_gained;
+    return beyond <= p->tolerance * largest && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
 /* ---- the first event ---- */
@@ -132,7 +137,8 @@ static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator)
 /* Ends the step on the first event in it, if there is one. An event found on the polynomial may prove to be later than
  * another one, so the indicators of the shortened step are searched again. False if what happens in the step shows in
  * a shorter step only. *solved: the length up to which the step has a solution, s. */
-static bool end_on_first_event(const SegmentLimits *limits, EventLocation *location, double *solved) {
+static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *stop, EventLocation *location,
+                               double *solved) {
     RadauStep *step = &location->step;
     unsigned ignored = 0;
     for (int n = 0; n < 2 * STEP_INDICATORS; n++) {
@@ -146,7 +152,7 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits, step))) {
+        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step))) {
             location->kind = step_indicator_event(first);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
@@ -166,9 +172,9 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
     if (location->aimed_at_breakpoint) location->next = (StepProposal){fmax(location->next.h, first->h), first->stages};
 }
 
-bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
+bool event_location_find(const SlipMode *slip, const Balance *start, const StopAhead *stop, double left,
                          const StepProposal *first, EventLocation *location) {
-    const SegmentLimits limits = segment_limits_of(slip, start, to_stop);
+    const SegmentLimits limits = segment_limits_of(slip, start, stop->angle);
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
     const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
@@ -178,7 +184,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
-        if (end_on_first_event(&limits, location, &solved)) return true;
+        if (end_on_first_event(&limits, stop, location, &solved)) return true;
         length = LOCATION_SHORTENING * solved;
     } while (length > shortest);
     return false;
