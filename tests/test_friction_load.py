@@ -404,6 +404,15 @@ def test_contact_locks_above_a_load(make_model):
     assert above.get("theta") == 0.3
 
 
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_efficiency_is_0_where_no_torque_moves_the_mechanism(make_model, model):
+    """Under a high load the contacts jam when loading and lock when releasing."""
+    p = {f"cam{i}.friction_load_exponent": 0.5 for i in (1, 2)}
+    fmu = make_model(model).start(p | {"F_ext": 1e8})
+    assert (fmu.get("torque_load"), fmu.get("torque_release")) == (math.inf, -math.inf)
+    assert fmu.get("efficiency") == 0.0
+
+
 def test_lubrication_moves_the_lock(make_model):
     """With mu_v v the lock is at s = mu + nu (mu - mu_v v): the lubricated part has no load in it."""
     p = {f"cam{i}.friction_load_exponent": 0.5 for i in (1, 2)} | {f"cam{i}.lead_angle": 0.35 for i in (1, 2)}
