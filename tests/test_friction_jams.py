@@ -107,6 +107,41 @@ def test_torque_that_no_speed_balances_is_refused(make_model):
     assert run(inertial, 1e-4, 1, (1.01 * limit, 0.0), (0.0, 0.0)) == OK
 
 
+ALIKE = HELICES | {
+    "cam2.radius": R[0],
+    "cam1.lead_angle": 0.6,
+    "cam2.lead_angle": 0.6,
+    "cam2.friction": MU[0],
+    "cam2.friction_viscous": BRANCH,
+    "spring.preload": 400.0,
+    "inertia.shaft": 0.0,
+}
+
+
+@pytest.mark.parametrize("damping", [0.0, 20.0])
+@pytest.mark.parametrize("tau", [0.5, 1e-3, 0.0, -1e-3, -0.5, -3.0])
+def test_contacts_that_lock_at_the_same_speed_move_on(make_model, damping, tau):
+    """Two equal contacts: both lock at the speed at which mu(v) = tan(lead angle). From there on a torque
+    pulls the mechanism back. One contact then bears on its other flank: tau = rho F with f_i = -+ mu. The
+    damper takes load off the contacts, so that the torque left has a second zero, at a higher speed."""
+    r, a = R[0], R[0] * math.tan(0.6)
+    sliding = math.hypot(r, a) / 2.0  # m/rad
+
+    def left(omega, flank):
+        mu = MU[0] + BRANCH * sliding * omega
+        f = (-mu, -flank * mu)
+        n, d = [r * (a + k * r) for k in f], [r - k * a for k in f]
+        return tau - n[0] * n[1] / (d[0] * n[1] + n[0] * d[1]) * (400.0 - damping * a / 2.0 * omega)
+
+    locks = (math.tan(0.6) - MU[0]) / (BRANCH * sliding)
+    fmu = make_model(FORWARD).start(ALIKE | {"damper.c_release": damping})
+    assert run(fmu, 1e-4, 1, (tau, 0.0), (0.0, 0.0)) == OK, fmu.messages[-1].text
+    span = (0.0, locks * (1 - 1e-9)) if tau > 0.0 else (locks * (1 - 1e-9), 10 * locks)
+    wanted = brentq(left, *span, args=(1 if tau > 0.0 else -1,), xtol=1e-12)
+    assert fmu.get("mode") == RELEASING
+    assert fmu.get("omega") == pytest.approx(-wanted, rel=1e-9)
+
+
 def test_no_speed_at_rest_without_inertia(make_model):
     """The load grows until the band holds the torque: the speed is zero wherever the mode is stick."""
     fmu = make_model(FORWARD).start(HELICES | {"spring.preload": 5.0, "inertia.shaft": 0.0})

@@ -160,6 +160,8 @@ class Run:
         # Motion to and fro inside a step does not show at its ends, but its rounding errors do.
         travel = min(stroke, finite(values["peak.omega"], math.inf) * trace.simulated)
         rounding = 1e-13 * values["peak.torque"] * travel
+        # The height z is known to a rounding of its largest value, and a stored energy likewise.
+        rounding += float(np.finfo(float).eps) * trace.turnover
         initial = abs(self.start["energy.spring"]) + abs(self.start["energy.kinetic"])
         energy = max([initial, *(largest[f"energy.{name}"] for name in ACCOUNTS)])
         trace.residual = max(self.worst_residual - rounding, 0.0) / energy if energy else 0.0

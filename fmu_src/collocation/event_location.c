@@ -116,15 +116,19 @@ static void step_past_zero(const SegmentLimits *limits, StepIndicator indicator,
 
 /* At the end stop: true if the motion would turn back no farther beyond the stop than theta is known. Then the stop is
  * not hit. Example: a swing that began at the stop without speed returns to it. An error of its energy would let it
- * touch the stop and lose time. */
-static bool turns_at_stop(const SegmentLimits *limits, const RadauStep *step) {
-    const Params *p = limits->slip->params;
+ * touch the stop and lose time. So a kinetic energy that the steps have gained by their errors, which the balance of
+ * energy tells, hits no stop; such an error reaches no farther than the tolerance. */
+static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const RadauStep *step) {
+    const Params *p = slip->params;
     const Balance *end = radau_step_end(step);
-    const double angle = max_of(LOCATION_STOP_ROUNDING, p->tolerance) * largest_angle(p);
-    const double doubt =
-        p->tolerance * fabs(end->rhs.by_omega * end->omega); /* what the speed's error makes of alpha */
-    const double braking = -limits->slip->direction * end->alpha - doubt;
-    return braking > 0.0 && end->omega * end->omega <= 2.0 * braking * angle;
+    const double doubt = p->tolerance * fabs(end->rhs.by_omega * end->omega); /* of alpha, by the error of the speed */
+    const double braking = -slip->direction * end->alpha - doubt;
+    if (!(braking > 0.0)) return false;
+    const double beyond = end->omega * end->omega / (2.0 * braking), largest = largest_angle(p); /* rad */
+    if (beyond <= LOCATION_STOP_ROUNDING * largest) return true;
+    const double kinetic = kinetic_energy_of(&p->inertia, end->dz_dtheta, end->dpsi_dtheta[0], end->omega);
+    const double gained = stop->energy_gained + step->energy_gained;
+    return beyond <= p->tolerance * largest && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
 /* ---- the first event ---- */
@@ -133,10 +137,24 @@ static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator)
     return step_indicator_is_flank(indicator) || (indicator == STEP_SPEED && limits->slip->regime != REGIME_INERTIAL);
 }
 
+/* In a stiff step the loads on the contacts are those of the acceleration, and an error of the speed changes the
+ * acceleration by the damping over the inertia: a crossing of a load then shifts in time by far more than the speed
+ * errs. In a step that is not stiff the speed has the digits. So a stiff step ends before the change of flanks. */
+static void approach_flank(const SegmentLimits *limits, EventLocation *location) {
+    const RadauStep landed = location->step;
+    if (limits->slip->regime != REGIME_INERTIAL || location->kind != EVENT_FLANK) return;
+    if (!(landed.h * fabs(radau_step_end(&landed)->rhs.by_omega) > LOCATION_STIFF)) return;
+    const double h = LOCATION_APPROACH * landed.h;
+    if (radau_step_solve(limits->slip, &landed.start, h, landed.method->stages, &location->step))
+        location->kind = EVENT_NONE;
+    else location->step = landed;
+}
+
 /* Ends the step on the first event in it, if there is one. An event found on the polynomial may prove to be later than
  * another one, so the indicators of the shortened step are searched again. False if what happens in the step shows in
  * a shorter step only. *solved: the length up to which the step has a solution, s. */
-static bool end_on_first_event(const SegmentLimits *limits, EventLocation *location, double *solved) {
+static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *stop, EventLocation *location,
+                               double *solved) {
     RadauStep *step = &location->step;
     unsigned ignored = 0;
     for (int n = 0; n < 2 * STEP_INDICATORS; n++) {
@@ -150,7 +168,7 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits, step))) {
+        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step))) {
             location->kind = step_indicator_event(first);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
@@ -158,6 +176,7 @@ static bool end_on_first_event(const SegmentLimits *limits, EventLocation *locat
         }
         ignored |= 1u << first;
     }
+    approach_flank(limits, location);
     return true;
 }
 
@@ -171,9 +190,9 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
         location->next = (StepProposal){max_of(location->next.h, first->h), first->stages};
 }
 
-bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
+bool event_location_find(const SlipMode *slip, const Balance *start, const StopAhead *stop, double left,
                          const StepProposal *first, EventLocation *location) {
-    const SegmentLimits limits = segment_limits_of(slip, start, to_stop);
+    const SegmentLimits limits = segment_limits_of(slip, start, stop->angle);
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
     const double shortest = LOCATION_SHORTEST * left;
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
@@ -183,7 +202,7 @@ bool event_location_find(const SlipMode *slip, const Balance *start, double to_s
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
-        if (end_on_first_event(&limits, location, &solved)) return true;
+        if (end_on_first_event(&limits, stop, location, &solved)) return true;
         length = LOCATION_SHORTENING * solved;
     } while (length > shortest && !work_is_spent(slip->work));
     return false;

@@ -26,9 +26,15 @@ typedef struct {
     StepProposal next;        /* for the next segment */
 } EventLocation;
 
-/* The longest segment of at most `left` seconds from `start`. `to_stop`: angle to the end stop ahead, rad. `first`: the
- * proposal of the segment before. False where no step is accepted: the contacts jam the motion on the spot. */
-bool event_location_find(const SlipMode *slip, const Balance *start, double to_stop, double left,
+/* The end stop ahead. */
+typedef struct {
+    double angle;         /* rad, to the stop */
+    double energy_gained; /* J, since the last impact, by the errors of the steps before: see step_energy.h */
+} StopAhead;
+
+/* The longest segment of at most `left` seconds from `start`. `first`: the proposal of the segment before. False where
+ * no step is accepted: the contacts jam the motion on the spot. */
+bool event_location_find(const SlipMode *slip, const Balance *start, const StopAhead *stop, double left,
                          const StepProposal *first, EventLocation *location);
 
 #endif

@@ -99,7 +99,7 @@ static inline double kinetic_energy(const LobattoSystem *s, int node) {
     return kinetic_energy_of(&s->slip->params->inertia, n->dz_dtheta[k], n->dpsi_dtheta[0][k], s->speed.at[node]);
 }
 
-static bool keeps_energy(const LobattoSystem *s, const Booking *b) {
+static bool keeps_energy(const LobattoSystem *s, const Booking *b, double *gained) {
     const NodePair *first = &s->pair[0], *last = &s->pair[LOBATTO_HALVES - 1];
     const EnergyEnds ends = {
         .z = {first->z[0], last->z[1] + last->dz_dtheta[1] * s->end_shift},
@@ -107,7 +107,9 @@ static bool keeps_energy(const LobattoSystem *s, const Booking *b) {
         .spring_force = first->force[0] - s->F_ext.at[0],
         .tau = s->tau.at[LOBATTO_END],
     };
-    return step_energy_error(s->slip, b, &ends) <= 1.0;
+    const EnergyBalance energy = step_energy_balance(s->slip, b, &ends);
+    *gained = energy.gained;
+    return energy.error <= 1.0;
 }
 
 /* True if each contact bears on its flank by more than rounding at the start, and stays on it throughout. */
@@ -203,7 +205,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (slip->friction_varies && slip->friction_is_loaded && !stays_beside_level(s, &loads)) return false;
-    if (!keeps_energy(s, &loads.booking)) return false;
+    if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);
     return true;

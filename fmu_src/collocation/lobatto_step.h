@@ -25,6 +25,7 @@ typedef struct {
     double omega, tau;     /* rad/s, N.m, at the end */
     bool accurate; /* four nodes suffice. Set for a rejected step too, if the step got as far as the error estimate */
     Booking booking;
+    double energy_gained; /* J, see step_energy.h */
     /* Only if a ledger is kept: */
     double peak_omega, peak_reaction[2]; /* rad/s, N per pin end: the larger value of both ends */
     bool peaks_inside;                   /* a larger value inside the step, above the known one, is possible */

@@ -95,7 +95,7 @@ static double kinetic_energy(const SlipMode *slip, const Balance *b) {
     return kinetic_energy_of(&slip->params->inertia, b->dz_dtheta, b->dpsi_dtheta[0], b->omega);
 }
 
-static double energy_error_of(const SlipMode *slip, const RadauStep *step) {
+static EnergyBalance energy_balance_of(const SlipMode *slip, const RadauStep *step) {
     const Balance *start = &step->start, *end = radau_step_end(step);
     const EnergyEnds ends = {
         .z = {start->z, end->z},
@@ -104,7 +104,7 @@ static double energy_error_of(const SlipMode *slip, const RadauStep *step) {
         .tau = end->tau,
         .angle_noise = step->angle_noise,
     };
-    return step_energy_error(slip, &step->booking, &ends);
+    return step_energy_balance(slip, &step->booking, &ends);
 }
 
 /* ---- the step ---- */
@@ -145,7 +145,9 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     step->start = *start;
     if (!(slip->regime == REGIME_RATE_INDEPENDENT ? follow_edge(&s, step) : integrate(&s, step))) return false;
     step->booking = booking_of(slip, step);
-    step->energy_error = energy_error_of(slip, step);
+    const EnergyBalance energy = energy_balance_of(slip, step);
+    step->energy_gained = energy.gained;
+    step->energy_error = energy.error;
     return true;
 }
 

@@ -28,6 +28,7 @@ typedef struct {
     Booking booking;               /* J, work and heat over the step */
     double error;                  /* estimate over the error that the tolerance allows: the step is good up to 1 */
     double energy_error;           /* residual of the energy balance, likewise: see step_energy.h */
+    double energy_gained;          /* J, this residual, see step_energy.h */
     double angle_noise;            /* rad, rate-independent only: how far the rounding of the torques moves theta */
     bool at_sample;                /* shortened to end at a sample of a friction table (step_control.h) */
 } RadauStep;

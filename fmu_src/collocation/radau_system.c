@@ -191,6 +191,15 @@ typedef struct {
     double wanted;   /* by the tolerance */
 } SmallCorrection;
 
+/* The Newton matrix of a stiff step divides the rounding of the right-hand sides by the stiffness, and leaves that of the
+ * speeds over h. */
+static double rounding_of(const RadauSystem *s, double y, double speed) {
+    const RightHandSide *rhs = &s->start->rhs;
+    const double stiffness = radau_system_stiffness(s, rhs);
+    if (!is_inertial(s) || stiffness <= 1.0) return RADAU_ROUNDING * max_of(y, rhs->size);
+    return RADAU_ROUNDING * max_of(max_of(y, speed / s->h), rhs->size / stiffness);
+}
+
 static SmallCorrection small_correction(const RadauSystem *s) {
     const int n = s->method->stages;
     double speed = fabs(s->start->omega), slowest = INFINITY, y = fabs(s->start->rhs.value);
@@ -199,10 +208,11 @@ static SmallCorrection small_correction(const RadauSystem *s) {
         slowest = min_of(slowest, fabs(s->omega[i]));
         y = max_of(y, fabs(s->y[i]));
     }
+    const double rounding = rounding_of(s, y, speed);
     if (s->slip->friction_varies) speed = slowest; /* friction at a node needs the node's speed to the same share */
     const double per_y = is_inertial(s) ? speed / s->h : speed;
     return (SmallCorrection){
-        .rounding = RADAU_ROUNDING * max_of(y, s->start->rhs.size),
+        .rounding = rounding,
         .wanted = RADAU_NEWTON_SHARE * s->slip->params->tolerance * per_y,
     };
 }

@@ -6,17 +6,18 @@
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
 
-double step_energy_error(const SlipMode *slip, const Booking *b, const EnergyEnds *e) {
+EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *b, const EnergyEnds *e) {
     const Params *p = slip->params;
     const double spring[2] = {spring_energy(&p->spring, e->z[0]), spring_energy(&p->spring, e->z[1])};
     const double stored = (spring[1] - spring[0]) + (e->kinetic[1] - e->kinetic[0]);
     const double heat = b->heat_cam[0] + b->heat_cam[1] + b->heat_damper + b->heat_shaft;
-    const double residual = fabs(b->work_in - b->work_ext - heat - stored);
+    const double gained = stored - (b->work_in - b->work_ext - heat);
     const double passed = fabs(b->work_in) + fabs(b->work_ext) + fabs(b->heat_cam[0]) + fabs(b->heat_cam[1]) +
                           b->heat_damper + b->heat_shaft + fabs(spring[1] - spring[0]);
     const double z = fabs(slip->piece->z[0]) + fabs(slip->piece->z[1]); /* the rounding of z is a share of this size */
     const double at_rest = fabs(spring[0]) + fabs(spring[1]) + fabs(e->spring_force) * z;
     const double rounding =
         STEP_ENERGY_ROUNDING * (passed + at_rest + e->kinetic[0] + e->kinetic[1]) + e->angle_noise * fabs(e->tau);
-    return max_of(residual - rounding, 0.0) / (STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN);
+    const double allowed = STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN;
+    return (EnergyBalance){.gained = gained, .error = max_of(fabs(gained) - rounding, 0.0) / allowed};
 }

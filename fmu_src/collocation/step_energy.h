@@ -16,7 +16,11 @@ typedef struct {
     double angle_noise;      /* rad, how far rounding moves theta */
 } EnergyEnds;
 
-/* The residual of the balance over the residual that the tolerance allows: the step is good up to 1. */
-double step_energy_error(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
+typedef struct {
+    double gained; /* J, what the step has added to the stored energy out of nothing: the residual of the balance */
+    double error;  /* the residual over the residual that the tolerance allows: the step is good up to 1 */
+} EnergyBalance;
+
+EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
 
 #endif

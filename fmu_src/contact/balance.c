@@ -187,28 +187,62 @@ static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, con
     return (Dual){left, (by_omega - left * k->dfactors_domega.delta) / now};
 }
 
-/* The speed at which no torque is left, by Newton's method inside a bracket: from rest on, where the torque left has
- * the sign of the motion, up to a speed at which it has the other sign or friction jams. `frozen`: the speed with
- * friction at rest, a first guess. *k is at rest, and is left at the speed found. */
+/* The search for the speed nearest to rest at which no torque is left, rad/s. Torque is left at `low`. At `high` the
+ * torque left has the other sign, or friction jams. Damping that takes the load off the contacts can turn the torque left
+ * before it has reached zero, and a longer step would pass two zeros: `turn` is a speed at which it grows again. */
+typedef struct {
+    double low, high, turn;
+    bool falls; /* at `low`: the torque left becomes smaller with the speed */
+} SpeedSearch;
+
+/* The torque left at the speed `omega`, in the direction of the motion: narrows the search. */
+static void narrow_search(SpeedSearch *search, double omega, Dual left) {
+    if (!(left.value > 0.0)) {
+        search->high = omega;
+        search->turn = INFINITY;
+    } else if (search->falls && left.slope > 0.0) {
+        search->turn = omega;
+    } else {
+        search->low = omega;
+        search->falls = left.slope < 0.0;
+    }
+}
+
+/* The next speed: the smallest torque left before a turn, by bisection; else a Newton step inside the bracket, which at
+ * most doubles the speed. */
+static double next_speed(SpeedSearch *search, double omega, Dual left) {
+    if (search->turn < INFINITY) {
+        if (search->turn - search->low > VISCOUS_BLOCKED * search->turn) return 0.5 * (search->low + search->turn);
+        *search = (SpeedSearch){.low = search->turn, .high = search->high, .turn = INFINITY, .falls = false};
+        omega = search->low;
+    } else {
+        const double next = omega - left.value / left.slope;
+        if (next > search->low && next < min_of(search->high, 2.0 * omega)) return next;
+    }
+    return search->high < INFINITY ? 0.5 * (search->low + search->high) : 2.0 * omega;
+}
+
+/* The speed nearest to rest at which no torque is left, by Newton's method inside a bracket: from rest on, where the
+ * torque left has the sign of the motion, up to a speed at which it has the other sign or friction jams. `frozen`: the
+ * speed with friction at rest. *k is at rest, and is left at the speed found. */
 static double speed_under_friction(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
                                    double frozen) {
     const double delta = k->factors.delta.value;
     const Dual at_rest = torque_left(slip, k, z, in, 0.0, delta);
-    const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, least = 0.5 * fabs(at_rest.value / at_rest.slope);
-    bool blocked = false;
-    double low = 0.0, high = INFINITY, omega = sign * frozen > 0.0 && isfinite(frozen) ? fabs(frozen) : least;
-    bool enclosed = false; /* the torque left is known to change its sign, not only to end at a jam */
+    const double sign = at_rest.value < 0.0 ? -1.0 : 1.0, newton = fabs(at_rest.value / at_rest.slope);
+    double omega = sign * frozen > 0.0 ? min_of(fabs(frozen), newton) : 0.5 * newton;
+    SpeedSearch search = {.low = 0.0, .high = INFINITY, .turn = INFINITY, .falls = at_rest.slope < 0.0};
+    bool blocked = false,
+         enclosed = false; /* enclosed: the torque left is known to change its sign, not to end at a jam */
     if (!(at_rest.value != 0.0 && isfinite(omega))) return at_rest.value == 0.0 ? 0.0 : NAN;
     for (int n = 0; n < VISCOUS_ITERATIONS; n++) {
         slip_count(slip, 1);
-        const Dual left = torque_left(slip, k, z, in, sign * omega, delta);
-        blocked = isnan(left.value) || (blocked && sign * left.value > 0.0);
-        enclosed |= sign * left.value <= 0.0;
-        if (sign * left.value > 0.0) low = omega;
-        else high = omega;
-        if (blocked && high - low <= VISCOUS_BLOCKED * high) return NAN; /* the contacts lock before a root */
-        double next = omega - sign * left.value / left.slope;
-        if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * omega;
+        const Dual now = torque_left(slip, k, z, in, sign * omega, delta), left = {sign * now.value, now.slope};
+        blocked = isnan(left.value) || (blocked && left.value > 0.0);
+        enclosed |= left.value <= 0.0;
+        narrow_search(&search, omega, left);
+        if (blocked && search.high - search.low <= VISCOUS_BLOCKED * search.high) return NAN; /* a lock before a root */
+        const double next = next_speed(&search, omega, left);
         if (fabs(next - omega) <= VISCOUS_ROUNDING * omega && isfinite(left.value))
             return enclosed || left.slope < 0.0 ? sign * omega : NAN;
         omega = next;

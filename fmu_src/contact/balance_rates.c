@@ -105,6 +105,12 @@ static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Bal
 
 /* ---- contact loads ---- */
 
+/* Of r_i n_i = r_i (a_i + f_i r_i), whose terms cancel where a contact begins to lock at the speed. */
+static double rn_terms(const SlipMode *slip, const SlipCoefficients *k, int i) {
+    const double r = slip->params->cam[i].radius;
+    return r * (fabs(k->slope[i].value) + fabs(slip_friction(slip, k, i)) * r);
+}
+
 /* d x_i/dt from x_1 = (r_2 n_2 A - d_2 W)/Delta and x_2 = (r_1 n_1 A + d_1 W)/Delta, and the sizes of both. */
 static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance,
                           const MotionRates *rates, const Sizes *size, int i, BalanceRates *out) {
@@ -112,13 +118,16 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
     const int other = 1 - i;
     const double omega = balance->omega, inverse = 1.0 / fabs(f->delta.value);
     const Dual rn = f->rn[other], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[other]);
-    const double rn_size = fabs(rn.value) + slip->params->cam[other].radius * slip->transmission->slope_size;
+    const double rounded = slip->params->cam[other].radius * slip->transmission->slope_size;
+    double rn_size = fabs(rn.value) + rounded;
+    const double rn_rate_size = fabs(rn.slope) + rounded * slip->piece->scale;
+    if (slip->friction_varies) rn_size += rn_terms(slip, k, other);
     out->contact[i] =
         (rn.slope * omega * rates->axial + rn.value * rates->axial_rate + signed_d.slope * omega * rates->moment +
          signed_d.value * rates->moment_rate - balance->x[i] * f->delta.slope * omega) /
         f->delta.value;
     out->size[i] = (rn_size * size->axial + fabs(signed_d.value) * size->moment) * inverse;
-    out->rate_size[i] = (fabs(rn.slope * omega) * size->axial + fabs(rn.value) * size->axial_rate +
+    out->rate_size[i] = (rn_rate_size * fabs(omega) * size->axial + fabs(rn.value) * size->axial_rate +
                          fabs(signed_d.slope * omega) * size->moment + fabs(signed_d.value) * size->moment_rate +
                          out->size[i] * fabs(f->delta.slope * omega)) *
                         inverse;

@@ -32,7 +32,7 @@ typedef struct {
 
 static const uint64_t SNAPSHOT_MAGIC = UINT64_C(0x74657073736d6163); /* also tells the byte order */
 static const uint64_t SERIALIZED_MAGIC = UINT64_C(0x6d61636c6175642e);
-enum { FORMAT = 4 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
+enum { FORMAT = 5 }; /* to be raised when the meaning of the bytes changes and the GUID does not */
 
 /* Equal states must have equal bytes, so the bytes that belong to no member are cleared. A new member does not compile
  * before its padding is dealt with, here or in model_clear_padding(). */

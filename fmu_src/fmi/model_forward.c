@@ -152,8 +152,9 @@ bool model_state_is_possible(const State *state) {
 
 /* A new member does not compile before its padding is dealt with here. */
 enum { STATE_GAP = offsetof(State, flank) + 2 * sizeof(int) };
-_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int), "padding in State");
-_Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
+_Static_assert(STATE_GAP == 2 * sizeof(Sum) + sizeof(double) + sizeof(int64_t) + sizeof(Mode) + 2 * sizeof(int),
+               "padding in State");
+_Static_assert(sizeof(Step) == 2 * sizeof(Sum) + sizeof(Inputs) + 2 * sizeof(double) + sizeof(Mode) + 3 * sizeof(int),
                "padding in Step");
 _Static_assert(sizeof(Tunables) == 16 * sizeof(double) + sizeof(SpringParams) + sizeof(DamperParams),
                "padding in Tunables");

@@ -80,6 +80,7 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
         candidate.axial[i] = linear->transfer.axial[i] * m->params.spring.stiffness;
         candidate.contact[i] = linear_slip_contact(linear, &m->params, g, &l, &start, i);
         candidate.size[i] = linear_slip_contact_size(linear, &m->params, g, &l, i);
+        candidate.rounding[i] = candidate.size[i].value;
     }
     return candidate;
 }
@@ -106,9 +107,14 @@ static bool is_undecided(const Candidate *candidate, int i) {
            fabs(candidate->contact[i].rate) <= REACTION_ZERO_SHARE * candidate->size[i].rate;
 }
 
-/* The rounding of theta changes x_i however small the load is. The change, as a size of x_i. by_angle: dx_i/dtheta. */
-static double noise_of_angle(const Mechanism *m, double by_angle) {
-    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(by_angle);
+/* The rounding of theta changes x_i however small the load is: through the spring, and where the grooves bend sharply
+ * through the follower's acceleration. The change, as a size of x_i. */
+static double noise_of_angle(const Mechanism *m, const SlipMode *slip, const Balance *now, int i) {
+    BalanceChange by_angle = {.theta = 1.0};
+    if (slip->regime == REGIME_INERTIAL) by_angle.alpha = now->rhs.by_theta;
+    else by_angle.omega = now->rhs.by_theta;
+    const double change = balance_contact_change(slip, now, i, &by_angle);
+    return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(change);
 }
 
 static Candidate general_candidate(const Mechanism *m, int index) {
@@ -137,8 +143,9 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         candidate.contact[i] = (ContactLoad){.value = now.x[i], .rate = rates.contact[i]};
         candidate.size[i] =
             (ContactLoad){.value = coarse * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
-        if (slip.regime != REGIME_RATE_INDEPENDENT)
-            candidate.size[i].value += noise_of_angle(m, candidate.axial[i] * now.dz_dtheta);
+        const double noise = slip.regime != REGIME_RATE_INDEPENDENT ? noise_of_angle(m, &slip, &now, i) : 0.0;
+        candidate.size[i].value += noise;
+        candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
     return candidate;

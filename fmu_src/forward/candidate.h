@@ -18,6 +18,7 @@ typedef struct {
     double axial[2];        /* N/m^2, x_i per z: through the spring */
     ContactLoad contact[2]; /* x_i and its time derivatives, only with friction */
     ContactLoad size[2];    /* sizes of the terms in them */
+    double rounding[2];     /* N/m, of x_i, as a size: at most that in size[i] */
 } Candidate;
 
 /* The candidate of one slip mode; index: see slip_index(). */

@@ -49,6 +49,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     segment_begin(m, SEGMENT_RADAU, segment);
     segment->books = true;
     segment->booking = step->booking;
+    segment->energy_gained = step->energy_gained;
     if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
     segment->duration = step->h;
@@ -99,14 +100,14 @@ static double unseen_time(const Mechanism *m, const SlipMode *slip, const Balanc
 /* Slip along `slip` for up to `left` seconds, to the first event; along the band's edge also jumps past its folds. */
 static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *start, double left,
                           EventLocation *location, Segment *segment) {
-    const double to_stop = angle_to_stop(m, slip->direction);
-    if (to_stop <= 0.0) {
+    const StopAhead stop = {angle_to_stop(m, slip->direction), m->state.energy_gained};
+    if (stop.angle <= 0.0) {
         segment_begin(m, SEGMENT_AT_STOP, segment);
         segment->omega_is_increment = true; /* the impact needs the speed */
         segment->end = EVENT_STOP;
         return true;
     }
-    const bool found = event_location_find(slip, start, to_stop, left, &m->cache.proposal, location);
+    const bool found = event_location_find(slip, start, &stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
         const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);
         if (jump != JUMP_NONE) return jump == JUMP_PROPOSED;
@@ -170,6 +171,7 @@ static void lobatto_segment(const Mechanism *m, const SlipMode *slip, const Loba
     segment_begin(m, SEGMENT_LOBATTO, segment);
     segment->books = true;
     segment->booking = lobatto->booking;
+    segment->energy_gained = lobatto->energy_gained;
     if (m->params.ledger) raise_lobatto_peaks(m, slip, lobatto, segment);
     segment->duration = lobatto->h;
     segment->dtheta = lobatto->dtheta;

@@ -54,21 +54,34 @@ static int load_sign(const Mechanism *m, int direction) {
     return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
 }
 
+/* Just before a change of flanks a reaction still has the sign of its flank, but counts as zero and falls. The location
+ * of this event lies ahead. True if both reactions exceed `share` of their rounding. */
+static bool is_before_change(int index, const Candidate *candidate, double share) {
+    int flank[2];
+    slip_flanks(index, flank);
+    if (!candidate->possible || !follows_edge(candidate, slip_direction(index))) return false;
+    bool before = true;
+    for (int i = 0; i < 2; i++)
+        before &= flank[i] * candidate->contact[i].value > share * REACTION_ZERO_SHARE * candidate->rounding[i];
+    return before;
+}
+
 /* The index of the slip mode whose flanks agree, or -1. *built receives the coefficients of the last candidate that had
  * none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
-    int unstable = -1;
+    int unstable = -1, before = -1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
+        if (!at_rest && before < 0 && is_before_change(index, &candidate, 0.0)) before = index;
         if (!agrees(m, index, &candidate, at_rest)) continue;
         if (candidate.stable) return index;
         if (unstable < 0) unstable = index;
     }
-    return unstable;
+    return unstable >= 0 ? unstable : before;
 }
 
 /* ---- the decision ---- */
@@ -98,7 +111,8 @@ static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const Mode mode = slip_mode(direction);
     const int present = slip_index(direction, m->state.flank);
     const Candidate candidate = candidate_building(m, present, built);
-    if (m->state.mode == mode && agrees(m, present, &candidate, false))
+    const bool stays = m->state.mode == mode;
+    if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate, 1.0)))
         return (Decision){.mode = mode, .slip_index = present};
     const int index = find_slip_mode(m, direction, false, built);
     return (Decision){.mode = index < 0 ? MODE_WEDGED : mode, .slip_index = index};

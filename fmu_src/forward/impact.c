@@ -28,6 +28,7 @@ void hit_stop(Mechanism *m, int direction) {
     update_configuration(m);
     /* 0.0 - e omega, not -e omega: without restitution (e = 0) the speed at rest is then 0, not the negative zero. */
     state->omega = sum_of(0.0 - m->params.stop.restitution * state->omega.hi);
+    state->energy_gained *= m->params.stop.restitution * m->params.stop.restitution;
     if (!has_inertia(&m->params)) stand_still(m);
     if (state->omega.hi != 0.0 && is_bounce_invisible(m, direction)) stand_still(m);
     if (m->params.ledger) sum_add(&state->ledger.heat_stop, before - kinetic_energy(m));

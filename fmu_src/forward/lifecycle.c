@@ -155,6 +155,7 @@ COLD void mechanism_rewind(Mechanism *m) {
     s->theta = step->theta;
     s->omega = step->omega;
     s->mode = step->mode;
+    s->energy_gained = step->energy_gained;
     memcpy(s->flank, step->flank, sizeof s->flank);
     m->inputs = step->inputs;
     if (!step->retuned) {

@@ -39,6 +39,7 @@ static inline void begin_step(const Mechanism *m, double h, Step *step) {
     step->theta = s->theta;
     step->omega = s->omega;
     step->inputs = m->inputs;
+    step->energy_gained = s->energy_gained;
     step->h = h;
     step->mode = s->mode;
     step->flank[0] = s->flank[0];

@@ -16,12 +16,13 @@ void mechanism_motion(const Mechanism *m, Motion *out) {
     out->v = m->configuration.geometry.dz_dtheta * m->state.omega.hi;
 }
 
-/* T_release/T_load; where F_0 = 0, and with it both torques, the ratio of their factors. */
+/* T_release/T_load; where F_0 = 0, and with it both torques, the ratio of their factors. 0 where no torque moves the
+ * mechanism either way. */
 static double efficiency(const Mechanism *m, const BandFactors *f, double F_0) {
     const double load = F_0 == 0.0 ? f->load : stick_edge(f->load, F_0);
     const double release = F_0 == 0.0 ? f->release : stick_edge(f->release, F_0);
     if (load == 0.0 && release == 0.0) return has_friction(&m->params) ? 0.0 : 1.0;
-    return release / load;
+    return isinf(load) && isinf(release) ? 0.0 : release / load;
 }
 
 /* Acceleration and reactions while slipping, in grooves of any shape. */

@@ -22,6 +22,7 @@ typedef struct {
     EventKind end;           /* the event that ends the segment */
     double duration;         /* s */
     double dtheta;           /* rad, increment */
+    double energy_gained;    /* J, by the error of integration, see step_energy.h */
     double omega;            /* rad/s, at the end, before its event is handled; or the increment */
     bool omega_is_increment; /* inertial slip, whose speed is a sum of increments */
     bool books;              /* booking is set */
@@ -37,7 +38,7 @@ typedef struct {
 static inline void segment_begin(const Mechanism *m, SegmentKind kind, Segment *segment) {
     segment->kind = kind;
     segment->end = EVENT_NONE;
-    segment->duration = segment->dtheta = segment->omega = 0.0;
+    segment->duration = segment->dtheta = segment->omega = segment->energy_gained = 0.0;
     segment->omega_is_increment = segment->books = segment->varies = false;
     segment->finds_speed = segment->ends_at_breakpoint = false;
     segment->peak = m->state.ledger.peak;
@@ -58,6 +59,7 @@ static inline void segment_apply(Mechanism *m, const Segment *segment) {
         peak_raise(&peak->omega, segment->peak.omega);
         for (int i = 0; i < 2; i++) peak_raise(&peak->reaction[i], segment->peak.reaction[i]);
     }
+    state->energy_gained += segment->energy_gained;
     if (segment->omega_is_increment) sum_add(&state->omega, segment->omega);
     else state->omega = sum_of(segment->omega);
     if (segment->dtheta != 0.0) {

@@ -48,16 +48,18 @@
 typedef struct {
     Sum theta, omega; /* rad, rad/s */
     Inputs inputs;
-    double h; /* s; 0: no step has been made */
+    double energy_gained; /* J, see State */
+    double h;             /* s; 0: no step has been made */
     Mode mode;
     int flank[2];
     int retuned; /* 1: parameters have been tuned since the step, see State.tunables; else 0 */
 } Step;
 
 typedef struct {
-    Sum theta;      /* rad */
-    Sum omega;      /* rad/s */
-    int64_t events; /* mode changes so far */
+    Sum theta;            /* rad */
+    Sum omega;            /* rad/s */
+    double energy_gained; /* J, by the errors of integration since the last impact: collocation/step_energy.h */
+    int64_t events;       /* mode changes so far */
     Mode mode;
     int flank[2]; /* e_i while slipping: +1 supporting flank of cam i's groove, -1 the other flank */
     Ledger ledger;

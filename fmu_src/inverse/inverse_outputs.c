@@ -87,9 +87,11 @@ static double edge_torque(double factor, double F_0) {
     return F_0 == 0.0 ? 0.0 : factor * F_0;
 }
 
-/* T_release/T_load; at F_0 = 0 both are zero, and the ratio is its limit. */
+/* T_release/T_load; at F_0 = 0 both are zero, and the ratio is its limit. 0 where no torque moves the mechanism either
+ * way. */
 static double efficiency_of(const Params *p, double load, double release, double F_0) {
     if (load == 0.0 && release == 0.0) return has_friction(p) ? 0.0 : 1.0;
+    if (isinf(load) && isinf(release)) return 0.0;
     return F_0 == 0.0 ? release / load : edge_torque(release, F_0) / edge_torque(load, F_0);
 }
 

@@ -293,8 +293,9 @@ static const double LOCATION_ROUNDING = 4.0 * DBL_EPSILON;
 /* Share of the step before which the time to the stop follows from constant acceleration. */
 static const double LOCATION_BALLISTIC = 1e-3;
 
-/* Share of the largest angle by which theta is uncertain at a stop: a segment adds up that many roundings. */
-static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON;
+/* At a stop: share of the largest angle by which theta is uncertain, since a segment adds up that many roundings; kinetic
+ * energy over the energy gained by errors up to which the errors alone have reached the stop. */
+static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON, LOCATION_STOP_GAIN = 2.0;
 
 enum { LOCATION_ITERATIONS = 150 }; /* steps tried to reach one crossing */
 
@@ -304,8 +305,9 @@ static const double LOCATION_FIRST_EXTENSION = 8.0 * DBL_EPSILON;
 enum { LOCATION_EXTENSIONS = 11 };
 
 /* An event that shows in shorter steps only: the factor on the length, and the shortest length as a share of the time
- * left. */
+ * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends. */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
+static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
 
 /* Lobatto step */
 /* Share of what the tolerance allows that the next sweep may change; the same where the change is added: its own error is
