@@ -119,7 +119,9 @@ def verdict(fmu: Driver, scene: Scene, given: float | None, cut) -> list[str]:
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize(("cut", "every"), [(cuts, 1), (short_cuts, 4)])
+@pytest.mark.parametrize(
+    ("cut", "every"), [(cuts, 1), (short_cuts, 12), pytest.param(short_cuts, 4, marks=pytest.mark.long)]
+)
 def test_general_scenes(cut, every, tolerance, chunk, make, scenes):
     wrong = []
     for scene in scenes[chunk :: every * CHUNKS]:

@@ -120,11 +120,15 @@ def test_integral_of_square(library, kind):
         library.oscillator_square(ctypes.byref(osc), ctypes.byref(k))
         omega, alpha, drive = rng.normal(size=3) * [1, 10, 30]
 
-        def square(t, rates=(decay2, stiffness), start=(omega, alpha, drive)):
-            s, _, p1, *_ = exact(*rates, t)
-            return (start[0] * (1 - rates[1] * p1) + start[1] * s + start[2] * p1) ** 2
+        one, two = roots(decay2, stiffness)
 
-        fast = abs(roots(decay2, stiffness)[1])
+        def square(t, one=one, two=two, stiffness=stiffness, start=(omega, alpha, drive)):
+            e1, e2 = mpmath.exp(one * t), mpmath.exp(two * t)
+            s, c1, c2 = (e1 - e2) / (one - two), (e1 - 1) / one if one else t, (e2 - 1) / two
+            p1 = (c1 - c2) / (one - two)
+            return mpmath.re(start[0] * (1 - stiffness * p1) + start[1] * s + start[2] * p1) ** 2
+
+        fast = abs(two)
         cuts = sorted({0, 1, *(10**-i for i in range(1, 4)), *np.linspace(0, 1, 3 + int(fast / 2)).tolist()})
         q, b = list(k.square), omega + k.lead * alpha
         got = q[0] * b**2 + 2 * q[1] * b * alpha + 2 * q[2] * b * drive

@@ -185,6 +185,7 @@ def test_without_valgrind_there_are_times_only(monkeypatch, tmp_path):
     assert (tmp_path / "worst.png").exists()
 
 
+@pytest.mark.long
 def test_all_parts_write_numbers_pictures_and_circumstances(tmp_path):
     """All but the comparison with other solvers, which takes a minute at its quickest."""
     folder = tmp_path / "results"

@@ -27,7 +27,7 @@ OPTIMISED = ("-O3", "-fvisibility=hidden")
 # where the name alone is not unique), and the constant in it. An empty constant: the largest upper limit of a
 # loop `for (...; n < limit; n++)`.
 LOOP_LIMITS = {
-    "segments per step": ("tolerances", "MAX_SEGMENTS_PER_STEP"),
+    "segments per step": ("work", "MAX_SEGMENTS_PER_STEP"),
     "work per step": ("work", "MAX_WORK"),
     "jams per step": ("tolerances", "MAX_JAMS_PER_STEP"),
     "shortest segment": ("tolerances", "LOCATION_SHORTEST"),

@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "collocation/breakpoint.h"
-#include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
 #include "collocation/lobatto_peaks.h"
 #include "collocation/lobatto_system.h"

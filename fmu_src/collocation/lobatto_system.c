@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "collocation/lobatto_error.h"
 #include "collocation/lobatto_loads.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"

@@ -9,7 +9,12 @@
 #ifndef DUALCAM_LOBATTO_SYSTEM_H
 #define DUALCAM_LOBATTO_SYSTEM_H
 
+#include <float.h>
+#include <math.h>
+
 #include "collocation/lobatto_nodes.h"
+#include "elementary/elementary.h"
+#include "numerics/tolerances.h"
 
 /* An angle at which the step must end, likewise. */
 typedef struct {
@@ -36,5 +41,35 @@ bool lobatto_system_solve_varying(LobattoSystem *system, const EndAngle *end);
 
 /* Without inertia: omega by the balance at the end of the step, rad/s. */
 double lobatto_system_speed_at_end(LobattoSystem *system);
+
+/* ---- the error of a step ---- */
+
+/* The coefficient of c^3 of the cubic through the values. Where it happens to be small, the decay of the lower
+ * coefficients stands for it. */
+static inline double lobatto_cubic_term(const LobattoValues *y) {
+    const LobattoValues c = lobatto_combine(LOBATTO.bernstein, y);
+    const double *b = c.at;
+    const double linear = 3.0 * fabs(b[1] - b[0]), square = 3.0 * fabs(b[0] - 2.0 * b[1] + b[2]);
+    return max_of(fabs(b[3] - b[0] + 3.0 * (b[1] - b[2])),
+                  LOBATTO_DECAY * square * square / (linear + square + DBL_MIN));
+}
+
+/* The parabola through the last three nodes misses the value at the start by the cubic term times LOBATTO.missed. In
+ * between, its integrals are those of prod(1 - c/c_i) times that. The cubic itself misses far less. x is the error of
+ * the parabola relative to speed and distance. The limit x^(11/8) <= tolerance is set so that of 5000 random steps that
+ * just pass, all are within the tolerance, and 99 of 100 within half of it. `margin`: factor on tolerance^8. */
+static inline bool lobatto_is_accurate(const LobattoSystem *s, double margin) {
+    const double tolerance = s->slip->params->tolerance;
+    const double missed = s->h * LOBATTO.missed * lobatto_cubic_term(&s->y);
+    const double distance = fabs(s->dtheta.at[LOBATTO_END]), rounding = LOBATTO_ANGLE_ROUNDING * fabs(s->theta);
+    double by_speed = 0.0, by_angle = missed * LOBATTO.missed_once;
+    if (lobatto_system_is_inertial(s)) {
+        by_speed = missed * LOBATTO.missed_once / lobatto_largest(lobatto_range(&s->speed));
+        by_angle = missed * LOBATTO.missed_twice * s->h;
+    }
+    const double x = max_of(by_speed, max_of(by_angle - rounding, 0.0) / (distance + DBL_MIN));
+    const double x2 = x * x, x8 = (x2 * x2) * (x2 * x2), t2 = tolerance * tolerance;
+    return x < 1.0 && x8 * x2 * x <= margin * (t2 * t2) * (t2 * t2);
+}
 
 #endif

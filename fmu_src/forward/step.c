@@ -12,6 +12,7 @@
 #include "forward/lifecycle.h"
 #include "forward/rest.h"
 #include "forward/stick.h"
+#include "model/work.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 

@@ -157,7 +157,7 @@ COMPACT static double share_of(const double *knot, size_t last, double overshoot
     const bool up = to > from;
     size_t k = friction_table_find(knot, last, from);
     KnotCell cell = friction_table_cell(knot, last, k);
-    while (is_reached(&cell, overshoot, from, up)) {
+    while (is_reached(&cell, overshoot, from, up)) { /* at most one turn per knot */
         k = up ? k + 1 : k - 1;
         cell = friction_table_cell(knot, last, k);
     }
@@ -175,7 +175,7 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
 }
 
 void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach) {
-    while (is_reached(&reach->piece->cell, overshoot, v, up)) reach->piece += up ? 1 : -1;
+    while (is_reached(&reach->piece->cell, overshoot, v, up)) reach->piece += up ? 1 : -1; /* at most one turn per knot */
     const KnotStep step = knot_step(&reach->piece->cell, overshoot, v, up);
     reach->low = v - (up ? step.back : step.longest);
     reach->high = v + (up ? step.longest : step.back);

@@ -12,6 +12,16 @@
  * balance where friction depends on the load, which iterates. */
 enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 5 };
 
+/* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where
+ * friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, vibrations of a
+ * tiny inertia, and long steps through stiff motion reach the limit. */
+enum { MAX_SEGMENTS_PER_STEP = 100000, MAX_LOADED_SEGMENTS_PER_STEP = 20000 };
+
+/* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
+ * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */
+enum { STALL_GUARD_SEGMENTS = 2000 };
+static const double STALL_GUARD_PROGRESS = 1e-9;
+
 typedef struct {
     int64_t done, most; /* evaluations */
 } Work;

@@ -433,16 +433,6 @@ enum { PLAY_PEAK_PARTS = 4, PLAY_GOLDEN_STEPS = 40 };
 /* Play operator: bounds of the work of one jump. 53 bisections of an interval reach two neighbouring numbers. */
 enum { PLAY_MAX_DEPTH = 30, PLAY_MAX_HALVINGS = 5000, PLAY_MAX_BISECTIONS = 200, PLAY_KINK_BISECTIONS = 100 };
 
-/* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where
- * friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, vibrations of a
- * tiny inertia, and long steps through stiff motion reach the limit. */
-enum { MAX_SEGMENTS_PER_STEP = 100000, MAX_LOADED_SEGMENTS_PER_STEP = 20000 };
-
-/* Stall guard: STALL_GUARD_SEGMENTS segments must advance time by the share STALL_GUARD_PROGRESS of the step, else the
- * step is refused. Segments as short as the rounding of time would otherwise keep a step busy for minutes. */
-enum { STALL_GUARD_SEGMENTS = 2000 };
-static const double STALL_GUARD_PROGRESS = 1e-9;
-
 /* Moving contacts can jam and let go again at once. Without inertia of the shaft a locked contact can do so for ever,
  * in ever shorter time: rigid bodies under Coulomb friction then have no motion at all (P. Painleve, 1895). */
 enum { MAX_JAMS_PER_STEP = 1000 };

@@ -80,7 +80,7 @@ static bool counts(Run *run) {
     const Guard guard = guard_begin(run);
     const bool ok = is_ok(fmi3GetNumberOfContinuousStates(run->c, &states)) &&
                     is_ok(fmi3GetNumberOfEventIndicators(run->c, &indicators));
-    REQUIRE(run, ok && states == CONTINUOUS_STATES && indicators == EVENT_INDICATORS);
+    REQUIRE(run, !ok || (states == CONTINUOUS_STATES && indicators == EVENT_INDICATORS));
     return guard_end(run, guard, ok);
 }
 
