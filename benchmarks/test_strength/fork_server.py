@@ -4,13 +4,14 @@
 
 The first pass has no mutant in force. It notes how long each test takes and which places the test reaches. A
 child process begins with all that the first pass has imported and compiled. It runs only the tests that reach
-the mutant's place, the quickest first, up to the first failure.
+the mutant's place, up to the first failure.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import hashlib
 import json
 import mmap
 import os
@@ -19,6 +20,7 @@ import shutil
 import signal
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -52,20 +54,26 @@ class Job:
     seconds: dict[str, float] = field(default_factory=dict)
     reached: dict[str, list[int]] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
+    kills: Counter[str] = field(default_factory=Counter)
 
     def save(self) -> None:
         found = {"seconds": self.seconds, "reached": self.reached, "failed": self.failed}
         self.reach.write_text(json.dumps(found))
 
     def tests_of(self, number: int, items: Sequence[Item]) -> list[Item]:
-        """The tests that reach the mutant, the quickest first, as many as the limit allows."""
-        reaching = [item for item in items if number in self.reached.get(item.nodeid, ())]
+        """The tests that reach the mutant, as many as the limit allows. First those that have killed others,
+        then one of each file, then a second of each file, the quickest first."""
+        turns: Counter[str] = Counter()
+        order = []
+        for item in sorted(items, key=lambda item: self.seconds[item.nodeid]):
+            if number in self.reached.get(item.nodeid, ()):
+                turns[item.location[0]] += 1
+                order.append((-self.kills[item.nodeid], turns[item.location[0]], len(order), item))
         taken, total = [], 0.0
-        for item in sorted(reaching, key=lambda item: self.seconds[item.nodeid]):
+        for *_, item in sorted(order):
             total += self.seconds[item.nodeid]
-            if total > self.limit:
-                break
-            taken.append(item)
+            if total <= self.limit:
+                taken.append(item)
         return taken
 
 
@@ -92,18 +100,19 @@ def first_pass(items: Sequence[Item], job: Job, marks: mmap.mmap) -> None:
 
 def keep_compiled(tools: ModuleType, folder: Path) -> None:
     """The `core` fixture compiles once, not once in each child."""
+    folder.mkdir(exist_ok=True)
     compile_c: Callable[..., None] = tools.compile_c
-    kept: dict[str, Path] = {}
 
     def once(compiler: Sequence[str], flags: Sequence[str], sources: Sequence[Path], product: Path) -> None:
         own = "".join(Path(flag).read_text() for flag in flags if flag.endswith(".c"))
         options = [flag for flag in flags if not flag.endswith(".c")]
         key = repr((options, own, [str(path) for path in sources]))
-        if key not in kept:
+        kept = folder / f"{hashlib.sha256(key.encode()).hexdigest()}.so"
+        if not kept.exists():
             compile_c(compiler, flags, sources, product)
-            kept[key] = folder / f"{len(kept)}.so"
-            shutil.copy(product, kept[key])
-        shutil.copy(kept[key], product)
+            shutil.copy(product, kept.with_suffix(f".{os.getpid()}"))
+            kept.with_suffix(f".{os.getpid()}").replace(kept)
+        shutil.copy(kept, product)
 
     tools.compile_c = once  # type: ignore[attr-defined]
 
@@ -183,6 +192,8 @@ def note_end(number: int, code: int, job: Job) -> None:
     else:
         word = "survives" if os.WEXITSTATUS(code) == SURVIVES else "fails"
     (job.status / str(number)).write_text(json.dumps({"end": word, "test": last}))
+    if word != "survives":
+        job.kills[last] += 1
     shutil.rmtree(folder_of(number, job), ignore_errors=True)
 
 
@@ -226,7 +237,7 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
 
     job = read_job()
     items = session.items
-    keep_compiled(build_fmu, job.status.parent)
+    keep_compiled(build_fmu, job.status.parent / "compiled")
     marks_file = Path(os.environ[REACHED])
     with marks_file.open("r+b") as file, mmap.mmap(file.fileno(), 0) as marks:
         fresh = [item for item in items if item.nodeid not in job.seconds]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
 import time
 import tomllib
@@ -97,11 +98,9 @@ def job_of(options: Options, folder: Path, numbers: Sequence[int]) -> dict[str, 
 def play(options: Options, copy: Path, places: Mapping[int, Site], numbers: Sequence[int]) -> None:
     """Runs the tests. The end of each mutant stands in a file of its own."""
     folder = copy.parent / "mutants-run"
-    (folder / "status").mkdir(parents=True, exist_ok=True)
     if not options.again:
-        (folder / "reach.json").unlink(missing_ok=True)
-        for path in (folder / "status").iterdir():
-            path.unlink()
+        shutil.rmtree(folder, ignore_errors=True)
+    (folder / "status").mkdir(parents=True, exist_ok=True)
     job, marks = folder / "job.json", folder / "marks"
     job.write_text(json.dumps(job_of(options, folder, numbers)))
     marks.write_bytes(bytes(max(places) + 1))
@@ -118,7 +117,7 @@ def ends(places: Mapping[int, Site]) -> dict[int, tuple[str, str]]:
     found = {}
     for number in places:
         path = tree.TREES / "mutants-run" / "status" / str(number)
-        if path.exists():
+        if path.exists() and path.read_text().startswith("{"):  # else the run was interrupted
             read = json.loads(path.read_text())
             found[number] = (read["end"], read["test"])
     return found
