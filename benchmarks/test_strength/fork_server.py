@@ -11,17 +11,20 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import functools
+import gc
 import hashlib
 import json
 import mmap
 import os
+import pickle
 import resource
 import shutil
 import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -33,7 +36,7 @@ from _pytest.runner import runtestprotocol
 from benchmarks.test_strength.switch import ACTIVE, REACHED, SYMBOL
 
 JOB = "DUALCAM_MUTANTS_JOB"
-SLOWER, PATIENCE = 10.0, 3.0  # a test of a mutant may take so many times the processor time, and s on top
+SLOWER, PATIENCE = 5.0, 2.0  # a test of a mutant may take so many times the processor time, and s on top
 WAITING = 120.0  # s by the clock for one test that waits without computing
 SAVE_EVERY = 100  # tests
 MEMORY = 4 << 30  # bytes, of a child
@@ -117,6 +120,30 @@ def keep_compiled(tools: ModuleType, folder: Path) -> None:
     tools.compile_c = once  # type: ignore[attr-defined]
 
 
+def keep_solved(folder: Path) -> None:
+    """The reference solves each scene once, not once in each child. It knows nothing of the FMU."""
+    import reference
+
+    folder.mkdir(exist_ok=True)
+
+    def kept(solve: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(solve)
+        def once(*arguments: object, **named: object) -> object:
+            key = repr((solve.__name__, arguments, sorted(named.items())))
+            path = folder / hashlib.sha256(key.encode()).hexdigest()
+            if "object at 0x" in key:  # an argument that does not tell what it is
+                return solve(*arguments, **named)
+            if not path.exists():
+                path.with_suffix(f".{os.getpid()}").write_bytes(pickle.dumps(solve(*arguments, **named)))
+                path.with_suffix(f".{os.getpid()}").replace(path)
+            return pickle.loads(path.read_bytes())
+
+        return once
+
+    for name in ("simulate", "simulate_exact"):
+        setattr(reference, name, kept(getattr(reference, name)))
+
+
 # ---- a child ----
 
 
@@ -197,8 +224,17 @@ def note_end(number: int, code: int, job: Job) -> None:
     shutil.rmtree(folder_of(number, job), ignore_errors=True)
 
 
+def kills_before(job: Job) -> Iterator[str]:
+    """The tests that killed a mutant in an earlier run."""
+    for path in job.status.iterdir():
+        if (text := path.read_text()).startswith("{") and (read := json.loads(text))["end"] != "survives":
+            yield read["test"]
+
+
 def run_children(items: Sequence[Item], job: Job, session: pytest.Session) -> None:
     running: dict[int, int] = {}
+    job.kills.update(kills_before(job))
+    gc.freeze()  # else the first collection of each child copies all memory
 
     def wait_for_one() -> None:
         child, code = os.wait()
@@ -229,6 +265,11 @@ def read_job() -> Job:
         for name, value in json.loads(job.reach.read_text()).items():
             setattr(job, name, value)
     return job
+
+
+def pytest_configure() -> None:
+    """Before test modules import the reference."""
+    keep_solved(read_job().status.parent / "solved")
 
 
 @pytest.hookimpl(tryfirst=True)

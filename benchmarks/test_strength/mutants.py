@@ -5,8 +5,8 @@
 400 places of physics and FMI layer are drawn (choice.py): an operator of arithmetic, a comparison, a logical
 operator, a constant, a sign, a statement left out, a condition negated, two arguments of one type swapped.
 All mutants are compiled into the FMUs of a copy of the repository at once, each behind a switch (switch.py).
-The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes ten times as
-long. equivalent.toml names mutants that no test can notice, with the reason.
+The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
+as long. equivalent.toml names mutants that no test can notice, with the reason.
 """
 
 from __future__ import annotations

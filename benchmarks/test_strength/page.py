@@ -8,7 +8,6 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from benchmarks.harness.repository import DOCS, RESULTS
 from benchmarks.test_strength import coverage, mutants
@@ -27,17 +26,18 @@ KINDS = {
 HEAD = """\
 # How well the tests test
 
-Read this page to judge how far a green run of the tests can be trusted. Two commands measure that on a copy of
-the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
+Read this page to judge how far a green run of the tests can be trusted. Two commands measure that on a copy
+of the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
 `./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
-tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this page.
+tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this
+page.
 
 ## Mutants
 
 A mutant is the C code with one small mistake. {count} places in the rooms {rooms} are drawn with a fixed seed
 (`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes the mistake.
 All mutants are compiled into one library per FMU. A switch puts one of them in force, so that the library is
-compiled once. A mutant is killed if a test fails, crashes, or takes ten times as long as without the mutant.
+compiled once. A mutant is killed if a test fails, crashes, or takes five times as long as without the mutant.
 A mutant meets only the tests that reach its place. These are the tests of
 `benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite.
 """
