@@ -38,7 +38,7 @@ from benchmarks.test_strength.switch import ACTIVE, REACHED, SYMBOL
 JOB = "DUALCAM_MUTANTS_JOB"
 SLOWER, PATIENCE = 5.0, 2.0  # a test of a mutant may take so many times the processor time, and s on top
 WAITING = 120.0  # s by the clock for one test that waits without computing
-SAVE_EVERY = 100  # tests
+SAVE_EVERY = 10  # tests
 MEMORY = 4 << 30  # bytes, of a child
 SURVIVES, KILLED = 0, 1
 
