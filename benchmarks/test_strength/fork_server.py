@@ -14,6 +14,7 @@ import ctypes
 import functools
 import gc
 import hashlib
+import importlib
 import json
 import mmap
 import os
@@ -39,6 +40,7 @@ JOB = "DUALCAM_MUTANTS_JOB"
 SLOWER, PATIENCE = 5.0, 2.0  # a test of a mutant may take so many times the processor time, and s on top
 WAITING = 120.0  # s by the clock for one test that waits without computing
 SAVE_EVERY = 10  # tests
+TELL_EVERY = 20  # mutants
 MEMORY = 4 << 30  # bytes, of a child
 SURVIVES, KILLED = 0, 1
 
@@ -67,7 +69,7 @@ class Job:
         """The tests that reach the mutant, as many as the limit allows. First those that have killed others,
         then one of each file, then a second of each file, the quickest first."""
         turns: Counter[str] = Counter()
-        order = []
+        order: list[tuple[int, int, int, Item]] = []
         for item in sorted(items, key=lambda item: self.seconds[item.nodeid]):
             if number in self.reached.get(item.nodeid, ()):
                 turns[item.location[0]] += 1
@@ -87,6 +89,13 @@ def failed_in(reports: Sequence[pytest.TestReport]) -> bool:
     return any(report.failed for report in reports)
 
 
+def tell(node: Item, text: str) -> None:
+    """Past the capture of pytest."""
+    writer = node.config.get_terminal_writer()
+    writer.line(text)
+    writer.flush()
+
+
 def first_pass(items: Sequence[Item], job: Job, marks: mmap.mmap) -> None:
     for k, item in enumerate(items):
         marks[:] = bytes(len(marks))
@@ -96,7 +105,7 @@ def first_pass(items: Sequence[Item], job: Job, marks: mmap.mmap) -> None:
         job.reached[item.nodeid] = [n for n, mark in enumerate(marks[:]) if mark]
         if failed_in(reports):
             job.failed.append(item.nodeid)
-            print(f"fails without a mutant: {item.nodeid}", flush=True)
+            tell(item, f"fails without a mutant: {item.nodeid}")
         if k % SAVE_EVERY == 0:
             job.save()
 
@@ -122,7 +131,7 @@ def keep_compiled(tools: ModuleType, folder: Path) -> None:
 
 def keep_solved(folder: Path) -> None:
     """The reference solves each scene once, not once in each child. It knows nothing of the FMU."""
-    import reference
+    reference = importlib.import_module("reference")  # of the tests
 
     folder.mkdir(exist_ok=True)
 
@@ -244,6 +253,8 @@ def run_children(items: Sequence[Item], job: Job, session: pytest.Session) -> No
     for number in job.numbers:
         tests = job.tests_of(number, items)
         (job.status / str(number)).write_text("not reached")
+        if number % TELL_EVERY == 0:
+            tell(session, f"mutant {number} of {len(job.numbers)}, {job.kills.total()} killed")
         if not tests:
             note_end(number, SURVIVES, job)
             continue

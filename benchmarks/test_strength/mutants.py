@@ -201,6 +201,8 @@ def main(words: Sequence[str] | None = None) -> int:
     numbers = options.only or [number for number in places if number not in done]
     play(options, copy, places, numbers)
     rows = rows_of(places, ends(places))
+    if not rows:
+        return 0
     report(rows, time.monotonic() - begin, console)
     results.publish(rows, circumstances("mutants"), output, console)
     return 0 if share_killed(rows) >= TARGET else 1
