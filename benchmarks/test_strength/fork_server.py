@@ -254,11 +254,11 @@ def run_children(items: Sequence[Item], job: Job, session: pytest.Session) -> No
         if child in running:
             note_end(running.pop(child), code, job)
 
-    for number in job.numbers:
+    for k, number in enumerate(job.numbers):
         tests = job.tests_of(number, items)
         (job.status / str(number)).write_text("not reached")
-        if number % TELL_EVERY == 0:
-            tell(session, f"mutant {number} of {len(job.numbers)}, {job.kills.total()} killed")
+        if k % TELL_EVERY == 0:
+            tell(session, f"{k} of {len(job.numbers)} mutants begun, {job.kills.total()} killed so far")
         if not tests:
             note_end(number, SURVIVES, job)
             continue
