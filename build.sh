@@ -74,6 +74,10 @@ usage: ./build.sh [command] [arguments]
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
+  mutants  400 small mistakes in a copy of the C code, and which of them the tests notice (ten minutes); writes
+           benchmarks/results/mutants.csv; arguments go to benchmarks.test_strength.mutants
+  coverage the branches of the C code that the tests take, in a copy (two minutes); writes
+           benchmarks/results/coverage.csv; arguments go to benchmarks.test_strength.coverage
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`
            also checks the links to other sites
@@ -224,6 +228,7 @@ case $command in
         run_program '.[test]' -m trajectory_hash "$@"
         ;;
     compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
+    mutants | coverage) run_program '.[strength]' -m "benchmarks.test_strength.$command" "$@" ;;
     stress) run_program '.[test]' -m benchmarks.stress "$@" ;;
     figures)
         install_dependencies '.[build]'

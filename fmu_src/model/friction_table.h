@@ -62,7 +62,7 @@ typedef struct {
 
 /* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
 static inline size_t friction_table_find(const double *knot, size_t last, double x) {
-    size_t low = 0; /* the index is one of low, ..., low + count - 1 */
+    size_t low = 0;                             /* the index is one of low, ..., low + count - 1 */
     for (size_t count = last + 1; count > 1;) { /* at most 64 turns: `count` halves */
         const size_t half = count / 2;
         low = x >= knot[low + half] ? low + half : low; /* without a branch: the processor cannot predict the branch */

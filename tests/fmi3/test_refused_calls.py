@@ -50,8 +50,10 @@ def test_calls_with_wrong_arguments_are_refused(make3, model):
     rows, columns, two = model.references(["z"]), model.references(["F_ext"]), (c_double * 2)(1.0, 1.0)
     for kind in ("Directional", "Adjoint"):
         call = f"Get{kind}Derivative"
-        fmu.refused(call, rows, 1, columns, 1, two, 2, two, 1, mentions=("nSeed",))
-        fmu.refused(call, rows, 1, columns, 1, two, 1, two, 2, mentions=("nSensitivity",))
+        fmu.refused(call, rows, 1, columns, 1, two, 2, two, 1, mentions=("nSeed = 2: allowed is 1",))
+        fmu.refused(call, rows, 1, columns, 1, two, 1, two, 2, mentions=("nSensitivity = 2: allowed is 1",))
+        fmu.refused(call, rows, 1, columns, 1, None, 1, two, 1, mentions=("NULL",))
+        fmu.refused(call, rows, 1, columns, 1, two, 1, None, 1, mentions=("NULL",))
         fmu.refused(call, columns, 1, columns, 1, two, 1, two, 1, mentions=("F_ext",))
         fmu.refused(call, rows, 1, rows, 1, two, 1, two, 1, mentions=("z",))
         fmu.refused(call, rows, 1, columns, 1, (c_double * 1)(math.nan), 1, two, 1)

@@ -100,6 +100,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "performance",
         "stick_slip",
         "stress",
+        "test_strength",
     )
 )
 EXAMPLES = "system_examples"

@@ -1,0 +1,145 @@
+"""Writes docs/test-strength.md from the results of mutants and coverage.
+
+python -m benchmarks.test_strength.page
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from benchmarks.harness.repository import DOCS, RESULTS
+from benchmarks.test_strength import coverage, mutants
+
+PAGE = DOCS / "test-strength.md"
+KINDS = {
+    "arguments": "two arguments of one type swapped",
+    "arithmetic": "`+` for `-`, `*` for `/`, and back",
+    "comparison": "`<` for `<=`, `<` for `>`, `==` for `!=`, and back",
+    "condition": "a condition negated",
+    "constant": "an integer 1 larger or smaller, a number times 1.5",
+    "logic": "`&&` for `||`, and back",
+    "sign": "a minus left out, `+=` for `-=`, and back",
+    "statement": "a statement left out",
+}
+HEAD = """\
+# How well the tests test
+
+Read this page to judge how far a green run of the tests can be trusted. Two commands measure that on a copy
+of the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
+`./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
+tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this
+page.
+
+## Mutants
+
+A mutant is the C code with one small mistake. {count} places in the rooms {rooms} are drawn with a fixed seed
+(`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes the mistake.
+All mutants are compiled into one library per FMU. A switch puts one of them in force, so that the library is
+compiled once. A mutant is killed if a test fails, crashes, or takes five times as long as without the mutant.
+A mutant meets only the tests that reach its place. These are the tests of
+`benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite.
+"""
+
+
+def read(name: str) -> list[dict[str, str]]:
+    with (RESULTS / f"{name}.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def cell(text: str) -> str:
+    """C code in a cell."""
+    return "`" + (text or "nothing").replace("|", "\\|") + "`"
+
+
+def measured(row: Mapping[str, str]) -> str:
+    return f"Measured on {row['date']}, {row['machine']}, {row['versions']}.\n"
+
+
+def mutants_part(rows: Sequence[dict[str, str]]) -> str:
+    verdicts = ("killed", "equivalent", "survives")
+    counts = {
+        kind: Counter(row["verdict"] for row in rows if kind in ("all", row["kind"]))
+        for kind in [*KINDS, "all"]
+    }
+    lines = [
+        [kind, KINDS.get(kind, ""), *(count[verdict] for verdict in verdicts)]
+        for kind, count in counts.items()
+    ]
+    text = HEAD.format(
+        count=len(rows),
+        rooms="of physics and of FMI",
+        tests=len(mutants.TESTS.read_text().split()),
+    )
+    text += "\n" + table(["kind", "mistake", "killed", "equivalent", "survives"], lines)
+    share = mutants.share_killed(rows)
+    text += f"\n**{share:.1f} %** of the mutants that are not equivalent are killed; the target is "
+    text += (
+        f"{mutants.TARGET:g} %. `benchmarks/results/mutants.csv` has each mutant with the test that kills "
+    )
+    text += "the mutant. "
+    text += measured(rows[0])
+    for verdict, title in (("survives", SURVIVE), ("equivalent", EQUIVALENT)):
+        some = [row for row in rows if row["verdict"] == verdict]
+        places = [
+            [f"{row['file']}, `{row['function']}()`", cell(row["original"]), cell(row["mutated"])]
+            for row in some
+        ]
+        if verdict == "equivalent":
+            places = [[*place, row["reason"]] for place, row in zip(places, some, strict=True)]
+        head = ["place", "code", "mutant", *(["why no test can notice"] if verdict == "equivalent" else [])]
+        text += title + (table(head, places) if some else "None.\n")
+    return text
+
+
+SURVIVE = """
+### Mutants that survive
+
+No test notices these mistakes.
+
+"""
+EQUIVALENT = """
+### Equivalent mutants
+
+These mistakes change no result beyond rounding, or only the cost. Each was judged by hand. The reasons stand
+in `benchmarks/test_strength/equivalent.toml`.
+
+"""
+BRANCHES = """
+## Branches
+
+A branch is a condition of the C code with one of its two values. The marks are set in the source text, so
+that optimisation does not change the counts. Macros and generated tables have no marks. MC/DC asks more: for
+each condition of a decision, two evaluations show that this condition alone changes the decision. Conditions
+that `&&` and `||` leave out may differ ("masking" MC/DC).
+
+"""
+
+
+def coverage_part(rows: Sequence[dict[str, str]]) -> str:
+    lines = [
+        [
+            f"**{row['part']}**" if row["part"] == "all" else f"`{row['part']}`",
+            *(row[name] for name in ("branches", "taken", "branches_percent", "mcdc_percent", "unexplained")),
+        ]
+        for row in rows
+    ]
+    head = ["room or file", "branches", "taken", "%", "MC/DC, %", "not taken, without a reason"]
+    text = BRANCHES + table(head, lines)
+    text += f"\nThe target is {coverage.TARGET:g} % of the branches. " + measured(rows[0])
+    text += "`benchmarks/test_strength/unreached.toml` gives the reason for branches that no test takes.\n"
+    return text
+
+
+def main() -> None:
+    PAGE.write_text(mutants_part(read("mutants")) + coverage_part(read("coverage")))
+
+
+if __name__ == "__main__":
+    main()

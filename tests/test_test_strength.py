@@ -1,0 +1,176 @@
+"""The tools that make mutants and mark branches, on small texts in C."""
+
+import subprocess
+import sys
+
+import pytest
+from driver import ROOT
+
+pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
+
+from benchmarks.test_strength import choice, coverage, decisions, mutants, sites, switch
+
+CORE = ROOT / "fmu_src"
+CODE = """\
+static double power(double force, double speed) { return force * speed; }
+static int count(int n) {
+    int found = 0;
+    for (int k = 0; k < n; k++) {
+        if (k == 3) continue;
+        found += k;
+    }
+    return found;
+}
+static double work(double a, double b) {
+    static const double SCALE = 2.0;
+    if (a < b && !(b > 10.0)) return -power(a, b);
+    return SCALE;
+}
+"""
+
+
+def sites_of_text(folder, text):
+    path = folder / "small.c"
+    path.write_text(text)
+    return sites.sites_of(path, "model/small.c", sites.signatures_of(sites.parse(text.encode())))
+
+
+def test_each_kind_of_mistake_is_found_where_it_can_be_made(tmp_path):
+    found = {(s.function, s.kind, s.original, s.mutated) for s in sites_of_text(tmp_path, CODE)}
+    assert found >= {
+        ("power", "arithmetic", "force * speed", "force / speed"),
+        ("count", "comparison", "k < n", "k <= n"),
+        ("count", "comparison", "k < n", "k > n"),
+        ("count", "condition", "(k == 3)", "!((k == 3))"),
+        ("count", "statement", "continue;", ""),
+        ("count", "sign", "found += k", "found -= k"),
+        ("count", "constant", "3", "(3 + 1)"),
+        ("work", "logic", "a < b && !(b > 10.0)", "a < b || !(b > 10.0)"),
+        ("work", "sign", "-power(a, b)", "power(a, b)"),
+        ("work", "arguments", "power(a, b)", "power(b, a)"),
+        ("work", "constant", "10.0", "(10.0 * 1.5)"),
+    }
+    assert not [s for s in found if s[2] == "2.0"]  # the initializer must stay a constant
+
+
+def run(folder, header, text, code):
+    """Compiles the changed text as a library and calls it in a process of its own; what the code prints."""
+    place = folder / header
+    place.parent.mkdir(parents=True, exist_ok=True)
+    source, library = folder / "changed.c", folder / "changed.so"
+    source.write_bytes(text)
+    command = ["-m", "ziglang", "cc", "-shared", "-fPIC", "-I", folder, source, "-o", library]
+    subprocess.run([sys.executable, *command], check=True)
+    made = subprocess.run([sys.executable, "-c", code, library], capture_output=True, text=True, check=True)
+    return made.stdout.split()
+
+
+CALLS = (
+    CODE.replace("static double", "double")
+    .replace("static int", "int")
+    .replace("    double SCALE", "    static double SCALE")
+)
+CALLED = """
+import ctypes, os, sys
+def called(**environment):
+    os.environ.update(environment)
+    library = ctypes.CDLL(sys.argv[1])
+    library.work.restype, library.work.argtypes = ctypes.c_double, [ctypes.c_double, ctypes.c_double]
+    return library
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
+def test_a_switch_puts_one_mutant_in_force(tmp_path):
+    found = {s.identity[1:5]: s for s in sites_of_text(tmp_path, CALLS)}
+    wanted = {
+        1: found["count", "constant", "3", "(3 + 1)"],
+        2: found["count", "statement", "continue;", ""],
+        3: found["work", "arguments", "power(a, b)", "power(b, a)"],
+        4: found["work", "sign", "-power(a, b)", "power(a, b)"],  # around the last one
+    }
+    (tmp_path / "platform").mkdir()
+    (tmp_path / switch.HEADER).write_text(switch.header_text(5))
+    code = CALLED + (
+        "library = called(DUALCAM_MUTANT='0')\n"
+        "for number in range(5):\n"
+        "    ctypes.c_int.in_dll(library, 'mutant_active').value = number\n"
+        "    print(library.count(6), library.work(2.0, 3.0))\n"
+    )
+    printed = run(tmp_path, switch.HEADER, switch.switched(CALLS.encode(), wanted), code)
+    assert printed == ["12", "-6.0", "11", "-6.0", "15", "-6.0", "12", "-6.0", "12", "6.0"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
+def test_marks_tell_branches_and_what_decides_alone(tmp_path):
+    core = tmp_path / "core"
+    (core / "platform").mkdir(parents=True)
+    path = core / "small.c"
+    path.write_text(CALLS)
+    found = decisions.write(core, [path])
+    decision = next(d for d in found if len(d.conditions) == 2)
+    assert decision.conditions == ("a < b", "b > 10.0")
+    marks = tmp_path / "marks"
+
+    def measured(*arguments):
+        marks.write_bytes(bytes(found[-1].place + found[-1].size))
+        code = CALLED + f"called(DUALCAM_BRANCHES={str(marks)!r})\n"
+        code += "".join(f"print(called().work(*{pair}))\n" for pair in arguments)
+        printed = run(core, decisions.HEADER, path.read_bytes(), code)
+        assert printed == [str(-a * b if a < b and not b > 10.0 else 2.0) for a, b in arguments]
+        return marks.read_bytes()
+
+    seen = measured((1.0, 2.0), (2.0, 1.0))
+    assert [taken for _, _, taken in decision.branches(seen)] == [True, True, True, False]
+    assert [alone for _, alone in decision.independent(seen)] == [True, False]
+    seen = measured((1.0, 2.0), (2.0, 1.0), (1.0, 20.0))
+    assert all(taken for _, _, taken in decision.branches(seen))
+    assert all(alone for _, alone in decision.independent(seen))
+
+
+# A file of each room; parsing all of them takes some seconds.
+SOME = ("fmi/simulation.c", "forward/decide.c", "numerics/sum.h")
+
+
+def named(reasons):
+    return sorted({CORE / key[0] for key in reasons})
+
+
+def places_in(paths):
+    return [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), {})]
+
+
+def test_the_choice_is_the_same_each_time_and_takes_kinds_in_turn():
+    places = places_in(CORE / name for name in SOME)
+    kinds = {site.kind for site in places}
+    drawn = choice.ordered(places, 1)[: 2 * len(kinds)]
+    assert drawn == choice.ordered(reversed(places), 1)[: len(drawn)]
+    assert {sum(site.kind == kind for site in drawn) for kind in kinds} == {2}
+    assert drawn != choice.ordered(places, 2)[: len(drawn)]
+
+
+def test_each_judged_mutant_is_a_place_of_the_code():
+    judged, signatures = mutants.reasons(), {}
+    for path in sorted(CORE.rglob("*.h")) if any(key[2] == "arguments" for key in judged) else ():
+        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
+    paths = named(judged)
+    for path in paths:
+        signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
+    known = {
+        s.identity
+        for path in paths
+        for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)
+    }
+    assert not set(judged) - known, "places that are gone: remove them from equivalent.toml"
+    assert all(len(reason) > 20 for reason in judged.values())
+
+
+def test_each_explained_branch_is_a_branch_of_the_code():
+    known, explained = set(), coverage.reasons()
+    for path in named(explained):
+        _, found, _ = decisions.marked(path, path.relative_to(CORE).as_posix(), 0)
+        known |= {
+            (d.file, d.function, text, v) for d in found for text in d.conditions for v in (True, False)
+        }
+    assert not set(explained) - known, "branches that are gone: remove them from unreached.toml"
+    assert all(len(reason) > 20 for reason in explained.values())
