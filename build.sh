@@ -186,7 +186,7 @@ case $command in
             install_dependencies '.[test,study,docs]'
             build all
         fi
-        run_program '.[test,study,docs]' -m pytest -n 2 "$@"
+        run_program '.[test,study,docs]' -m pytest -n 2 --dist loadfile "$@"
         ;;
     fuzz)
         if [ "${1-}" = calls ]; then

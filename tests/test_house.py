@@ -295,7 +295,14 @@ def test_every_table_of_the_rules_is_consistent():
     for room, others in MAY_INCLUDE.items():
         assert all(rooms.index(other) < rooms.index(room) for other in others)
     assert "forward" not in MAY_INCLUDE["inverse"]
-    assert set(MAY_INCLUDE["closed_form"]) <= {"model", "elementary", "numerics", "contact", "platform", "geometry"}
+    assert set(MAY_INCLUDE["closed_form"]) <= {
+        "model",
+        "elementary",
+        "numerics",
+        "contact",
+        "platform",
+        "geometry",
+    }
 
 
 @pytest.mark.parametrize(

@@ -175,8 +175,8 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
 }
 
 void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach) {
-    while (is_reached(&reach->piece->cell, overshoot, v, up))
-        reach->piece += up ? 1 : -1; /* at most one turn per knot */
+    while (is_reached(&reach->piece->cell, overshoot, v, up)) /* at most one turn per knot */
+        reach->piece += up ? 1 : -1;
     const KnotStep step = knot_step(&reach->piece->cell, overshoot, v, up);
     reach->low = v - (up ? step.back : step.longest);
     reach->high = v + (up ? step.longest : step.back);

@@ -2,9 +2,9 @@
 
     python fmu_src/tools/make_elementary.py [--check]
 
-A polynomial is the one whose greatest relative error is least, found by the exchange of E. Remez (J.-M. Muller,
-Elementary Functions, 3rd ed., section 3.6). The script refuses a polynomial whose error is more than 2^-57 of
-the function; rounding of the coefficients counts too.
+A polynomial is the one whose greatest relative error is least, found by the exchange of E. Remez (J.-M.
+Muller, Elementary Functions, 3rd ed., section 3.6). The script refuses a polynomial whose error is more than
+2^-57 of the function; rounding of the coefficients counts too.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def extremes(values: Sequence[Number]) -> list[int]:
 
 
 def series(f: Function, degree: int, low: Number, high: Number, weight: Function) -> list[Number]:
-    """Coefficients, rounded to doubles, of the polynomial whose greatest weighted error on [low, high] is least.
+    """Rounded coefficients of the polynomial whose greatest weighted error on [low, high] is least.
 
     `weight(x)`: what one unit of error in the polynomial does to the function, relative to the function. In
     each exchange the polynomial gets errors of one size and alternating signs at `degree + 2` points. Then
@@ -132,7 +132,8 @@ def exponential() -> str:
             f"enum {{ EXP_STEPS = {EXP_STEPS} }}; /* of one binade */\n",
             constant("EXP_STEPS_PER_UNIT", rounded(1 / step)),
             constant("EXP_STEP_HIGH", high) + constant("EXP_STEP_LOW", low),
-            "/* The largest x with a finite exp(x), and the least one with exp(x) above half of the least number */",
+            "/* The largest x with a finite exp(x), and the least with exp(x) above half of the least number"
+            " */",
             constant("EXP_OVERFLOW", rounded(1024 * MP.log(2)))
             + constant("EXP_UNDERFLOW", rounded(-1075 * MP.log(2))),
             "/* (exp(x) - 1 - x)/x^2 */",
@@ -143,7 +144,12 @@ def exponential() -> str:
                 series(lambda x: tail(x, 3), 8, -quarter, quarter, lambda x: x**3 / MP.expm1(x) if x else x),
             ),
             "/* 2^(k/EXP_STEPS) and the relative rounding */",
-            rows("ExpPower", "EXP_POWER", "power, tail", [(rounded(p), rounded(p / rounded(p) - 1)) for p in powers]),
+            rows(
+                "ExpPower",
+                "EXP_POWER",
+                "power, tail",
+                [(rounded(p), rounded(p / rounded(p) - 1)) for p in powers],
+            ),
         ]
     )
 
@@ -153,7 +159,7 @@ def logarithm() -> str:
     first = MP.mpf(float.fromhex("0x1.6ap-1"))
 
     def edge(j: int) -> Number:
-        """The j-th border of the steps of m. Steps are equal in the bits of m, which has half the unit below 1."""
+        """The j-th border of the steps of m. Steps are equal in the bits of m."""
         half_units = MP.mpf(j) / count * 2 + (first - MP.mpf(1) / 2) * 4  # above 1/2, in units of 1/4
         return MP.mpf(1) / 2 + half_units / 4 if half_units <= 2 else 1 + (half_units - 2) / 2
 
@@ -225,7 +231,9 @@ def arctangent() -> str:
         return MP.nsum(lambda n: (-1) ** int(n + 1) * z**n / (2 * n + 3), [0, 60])
 
     def pair(name: str, x: Number) -> str:
-        return f"static const DoubleDouble {name} = {{{text(rounded(x))}, {text(rounded(x - rounded(x)))}}};\n"
+        return (
+            f"static const DoubleDouble {name} = {{{text(rounded(x))}, {text(rounded(x - rounded(x)))}}};\n"
+        )
 
     angles = [MP.atan(MP.mpf(k) / ATAN_STEPS) for k in range(ATAN_STEPS + 1)]
     zero, last = MP.mpf(0), MP.mpf("1.01") / 256
@@ -236,7 +244,9 @@ def arctangent() -> str:
             "/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 1/16 */",
             constants("ATAN_SERIES", series(rest, 4, zero, last, lambda z: z)),
             "/* atan(k/ATAN_STEPS) in two parts */",
-            rows("AtanStep", "ATAN_STEP", "high, low", [(rounded(a), rounded(a - rounded(a))) for a in angles]),
+            rows(
+                "AtanStep", "ATAN_STEP", "high, low", [(rounded(a), rounded(a - rounded(a))) for a in angles]
+            ),
         ]
     )
 

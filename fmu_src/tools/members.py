@@ -36,8 +36,9 @@ def identity_header(identifier: str, model: str, guid: str, version: int) -> str
 //
 //     cc -std=c17 -O2 -ffp-contract=off -fPIC -shared -I<FMI headers> */*.c -lm -o {identifier}.so
 //
-// With -ffp-contract=off the results have the same bits as those of the binaries in this FMU; on 32-bit x86 with
-// -msse2 -mfpmath=sse too. The functions have no prefix. To link several FMUs statically, add -DFMI{version}_FUNCTION_PREFIX={identifier}_
+// With -ffp-contract=off the results have the same bits as those of the binaries in this FMU; on 32-bit x86
+// with -msse2 -mfpmath=sse too. The functions have no prefix. To link several FMUs statically, add
+// -DFMI{version}_FUNCTION_PREFIX={identifier}_
 #ifndef DUALCAM_IDENTITY_H
 #define DUALCAM_IDENTITY_H
 

@@ -36,7 +36,8 @@ class WebAssembly(Platform):
     """A module that exports the FMI functions, and malloc and free for their arguments. It has no main():
     `reactor` is WASI's name for such a module.
 
-    The compiler forms no fused multiply-add and no relaxed SIMD, so that all bits are those of other platforms."""
+    The compiler forms no fused multiply-add and no relaxed SIMD, so that all bits are those of other
+    platforms."""
 
     def linking(self, identifier: str) -> list[str]:
         exports = ["-rdynamic", "-Wl,--export=malloc", "-Wl,--export=free"]
