@@ -8,7 +8,7 @@ static const double EXP_STEPS_PER_UNIT = 0x1.71547652b82fep+6;
 static const double EXP_STEP_HIGH = 0x1.62e42fefa0000p-7;
 static const double EXP_STEP_LOW = 0x1.cf79abc9e3b3ap-46;
 
-/* The largest x with a finite exp(x), and the least one with exp(x) above half of the least number */
+/* The largest x with a finite exp(x), and the least with exp(x) above half of the least number */
 static const double EXP_OVERFLOW = 0x1.62e42fefa39efp+9;
 static const double EXP_UNDERFLOW = -0x1.74910d52d3052p+9;
 
