@@ -225,7 +225,7 @@ case $command in
     hash)
         install_dependencies '.[test]'
         [ "${1-}" = --quick ] || build all
-        run_program '.[test]' -m trajectory_hash "$@"
+        run_program '.[test]' -m benchmarks.trajectory_hash "$@"
         ;;
     compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
     mutants | coverage) run_program '.[strength]' -m "benchmarks.test_strength.$command" "$@" ;;
@@ -236,6 +236,7 @@ case $command in
         .venv/bin/python docs/figures/architecture.py "$@"
         .venv/bin/python docs/figures/design_quantities.py "$@"
         .venv/bin/python docs/tools/variables_page.py "$@"
+        .venv/bin/python docs/tools/reliability_page.py
         .venv/bin/python docs/tools/design_file_page.py "$@"
         .venv/bin/python docs/tools/study_plan_page.py "$@"
         ;;

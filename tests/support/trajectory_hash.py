@@ -10,13 +10,11 @@ compares. What a machine lacks (a compiler, an emulator, the binary of a platfor
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import math
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -30,8 +28,6 @@ from compiler import ZIG, compile_library, compiler_options, is_shared, run
 from driver import ROOT, Model, models
 from fmus import Fmu, identity
 from platforms import LTO, OPTIMISATION, STACK, Platform
-from rich.console import Console
-from rich.table import Table
 from workspace import BUILD, build_program, fingerprint, headers, is_fresh, relative, set_stamp
 
 NATIVE = ROOT / "tests/native"
@@ -346,37 +342,3 @@ def hashes(build: Build, tables: Path) -> dict[str, str]:
 
 def total(found: dict[str, str]) -> str:
     return hashlib.sha256("\n".join(f"{k} {v}" for k, v in found.items()).encode()).hexdigest()[:16]
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="native and WebAssembly only")
-    parser.add_argument(
-        "only", nargs="*", help="words: builds whose name has one of them, beside the first build"
-    )
-    arguments = parser.parse_args()
-    builds = list(QUICK) if arguments.quick else all_builds()
-    if arguments.only:
-        builds[1:] = [b for b in builds[1:] if any(word in b.name for word in arguments.only)]
-    console, first = Console(), dict[str, str]()
-    table = Table("platform", "compiler", "hash of all scenes", "scenes that differ")
-    failed = False
-    with tempfile.TemporaryDirectory() as folder:
-        write_tables(Path(folder))
-        for build in builds:
-            try:
-                found = hashes(build, Path(folder))
-            except Missing as reason:
-                table.add_row(build.platform, build.compiler, "not run", str(reason))
-                continue
-            first = first or found
-            differing = [scene for scene, value in found.items() if first.get(scene) != value]
-            failed = failed or found != first
-            table.add_row(build.platform, build.compiler, total(found), "; ".join(differing) or "none")
-            console.print(f"{build.name}: {total(found)}")
-    console.print(table)
-    return int(failed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

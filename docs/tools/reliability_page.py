@@ -1,0 +1,195 @@
+"""Writes docs/reliability.md from the results of the commands that the page names.
+
+python docs/tools/reliability_page.py
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs/reliability.md"
+RESULTS = ROOT / "benchmarks/results"
+CORPUS = ROOT / "tests/fuzz_corpus"
+
+Rows = list[dict[str, str]]
+
+HEAD = """\
+# How reliable are the FMUs?
+
+Read this page before you put an FMU into a process that must not fail. Each section says what was tried, what
+came out, and which command tries it again. `docs/tools/reliability_page.py` writes this page from the results
+of these commands. What is known to be wrong stands in [limits.md](limits.md).
+"""
+
+
+def read(name: str) -> Rows:
+    """A CSV file of benchmarks/results; nothing where there is none yet."""
+    path = RESULTS / f"{name}.csv"
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def measured(rows: Rows) -> str:
+    last = rows[-1]
+    return f"Measured on {last['date']}: {last['machine']}; {last['versions']}; commit {last['commit']}.\n"
+
+
+def states() -> str:
+    """Cells of both state machines."""
+    rows = []
+    for version in ("fmi2", "fmi3"):
+        with (ROOT / f"tests/{version}/states.csv").open(newline="") as file:
+            cells = [row for row in csv.reader(file)]
+        body = cells[2:]  # below the names of the states and their sections
+        counts = Counter(cell.split()[0] for row in body for cell in row[3:] if cell.strip())
+        rows.append(
+            [version.replace("fmi", "FMI ") + ".0", len(body), sum(counts.values()), counts["lenient"]]
+        )
+    columns = (
+        "version",
+        "functions or groups of them",
+        "cells",
+        "more lenient than the standard, with reason",
+    )
+    return f"""\
+## Calls in every state
+
+Each function of the standard is called in each state that the FMU can reach, for co-simulation and model
+exchange. Each refusal must give one message and change nothing in the saved state, bit for bit. The tables
+`tests/fmi2/states.csv` and `tests/fmi3/states.csv` have the section of the standard for each function.
+Command: `./build.sh test tests/fmi2 tests/fmi3`.
+
+{table(columns, rows)}"""
+
+
+def scenes() -> str:
+    """Rows of the stress table at random, from its page."""
+    text = (ROOT / "docs/stress.md").read_text(encoding="utf-8")
+    found = re.findall(r"^\| (.*?) \| (\d+) \| (\d+) \|.*\| ([^|]*) \|$", text, re.M)
+    runs, judged = (sum(int(row[k]) for row in found) for k in (1, 2))
+    wrong = sum(int(n) for row in found for n in re.findall(r"\*\*(\d+) wrong\*\*", row[3]))
+    return f"""\
+## Scenes
+
+{runs:,} runs over many decades of every parameter, {judged:,} of them compared with an independent solution
+or with a second run whose steps are cut differently: {wrong} came out wrong. [stress.md](stress.md) has the
+table, and lists the wrong ones. Command: `./build.sh stress`.
+"""
+
+
+def fuzzing() -> str:
+    files = [path for path in CORPUS.rglob("*") if path.is_file()]
+    size = sum(path.stat().st_size for path in files)
+    return f"""\
+## Fuzzing
+
+libFuzzer drives both interfaces of both FMI versions with random calls, values and sizes, and the readers of
+tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the target
+checks: no NaN under OK, the time lands, no energy from nothing, a refused call changes nothing, a restored
+state repeats its step bit for bit, a reset instance equals a new one. The corpus has {len(files)} inputs,
+{size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and `./build.sh fuzz` for
+mechanisms, extreme values, design files and plans.
+"""
+
+
+FAULTS = """\
+## Faults of the host
+
+`tests/test_faults.py` lets each allocation fail in turn, gives stacks of 64 kB, loggers that leave by longjmp
+or by a C++ exception, other rounding modes, flushing to zero, floating-point traps, and locales with a
+comma in numbers. `tests/test_full_disk.py` fills the disk. [hosts.md](hosts.md) says what comes out.
+"""
+
+
+def endurance() -> str:
+    rows = read("endurance")
+    if not rows:
+        return ""
+    last = {(row["scene"], row["what"]): row for row in rows}
+    lines = [[r["scene"], f"{int(r['count']):,}", r["what"], r["value"]] for r in last.values()]
+    return f"""\
+## Endurance
+
+Lives are instances that are made, started, reset and freed. Errors of phase and energy are against the closed
+form; they are rounding, and grow with the number of steps. Command: `./build.sh endurance`.
+
+{table(["scene", "steps or lives", "what", "value"], lines)}
+{measured(rows)}"""
+
+
+def hashes() -> str:
+    rows = read("trajectory_hash")
+    if not rows:
+        return ""
+    lines = [[r["platform"], r["compiler"], f"`{r['hash']}`", r["scenes_that_differ"]] for r in rows]
+    return f"""\
+## Platforms
+
+One hash of every bit of all outputs, of both FMUs, over {rows[0]["scenes"]} scenes. The core has its own exp,
+sin and so on ([architecture.md](architecture.md)), and no compiler may fuse operations.
+Command: `./build.sh hash`.
+
+{table(["platform", "compiler", "hash", "scenes that differ"], lines)}
+{measured(rows)}"""
+
+
+def strength() -> str:
+    """Coverage and mutants, of which docs/test-strength.md has the details."""
+    branches, mutants = read("coverage"), read("mutants")
+    text = ""
+    if branches:
+        columns = ("part", "branches", "branches_percent", "mcdc_percent")
+        lines = [[row[column] for column in columns] for row in branches]
+        text += f"{table(['part', 'branches', 'taken, %', 'MC/DC, %'], lines)}\n{measured(branches)}"
+    if mutants:
+        counts = Counter(row["verdict"] for row in mutants)
+        killed = counts["killed"] / (counts["killed"] + counts["survives"])
+        text += f"""
+Of {len(mutants)} mutants {counts["killed"]} were noticed by a test, {counts["equivalent"]} change nothing,
+{counts["survives"]} survive: {100 * killed:.0f} % of those that change something are noticed.
+
+{measured(mutants)}"""
+    if not text:
+        return ""
+    return "## Coverage and mutants\n\nCommands: `./build.sh coverage`, `./build.sh mutants`.\n\n" + text
+
+
+STATIC = """\
+## Static analysis
+
+clang-tidy (bugprone, cert, clang-analyzer), cppcheck and gcc -fanalyzer find nothing. The findings that are
+false stand with their reasons in `.clang-tidy` and `fmu_src/tools/static_analysis.py`.
+Command: `./build.sh check`.
+
+## Beside SQLite
+
+SQLite publishes [how it is tested](https://sqlite.org/testing.html): 100 % of branches and MC/DC, failing
+allocations, I/O errors, fuzzing, valgrind. The faults above are of the same kinds. This project covers fewer
+branches than SQLite, and has no test of power loss, since the FMUs write no files.
+"""
+
+
+def page() -> str:
+    parts = [HEAD, states(), scenes(), fuzzing(), FAULTS, endurance(), hashes(), strength(), STATIC]
+    return "\n".join(part for part in parts if part)
+
+
+def main() -> None:
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"written: {PAGE}")
+
+
+if __name__ == "__main__":
+    main()
