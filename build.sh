@@ -29,7 +29,7 @@ usage: ./build.sh [command] [arguments]
   fuzz     build, then look for mechanisms and inputs that break a law, and for texts that break a reader (minutes);
            arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
            minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach
-  bench    build, then run all of the following six (about seven minutes), which writes benchmarks/results/ and
+  bench    build, then run cost, loop, skipping, worst, growth, precision (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
   loop     build, then run benchmarks.loop_cost (seconds): a control loop in Python

@@ -23,3 +23,14 @@ def test_extreme_steps_end(binaries, identifier):
     lines = done.stdout.splitlines()
     assert not [line for line in lines if line.startswith("wrong")]
     assert int(lines[-1].removeprefix("scenes ")) > 500
+
+
+@pytest.mark.parametrize("inertia", [0.002, 0.01, 1.0])
+@pytest.mark.parametrize("exponent", [3, 100, 200, 300, 305, 306, 307, 308])
+def test_a_torque_beyond_the_band_moves_the_cam_or_is_refused(make_model, inertia, exponent):
+    """A slip whose reactions leave the range of numbers is no jam of the contacts."""
+    fmu = make_model(models["DualCamForward"])
+    fmu.start({"inertia.shaft": inertia})
+    fmu.set({"tau": float(f"1e{exponent}")})
+    status = fmu.call("fmi2DoStep", 0.0, 1e-3, 1)
+    assert status != 0 or fmu.get("theta") > 0.0

@@ -66,22 +66,35 @@ static bool is_before_change(int index, const Candidate *candidate, double share
     return before;
 }
 
-/* The index of the slip mode whose flanks agree, or -1. *built receives the coefficients of the last candidate that had
+/* Do the reactions leave the range of numbers? Then no comparison with them means anything. */
+static bool overflows(const Candidate *candidate) {
+    bool finite = isfinite(candidate->net);
+    for (int i = 0; i < 2; i++) {
+        const ContactLoad *c = &candidate->contact[i];
+        finite &= isfinite(c->value) && isfinite(c->rate) && isfinite(c->second);
+    }
+    return candidate->possible && !finite;
+}
+
+/* The index of the slip mode whose flanks agree, or -1. Where none does, one that leaves the range of numbers: the step
+ * is then refused in this mode. *built receives the coefficients of the last candidate that had
  * none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
-    int unstable = -1, before = -1;
+    int unstable = -1, before = -1, overflowing = -1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
         if (!at_rest && before < 0 && is_before_change(index, &candidate, 0.0)) before = index;
+        if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, at_rest)) continue;
         if (candidate.stable) return index;
         if (unstable < 0) unstable = index;
     }
-    return unstable >= 0 ? unstable : before;
+    if (unstable >= 0) return unstable;
+    return before >= 0 ? before : overflowing;
 }
 
 /* ---- the decision ---- */
