@@ -51,7 +51,7 @@ def test_the_command_says_so(capsys):
     "scene",
     [
         scenes.known_scene(3, None),
-        scenes.curved_scene(2, None),
+        scenes.curved_scene(4, None),
         dataclasses.replace(scenes.known_scene(0, None), use="exchange"),
     ],
     ids=lambda scene: scene.title,

@@ -437,7 +437,10 @@ def test_table_path_refused(library, tmp_path):
     assert "must be absolute" in groove_refusal(library, cam(TABLE, table="t.csv"))
     assert "cannot be opened" in groove_refusal(library, cam(TABLE, table="none.csv"), resources)
     assert "must be a readable" in groove_refusal(library, cam(TABLE, table=tmp_path))
-    assert "too large" in groove_refusal(library, cam(TABLE, table="/dev/zero"))
+    assert "must be a readable" in groove_refusal(library, cam(TABLE, table="/dev/zero"))
+    with (tmp_path / "large.csv").open("wb") as large:
+        large.truncate(1 << 30)
+    assert "too large" in groove_refusal(library, cam(TABLE, table=tmp_path / "large.csv"))
     text = groove_refusal(library, cam(TABLE, table="\u00e9" * 400), resources)
     assert "must" in text and text.count("\u00e9") == 60
     assert "cam2.profile = 4" in groove_refusal(library, cam(4))

@@ -431,6 +431,8 @@ def play(tmp_path_factory):
             [*before, host, *words], capture_output=True, text=True, env=environment, timeout=300
         )
         assert done.returncode == 0, f"exit {done.returncode}\n{done.stderr[-3000:]}"
+        if platform.folder == "win32" and not done.stdout:  # Debian's wine without its part for 32 bits
+            pytest.skip("wine for 32 bits is not installed (Debian: wine32:i386)")
         return [line.split() for line in done.stdout.splitlines()]
 
     return run

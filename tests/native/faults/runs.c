@@ -34,7 +34,10 @@ Picture life(const Scene *scene) {
     double time = 0.0;
     for (int i = 0; i < STEPS; i++) {
         random_step(c, &time, scene);
-        if (i % 10 == 0) check_derivatives(c);
+        if (i % 10 == 0) {
+            check_output_derivatives(c);
+            check_derivatives(c);
+        }
         if (i != STEPS / 2) continue;
         const fmi2Component other = copied(c);
         fmi2FreeInstance(c);

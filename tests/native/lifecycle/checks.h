@@ -6,7 +6,9 @@
 
 /* From here the run goes on alike: on, restored, and in other instances that got the state as bytes. */
 void check_snapshots(fmi2Component c, const Scene *scene, double time);
-/* By time, by inputs and a tunable parameter, and of the latest step. What does not exist is refused with a message. */
+/* By time; in co-simulation alone. */
+void check_output_derivatives(fmi2Component c);
+/* By inputs and a tunable parameter, and of the latest step. What does not exist is refused with a message. */
 void check_derivatives(fmi2Component c);
 /* Twice from one saved state, with steps of Euler's method. */
 void check_model_exchange(const Scene *scene);
