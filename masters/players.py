@@ -21,6 +21,7 @@ from scenes import INVERSE, ROOT, Result, Scene, fmu, play
 
 HOSTS = ROOT / "masters/hosts"
 PATIENCE = 300.0  # s, for one run
+CONTAINER_INPUTS = ("tau", "F_ext")
 CONTAINER_OUTPUTS = ("theta", "omega", "z", "v", "tau")  # those with causality `output`
 
 
@@ -146,7 +147,10 @@ def fmucontainer(scene: Scene, path: Path, folder: Path) -> Result:
     (folder / "box.csv").write_text(f"rule;from_fmu;from_port;to_fmu;to_port\nFMU;{path.name};;;\n")
     options: Words = ["-fmu-directory", folder, "-auto-parameter"]
     insist([venv / "bin/fmucontainer", "-container", f"box.csv:{scene.step!r}", *options], folder)
-    start = {f"{path.stem.lower()}.{name}": value for name, value in scene.start.items()}
+    prefix = f"{path.stem.lower()}."
+    start = {
+        name if name in CONTAINER_INPUTS else prefix + name: value for name, value in scene.start.items()
+    }
     shown = tuple(name for name in scene.outputs if name in CONTAINER_OUTPUTS)
     return play(replace(scene, start=start, outputs=shown), folder / "box.fmu")
 
