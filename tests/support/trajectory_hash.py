@@ -322,7 +322,7 @@ def all_builds() -> list[Build]:
         *(system(X86, ["gcc"], [level]) for level in LEVELS),
         *(system(X86, ["clang", "clang-14"], [level]) for level in LEVELS),
         # gcc 12 forms vfmaddsub where the processor has it, although -ffp-contract=off forbids that
-        system(X86, ["gcc"], ["-O3", "-march=native", "-mno-fma"]),
+        system(X86, ["gcc"], ["-O3", "-march=native", "-mno-fma", "-mno-avx512f"]),
         system(ARM, ["aarch64-linux-gnu-gcc"], ["-O2"]),
         *(pinned(platform, ["-O0"]) for platform in (ARM, WINDOWS, WINDOWS_32, WASM)),
         webassembly("wasmtime", in_wasmtime),
