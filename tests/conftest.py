@@ -22,7 +22,7 @@ pytest.register_assert_rewrite("control_cases", "fmi3_scenes", "state_table", "s
 if hasattr(providers, "_get_local_constants"):
     providers._get_local_constants = lambda: providers._local_constants
 
-settings.register_profile("short", max_examples=500, deadline=None, derandomize=True)
+settings.register_profile("short", max_examples=250, deadline=None, derandomize=True)
 settings.register_profile("long", max_examples=20_000, deadline=None)
 settings.load_profile("short")
 

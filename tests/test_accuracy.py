@@ -1,43 +1,34 @@
 """The FMU against the independent reference, over random scenes with helical grooves.
 
-Every scene is solved in closed form at 60 digits (reference.simulate_exact) and driven through the FMU with
-communication steps cut at random. Allowed error: 1e-11 of the scene's largest angle, speed, account.
+Every scene is solved in closed form at 60 digits (exact_scenes.py, data/exact_scenes.json.gz) and driven
+through the FMU with communication steps cut at random. Allowed error: 1e-11 of the scene's largest angle,
+speed, account.
 
 Where the reference itself stands within rounding of a switch (Point.doubts: a train of bounces that fades
 out, a speed that has died away, an event at the very end of an interval) the count of mode changes is a
 matter of rounding, and is not compared in that interval and the next; what is measured still is.
 """
 
-import math
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from driver import Driver
-from general_scenes import FADING, MEASURED, STILL, nudged, scales, wrong_modes
-from reference import INTEGERS, Point, Refused, random_scene, simulate_exact
+from exact_scenes import CHUNKS, SCENES, load
+from general_scenes import FADING, MEASURED, STILL, Scene, nudged, scales, wrong_modes
+from reference import INTEGERS, Point, simulate_exact
 
 TOLERANCE = 1e-11
 WORST = 1e-7  # where the last digit of the data is amplified that much; see ulp_response
-CHUNKS, SCENES = 24, 10  # 240 scenes
-AMBIGUOUS = "several flank pairs are consistent"  # no unique motion (Painleve's paradox)
 
 
-def well_posed_scenes(chunk):
-    """Random scenes that have one answer: not wedged while moving, no paradox."""
-    found = 0
-    for number in range(10 * SCENES):
-        params, intervals = random_scene(np.random.default_rng([chunk, number]))
-        try:
-            exact = simulate_exact(params, intervals)
-        except Refused:
-            continue
-        if any(AMBIGUOUS in point.doubts for point in exact):
-            continue
-        yield f"scene {chunk}, {number}", params, intervals, exact
-        found += 1
-        if found == SCENES:
-            return
+@pytest.fixture(scope="module")
+def chunks():
+    return load()
+
+
+def title(scene: Scene) -> str:
+    return f"scene {scene.number}"
 
 
 def cuts(rng, duration):
@@ -102,18 +93,20 @@ def verdict(fmu: Driver, params, intervals, exact: list[Point], rng) -> list[str
 
 
 @pytest.mark.parametrize("chunk", range(CHUNKS))
-def test_random_scenes(chunk, make):
+def test_random_scenes(chunk, make, chunks):
     wrong = []
-    for title, params, intervals, exact in well_posed_scenes(chunk):
-        rng = np.random.default_rng([chunk, len(intervals)])
-        wrong += [f"{title}: {text}" for text in verdict(make(), params, intervals, exact, rng)[:4]]
+    for scene in chunks[chunk]:
+        rng = np.random.default_rng([chunk, len(scene.intervals)])
+        found = verdict(make(), scene.params, scene.intervals, scene.points, rng)
+        wrong += [f"{title(scene)}: {text}" for text in found[:4]]
     assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize("chunk", range(4))
-def test_answer_does_not_depend_on_how_an_interval_is_cut(chunk, make):
+def test_answer_does_not_depend_on_how_an_interval_is_cut(chunk, make, chunks):
     """The same scenes in whole intervals, and in 300 steps per interval."""
-    for title, params, intervals, exact in well_posed_scenes(chunk):
+    for scene in chunks[chunk]:
+        params, intervals, exact = scene.params, scene.intervals, scene.points
         whole = drive(make(), params, intervals, lambda duration: [0.0, duration])
         pieces = drive(make(), params, intervals, lambda duration: np.linspace(0.0, duration, 301))
         size, response, sure = scales(exact), None, True
@@ -123,25 +116,27 @@ def test_answer_does_not_depend_on_how_an_interval_is_cut(chunk, make):
                 if abs(values[name] - others[name]) > allowed:
                     response = response or ulp_response(params, intervals, exact)
                     allowed += min(10 * response[number][name], WORST * size[name])
-                assert abs(values[name] - others[name]) <= allowed, (title, number, name)
+                assert abs(values[name] - others[name]) <= allowed, (title(scene), number, name)
             sure = sure and not point.doubts
             if sure:
                 found = values["mode"], values["events"]
-                assert found == (others["mode"], others["events"]), (title, number)
+                assert found == (others["mode"], others["events"]), (title(scene), number)
 
 
-def test_scenes_are_varied():
-    """What the random scenes must exercise, counted over a part of them."""
-    modes, doubts, regimes, lowest = [], 0, set(), math.inf
-    for chunk in range(2):
-        for _, params, _, exact in well_posed_scenes(chunk):
-            modes += [point.mode for point in exact]
-            doubts += sum(bool(point.doubts) for point in exact)
-            inertia = sum(value for name, value in params.items() if name.startswith("inertia."))
-            drag = sum(v for n, v in params.items() if n.startswith("damper.") or n == "shaft.damping")
-            regimes.add("inertial" if inertia else "viscous" if drag else "quasi-static")
-            lowest = min(lowest, *(point.z for point in exact))
-    assert {1, 2, 3, 4, 5} <= set(modes)
-    assert regimes == {"inertial", "viscous", "quasi-static"}
-    assert lowest < 0
-    assert doubts < 0.2 * len(modes)
+def test_file_is_what_the_reference_computes(chunks):
+    """The scene of each chunk with the fewest events, solved anew. Equal to the last digit: 60 digits are
+    rounded once."""
+    for scenes in chunks:
+        scene = min(scenes, key=lambda s: (len(s.intervals) + s.points[-1].events, s.number))
+        assert simulate_exact(scene.params, scene.intervals) == scene.points, title(scene)
+
+
+def test_scenes_are_varied(chunks):
+    """What the random scenes must exercise."""
+    scenes = [scene for chunk in chunks for scene in chunk]
+    assert [len(chunk) for chunk in chunks] == [SCENES] * CHUNKS
+    points = [point for scene in scenes for point in scene.points]
+    assert {1, 2, 3, 4, 5} <= {point.mode for point in points}
+    assert {scene.regime for scene in scenes} == {"inertial", "viscous", "rate-independent"}
+    assert min(point.z for point in points) < 0
+    assert sum(bool(point.doubts) for point in points) < 0.2 * len(points)

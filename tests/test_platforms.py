@@ -451,7 +451,14 @@ def test_the_host_sees_stick_slip(here):
         assert any(float(line[3]) < -1.0 for line in here if line[0] == scene)
 
 
-@pytest.mark.parametrize(("folder", "root"), [("aarch64-linux", ""), ("win64", "Z:"), ("win32", "Z:")])
+@pytest.mark.parametrize(
+    ("folder", "root"),
+    [
+        ("aarch64-linux", ""),
+        pytest.param("win64", "Z:", marks=pytest.mark.long),  # wine starts in a minute
+        pytest.param("win32", "Z:", marks=pytest.mark.long),
+    ],
+)
 def test_runs_alike(play, here, folder, root):
     """All digits are equal."""
     assert play(PLATFORMS[folder], emulator(folder), root) == here

@@ -17,6 +17,11 @@ SEEDS = [seed for seed in range(40) if seed not in SLOW]
 COMPARED = ("theta", "omega", *(f"energy.{name}" for name in reference.ENERGIES))
 
 
+def some(seeds):
+    """Each second seed takes part only in the long tests."""
+    return [pytest.param(s, marks=[pytest.mark.long] * (i % 2)) for i, s in enumerate(seeds)]
+
+
 def scene(seed):
     return random_scene(np.random.default_rng(seed))
 
@@ -146,7 +151,7 @@ def test_one_segment_against_a_matrix_exponential(solve):
     assert point.omega == pytest.approx(float(expected[1]), rel=3e-13)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", some(SEEDS))
 def test_integration_and_closed_form_agree(seed):
     params, intervals = scene(seed)
     exact = reference.simulate_exact(params, intervals)
@@ -161,7 +166,7 @@ def test_integration_and_closed_form_agree(seed):
         assert doubtful or (point.mode, point.events) == (other.mode, other.events)
 
 
-@pytest.mark.parametrize("seed", range(40, 70))
+@pytest.mark.parametrize("seed", some(range(40, 70)))
 def test_accounts_close(seed):
     params, intervals = scene(seed)
     points = reference.simulate_exact(params, intervals)
@@ -335,7 +340,7 @@ def test_table_of_a_dwell():
     assert table.derivatives(0.41, 4)[1] > 0
 
 
-@pytest.mark.parametrize("seed", [0, 2, 3, 5, 8, 12, 14, 17, 20, 24, 29, 30, 32, 34, 36, 39])
+@pytest.mark.parametrize("seed", some([0, 2, 3, 5, 8, 12, 14, 17, 20, 24, 29, 30, 32, 34, 36, 39]))
 def test_helical_scene_the_general_way(seed, tmp_path):
     params, intervals = scene(seed)
     exact = reference.simulate_exact(params, intervals)
@@ -438,7 +443,7 @@ GENERAL_SEEDS = [
 ]
 
 
-@pytest.mark.parametrize("seed", GENERAL_SEEDS)
+@pytest.mark.parametrize("seed", some(GENERAL_SEEDS))
 def test_general_accounts_close(seed, tmp_path):
     params, intervals = reference.random_general_scene(np.random.default_rng(seed), tmp_path)
     points = reference.simulate(params, intervals)

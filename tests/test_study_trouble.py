@@ -469,7 +469,7 @@ def test_an_interruption_anywhere_ends_a_study_of_processes(tmp_path, monkeypatc
     with Interruption(processes.__file__) as quiet:
         one.run_to_files(tmp_path / "whole", workers=2, runs_per_file=2)
     assert quiet.lines > 500
-    for number, place in enumerate(np.random.default_rng(7).integers(1, quiet.lines, 8)):
+    for number, place in enumerate(np.random.default_rng(7).integers(1, quiet.lines, 4)):
         before, out = set(multiprocessing.active_children()), tmp_path / f"out{number}"
         with suppress(KeyboardInterrupt), Interruption(processes.__file__, place):
             one.run_to_files(out, workers=2, runs_per_file=2)

@@ -157,16 +157,23 @@ class LoadedTableLaw:
         self.loads, self.by_load = loads, by_load
         middle = by_load[len(loads) // 2]
         self.static, self.kinetic, self.viscous = middle.static, middle.kinetic, middle.viscous
+        self.x = np.log(loads)
+        # The natural spline is linear in its values: these go through 1 at one load and through 0 elsewhere.
+        self.cardinal = CubicSpline(self.x, np.eye(len(loads)), bc_type="natural")
+        self.speed, self.values = math.nan, np.zeros(len(loads))  # ln mu at each load, of the last speed
+
+    def _at_speed(self, v: float) -> np.ndarray:
+        if v != self.speed:
+            self.speed, self.values = v, np.log([law.at(v) for law in self.by_load])
+        return self.values
 
     def _log(self, v: Any, reaction: Any) -> tuple[float, float]:
         """ln mu and its derivative by ln R."""
-        values = np.log([law.at(v) for law in self.by_load])
-        x, share = np.log(self.loads), reaction / self.loads[0]
+        values, x, share = self._at_speed(v), self.x, reaction / self.loads[0]
         place = x[0] + log_load(share)
-        spline = CubicSpline(x, values, bc_type="natural")
         inside = min(max(place, x[0]), x[-1])
-        slope = float(spline(inside, 1))
-        return float(spline(inside)) + slope * (place - inside), slope * log_load_power(share)
+        slope = float(self.cardinal(inside, 1) @ values)
+        return float(self.cardinal(inside) @ values) + slope * (place - inside), slope * log_load_power(share)
 
     def at(self, v: Any, reaction: Any = None) -> Any:
         if reaction is None:
