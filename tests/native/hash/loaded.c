@@ -2,19 +2,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "../library.h"
 #include "fmi2Functions.h"
-
-#ifdef _WIN32
-#include <windows.h>
-static void *library_open(const char *path) { return (void *)LoadLibraryA(path); }
-static void *library_find(void *library, const char *name) {
-    return (void *)GetProcAddress((HMODULE)library, name);
-}
-#else
-#include <dlfcn.h>
-static void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
-static void *library_find(void *library, const char *name) { return dlsym(library, name); }
-#endif
 
 static void *function(const char *name) {
     static void *library;

@@ -1,0 +1,23 @@
+/* Loading the binary of an FMU on Linux, macOS and Windows. */
+#ifndef NATIVE_LIBRARY_H
+#define NATIVE_LIBRARY_H
+
+#ifdef _WIN32
+
+#include <windows.h>
+
+static inline void *library_open(const char *path) { return (void *)LoadLibraryA(path); }
+
+static inline void *library_find(void *library, const char *name) {
+    return (void *)GetProcAddress((HMODULE)library, name);
+}
+
+#else
+
+#include <dlfcn.h>
+
+static inline void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
+static inline void *library_find(void *library, const char *name) { return dlsym(library, name); }
+
+#endif
+#endif
