@@ -12,7 +12,9 @@ static bool throws;
 
 static int messages;
 
-static void log_message(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String) { messages++; }
+static void log_message(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String) {
+    messages++;
+}
 
 static void update(fmi3InstanceEnvironment, fmi3Float64, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean,
                    fmi3Boolean *, fmi3Float64 *) {
@@ -42,11 +44,11 @@ static fmi3Status step(const Fmu &fmu, fmi3Instance c, double time) {
 
 // Whether an instance whose update throws behaves as the first comment says.
 static bool life(const Fmu &fmu, const char *token) {
-    const fmi3Instance c = fmu.instantiate("cpp", token, nullptr, fmi3False, fmi3True, fmi3False, fmi3False, nullptr,
-                                           0, nullptr, log_message, update);
+    const fmi3Instance c = fmu.instantiate("cpp", token, nullptr, fmi3False, fmi3True, fmi3False, fmi3False, nullptr, 0,
+                                           nullptr, log_message, update);
     throws = false;
-    bool good = c != nullptr && fmu.enter(c, fmi3False, 0.0, 0.0, fmi3False, 0.0) == fmi3OK &&
-                fmu.leave(c) == fmi3OK && step(fmu, c, 0.0) == fmi3OK;
+    bool good = c != nullptr && fmu.enter(c, fmi3False, 0.0, 0.0, fmi3False, 0.0) == fmi3OK && fmu.leave(c) == fmi3OK &&
+                step(fmu, c, 0.0) == fmi3OK;
     throws = true;
     try {
         step(fmu, c, 1e-3);
