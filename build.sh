@@ -49,6 +49,8 @@ usage: ./build.sh [command] [arguments]
            library's; needs valgrind for instructions
   hash     build for all platforms, then run the same scenes on all platforms and compilers of this machine and compare
            one hash of all bits (some minutes), tests/support/trajectory_hash.py; --quick: native and WebAssembly
+  platforms  build for all platforms, then run benchmarks.platform_cost (four minutes): a step of the Windows binary (wine)
+           and of the aarch64 binary (qemu) beside Linux x86-64
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
   stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
@@ -226,6 +228,11 @@ case $command in
         install_dependencies '.[test]'
         [ "${1-}" = --quick ] || build all
         run_program '.[test]' -m benchmarks.trajectory_hash "$@"
+        ;;
+    platforms)
+        install_dependencies '.[test]'
+        build all
+        run_program '.[test]' -m benchmarks.platform_cost "$@"
         ;;
     compare) run_program '.[build]' -m benchmarks.compare_builds "$@" ;;
     mutants | coverage) run_program '.[strength]' -m "benchmarks.test_strength.$command" "$@" ;;

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,8 +17,12 @@ from zipfile import ZipFile
 
 import install
 import numpy as np
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssv
 from install import Failed, Words, attempt, complaint
-from scenes import INVERSE, ROOT, Result, Scene, fmu, play
+from scenes import INVERSE, ROOT, Array, Result, Scene, fmu, play
+
+from dualcam.ssp import Component, System
 
 HOSTS = ROOT / "masters/hosts"
 PATIENCE = 300.0  # s, for one run
@@ -155,6 +160,46 @@ def fmucontainer(scene: Scene, path: Path, folder: Path) -> Result:
     return play(replace(scene, start=start, outputs=shown), folder / "box.fmu")
 
 
+# ---- FMPy's `simulate_ssp`. Inputs of the system reach the FMU one step late, and are 0 in the first step
+
+
+def fmpy_ssp(scene: Scene, path: Path, folder: Path) -> Result:
+    """A package with the FMU alone, whose inputs and outputs are connectors of the system."""
+    parameters = {
+        k: v for k, v in scene.start.items() if k not in CONTAINER_INPUTS and not isinstance(v, str)
+    }
+    cam = Component("cam", path, parameters)
+    ends = tuple(f"cam.{name}" for name, (kind, _) in cam.variables.items() if kind in ("input", "output"))
+    system = System("scene", scene.text, (cam,), (), scene.step, scene.duration, ends)
+    package = str(system.save(folder / "scene.ssp"))
+    values = read_ssv(package, "resources/cam.ssv")
+    for parameter in values.parameters:
+        parameter.name = f"cam.{parameter.name}"
+    signals = {name: held(column, scene.step) for name, column in inputs_of(scene).items()}
+    times = {"stop_time": scene.duration - scene.step / 2, "step_size": scene.step}
+    result = simulate_ssp(package, **times, parameter_set=values, input=signals)
+    shown = [name for name in scene.outputs if f"cam.{name}" in result.dtype.names]
+    return {name: result[f"cam.{name}"] for name in shown}
+
+
+def inputs_of(scene: Scene) -> dict[str, Array]:
+    """A value for each communication point."""
+    ones = np.ones(len(scene.times))
+    return {n: float(scene.start.get(n, 0.0)) * ones for n in CONTAINER_INPUTS} | dict(scene.inputs)
+
+
+def held(column: Array, step: float) -> Callable[[float], float]:
+    return lambda time: float(column[round(time / step)])
+
+
+def fmpy_ssp_reference(scene: Scene, path: Path) -> Result:
+    """FMPy with inputs one step late. The rows of `simulate_ssp` are those at the ends of the steps."""
+    late = {name: np.append(0.0, column[:-1]) for name, column in inputs_of(scene).items()}
+    parameters = {name: value for name, value in scene.start.items() if name not in CONTAINER_INPUTS}
+    result = play(replace(scene, start=parameters, inputs=late), path)
+    return {name: column[1:] for name, column in result.items()}
+
+
 # ---- Maestro. Its parameters reach parameters alone, and it insists on connections. So an inverse FMU whose
 # cam is not turned is the source of the constant torque (T_load at theta = 0 is in proportion to the
 # preload), and another one takes the motion and says what torque that needs.
@@ -224,6 +269,12 @@ def fmugym(path: Path) -> None:
     venv = install.package("fmugym", "fmpy")
     with TemporaryDirectory() as folder:
         insist([venv / "bin/python", HOSTS / "fmugym_host.py", path], Path(folder))
+
+
+def notebook(path: Path) -> None:
+    venv = install.package("fmpy", "nbclient", "ipykernel", "plotly")
+    with TemporaryDirectory() as folder:
+        insist([venv / "bin/python", HOSTS / "notebook_host.py", path], Path(folder))
 
 
 def fmutool(path: Path) -> None:

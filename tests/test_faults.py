@@ -6,12 +6,14 @@ import platform
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import build_fmu
 import pytest
 from driver import ROOT, models
 from driver3 import models as models3
+from platforms import ALL, X86_WINDOWS, Platform
 
 pytestmark = pytest.mark.skipif(platform.system() != "Linux", reason="the driver replaces functions of glibc")
 
@@ -79,13 +81,38 @@ def test_loggers_that_leave_or_call_back_do_no_harm(check):
     check("loggers")
 
 
-def test_an_exception_of_cpp_goes_through_a_refused_call(tmp_path):
+THROWN = {"throwing_logger.cpp": (2, models), "throwing_update.cpp": (3, models3)}
+each_thrower = pytest.mark.parametrize("source", THROWN)
+
+
+def run_thrower(source: str, compiler: list[str], platform: Platform, place: Path, *before: str) -> None:
+    """Compiles a program that throws in a callback, and runs it with the forward FMU's binary."""
+    model, program = THROWN[source][1]["DualCamForward"], place / "thrower.exe"
+    words = ["-std=c++17", "-isystem", build_fmu.fmi_headers(), FOLDER / source, "-o", program]
+    subprocess.run([*compiler, *words, *([] if before else ["-ldl"])], check=True)
+    library = platform.library(model.identifier)
+    if not library.exists():
+        pytest.skip(f"{library.name} is not built for {platform.folder}: run ./build.sh all")
+    environment = {**os.environ, "WINEPREFIX": str(place / "wine"), "WINEDEBUG": "-all"}
+    finished([*before, program, f"{'Z:' if before else ''}{library}", model.guid], environment)
+
+
+@each_thrower
+def test_an_exception_of_cpp_goes_through_a_call(source, tmp_path):
     if shutil.which("g++") is None:
         pytest.skip("g++ is not installed")
-    model, program = models["DualCamForward"], tmp_path / "throwing_logger"
-    source, headers = FOLDER / "throwing_logger.cpp", build_fmu.fmi_headers()
-    subprocess.run(["g++", "-std=c++17", "-isystem", headers, source, "-o", program, "-ldl"], check=True)
-    finished([program, build_fmu.host_platform(2).library(model.identifier), model.guid], dict(os.environ))
+    run_thrower(source, ["g++"], build_fmu.host_platform(THROWN[source][0]), tmp_path)
+
+
+@pytest.mark.long  # the compiler makes its library of C++ first, once: minutes
+@each_thrower
+def test_an_exception_of_cpp_goes_through_a_call_on_windows(source, tmp_path):
+    wine = shutil.which("wine64") or shutil.which("wine")
+    if wine is None:
+        pytest.skip("wine is not installed (Debian: wine, wine64)")
+    windows = next(p for p in ALL[THROWN[source][0]] if p.targets == (X86_WINDOWS,))
+    compiler = [sys.executable, "-m", "ziglang", "c++", "-target", X86_WINDOWS]
+    run_thrower(source, compiler, windows, tmp_path, wine)
 
 
 def test_threads_give_the_bits_of_a_run_alone(check):

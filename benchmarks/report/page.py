@@ -9,6 +9,7 @@ from benchmarks.harness.circumstances import FACTS
 from benchmarks.harness.markdown import prose, read, table
 from benchmarks.report.friction_cost import friction_cost
 from benchmarks.report.others import growth, loop, skipping
+from benchmarks.report.platform_cost import platform_cost
 from benchmarks.report.precision import precision
 from benchmarks.report.step_cost import step_cost
 from benchmarks.report.summary import summary
@@ -17,14 +18,18 @@ from benchmarks.report.worst_step import worst_step
 FILES = ("work_precision", "step_cost", "worst_step", "skipping", "growth", "loop_cost")
 
 
-def has_friction_cost(folder: Path) -> bool:
-    """Not a part of `./build.sh bench`, which also runs where valgrind is missing."""
-    return (folder / "friction_cost.csv").exists()
+# Not a part of `./build.sh bench`, which also runs where valgrind, wine and qemu are missing.
+OPTIONAL = {"friction_cost": friction_cost, "platform_cost": platform_cost}
+
+
+def measured(folder: Path) -> list[str]:
+    """Those of OPTIONAL that have results."""
+    return [name for name in OPTIONAL if (folder / f"{name}.csv").exists()]
 
 
 def circumstances(folder: Path) -> str:
     cells = []
-    for name in (*FILES, *(["friction_cost"] if has_friction_cost(folder) else [])):
+    for name in (*FILES, *measured(folder)):
         row = read(folder, name)[0]
         cells.append([f"`{name}.csv`", *(row[fact] for fact in FACTS)])
     return "## Circumstances\n\n" + table(["file", *FACTS], cells)
@@ -48,7 +53,7 @@ def page(results: Path, place: Path) -> str:
                 ),
                 precision(results, picture("work_precision")),
                 step_cost(results, picture("step_cost")),
-                *([friction_cost(results)] if has_friction_cost(results) else []),
+                *(OPTIONAL[name](results) for name in measured(results)),
                 worst_step(results, picture("worst_step")),
                 skipping(results, picture("skipping")),
                 growth(results, picture("growth")),

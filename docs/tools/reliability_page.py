@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
+import tomllib
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -176,17 +177,50 @@ STATIC = """\
 clang-tidy (bugprone, cert, clang-analyzer), cppcheck and gcc -fanalyzer find nothing. The findings that are
 false stand with their reasons in `.clang-tidy` and `fmu_src/tools/static_analysis.py`.
 Command: `./build.sh check`.
+"""
 
-## Beside SQLite
 
-SQLite publishes [how it is tested](https://sqlite.org/testing.html): 100 % of branches and MC/DC, failing
-allocations, I/O errors, fuzzing, valgrind. The faults above are of the same kinds. This project covers fewer
-branches than SQLite, and has no test of power loss, since the FMUs write no files.
+def own_tests() -> int:
+    """The number of test functions of this project."""
+    files = [path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py")]
+    return sum(len(re.findall(r"^\s*def test_", text, re.M)) for text in files)
+
+
+def figures() -> dict[str, int | str]:
+    """What stands for the braces of peer_testing.toml."""
+    found: dict[str, int | str] = {
+        f"{row['project']} {row['what']}": int(row["number"]) for row in read("peer_tests")
+    }
+    whole = [row for row in read("coverage") if row["part"] == "all"]
+    found["coverage"] = f"{whole[0]['branches_percent']} %" if whole else "`./build.sh coverage` counts"
+    thousands = own_tests() // 1000 * 1000  # so that a new test does not change the page
+    return {**found, "own": thousands}
+
+
+def peers() -> str:
+    plan = tomllib.loads((ROOT / "docs/tools/peer_testing.toml").read_text(encoding="utf-8"))
+    projects = [source["project"] for source in plan["source"]]
+    numbers = figures()
+    lines = [[row["what"], *(row[k].format_map(numbers) for k in ("here", *projects))] for row in plan["row"]]
+    links = [f"- {source['project']}: <{link}>" for source in plan["source"] for link in source["links"]]
+    dates = ", ".join(sorted({f"{row['project']} {row['date']}" for row in read("peer_tests")}))
+    return f"""\
+## Beside other projects
+
+What SQLite, SUNDIALS, MuJoCo and Box2D publish about their own tests. "Not published": neither the pages
+below nor the repository tell. `docs/tools/count_peer_tests.py` counted the tests in the repositories
+({dates}). Test functions of different projects differ in size, so
+their numbers do not compare projects. This project has no test of power loss, since the FMUs write no files.
+
+{table(["what", "this project", *projects], lines)}
+Sources:
+
+{chr(10).join(links)}
 """
 
 
 def page() -> str:
-    parts = [HEAD, states(), scenes(), fuzzing(), FAULTS, endurance(), hashes(), strength(), STATIC]
+    parts = [HEAD, states(), scenes(), fuzzing(), FAULTS, endurance(), hashes(), strength(), STATIC, peers()]
     return "\n".join(part for part in parts if part)
 
 

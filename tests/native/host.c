@@ -13,18 +13,7 @@
 #include <string.h>
 
 #include "fmi2Functions.h"
-
-#ifdef _WIN32
-#include <windows.h>
-static void *library_open(const char *path) { return (void *)LoadLibraryA(path); }
-static void *library_find(void *library, const char *name) {
-    return (void *)GetProcAddress((HMODULE)library, name);
-}
-#else
-#include <dlfcn.h>
-static void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
-static void *library_find(void *library, const char *name) { return dlsym(library, name); }
-#endif
+#include "library.h"
 
 enum { STEPS = 1000, PRINT_EVERY = 20, PERIOD = 400, MAX_SETTINGS = 12 };
 

@@ -1,20 +1,18 @@
 // A logger in C++ that throws: the exception goes through the FMU's call, and the instance goes on.
 //
 //     throwing_logger binary guid
-#include <dlfcn.h>
-
-#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
 #include "fmi2Functions.h"
+#include "library.h"
 
 static void log_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String message, ...) {
     throw std::runtime_error(message);
 }
 
 template <typename Type> static Type *function(void *library, const char *name) {
-    Type *const found = reinterpret_cast<Type *>(dlsym(library, name));
+    Type *const found = reinterpret_cast<Type *>(library_find(library, name));
     if (found == nullptr) throw std::logic_error(name);
     return found;
 }
@@ -50,7 +48,7 @@ static int refusals(void *library, const char *guid) {
 
 int main(int argc, char **argv) {
     if (argc != 3) return 2;
-    void *const library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
+    void *const library = library_open(argv[1]);
     if (library == nullptr) return 3;
     const int caught = refusals(library, argv[2]);
     std::printf("%d exceptions: %s\n", caught, caught == 101 ? "all as it must be" : "wrong");

@@ -177,7 +177,7 @@ def with_binary(platform: str) -> Callable[[Fmu], Path]:
             *(["-ldl"] if "linux" in TARGETS[platform] else []),
         ]
         sources = [*SCENES, PROGRAM, LOADER]
-        stamp = fingerprint([*sources, *headers()], *flags)
+        stamp = fingerprint([*sources, NATIVE / "library.h", *headers()], *flags)
         if not is_fresh(program, stamp):
             build_fmu.compile_c(ZIG, flags, sources, program)
             set_stamp(program, stamp)

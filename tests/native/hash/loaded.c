@@ -2,19 +2,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "../library.h"
 #include "fmi2Functions.h"
-
-#ifdef _WIN32
-#include <windows.h>
-static void *library_open(const char *path) { return (void *)LoadLibraryA(path); }
-static void *library_find(void *library, const char *name) {
-    return (void *)GetProcAddress((HMODULE)library, name);
-}
-#else
-#include <dlfcn.h>
-static void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
-static void *library_find(void *library, const char *name) { return dlsym(library, name); }
-#endif
 
 static void *function(const char *name) {
     static void *library;
@@ -26,13 +15,9 @@ static void *function(const char *name) {
     exit(1);
 }
 
-/* ISO C converts no data pointer to a function pointer; POSIX and Windows do, through a union of both. */
 #define CALL(name, ...)                                                                                        \
-    union {                                                                                                    \
-        void *data;                                                                                            \
-        name##TYPE *code;                                                                                      \
-    } in_binary = {function(#name)};                                                                           \
-    return in_binary.code(__VA_ARGS__)
+    LIBRARY_FUNCTION(name##TYPE, in_binary, function(#name));                                                  \
+    return in_binary.call(__VA_ARGS__)
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging) {
@@ -40,11 +25,8 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 }
 
 void fmi2FreeInstance(fmi2Component c) {
-    union {
-        void *data;
-        fmi2FreeInstanceTYPE *code;
-    } in_binary = {function("fmi2FreeInstance")};
-    in_binary.code(c);
+    LIBRARY_FUNCTION(fmi2FreeInstanceTYPE, in_binary, function("fmi2FreeInstance"));
+    in_binary.call(c);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance, fmi2Real start,
