@@ -1,7 +1,6 @@
 """Methods of fmu_src/numerics/ that know no cam, against polynomials with given zeros and integrals in closed
 form: sign changes, zeros, linear systems, quadrature."""
 
-import ctypes
 import math
 from ctypes import CFUNCTYPE, POINTER, byref, c_bool, c_double, c_int, c_void_p
 
@@ -150,7 +149,7 @@ def test_a_polynomial_of_no_numbers_has_no_sign_changes(library):
     [([1.0, 3.0], 0.1, 1), ([1.0, 3.0], 5.0, 1), ([1.0, 3.0], 1.0, 1), ([3.0], 3.0, -1), ([], 1.0, 1)],
 )
 def test_sign_with_which_a_polynomial_leaves_a_strip(library, turns, width, sign):
-    """u(0) = 0, u'(t) the product of (1 - t/turn): u rises, and turns at these times. Against samples of u."""
+    """u(0) = 0, u'(t) the product of (1 - t/turn): u rises, and turns at these times."""
     rate = np.poly1d([1.0])
     for turn in turns:
         rate *= np.poly1d([-1.0 / turn, 1.0])
