@@ -27,10 +27,9 @@ from benchmarks.harness.repository import ROOT
 from benchmarks.test_strength import decisions, tree
 from benchmarks.test_strength.choice import GENERATED, ROOMS
 from benchmarks.test_strength.decisions import Decision
-from benchmarks.test_strength.mutants import TESTS
 
 TARGET = 97.0  # % of the branches
-FURTHER = Path(__file__).with_name("branch_tests.txt")  # besides the tests that meet the mutants
+TESTS = Path(__file__).with_name("branch_tests.txt")  # they drive the C core
 NO_FAILURE = (0, 5)  # exit codes of pytest: all pass, none is to run
 UNREACHED = Path(__file__).with_name("unreached.toml")
 # Files with a line of their own: the decision of the mode, and the state machine of the FMI calls.
@@ -107,7 +106,15 @@ def run_piece(copy: Copy, piece: str, kept: Path) -> tuple[bytes, int]:
     if not ended.exists():
         marks.write_bytes(bytes(copy.size))
         with tempfile.TemporaryDirectory() as folder:  # its name is short enough for parameters of the FMU
-            words = ["-q", "--no-header", "--basetemp", f"{folder}/run", piece]
+            words = [
+                "-q",
+                "--no-header",
+                "-o",
+                "faulthandler_timeout=0",
+                "--basetemp",
+                f"{folder}/run",
+                piece,
+            ]
             code = tree.run_pytest(copy.tree, words, {decisions.SEEN: str(marks)})
         ended.write_text(str(code))
     return marks.read_bytes(), int(ended.read_text())
