@@ -30,6 +30,7 @@ from benchmarks.test_strength.decisions import Decision
 
 TARGET = 97.0  # % of the branches
 TESTS = Path(__file__).with_name("branch_tests.txt")  # they drive the C core
+PATIENT = ("-q", "--no-header", "-o", "faulthandler_timeout=0")  # marks make sanitizers slow
 NO_FAILURE = (0, 5)  # exit codes of pytest: all pass, none is to run
 UNREACHED = Path(__file__).with_name("unreached.toml")
 # Files with a line of their own: the decision of the mode, and the state machine of the FMI calls.
@@ -189,9 +190,7 @@ def report(rows: Sequence[Row], measured: Sequence[Taken], console: results.Cons
 
 def main(words: Sequence[str] | None = None) -> int:
     parser = results.options(__doc__, "coverage")
-    parser.add_argument(
-        "tests", nargs="*", default=[*TESTS.read_text().split(), *FURTHER.read_text().split()]
-    )
+    parser.add_argument("tests", nargs="*", default=TESTS.read_text().split())
     parser.add_argument("--again", action="store_true", help="without a new copy, only what has not run yet")
     parser.add_argument("--processes", type=int, default=2)
     arguments = parser.parse_args(words)
