@@ -210,3 +210,15 @@ def test_a_forged_parameter_is_refused(saved, place, value):
     forged = bytearray(content)
     struct.pack_into("d", forged, place, value)
     refuse_forged(fmu, forged)
+
+
+def test_more_events_than_an_integer_counts_are_the_most_that_it_counts(saved):
+    fmu, content = saved
+    forged, kind = bytearray(content), STATE[fmu.model]
+    kind.from_buffer(forged, len(content) - ctypes.sizeof(Run) - ctypes.sizeof(kind)).events = 2**40
+    struct.pack_into("Q", forged, CHECKSUM, checksum(forged[HEADER:]))
+    state = c_void_p()
+    fmu.ok("DeserializeFMUState", bytes(forged), len(forged), byref(state))
+    fmu.restore(state)
+    fmu.free_state(state)
+    assert fmu.get("events") == 2**31 - 1
