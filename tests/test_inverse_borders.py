@@ -162,3 +162,35 @@ def test_a_falling_pull_leaves_cam_2_at_rest(make):
     arguments, product = jacobian(fmu, "tau", "theta")
     fmu.ok("GetDirectionalDerivative", *arguments)
     assert product.value == STIFF
+
+
+@pytest.mark.parametrize("known", ["theta", "omega"])
+def test_the_speed_of_an_elastic_shaft_has_no_derivatives(make, known):
+    """v depends on the rate of theta, which is no known of the FMU."""
+    fmu = make().start({"shaft.stiffness": STIFF, "theta": 0.3})
+    arguments, _ = jacobian(fmu, "v", known)
+    fmu.refused("GetDirectionalDerivative", *arguments, mentions=("v has no partial", "shaft.stiffness = 0"))
+
+
+# ---- contacts without any load ----
+
+
+@pytest.mark.parametrize("omega", [3.0, -3.0])
+def test_torque_grows_from_contacts_that_carry_nothing(make, omega):
+    """No preload, no inertia: at theta = 0 both contacts are idle. A little later the spring is compressed,
+    or stretched: in both cases the motion loads it."""
+    values = {"spring.preload": 0.0, "inertia.shaft": 0.0, "stop.lower": -1.0}
+    fmu = make().start(values | {"omega": omega})
+    assert fmu.get("tau") == 0.0
+    fmu.step(1e-3, theta=0.0, omega=omega)
+    fmu.set({"theta": 0.0, "omega": omega})
+    assert fmu.output_derivative("tau", 1) == pytest.approx(RHO[1] * STIFFNESS * LIFT * omega, rel=1e-12)
+
+
+def test_a_torque_that_no_motion_needs_has_no_derivatives(make):
+    """Contact 1 locks: releasing has no torque (tests/test_locked_contacts.py)."""
+    locked = {"cam1.lead_angle": 0.44, "cam2.lead_angle": 0.58, "cam1.friction": 3.0, "cam2.friction": 0.17}
+    fmu = make().start(locked | {"theta": 0.3, "omega": 1.0})
+    fmu.set({"omega": -1.0})
+    arguments, _ = jacobian(fmu, "tau", "theta")
+    fmu.refused("GetDirectionalDerivative", *arguments, mentions=("wedge", "releasing"))

@@ -68,3 +68,11 @@ def test_without_friction_no_flank_changes(exchange):
     assert found[FLANK_1] == found[FLANK_2] == 1.0
     assert found[VELOCITY] == pytest.approx(3.0, rel=1e-9)
     assert fmu.vector("GetDerivatives", 2) == pytest.approx([3.0, (2.0 - 0.01 * PRELOAD) / 0.002], rel=1e-12)
+
+
+def test_a_wedge_under_friction_that_depends_on_the_load_holds(exchange):
+    """Its conditions are no polynomials of the inputs: no indicator tells its end."""
+    law = {"cam1.friction_load_exponent": 1e-6, "cam2.friction_load_exponent": 1e-6}
+    fmu = exchange(PAINLEVE | law | {"tau": 0.1, "F_ext": 0.1})
+    assert fmu.get("mode") == WEDGED
+    assert fmu.vector("GetEventIndicators", 7)[FLANK_1] == 1.0

@@ -93,6 +93,7 @@ def crossings(library, p):
         [0.0, 0.4, 1.0],  # zero at both ends, which are no sign changes
         [-0.2, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 1.3],
         [0.1, 0.2, 0.3, 0.45, 0.6, 0.7, 0.8, 0.9],
+        [0.25, 0.5, 0.5, 0.75],  # touches zero in the middle
         [0.375, 0.375, 0.8125],  # touches zero at 0.375
     ],
 )

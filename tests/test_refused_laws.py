@@ -89,3 +89,5 @@ def test_a_table_at_cam_2_is_its_only_friction(make_model, tmp_path):
     for name, way in (("torque_load", 1), ("torque_release", -1)):
         expected = 50.0 * edge(Place, (0.0, 0.2), way, 1.0)[0]
         assert fmu.get(name) == pytest.approx(expected, rel=1e-12)
+    fmu.step(0.01, tau=2.0)
+    assert fmu.get("energy.heat_cam1") == 0.0 < fmu.get("energy.heat_cam2")
