@@ -128,6 +128,19 @@ def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     assert all(alone for _, alone in decision.independent(seen))
 
 
+def test_a_condition_that_cannot_change_has_no_branches_of_its_own(tmp_path):
+    path = tmp_path / "refusals.c"
+    path.write_text("""\
+bool check(double x) { return x > 0.0 || csv_refuse(x); }
+bool either(double x) { return HAS_SHARES && x > 0.0; }
+""")
+    _, found, _ = decisions.marked(path, "model/refusals.c", 0)
+    branches = [[(text, value) for text, value, _ in d.branches(bytes(99))] for d in found]
+    compared = [("x > 0.0", False), ("x > 0.0", True)]
+    assert branches == [[*compared, ("csv_refuse(x)", False)], compared]
+    assert [[text for text, _ in d.independent(bytes(99))] for d in found] == [["x > 0.0"]] * 2
+
+
 # A file of each room; parsing all of them takes some seconds.
 SOME = ("fmi/simulation.c", "forward/decide.c", "numerics/sum.h")
 
@@ -170,7 +183,9 @@ def test_each_explained_branch_is_a_branch_of_the_code():
     for path in named(explained):
         _, found, _ = decisions.marked(path, path.relative_to(CORE).as_posix(), 0)
         known |= {
-            (d.file, d.function, text, v) for d in found for text in d.conditions for v in (True, False)
+            (d.file, d.function, text, value)
+            for d in found
+            for text, value, _ in d.branches(bytes(d.place + d.size))
         }
     assert not set(explained) - known, "branches that are gone: remove them from unreached.toml"
     assert all(len(reason) > 20 for reason in explained.values())

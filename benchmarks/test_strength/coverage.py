@@ -1,29 +1,37 @@
 """Branch coverage: which branches of the C code do the tests take?
 
-    ./build.sh coverage
+    ./build.sh coverage            all pieces anew
+    ./build.sh coverage --again    only the test files that changed, or that an interrupted run has left out
 
 A branch is a condition with one of its two values. In a copy of the repository, each condition of physics and
-FMI layer marks what came out (decisions.py). The tests run there. Several evaluations of a decision with more
-than one condition also show MC/DC: that each condition alone changes the outcome. unreached.toml names
-branches that no test takes, with the reason.
+FMI layer marks what came out (decisions.py). The tests run there, one file after the other; the marks of each
+file are kept. Several evaluations of a decision with more than one condition also show MC/DC: that each
+condition alone changes the outcome. unreached.toml names branches that no test takes, with the reason.
 """
 
 from __future__ import annotations
 
+import hashlib
+import shutil
 import sys
+import tempfile
 import tomllib
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.harness import results
 from benchmarks.harness.circumstances import circumstances
+from benchmarks.harness.repository import ROOT
 from benchmarks.test_strength import decisions, tree
 from benchmarks.test_strength.choice import GENERATED, ROOMS
 from benchmarks.test_strength.decisions import Decision
-from benchmarks.test_strength.mutants import TESTS
 
 TARGET = 97.0  # % of the branches
+TESTS = Path(__file__).with_name("branch_tests.txt")  # they drive the C core
+PATIENT = ("-q", "--no-header", "-o", "faulthandler_timeout=0")  # marks make sanitizers slow
+NO_FAILURE = (0, 5)  # exit codes of pytest: all pass, none is to run
 UNREACHED = Path(__file__).with_name("unreached.toml")
 # Files with a line of their own: the decision of the mode, and the state machine of the FMI calls.
 DECISIVE = ("forward/decide.c", "fmi/simulation.c", "fmi/instance.c", "fmi/fmi2.c", "fmi/fmi3.c")
@@ -50,19 +58,85 @@ def files_of(core: Path) -> list[Path]:
     return [path for path in listed if path.name not in GENERATED]
 
 
-def measure(tests: Sequence[str]) -> tuple[list[Taken], int]:
-    """The branches of all decisions, and the exit code of the tests."""
+@dataclass(frozen=True)
+class Copy:
+    """The repository with marks. `decisions` stand in the order of their places."""
+
+    tree: Path
+    decisions: list[Decision]
+
+    @property
+    def size(self) -> int:
+        return self.decisions[-1].place + self.decisions[-1].size
+
+
+def fingerprint(files: Iterable[Path]) -> str:
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
+
+
+def prepare() -> Copy:
     copy = tree.copy("branches")
     found = decisions.write(copy / "fmu_src", files_of(copy / "fmu_src"))
     message = tree.build(copy)
     if message:
         raise SystemExit(f"coverage: the copy does not build:\n{message[-3000:]}")
-    marks = tree.TREES / "branches.marks"
-    marks.write_bytes(bytes(found[-1].place + found[-1].size))
-    folder = str(tree.TREES / "branches-run")
-    code = tree.run_pytest(copy, ["--basetemp", folder, *tests], {decisions.SEEN: str(marks)})
-    seen = marks.read_bytes()
-    return [Taken(d, d.branches(seen), d.independent(seen)) for d in found], code
+    return Copy(copy, found)
+
+
+def prepared() -> Copy:
+    """The copy of the last run, with the tests of today."""
+    copy, core, found, place = tree.TREES / "branches", ROOT / "fmu_src", [], 0
+    for path in files_of(core):
+        _, some, place = decisions.marked(path, path.relative_to(core).as_posix(), place)
+        found += some
+    shutil.copytree(ROOT / "tests", copy / "tests", dirs_exist_ok=True)
+    return Copy(copy, found)
+
+
+def pieces_of(tests: Iterable[str]) -> list[str]:
+    """The test files, also those of the folders."""
+    listed = (sorted((ROOT / name).rglob("test_*.py")) or [ROOT / name] for name in tests)
+    return list(dict.fromkeys(path.relative_to(ROOT).as_posix() for paths in listed for path in paths))
+
+
+def run_piece(copy: Copy, piece: str, kept: Path) -> tuple[bytes, int]:
+    """The marks of a test file, and the exit code of its tests. Both are kept."""
+    name = f"{piece.removesuffix('.py').replace('/', '.')}-{fingerprint([ROOT / piece])}"
+    ended = kept / f"{name}.ended"
+    marks = kept / f"{name}.marks"
+    if not ended.exists():
+        marks.write_bytes(bytes(copy.size))
+        with tempfile.TemporaryDirectory() as folder:  # its name is short enough for parameters of the FMU
+            words = [
+                "-q",
+                "--no-header",
+                "-o",
+                "faulthandler_timeout=0",
+                "--basetemp",
+                f"{folder}/run",
+                piece,
+            ]
+            code = tree.run_pytest(copy.tree, words, {decisions.SEEN: str(marks)})
+        ended.write_text(str(code))
+    return marks.read_bytes(), int(ended.read_text())
+
+
+def measure(tests: Sequence[str], again: bool, processes: int) -> tuple[list[Taken], list[str]]:
+    """The branches of all decisions, and the test files in which tests fail."""
+    kept = tree.TREES / f"branches-{fingerprint(files_of(ROOT / 'fmu_src'))}"
+    again = again and kept.exists()
+    copy = prepared() if again else prepare()
+    for old in tree.TREES.glob("branches-*") if not again else ():
+        shutil.rmtree(old)
+    kept.mkdir(exist_ok=True)
+    pieces, failed, seen = pieces_of(tests), [], 0
+    with ThreadPoolExecutor(processes) as pool:
+        ended = pool.map(lambda piece: run_piece(copy, piece, kept), pieces)
+        for piece, (marks, code) in zip(pieces, ended, strict=True):
+            seen |= int.from_bytes(marks, "little")
+            failed += [piece] if code not in NO_FAILURE else []
+    united = seen.to_bytes(copy.size, "little")
+    return [Taken(d, d.branches(united), d.independent(united)) for d in copy.decisions], failed
 
 
 def reasons() -> dict[Branch, str]:
@@ -117,14 +191,16 @@ def report(rows: Sequence[Row], measured: Sequence[Taken], console: results.Cons
 def main(words: Sequence[str] | None = None) -> int:
     parser = results.options(__doc__, "coverage")
     parser.add_argument("tests", nargs="*", default=TESTS.read_text().split())
+    parser.add_argument("--again", action="store_true", help="without a new copy, only what has not run yet")
+    parser.add_argument("--processes", type=int, default=2)
     arguments = parser.parse_args(words)
     console = results.new_console()
-    measured, code = measure(arguments.tests)
+    measured, failed = measure(arguments.tests, arguments.again, arguments.processes)
     rows = rows_of(measured)
     report(rows, measured, console)
     results.publish(rows, circumstances("coverage"), arguments.output, console)
-    if code != 0:
-        results.say(console, f"pytest ended with {code}: some tests fail in the copy")
+    for piece in failed:
+        results.say(console, f"{piece}: some tests fail in the copy")
     return 0 if float(rows[-1]["branches_percent"]) >= TARGET else 1
 
 

@@ -3,11 +3,12 @@
 A decision is what an `if`, a loop or `?:` asks, or an expression of && and || elsewhere. Its conditions are
 the operands that hold no &&, || or ! themselves. Each evaluation marks one byte of a file that all processes
 share. The byte's place is a number with one digit of base 3 for each condition: 0 not evaluated, 1 false,
-2 true.
+2 true. A condition that can have one value only has no branches of its own (values_of()).
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -28,25 +29,33 @@ from benchmarks.test_strength.sites import (
 SEEN = "DUALCAM_BRANCHES"
 HEADER = "platform/branch_marks.h"
 SKIPPED, FALSE, TRUE = 0, 1, 2
+REFUSAL = re.compile(r"(\w+_)?refuse(_\w+)?")  # functions that log a message and return false
+CONSTANT = re.compile(r"[A-Z][A-Z0-9_]*")
 
 HEADER_TEXT = """\
 #ifndef DUALCAM_BRANCH_MARKS_H
 #define DUALCAM_BRANCH_MARKS_H
 #pragma clang diagnostic ignored "-Weverything"
+#ifdef __linux__
 #include <fcntl.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <unistd.h>
 __attribute__((weak, visibility("hidden"))) unsigned char branch_nowhere[%(size)d];
 __attribute__((weak, visibility("hidden"))) unsigned char *branch_seen = branch_nowhere;
+#define BRANCH_MARK(place) (branch_seen[place] = 1)
+#else /* the tests of other platforms compile, and show nothing */
+#define BRANCH_MARK(place) ((void)(place))
+#endif
 static inline int branch_condition(unsigned *way, unsigned digit, int value) {
     *way += digit * (value ? 2u : 1u);
     return value;
 }
 static inline int branch_decision(unsigned place, int value) {
-    branch_seen[place] = 1;
+    BRANCH_MARK(place);
     return value;
 }
+#ifdef __linux__
 __attribute__((constructor)) static void branch_share(void) {
     const char *const path = getenv("DUALCAM_BRANCHES");
     const int file = path == NULL || branch_seen != branch_nowhere ? -1 : open(path, O_RDWR);
@@ -55,6 +64,7 @@ __attribute__((constructor)) static void branch_share(void) {
     if (bytes != MAP_FAILED) branch_seen = bytes;
     close(file);
 }
+#endif
 #endif
 """
 
@@ -68,6 +78,7 @@ class Decision:
     line: int
     text: str
     conditions: tuple[str, ...]
+    values: tuple[tuple[int, ...], ...]  # of each condition, FALSE or TRUE
     place: int  # of its first byte
     outcome: Callable[[Sequence[int]], int]
 
@@ -81,12 +92,12 @@ class Decision:
         return [tuple(way // 3**k % 3 for k in range(len(self.conditions))) for way in happened]
 
     def branches(self, marks: bytes) -> list[tuple[str, bool, bool]]:
-        """Each condition, each of its two values, and whether an evaluation had this value."""
+        """Each condition, each of its values, and whether an evaluation had this value."""
         ways = self.ways(marks)
         return [
             (text, value == TRUE, any(way[k] == value for way in ways))
             for k, text in enumerate(self.conditions)
-            for value in (FALSE, TRUE)
+            for value in self.values[k]
         ]
 
     def independent(self, marks: bytes) -> list[tuple[str, bool]]:
@@ -96,6 +107,7 @@ class Decision:
         return [
             (text, any(self.shows(k, one, other) for one, other in combinations(ways, 2)))
             for k, text in enumerate(self.conditions)
+            if len(self.values[k]) == 2
         ]
 
     def shows(self, k: int, one: Sequence[int], other: Sequence[int]) -> bool:
@@ -134,6 +146,13 @@ def conditions_of(node: Node) -> Iterator[Node]:
         yield from conditions_of(part)
     else:
         yield node
+
+
+def values_of(condition: Node) -> tuple[int, ...]:
+    """What it can be: a refusal is always false, a name in capitals is a constant of the compiler."""
+    if condition.type == "call_expression" and REFUSAL.fullmatch(plain(field(condition, "function"))):
+        return (FALSE,)
+    return () if CONSTANT.fullmatch(plain(condition)) else (FALSE, TRUE)
 
 
 def outcome_of(node: Node, number: Iterator[int]) -> Callable[[Sequence[int]], int]:
@@ -186,7 +205,8 @@ def mark(node: Node, file: str, function: str, out: Marked) -> None:
     texts = tuple(plain(part) for part in parts)
     line = node.start_point[0] + 1
     outcome = outcome_of(node, iter(range(len(parts))))
-    made = Decision(file, function, line, plain(node), texts, out.place, outcome)
+    values = tuple(values_of(part) for part in parts)
+    made = Decision(file, function, line, plain(node), texts, values, out.place, outcome)
     out.decisions.append(made)
     size = node.end_byte - node.start_byte
     out.insert(node.start_byte, -size, "(({ unsigned branch_way = 0; const int branch_value = !!(")

@@ -102,7 +102,7 @@ void model_indicators(const FmuModel *m, double indicator[]);
 unsigned model_state_reference(int state);
 
 /* Handles the events of the present instant. */
-bool model_update_discrete_states(FmuModel *m, Fault *fault);
+void model_update_discrete_states(FmuModel *m);
 
 /* The importer has completed an integrator step of h seconds to the present states and inputs. */
 bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault);

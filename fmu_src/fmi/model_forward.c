@@ -125,8 +125,8 @@ unsigned model_state_reference(int state) {
     return state == 0 ? VR_THETA : VR_OMEGA;
 }
 
-bool model_update_discrete_states(FmuModel *m, Fault *fault) {
-    return mechanism_settle(m, fault);
+void model_update_discrete_states(FmuModel *m) {
+    mechanism_settle(m);
 }
 
 bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {

@@ -120,10 +120,8 @@ unsigned model_state_reference(int state) {
     return VARIABLE_COUNT;
 }
 
-bool model_update_discrete_states(FmuModel *m, Fault *fault) {
-    (void)fault;
+void model_update_discrete_states(FmuModel *m) {
     if (m->continuous) inverse_settle(m); /* in co-simulation the step does so */
-    return true;
 }
 
 bool model_complete_integrator_step(FmuModel *m, double h, Fault *fault) {

@@ -17,9 +17,8 @@ bool mechanism_advance(Mechanism *m, double h, Fault *fault);
 bool mechanism_advance_watched(Mechanism *m, double h, Watcher *watcher, Fault *fault);
 
 /* Carries out the mode changes that are due now. In model exchange the mechanism may stand at an end stop or at
- * velocity zero to the rounding of a solver, on either side, and the accounts stay as they are. Returns false, with the
- * mechanism as before, if the mode changes need too many segments or jams. */
-bool mechanism_settle(Mechanism *m, Fault *fault);
+ * velocity zero to the rounding of a solver, on either side, and the accounts stay as they are. */
+void mechanism_settle(Mechanism *m);
 
 /* Values from before and during a segment that its visitor cannot find in the mechanism any more. */
 typedef struct {

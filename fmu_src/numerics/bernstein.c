@@ -191,9 +191,9 @@ static int first_direction(const double u[4]) {
     return 0;
 }
 
-/* sqrt(x^2 + y^2) for x, y >= 0 without a square that overflows */
+/* sqrt(x^2 + y^2) for x, y >= 0, not both 0, without a square that overflows */
 static double length_of(double x, double y) {
-    const double larger = max_of(x, y), smaller = min_of(x, y), ratio = larger > 0.0 ? smaller / larger : 0.0;
+    const double larger = max_of(x, y), smaller = min_of(x, y), ratio = smaller / larger;
     return larger * sqrt(1.0 + ratio * ratio);
 }
 

@@ -16,8 +16,8 @@ static bool same_sign(double a, double b) {
 static double share(double a, double f_a, double b, double f_b, double c, double f_c) {
     const double x = (a - b) / (c - b), f = (f_a - f_b) / (f_c - f_b);
     if (!(f * f < x && (1.0 - f) * (1.0 - f) < 1.0 - x)) return 0.5;
-    const double t = f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b);
-    return isfinite(t) ? t : 0.5;
+    /* 0 < x < 1 and 0 < f < 1: no difference below is zero */
+    return f_a / (f_b - f_a) * f_c / (f_b - f_c) + (c - a) / (b - a) * f_a / (f_c - f_a) * f_b / (f_c - f_b);
 }
 
 /* Invariant: the zero lies between a and b. a is the latest point, b the latest point on the other side of the zero,

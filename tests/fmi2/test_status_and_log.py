@@ -57,7 +57,8 @@ def test_errors_are_always_logged(make, logging):
 
 
 @pytest.mark.parametrize(
-    "categories", [(), ("logStatusError",), ("logAll",), ("logEvents", "logStatusError")]
+    "categories",
+    [(), ("logStatusError",), ("logAll",), ("logEvents", "logStatusError"), ("logAll", "logStatusError")],
 )
 def test_errors_can_be_silenced(fmu, categories):
     assert set_logging(fmu, 0, *categories) == OK

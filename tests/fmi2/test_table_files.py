@@ -20,7 +20,7 @@ TABLE = {"cam1.profile": 3, "cam1.table": "groove.csv"}
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """With tables under names that a URI can hold in several ways; the working directory is elsewhere."""
-    for name in ("res", "with blank", "50% ä", "C:/res"):
+    for name in ("res", "with blank", "50% ä", "C:/res", "%zz"):
         write_table(tmp_path / name / "groove.csv")
     monkeypatch.chdir(tmp_path)
     return str(tmp_path)
@@ -46,6 +46,8 @@ def folder(tmp_path, monkeypatch):
         "file:///C:/res",
         "file:/C:/res/",
         "file:///C%3A/res",
+        "file://{}/%zz",  # no code: the percent sign alone stays
+        "file:///.{}/res",
     ],
 )
 def test_tables_relative_to_the_resources(make, folder, location):
@@ -121,3 +123,49 @@ def test_reset_reads_the_table_again(make, folder):
     fmu.set(TABLE)
     fmu.ok("fmi2EnterInitializationMode")
     assert "cam1.table" in fmu.refused_start()
+
+
+def test_a_table_relative_to_the_root(make, folder):
+    """The slash of the root is no last slash to drop."""
+    make(resources="file:///").start(
+        TABLE | {"cam1.table": f"{folder[1:]}/res/groove.csv", "stop.upper": 1.3}
+    )
+
+
+@pytest.mark.parametrize("location", ["file:///C:/", "file:///~nowhere", "file:///1/nowhere"])
+def test_resources_that_are_no_folder_are_named(make, location):
+    fmu = make(resources=location)
+    fmu.set(TABLE)
+    fmu.ok("fmi2EnterInitializationMode")
+    assert "groove.csv" in fmu.refused_start()
+
+
+@pytest.mark.parametrize("path", ["a" + "ä" * 200, "ä" * 200, b"\x80" * 200], ids=["odd", "even", "no text"])
+def test_a_long_path_is_cut_between_characters(make, path):
+    """A message shows "?" for each byte that is no plain text: an ä has two."""
+    fmu = make()
+    values = TABLE | {"cam1.table": path}
+    for name, value in values.items():
+        assert fmu.try_set({name: value}) == 0
+    fmu.ok("fmi2EnterInitializationMode")
+    quoted = fmu.refused_start().split('"')[1]
+    assert len(quoted) <= 120
+    assert quoted.strip("a?") == "" and quoted.count("?") % 2 == 0
+
+
+def test_a_byte_that_no_terminal_shows_is_no_part_of_a_message(make):
+    fmu = make()
+    fmu.set(TABLE | {"cam1.table": "a\x7fb.csv"})
+    fmu.ok("fmi2EnterInitializationMode")
+    assert '"a?b.csv"' in fmu.refused_start()
+
+
+def test_a_table_without_its_origin_is_refused(make, tmp_path):
+    """z counts from psi = 0."""
+    for psi in ((-2.0, -1.5, -1.0, -0.5), (0.5, 1.0, 1.5, 2.0)):
+        rows = [f"{x},{0.02 * x}" for x in psi]
+        (tmp_path / "groove.csv").write_text("\n".join(["psi_rad,z_m", *rows]))
+        fmu = make(resources=f"file://{tmp_path}")
+        fmu.set(TABLE)
+        fmu.ok("fmi2EnterInitializationMode")
+        assert "must include 0" in fmu.refused_start()
