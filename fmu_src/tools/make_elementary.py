@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,9 @@ Number = Any  # of MP
 Function = Callable[[Number], Number]
 LARGEST_ERROR = 2.0**-57
 GRID, EXCHANGES = 400, 6
-EXP_STEPS, LOG_BITS, ATAN_STEPS = 64, 6, 32
+EXP_STEPS, LOG_BITS, ATAN_BITS = 64, 6, 3
+LOG_NEAR_BELOW, LOG_NEAR_ABOVE = 4, 2  # steps beside that of 1
+SPARE_BITS = 7
 
 
 def rounded(x: Number) -> Number:
@@ -105,14 +108,17 @@ def constant(name: str, x: Number) -> str:
     return f"static const double {name} = {text(x)};\n"
 
 
+def lines(numbers: Sequence[Number], indent: int) -> str:
+    rows = (", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4))
+    return "".join(f"{' ' * indent}{row},\n" for row in rows)
+
+
 def constants(name: str, numbers: Sequence[Number]) -> str:
-    lines = [", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4)]
-    body = "".join(f"    {line},\n" for line in lines)
-    return f"static const double {name}[{len(numbers)}] = {{\n{body}}};\n"
+    return f"static const double {name}[{len(numbers)}] = {{\n{lines(numbers, 4)}}};\n"
 
 
-def rows(kind: str, name: str, fields: str, lines: Iterable[Sequence[Number]]) -> str:
-    entries = [f"    {{{', '.join(map(text, line))}}},\n" for line in lines]
+def rows(kind: str, name: str, fields: str, entries_of: Iterable[Sequence[Number]]) -> str:
+    entries = [f"    {{{', '.join(map(text, entry))}}},\n" for entry in entries_of]
     struct = f"typedef struct {{\n    double {fields};\n}} {kind};\n\n"
     return f"{struct}static const {kind} {name}[{len(entries)}] = {{\n{''.join(entries)}}};\n"
 
@@ -154,6 +160,27 @@ def exponential() -> str:
     )
 
 
+def near_double(f: Function, x: Number, bits: int) -> Number:
+    """The number of so many bits nearest to x at which f is SPARE_BITS closer to a double than rounding is.
+    (S. Gal, Computing elementary functions: a new approach, 1986: so a table needs no second part)"""
+    unit = MP.mpf(2) ** (int(MP.floor(MP.log(x, 2))) + 1 - bits)
+    middle = multiple(x, unit)
+    for k in range(10 * 2**SPARE_BITS):
+        at = middle + (-1) ** k * ((k + 1) // 2) * unit
+        value = f(at)
+        if abs(value / rounded(value) - 1) < MP.mpf(2) ** (-53 - SPARE_BITS):
+            return at
+    raise ValueError(f"no number near {float(x)}")
+
+
+def arrays(kind: str, name: str, fields: Mapping[str, Sequence[Number]]) -> str:
+    """A struct of arrays: one index reaches them all."""
+    count = len(next(iter(fields.values())))
+    members = ", ".join(f"{field}[{count}]" for field in fields)
+    body = "".join(f"    .{field} = {{\n{lines(numbers, 8)}    }},\n" for field, numbers in fields.items())
+    return f"typedef struct {{\n    double {members};\n}} {kind};\n\nstatic const {kind} {name} = {{\n{body}}};\n"
+
+
 def logarithm() -> str:
     count = 2**LOG_BITS
     first = MP.mpf(float.fromhex("0x1.6ap-1"))
@@ -163,28 +190,41 @@ def logarithm() -> str:
         half_units = MP.mpf(j) / count * 2 + (first - MP.mpf(1) / 2) * 4  # above 1/2, in units of 1/4
         return MP.mpf(1) / 2 + half_units / 4 if half_units <= 2 else 1 + (half_units - 2) / 2
 
-    lines, widest = [], MP.mpf(0)
-    for j in range(count):
-        c = multiple(2 / (edge(j) + edge(j + 1)), MP.mpf(2) ** -9)
-        if edge(j) < 1 < edge(j + 1):
-            c = MP.mpf(1)
-        high = multiple(-MP.log(c), MP.mpf(2) ** -42)
-        lines.append((c, high, rounded(-MP.log(c) - high)))
-        widest = max(widest, abs(edge(j) * c - 1), abs(edge(j + 1) * c - 1))
+    at_one = next(j for j in range(count) if edge(j) < 1 < edge(j + 1))
+    near = range(at_one - LOG_NEAR_BELOW, at_one + LOG_NEAR_ABOVE + 1)
+    least = min(abs(MP.log(edge(near[0]))), MP.log(edge(near[-1] + 1)))  # of |log m| outside of `near`
+    centre = [near_double(lambda c: 1 / c, (edge(j) + edge(j + 1)) / 2, 26) for j in range(count)]
+    high = [multiple(MP.log(c), MP.mpf(2) ** -42) for c in centre]
+    widest = max(max(c - edge(j), edge(j + 1) - c) / c for j, c in enumerate(centre))
+    low_edge, high_edge = edge(near[0]) - 1, edge(near[-1] + 1) - 1
     two_high = multiple(MP.log(2), MP.mpf(2) ** -42)
 
     def rest(r: Number) -> Number:
-        return MP.nsum(lambda n: (-r) ** n / (n + 3), [0, 60])
+        """(log(1 + r) - r)/r^2"""
+        return -MP.nsum(lambda n: (-r) ** n / (n + 2), [0, 60])
+
+    def of_value(r: Number) -> Number:
+        return r * r / MP.log1p(r) if r else r
 
     return "\n".join(
         [
             f"enum {{ LOG_BITS = {LOG_BITS} }}; /* the steps of a binade are 2^LOG_BITS */\n",
+            "/* The steps around 1, which have the series of their own: the first one, and how many */",
+            f"enum {{ LOG_NEAR = {near[0]}, LOG_NEAR_STEPS = {len(near)} }};\n",
             "/* log 2 in two parts. Multiples of 2^-42 add up without rounding. */",
             constant("LOG_2_HIGH", two_high) + constant("LOG_2_LOW", rounded(MP.log(2) - two_high)),
-            f"/* (log(1 + r) - r + r^2/2)/r^3, |r| < {float(widest):.5f} */",
-            constants("LOG_SERIES", series(rest, 5, -widest, widest, lambda r: r * r)),
-            "/* c, a multiple of 2^-9 near 1/m, and -log c in two parts */",
-            rows("LogStep", "LOG_STEP", "c, log_high, log_low", lines),
+            f"/* (log(1 + r) - r)/r^2, |r| < {float(widest):.5f} */",
+            constants("LOG_SERIES", series(rest, 5, -widest, widest, lambda r: r * r / least)),
+            f"/* The same, {float(low_edge):.5f} <= r <= {float(high_edge):.5f} */",
+            constant("LOG_NEAR_LOW", low_edge) + constant("LOG_NEAR_HIGH", high_edge),
+            constants("LOG_NEAR_SERIES", series(rest, 8, low_edge, high_edge, of_value)),
+            "/* c near the middle of a step, 1/c, and log c in two parts */",
+            arrays("LogSteps", "LOG_STEPS", {
+                "centre": centre,
+                "inverse": [rounded(1 / c) for c in centre],
+                "high": high,
+                "low": [rounded(MP.log(c) - h) for c, h in zip(centre, high, strict=True)],
+            }),
         ]
     )
 
@@ -235,18 +275,25 @@ def arctangent() -> str:
             f"static const DoubleDouble {name} = {{{text(rounded(x))}, {text(rounded(x - rounded(x)))}}};\n"
         )
 
-    angles = [MP.atan(MP.mpf(k) / ATAN_STEPS) for k in range(ATAN_STEPS + 1)]
-    zero, last = MP.mpf(0), MP.mpf("1.01") / 256
+    count = 2**ATAN_BITS
+    edges = [MP.mpf(2) ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(-4 * count, 4 * count + 1)]
+    centre = [near_double(MP.atan, (a + b) / 2, 26) for a, b in pairwise(edges)]
+    farthest = max(
+        max(abs(x - c) / (1 + c * x) for x in edges[j : j + 2]) for j, c in enumerate(centre)
+    )
+    zero, least = MP.mpf(0), edges[0]
     return "\n".join(
         [
-            f"enum {{ ATAN_STEPS = {ATAN_STEPS} }};\n",
+            f"enum {{ ATAN_BITS = {ATAN_BITS} }}; /* the steps of a binade are 2^ATAN_BITS */\n",
+            constant("ATAN_FIRST", edges[0]) + constant("ATAN_LAST", edges[-1]),
             pair("PI", MP.pi) + pair("HALF_PI", MP.pi / 2),
-            "/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 1/16 */",
-            constants("ATAN_SERIES", series(rest, 4, zero, last, lambda z: z)),
-            "/* atan(k/ATAN_STEPS) in two parts */",
-            rows(
-                "AtanStep", "ATAN_STEP", "high, low", [(rounded(a), rounded(a - rounded(a))) for a in angles]
-            ),
+            f"/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= {float(farthest):.5f} */",
+            constants("ATAN_SERIES", series(rest, 3, zero, farthest**2, lambda z: z**1.5 / least)),
+            "/* The same, |t| <= 1/16 */",
+            constants("ATAN_NEAR_SERIES", series(rest, 4, zero, least**2, lambda z: z)),
+            "/* c near the middle of a step, of 26 bits, and its angle, which is a double up to"
+            f" 2^-{53 + SPARE_BITS} of itself */",
+            arrays("AtanSteps", "ATAN_STEPS", {"centre": centre, "angle": [rounded(MP.atan(c)) for c in centre]}),
         ]
     )
 
