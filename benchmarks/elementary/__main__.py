@@ -15,6 +15,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 
+import build_fmu
 from benchmarks import elementary
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
@@ -138,7 +139,7 @@ def instructions(name: str) -> list[str]:
     program = core.BUILD / "loops/elementary"
     sources = [LOOPS, *sorted((core.FMU_SRC / "elementary").glob("*.c"))]
     if not program.exists() or any(path.stat().st_mtime > program.stat().st_mtime for path in sources):
-        core.compile_c(["-O3"], sources, program)
+        core.compile_c(["-fomit-frame-pointer", *core.OPTIMISED], sources, program)
     found = []
     for kind in ("own", "library"):
         with tempfile.TemporaryDirectory() as folder:

@@ -25,7 +25,7 @@ Number = Any  # of MP
 Function = Callable[[Number], Number]
 LARGEST_ERROR = 2.0**-57
 GRID, EXCHANGES = 400, 6
-EXP_STEPS, LOG_BITS, ATAN_BITS = 64, 6, 3
+EXP_STEPS, LOG_BITS, ATAN_BITS, TAN_BITS = 64, 6, 3, 3
 LOG_NEAR_BELOW, LOG_NEAR_ABOVE = 4, 2  # steps beside that of 1
 SPARE_BITS = 7
 
@@ -237,7 +237,7 @@ def two_by_pi(words: int) -> list[int]:
 
 
 def trigonometric() -> str:
-    quarter = (MP.pi / 4 * MP.mpf("1.0001")) ** 2
+    zero, quarter = MP.mpf(0), (MP.pi / 4 * MP.mpf("1.0001")) ** 2
 
     def sine(z: Number) -> Number:
         return MP.nsum(lambda n: (-1) ** int(n + 1) * z**n / MP.factorial(2 * n + 3), [0, 30])
@@ -245,23 +245,58 @@ def trigonometric() -> str:
     def cosine(z: Number) -> Number:
         return MP.nsum(lambda n: (-1) ** int(n) * z**n / MP.factorial(2 * n + 4), [0, 30])
 
+    of_sine = series(sine, 5, zero, quarter, lambda z: z)
+    of_cosine = series(cosine, 5, zero, quarter, lambda z: z * z)
     words = two_by_pi(37)
     lines = [", ".join(f"0x{word:08x}" for word in words[k : k + 8]) for k in range(0, len(words), 8)]
-    zero = MP.mpf(0)
-    first, second, third = parts(MP.pi / 2, 33, 33)
+    first, second, third, fourth = parts(MP.pi / 2, 33, 33, 33)
     return "\n".join(
         [
             constant("TWO_BY_PI_ROUNDED", rounded(2 / MP.pi)),
-            "/* pi/2 in three parts, of which two have 33 bits, and in two parts */",
-            constant("HALF_PI_1", first) + constant("HALF_PI_2", second) + constant("HALF_PI_3", third),
+            "/* pi/2 in four parts, of which three have 33 bits, and in two parts */",
+            constant("HALF_PI_1", first) + constant("HALF_PI_2", second),
+            constant("HALF_PI_3", third) + constant("HALF_PI_4", fourth),
             constant("HALF_PI_HIGH", rounded(MP.pi / 2))
             + constant("HALF_PI_LOW", rounded(MP.pi / 2 - rounded(MP.pi / 2))),
-            "/* (sin(x) - x)/x^3 as a polynomial in x^2 */",
-            constants("SIN_SERIES", series(sine, 5, zero, quarter, lambda z: z)),
-            "/* (cos(x) - 1 + x^2/2)/x^4 as a polynomial in x^2 */",
-            constants("COS_SERIES", series(cosine, 5, zero, quarter, lambda z: z * z)),
+            "/* (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 as polynomials in x^2, side by side */",
+            "typedef double Pair __attribute__((vector_size(16)));\n",
+            f"static const Pair SIN_COS_SERIES[{len(of_sine)}] = {{\n"
+            + "".join(f"    {{{text(s)}, {text(c)}}},\n" for s, c in zip(of_sine, of_cosine, strict=True))
+            + "};\n",
             "/* The binary digits of 2/pi, 32 in a word */",
             f"static const uint32_t TWO_BY_PI[{len(words)}] = {{\n    " + ",\n    ".join(lines) + ",\n};\n",
+        ]
+    )
+
+
+def tangent() -> str:
+    def rest(z: Number) -> Number:
+        x = MP.sqrt(z)
+        return (MP.tan(x) - x) / x**3 if z > MP.mpf(10) ** -12 else MP.mpf(1) / 3 + z * 2 / 15
+
+    first, count = MP.mpf(1) / 8, 2**TAN_BITS
+    edges = [first * 2 ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(3 * count)]
+    edges = edges[: 1 + sum(1 for x in edges if x < MP.pi / 4)]
+    centre = [near_double(MP.tan, (a + b) / 2, 26) for a, b in pairwise(edges)]
+    cotangent = [MP.cot(c) for c in centre]
+    return "\n".join(
+        [
+            f"enum {{ TAN_BITS = {TAN_BITS} }}; /* the steps of a binade are 2^TAN_BITS */\n",
+            constant("TAN_FIRST", first),
+            "/* (tan(x) - x)/x^3 as a polynomial in x^2, |x| <= 1/8 */",
+            constants("TAN_SERIES", series(rest, 5, MP.mpf(0), first**2, lambda z: z)),
+            "/* c near the middle of a step, its tangent, a double up to"
+            f" 2^-{53 + SPARE_BITS} of itself, and its cotangent in two parts */",
+            arrays(
+                "TanSteps",
+                "TAN_STEPS",
+                {
+                    "centre": centre,
+                    "tangent": [rounded(MP.tan(c)) for c in centre],
+                    "cotangent": [rounded(x) for x in cotangent],
+                    "low": [rounded(x - rounded(x)) for x in cotangent],
+                },
+            ),
         ]
     )
 
@@ -316,6 +351,7 @@ def texts() -> dict[Path, str]:
         "exponential": ("", exponential()),
         "logarithm": ("", logarithm()),
         "trigonometric": ("#include <stdint.h>\n\n", trigonometric()),
+        "tangent": ("", tangent()),
         "arctangent": ('#include "elementary/double_double.h"\n\n', arctangent()),
         "roots": ("", roots()),
     }
