@@ -67,23 +67,14 @@ static inline double angle_of(double y, double x, bool back) {
     return first.hi + ((first.lo + PI.lo) - angle.lo);
 }
 
-/* Both numbers times a power of two, so that the larger one lies between 1 and 2. The smaller one may underflow. */
-COMPACT static void scale_to_one(double *y, double *x) {
-    const double larger = max_of(*x, *y), normal = larger < DBL_MIN ? 0x1p100 : 1.0;
-    const int exponent = (int)(bits_of(larger * normal) >> 52) - 1023;
-    const double first = power_of_two(-(exponent / 2)), second = power_of_two(-(exponent - exponent / 2));
-    *x = *x * normal * first * second;
-    *y = *y * normal * first * second;
-}
-
-/* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is
- * that. */
+/* The same of any sizes >= 0. An angle below 2^-60 is y/x, which may underflow; an angle so close to pi or pi/2 is that.
+ * Otherwise both numbers times a power of two keep the angle. */
 COMPACT static double angle_at_limits(double y, double x, bool back) {
     if (x == INFINITY && y == INFINITY) x = y = 1.0;
     if (y == 0.0 || x == INFINITY || y < x * 0x1p-60) return back ? PI.hi : y == 0.0 ? 0.0 : y / x;
     if (x == 0.0 || y == INFINITY || x < y * 0x1p-60) return HALF_PI.hi;
-    scale_to_one(&y, &x);
-    return angle_of(y, x, back);
+    const double scale = x > 1.0 ? 0x1p-600 : 0x1p700;
+    return elementary_atan2(y * scale, back ? -x * scale : x * scale);
 }
 
 NOINLINE double elementary_atan2(double y, double x) {

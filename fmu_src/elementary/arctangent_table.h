@@ -13,7 +13,7 @@ static const DoubleDouble HALF_PI = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54
 
 /* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 0.03030 */
 static const double ATAN_SERIES[4] = {
-    -0x1.55555555554d8p-2, 0x1.999999977c9cbp-3, -0x1.249230f02fea5p-3, 0x1.c63a3b2a218b5p-4,
+    -0x1.55555555554d8p-2, 0x1.999999977ca21p-3, -0x1.249230f058f3cp-3, 0x1.c63a3be9cfd0fp-4,
 };
 
 /* The same, |t| <= 1/16 */
@@ -22,46 +22,46 @@ static const double ATAN_NEAR_SERIES[5] = {
     -0x1.70c2296fb3a85p-4,
 };
 
-/* c near the middle of a step, of 26 bits, and its angle, which is a double up to 2^-60 of itself */
+/* c near the middle of a step, of 26 bits, and its angle, which is a double up to 2^-58 of itself */
 typedef struct {
     double centre[64], angle[64];
 } AtanSteps;
 
 static const AtanSteps ATAN_STEPS = {
     .centre = {
-        0x1.0fffc2p-4, 0x1.30002ep-4, 0x1.4fffdb8000000p-4, 0x1.70001dp-4,
-        0x1.8ffffd8000000p-4, 0x1.affffa8000000p-4, 0x1.d00001p-4, 0x1.effff58000000p-4,
-        0x1.100076p-3, 0x1.3000088000000p-3, 0x1.4fffe6p-3, 0x1.6ffff6p-3,
-        0x1.9000018000000p-3, 0x1.afffb38000000p-3, 0x1.d000098000000p-3, 0x1.effffap-3,
-        0x1.1000288000000p-2, 0x1.2ffff0p-2, 0x1.500007p-2, 0x1.6fffd18000000p-2,
-        0x1.9000248000000p-2, 0x1.b000038000000p-2, 0x1.cfffefp-2, 0x1.f0000fp-2,
-        0x1.10001a8000000p-1, 0x1.2ffff8p-1, 0x1.500010p-1, 0x1.70002a8000000p-1,
-        0x1.8ffff0p-1, 0x1.b0002c8000000p-1, 0x1.d00004p-1, 0x1.efffecp-1,
-        0x1.1000058000000p+0, 0x1.30000cp+0, 0x1.5000168000000p+0, 0x1.700008p+0,
-        0x1.9000008000000p+0, 0x1.affffc8000000p+0, 0x1.cffff88000000p+0, 0x1.efffea8000000p+0,
-        0x1.0ffff88000000p+1, 0x1.2ffff18000000p+1, 0x1.5000048000000p+1, 0x1.7000028000000p+1,
-        0x1.9000088000000p+1, 0x1.b0000d8000000p+1, 0x1.cffff38000000p+1, 0x1.f000048000000p+1,
-        0x1.0ffff78000000p+2, 0x1.2fffdbp+2, 0x1.5000098000000p+2, 0x1.700011p+2,
-        0x1.900035p+2, 0x1.affffbp+2, 0x1.cfffecp+2, 0x1.f00016p+2,
-        0x1.1000038000000p+3, 0x1.3000018000000p+3, 0x1.500009p+3, 0x1.7000438000000p+3,
-        0x1.90002bp+3, 0x1.affffa8000000p+3, 0x1.cffff48000000p+3, 0x1.effffc8000000p+3,
+        0x1.100002p-4, 0x1.300000p-4, 0x1.5000008000000p-4, 0x1.6ffff58000000p-4,
+        0x1.8ffffd8000000p-4, 0x1.b000008000000p-4, 0x1.d00001p-4, 0x1.efffff8000000p-4,
+        0x1.0fffffp-3, 0x1.300003p-3, 0x1.5000028000000p-3, 0x1.6ffffc8000000p-3,
+        0x1.8fffffp-3, 0x1.affff9p-3, 0x1.d00004p-3, 0x1.effffap-3,
+        0x1.1000078000000p-2, 0x1.2ffffbp-2, 0x1.4ffffdp-2, 0x1.7000078000000p-2,
+        0x1.8ffffa8000000p-2, 0x1.b000018000000p-2, 0x1.cffffbp-2, 0x1.f000008000000p-2,
+        0x1.1000008000000p-1, 0x1.2ffff8p-1, 0x1.5000018000000p-1, 0x1.70001ap-1,
+        0x1.8ffff0p-1, 0x1.b0000dp-1, 0x1.d00004p-1, 0x1.f000088000000p-1,
+        0x1.0ffffe8000000p+0, 0x1.2fffffp+0, 0x1.4ffffdp+0, 0x1.700007p+0,
+        0x1.9000008000000p+0, 0x1.affffc8000000p+0, 0x1.d00004p+0, 0x1.f0000d8000000p+0,
+        0x1.0ffffbp+1, 0x1.300003p+1, 0x1.5000028000000p+1, 0x1.6fffffp+1,
+        0x1.8ffffe8000000p+1, 0x1.affffbp+1, 0x1.cffff38000000p+1, 0x1.effffc8000000p+1,
+        0x1.0ffffep+2, 0x1.2ffff7p+2, 0x1.5000098000000p+2, 0x1.700007p+2,
+        0x1.8ffff5p+2, 0x1.affffep+2, 0x1.cffff8p+2, 0x1.f00006p+2,
+        0x1.100001p+3, 0x1.2fffffp+3, 0x1.500009p+3, 0x1.700009p+3,
+        0x1.900003p+3, 0x1.afffff8000000p+3, 0x1.d00001p+3, 0x1.effffc8000000p+3,
     },
     .angle = {
-        0x1.0f99acb7846fbp-4, 0x1.2f71c0d82198bp-4, 0x1.4f3fb2359e119p-4, 0x1.6f03da9332831p-4,
-        0x1.8ebc51cd9b6fdp-4, 0x1.ae68a1abef8f4p-4, 0x1.ce07c6c08e4afp-4, 0x1.ed98b7bfd8ef8p-4,
-        0x1.0e6b50c3a4137p-3, 0x1.2dcbe380d0bb2p-3, 0x1.4d08614c1ac03p-3, 0x1.6c1d3ee8a5655p-3,
-        0x1.8b06ef9a5d8dfp-3, 0x1.a9c1e87645d46p-3, 0x1.c84c01b08538fp-3, 0x1.e6a1433e88e76p-3,
-        0x1.09dc7f5234484p-2, 0x1.27836351418c6p-2, 0x1.44aa49bdfbde6p-2, 0x1.614817022bd01p-2,
-        0x1.7d56246134321p-2, 0x1.98cd574d76b5bp-2, 0x1.b3a903bfbe9dfp-2, 0x1.cde54059067dap-2,
-        0x1.f40dfa0ad840fp-2, 0x1.1255d3d58cb2cp-1, 0x1.2958f0c20a4cap-1, 0x1.3f14178fd784bp-1,
-        0x1.538f4dc904fa0p-1, 0x1.66d67d90c711ap-1, 0x1.78f6be08104c2p-1, 0x1.89ff55a43f153p-1,
-        0x1.a1a2645740f78p-1, 0x1.bde718c9701e0p-1, 0x1.d6e58d7c197a4p-1, 0x1.ed0d9d00c807bp-1,
-        0x1.006133087f11dp+0, 0x1.092ce388a6c24p+0, 0x1.110eae47e4aa7p+0, 0x1.1825ebee3a02cp+0,
-        0x1.21862c87799c9p+0, 0x1.2c1a1fbf6f1dcp+0, 0x1.34f1fcd59ca61p+0, 0x1.3c6e65955d240p+0,
-        0x1.42d705a639cc8p+0, 0x1.4861b6fd95b3fp+0, 0x1.4d378a5500d52p+0, 0x1.5178503130536p+0,
-        0x1.56f6f171a3ec7p+0, 0x1.5d0135f9b25f2p+0, 0x1.61f06dbf28cfcp+0, 0x1.660b04c64609bp+0,
-        0x1.698218f483436p+0, 0x1.6c78c77ff5672p+0, 0x1.6f08eef5da865p+0, 0x1.7145ec32f7720p+0,
-        0x1.7424def22099cp+0, 0x1.77467e57f9cebp+0, 0x1.79d0f4a080142p+0, 0x1.7beb3d79c8a77p+0,
-        0x1.7daffa8a694ccp+0, 0x1.7f3209d2278ccp+0, 0x1.807f20a31b5a8p+0, 0x1.81a16e263b504p+0,
+        0x1.0f99ec6f95b41p-4, 0x1.2f719318a4a9ap-4, 0x1.4f3fd6f64e290p-4, 0x1.6f03b3642ab64p-4,
+        0x1.8ebc51cd9b6fdp-4, 0x1.ae68a79b09ae1p-4, 0x1.ce07c6c08e4afp-4, 0x1.ed98c19ad9d20p-4,
+        0x1.0e6adbd3b07e8p-3, 0x1.2dcbde1f2b843p-3, 0x1.4d087d0cde888p-3, 0x1.6c1d45349998cp-3,
+        0x1.8b06ed31e1e59p-3, 0x1.a9c22b00599d8p-3, 0x1.c84bfc7543e19p-3, 0x1.e6a1433e88e76p-3,
+        0x1.09dc607efbd61p-2, 0x1.27836d6d2bc75p-2, 0x1.44aa40b6d1642p-2, 0x1.614846d501b77p-2,
+        0x1.7d55fff0a1f16p-2, 0x1.98cd559ad2214p-2, 0x1.b3a90db470dd9p-2, 0x1.cde5349a6e2f8p-2,
+        0x1.f40dd17ce8590p-2, 0x1.1255d3d58cb2cp-1, 0x1.2958e69f71087p-1, 0x1.3f140caeab893p-1,
+        0x1.538f4dc904fa0p-1, 0x1.66d66b2a43c78p-1, 0x1.78f6be08104c2p-1, 0x1.89ff64580704ap-1,
+        0x1.a1a25dc3c2a98p-1, 0x1.bde70dffcacbdp-1, 0x1.d6e57ac0c8feap-1, 0x1.ed0d9c59cf8c7p-1,
+        0x1.006133087f11dp+0, 0x1.092ce388a6c24p+0, 0x1.110eb0f6ea83fp+0, 0x1.1825f34afe276p+0,
+        0x1.21862d6f8b0d0p+0, 0x1.2c1a2504b48e6p+0, 0x1.34f1fc53d672bp+0, 0x1.3c6e64d3f5f76p+0,
+        0x1.42d703caa3597p+0, 0x1.4861b40122d4dp+0, 0x1.4d378a5500d52p+0, 0x1.51784f317043ep+0,
+        0x1.56f6f2cecec7bp+0, 0x1.5d013aba8c5adp+0, 0x1.61f06dbf28cfcp+0, 0x1.660b0399a667ep+0,
+        0x1.69821290abdaep+0, 0x1.6c78c7c1ef38cp+0, 0x1.6f08efdb449f4p+0, 0x1.7145eb26a6ccap+0,
+        0x1.7424deac3ad11p+0, 0x1.77467e1fddc0cp+0, 0x1.79d0f4a080142p+0, 0x1.7beb39f6aa28cp+0,
+        0x1.7daff8817555dp+0, 0x1.7f320a0a08d1ap+0, 0x1.807f211c4a52ap+0, 0x1.81a16e263b504p+0,
     },
 };

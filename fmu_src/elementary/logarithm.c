@@ -32,8 +32,8 @@ static inline LogParts parts_of(double x, int64_t step, int shift) {
     const int64_t n = step >> LOG_BITS, j = step & (STEPS - 1);
     const double m = double_of(bits_of(x) - ((uint64_t)n << BITS_OF_FRACTION)), binades = (double)((int)n + shift);
     return (LogParts){
-        .high = binades * LOG_2_HIGH + LOG_STEPS.high[j],
-        .low = binades * LOG_2_LOW + LOG_STEPS.low[j],
+        .high = binades * LOG_2_HIGH + LOG_STEPS.log[j],
+        .low = binades * LOG_2_LOW,
         .r = (m - LOG_STEPS.centre[j]) * LOG_STEPS.inverse[j],
     };
 }
@@ -53,21 +53,19 @@ static inline double log_near_one(double r) {
     return r + r2 * (low + r2 * r2 * high);
 }
 
-/* log of any other number */
-COMPACT static double log_at_limits(double x) {
-    if (x == 0.0) return -INFINITY;
-    if (!(x > 0.0)) return x != x ? x : NAN;
-    if (x > DBL_MAX) return x;
-    const int shift = x < 1.0 ? -54 : 54;
-    const double scaled = x * power_of_two(-shift);
-    return sum_of(parts_of(scaled, step_of(bits_of(scaled)), shift));
-}
-
 NOINLINE double elementary_log(double x) {
-    const int64_t step = step_of(bits_of(x));
-    if (!in_range(step)) return log_at_limits(x);
+    int64_t step = step_of(bits_of(x));
+    int shift = 0;
+    if (!in_range(step)) {
+        if (x == 0.0) return -INFINITY;
+        if (!(x > 0.0)) return x != x ? x : NAN;
+        if (x > DBL_MAX) return x;
+        shift = x < 1.0 ? -54 : 54;
+        x *= power_of_two(-shift);
+        step = step_of(bits_of(x));
+    }
     if ((uint64_t)(step - LOG_NEAR) < LOG_NEAR_STEPS) return log_near_one(x - 1.0);
-    return sum_of(parts_of(x, step, 0));
+    return sum_of(parts_of(x, step, shift));
 }
 
 /* With the rounded sum 1 + x, log(1 + x) = log(sum) + rest/sum. The rest is exact, but for x so large that it does not
@@ -76,7 +74,7 @@ NOINLINE double elementary_log1p(double x) {
     if (x >= LOG_NEAR_LOW && x <= LOG_NEAR_HIGH) return log_near_one(x);
     const double sum = 1.0 + x;
     const int64_t step = step_of(bits_of(sum));
-    if (!in_range(step)) return log_at_limits(sum);
+    if (!in_range(step)) return elementary_log(sum);
     LogParts parts = parts_of(sum, step, 0);
     parts.low += (x - (sum - 1.0)) / sum;
     return sum_of(parts);

@@ -44,9 +44,10 @@ COMPACT static DoubleDouble fraction_of(const uint32_t product[LIMBS], int point
     return negative ? (DoubleDouble){-sum.hi, -sum.lo} : sum;
 }
 
-/* The product of x and 2/pi in integers; multiples of 4 quadrants are left out before they arise.
+/* The product of x and 2/pi in integers, or NaN for an infinite x; multiples of 4 quadrants are left out before they arise.
  * (M. H. Payne, R. N. Hanek, Radian reduction for trigonometric functions, ACM SIGNUM Newsletter 18, 1983) */
 COMPACT static Reduced reduce_exactly(double x) {
+    if (!(fabs(x) <= DBL_MAX)) return (Reduced){{x - x, 0.0}, 0};
     const uint64_t bits = bits_of(x), fraction = (bits & 0xfffffffffffff) | 0x10000000000000;
     const int exponent = (int)(bits >> 52 & 0x7ff) - 1075; /* |x| = fraction 2^exponent */
     const int first = exponent > 2 ? (exponent - 2) / 32 : 0;
@@ -98,8 +99,8 @@ static inline Pair of_reduced(DoubleDouble r) {
     const double x = r.hi, z = x * x, half = 0.5 * z, near = 1.0 - half;
     const Pair zz = {z, z}, z2 = zz * zz;
     const Pair series = (c[0] + zz * c[1]) + z2 * ((c[2] + zz * c[3]) + z2 * (c[4] + zz * c[5]));
-    const Pair head = {x, near}, lo = {r.lo, r.lo}, slope = {near, -x}, power = {x, z}, cut = {0.0, (1.0 - near) - half};
-    return head + (power * zz * series + (lo * slope + cut));
+    const Pair head = {x, near}, low = {r.lo * near, ((1.0 - near) - half) - x * r.lo}, power = {x, z};
+    return head + (power * zz * series + low);
 }
 
 /* sin and cos of r + quadrant pi/2 */
@@ -115,16 +116,10 @@ static inline SinCos turned(Reduced reduced) {
     return (SinCos){g[0], g[1]};
 }
 
-COMPACT static SinCos sin_cos_at_limits(double x) {
-    if (!(fabs(x) <= DBL_MAX)) return (SinCos){x - x, x - x};
-    return turned(reduce_exactly(x));
-}
-
 NOINLINE SinCos elementary_sin_cos(double x) {
     Reduced reduced = {{x, 0.0}, 0};
     if (!(fabs(x) <= QUARTER_PI)) {
-        if (!(fabs(x) < CODY_WAITE_LIMIT)) return sin_cos_at_limits(x);
-        reduced = reduce(x);
+        reduced = fabs(x) < CODY_WAITE_LIMIT ? reduce(x) : reduce_exactly(x);
     } else if (fabs(x) < 0x1p-27) {
         return (SinCos){x, 1.0};
     }
@@ -163,14 +158,9 @@ static inline double tan_of_reduced(Reduced reduced) {
         return sign * (c + (t + c * u) / (1.0 - u));
     }
     const double c = TAN_STEPS.cotangent[step], v = c * t;
-    return sign * (((t + c * v) / (1.0 + v) - TAN_STEPS.low[step]) - c);
-}
-
-COMPACT static double tan_at_limits(double x) {
-    return fabs(x) <= DBL_MAX ? tan_of_reduced(reduce_exactly(x)) : x - x;
+    return sign * ((t + c * v) / (1.0 + v) - c);
 }
 
 NOINLINE double elementary_tan(double x) {
-    if (!(fabs(x) < CODY_WAITE_LIMIT)) return tan_at_limits(x);
-    return tan_of_reduced(reduce(x));
+    return tan_of_reduced(fabs(x) < CODY_WAITE_LIMIT ? reduce(x) : reduce_exactly(x));
 }

@@ -9,14 +9,15 @@ Muller, Elementary Functions, 3rd ed., section 3.6). The script refuses a polyno
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import generated
 import mpmath
+import numpy as np
 
 ROOM = Path(__file__).resolve().parent.parent / "elementary"
 MP = mpmath.MPContext()
@@ -27,7 +28,7 @@ LARGEST_ERROR = 2.0**-57
 GRID, EXCHANGES = 400, 6
 EXP_STEPS, LOG_BITS, ATAN_BITS, TAN_BITS = 64, 6, 3, 3
 LOG_NEAR_BELOW, LOG_NEAR_ABOVE = 4, 2  # steps beside that of 1
-SPARE_BITS = 7
+SPARE_BITS = 5
 
 
 def rounded(x: Number) -> Number:
@@ -160,16 +161,36 @@ def exponential() -> str:
     )
 
 
-def near_double(f: Function, x: Number, bits: int) -> Number:
-    """The number of so many bits nearest to x at which f is SPARE_BITS closer to a double than rounding is.
-    (S. Gal, Computing elementary functions: a new approach, 1986: so a table needs no second part)"""
-    unit = MP.mpf(2) ** (int(MP.floor(MP.log(x, 2))) + 1 - bits)
-    middle = multiple(x, unit)
-    for k in range(10 * 2**SPARE_BITS):
-        at = middle + (-1) ** k * ((k + 1) // 2) * unit
-        value = f(at)
-        if abs(value / rounded(value) - 1) < MP.mpf(2) ** (-53 - SPARE_BITS):
+def near_doubles(x: Number, *functions: Function) -> Number:
+    """The number of 26 bits nearest to x at which each function is a double up to 2^-(53 + SPARE_BITS).
+
+    So a table needs no second parts (S. Gal, Computing elementary functions: a new approach for achieving
+    high accuracy and good performance, Springer LNCS 235, 1986)."""
+    unit = MP.mpf(2) ** (int(MP.floor(MP.log(x, 2))) - 25)
+    for k in range(20 * 2 ** (SPARE_BITS * len(functions))):
+        at = multiple(x, unit) + (-1) ** k * ((k + 1) // 2) * unit
+        values = (f(at) for f in functions)
+        if all(abs(value / rounded(value) - 1) < MP.mpf(2) ** (-53 - SPARE_BITS) for value in values):
             return at
+    raise ValueError(f"no number near {float(x)}")
+
+
+def near_multiple_of_log(x: Number, unit: Number, allowed: Number) -> Number:
+    """The first x + k 2^-40 whose logarithm is a multiple of `unit` up to what is allowed.
+
+    The logarithm in units, less its whole part, is the sum of its value at x, of k times the first derivative
+    (integers of 64 bits leave out whole units) and of the next terms of its series."""
+    step = MP.mpf(2) ** -40
+    limit = float(allowed / unit)
+    at, slope = (np.uint64(int(MP.floor(value / unit * 2**64)) % 2**64) for value in (MP.log(x), step / x))
+    second, third = (float((-1) ** (n + 1) * (step / x) ** n / n / unit) for n in (2, 3))
+    for block in range(16):
+        k = np.arange(block << 18, (block + 1) << 18, dtype=np.uint64)
+        of_k = k.astype(float)
+        units = (at + slope * k).astype(float) * 2.0**-64 + of_k * of_k * (second + third * of_k)
+        hits = np.flatnonzero(abs(units - np.rint(units)) < limit)
+        if hits.size:
+            return x + int(k[hits[0]]) * step
     raise ValueError(f"no number near {float(x)}")
 
 
@@ -177,8 +198,9 @@ def arrays(kind: str, name: str, fields: Mapping[str, Sequence[Number]]) -> str:
     """A struct of arrays: one index reaches them all."""
     count = len(next(iter(fields.values())))
     members = ", ".join(f"{field}[{count}]" for field in fields)
+    struct = f"typedef struct {{\n    double {members};\n}} {kind};\n\n"
     body = "".join(f"    .{field} = {{\n{lines(numbers, 8)}    }},\n" for field, numbers in fields.items())
-    return f"typedef struct {{\n    double {members};\n}} {kind};\n\nstatic const {kind} {name} = {{\n{body}}};\n"
+    return f"{struct}static const {kind} {name} = {{\n{body}}};\n"
 
 
 def logarithm() -> str:
@@ -193,11 +215,17 @@ def logarithm() -> str:
     at_one = next(j for j in range(count) if edge(j) < 1 < edge(j + 1))
     near = range(at_one - LOG_NEAR_BELOW, at_one + LOG_NEAR_ABOVE + 1)
     least = min(abs(MP.log(edge(near[0]))), MP.log(edge(near[-1] + 1)))  # of |log m| outside of `near`
-    centre = [near_double(lambda c: 1 / c, (edge(j) + edge(j + 1)) / 2, 26) for j in range(count)]
-    high = [multiple(MP.log(c), MP.mpf(2) ** -42) for c in centre]
+    unit = MP.mpf(2) ** -42
+    middle = [(edge(j) + edge(j + 1)) / 2 for j in range(count)]
+    # Numbers m in the steps around 1 come with n log 2, n != 0: then the result is at least 0.65.
+    results = [MP.mpf("0.65") if j in near else abs(MP.log(c)) for j, c in enumerate(middle)]
+    centre = [
+        near_multiple_of_log(c, unit, result * MP.mpf(2) ** -57)
+        for c, result in zip(middle, results, strict=True)
+    ]
     widest = max(max(c - edge(j), edge(j + 1) - c) / c for j, c in enumerate(centre))
     low_edge, high_edge = edge(near[0]) - 1, edge(near[-1] + 1) - 1
-    two_high = multiple(MP.log(2), MP.mpf(2) ** -42)
+    two_high = multiple(MP.log(2), unit)
 
     def rest(r: Number) -> Number:
         """(log(1 + r) - r)/r^2"""
@@ -218,13 +246,16 @@ def logarithm() -> str:
             f"/* The same, {float(low_edge):.5f} <= r <= {float(high_edge):.5f} */",
             constant("LOG_NEAR_LOW", low_edge) + constant("LOG_NEAR_HIGH", high_edge),
             constants("LOG_NEAR_SERIES", series(rest, 8, low_edge, high_edge, of_value)),
-            "/* c near the middle of a step, 1/c, and log c in two parts */",
-            arrays("LogSteps", "LOG_STEPS", {
-                "centre": centre,
-                "inverse": [rounded(1 / c) for c in centre],
-                "high": high,
-                "low": [rounded(MP.log(c) - h) for c, h in zip(centre, high, strict=True)],
-            }),
+            "/* c near the middle of a step, 1/c, and log c, a multiple of 2^-42 up to 2^-57 of results */",
+            arrays(
+                "LogSteps",
+                "LOG_STEPS",
+                {
+                    "centre": centre,
+                    "inverse": [rounded(1 / c) for c in centre],
+                    "log": [multiple(MP.log(c), unit) for c in centre],
+                },
+            ),
         ]
     )
 
@@ -277,24 +308,22 @@ def tangent() -> str:
     first, count = MP.mpf(1) / 8, 2**TAN_BITS
     edges = [first * 2 ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(3 * count)]
     edges = edges[: 1 + sum(1 for x in edges if x < MP.pi / 4)]
-    centre = [near_double(MP.tan, (a + b) / 2, 26) for a, b in pairwise(edges)]
-    cotangent = [MP.cot(c) for c in centre]
+    centre = [near_doubles((a + b) / 2, MP.tan, MP.cot) for a, b in pairwise(edges)]
     return "\n".join(
         [
             f"enum {{ TAN_BITS = {TAN_BITS} }}; /* the steps of a binade are 2^TAN_BITS */\n",
             constant("TAN_FIRST", first),
             "/* (tan(x) - x)/x^3 as a polynomial in x^2, |x| <= 1/8 */",
             constants("TAN_SERIES", series(rest, 5, MP.mpf(0), first**2, lambda z: z)),
-            "/* c near the middle of a step, its tangent, a double up to"
-            f" 2^-{53 + SPARE_BITS} of itself, and its cotangent in two parts */",
+            "/* c near the middle of a step, of 26 bits. Its tangent and its cotangent are doubles up to"
+            f" 2^-{53 + SPARE_BITS} of themselves */",
             arrays(
                 "TanSteps",
                 "TAN_STEPS",
                 {
                     "centre": centre,
                     "tangent": [rounded(MP.tan(c)) for c in centre],
-                    "cotangent": [rounded(x) for x in cotangent],
-                    "low": [rounded(x - rounded(x)) for x in cotangent],
+                    "cotangent": [rounded(MP.cot(c)) for c in centre],
                 },
             ),
         ]
@@ -311,11 +340,10 @@ def arctangent() -> str:
         )
 
     count = 2**ATAN_BITS
-    edges = [MP.mpf(2) ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(-4 * count, 4 * count + 1)]
-    centre = [near_double(MP.atan, (a + b) / 2, 26) for a, b in pairwise(edges)]
-    farthest = max(
-        max(abs(x - c) / (1 + c * x) for x in edges[j : j + 2]) for j, c in enumerate(centre)
-    )
+    lowest, highest = -4 * count, 4 * count
+    edges = [MP.mpf(2) ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(lowest, highest + 1)]
+    centre = [near_doubles((a + b) / 2, MP.atan) for a, b in pairwise(edges)]
+    farthest = max(max(abs(x - c) / (1 + c * x) for x in edges[j : j + 2]) for j, c in enumerate(centre))
     zero, least = MP.mpf(0), edges[0]
     return "\n".join(
         [
@@ -328,7 +356,11 @@ def arctangent() -> str:
             constants("ATAN_NEAR_SERIES", series(rest, 4, zero, least**2, lambda z: z)),
             "/* c near the middle of a step, of 26 bits, and its angle, which is a double up to"
             f" 2^-{53 + SPARE_BITS} of itself */",
-            arrays("AtanSteps", "ATAN_STEPS", {"centre": centre, "angle": [rounded(MP.atan(c)) for c in centre]}),
+            arrays(
+                "AtanSteps",
+                "ATAN_STEPS",
+                {"centre": centre, "angle": [rounded(MP.atan(c)) for c in centre]},
+            ),
         ]
     )
 
@@ -346,7 +378,6 @@ def roots() -> str:
 
 
 def texts() -> dict[Path, str]:
-    said = f"/* Written by {Path(__file__).name}, which says what these numbers are. */"
     made = {
         "exponential": ("", exponential()),
         "logarithm": ("", logarithm()),
@@ -355,28 +386,9 @@ def texts() -> dict[Path, str]:
         "arctangent": ('#include "elementary/double_double.h"\n\n', arctangent()),
         "roots": ("", roots()),
     }
-    return {
-        ROOM / f"{name}_table.h": f"{said}\n/* clang-format off */\n\n{includes}{body}"
-        for name, (includes, body) in made.items()
-    }
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes the tables of the elementary functions")
-    parser.add_argument("--check", action="store_true", help="only compare with the committed files")
-    check = parser.parse_args().check
-    stale = {
-        path: text
-        for path, text in texts().items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    }
-    for path, body in stale.items():
-        if check:
-            print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
-        else:
-            path.write_text(body, encoding="utf-8", newline="\n")
-    return int(check and bool(stale))
+    head = generated.head_of(__file__)
+    return {ROOM / f"{name}_table.h": f"{head}{includes}{body}" for name, (includes, body) in made.items()}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(generated.write_or_check(texts, __file__))
