@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdbool.h>
 
 #include "elementary/double_double.h"
 #include "elementary/elementary.h"
@@ -9,19 +10,20 @@ static const uint64_t FIRST = 0x3fe6a00000000000; /* 0.707: where a binade of m 
 
 enum { BITS_OF_FRACTION = 52, STEPS = 1 << LOG_BITS };
 
-/* Steps of all positive normal numbers below 2^1023, from FIRST on */
+/* The steps of normal numbers from 0.707 2^-1021 to 0.707 2^1023, counted from FIRST on */
 enum { LEAST_STEP = -1021 * STEPS, COUNT_OF_STEPS = (1021 + 1023) * STEPS };
 
-/* The step of a number of these bits; outside of the range for a number that is not positive, normal and below 2^1023 */
+/* The step of a number of these bits. Zeros, subnormal and negative numbers, infinity and NaN are out of range. */
 static inline int64_t step_of(uint64_t bits) {
     return (int64_t)(bits - FIRST) >> (BITS_OF_FRACTION - LOG_BITS);
 }
 
-static inline int in_range(int64_t step) {
+static inline bool in_range(int64_t step) {
     return (uint64_t)(step - LEAST_STEP) < COUNT_OF_STEPS;
 }
 
-/* A logarithm as a sum; r is below 1/5 of the whole. */
+/* A logarithm as a sum. |r| is below 1/4 of the logarithm, so that roundings of r and of the inner sums count little.
+ * (P. T. P. Tang, Table-driven implementation of the logarithm function, ACM Trans. Math. Softw. 16, 1990) */
 typedef struct {
     double high, low, r; /* high + low + log(1 + r) */
 } LogParts;
@@ -38,7 +40,6 @@ static inline LogParts parts_of(double x, int64_t step, int shift) {
     };
 }
 
-/* Roundings of the inner sums count little, for r is small against the whole. */
 static inline double sum_of(LogParts p) {
     const double r = p.r, r2 = r * r, *c = LOG_SERIES;
     const double series = (c[0] + r * c[1]) + r2 * ((c[2] + r * c[3]) + r2 * (c[4] + r * c[5]));
