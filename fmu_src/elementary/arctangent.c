@@ -11,10 +11,10 @@ static inline double short_rest(double t) {
     return t * z * ((c[0] + z * c[1]) + z * z * (c[2] + z * c[3]));
 }
 
-/* The same, |t| <= 1/16 */
+/* The same, |t| <= 1/8 */
 static inline double near_rest(double t) {
     const double z = t * t, z2 = z * z, *c = ATAN_NEAR_SERIES;
-    return t * z * ((c[0] + z * c[1]) + z2 * ((c[2] + z * c[3]) + z2 * c[4]));
+    return t * z * ((c[0] + z * c[1]) + z2 * ((c[2] + z * c[3]) + z2 * (c[4] + z * c[5])));
 }
 
 /* The step of a tangent. Steps are equal in its bits; others than 0 to COUNT_OF_STEPS - 1 are outside of the table. */
@@ -34,10 +34,8 @@ NOINLINE double elementary_atan(double x) {
         const double c = ATAN_STEPS.centre[step], t = (size - c) / (1.0 + c * size);
         return copysign(ATAN_STEPS.angle[step] + (t + short_rest(t)), x);
     }
-    if (size < ATAN_FIRST) return copysign(size + near_rest(size), x);
-    if (x != x) return x;
-    const double t = 1.0 / size;
-    return copysign(HALF_PI.hi - (t + (near_rest(t) - HALF_PI.lo)), x);
+    const double t = size < ATAN_FIRST ? size : 1.0 / size, rest = near_rest(t);
+    return copysign(size < ATAN_FIRST ? t + rest : HALF_PI.hi - (t + (rest - HALF_PI.lo)), x);
 }
 
 /* An angle as a sum, the larger term first. */
@@ -47,7 +45,7 @@ static inline DoubleDouble angle_in_step(uint64_t step, double y, double x) {
     return (DoubleDouble){ATAN_STEPS.angle[step], t + short_rest(t)};
 }
 
-/* The angle of the point (x, y), both between 2^-400 and 2^500; `back`: of (-x, y). Near the axes a quotient below 1/16
+/* The angle of the point (x, y), both between 2^-400 and 2^500; `back`: of (-x, y). Near the axes a quotient below 1/8
  * is its own tangent; the parts of x times c, and y less their sum, are exact but for the last rounding. */
 static inline double angle_of(double y, double x, bool back) {
     const double quotient = y / x;
@@ -55,12 +53,12 @@ static inline double angle_of(double y, double x, bool back) {
     DoubleDouble angle;
     if (step < COUNT_OF_STEPS) {
         angle = angle_in_step(step, y, x);
-    } else if (quotient < ATAN_FIRST) {
-        const DoubleDouble product = exact_product(quotient, x);
-        angle = (DoubleDouble){quotient, near_rest(quotient) + ((y - product.hi) - product.lo) / x};
     } else {
-        const double t = x / y;
-        angle = (DoubleDouble){HALF_PI.hi, HALF_PI.lo - (t + near_rest(t))};
+        const bool flat = quotient < ATAN_FIRST;
+        const double t = flat ? quotient : x / y, rest = near_rest(t);
+        const DoubleDouble product = exact_product(t, x);
+        angle = flat ? (DoubleDouble){t, rest + ((y - product.hi) - product.lo) / x}
+                     : (DoubleDouble){HALF_PI.hi, HALF_PI.lo - (t + rest)};
     }
     if (!back) return angle.hi + angle.lo;
     const DoubleDouble first = ordered_sum(PI.hi, -angle.hi);

@@ -5,8 +5,8 @@
 
 enum { ATAN_BITS = 3 }; /* the steps of a binade are 2^ATAN_BITS */
 
-static const double ATAN_FIRST = 0x1.000000p-4;
-static const double ATAN_LAST = 0x1.000000p+4;
+static const double ATAN_FIRST = 0x1.000000p-3;
+static const double ATAN_LAST = 0x1.000000p+3;
 
 static const DoubleDouble PI = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 static const DoubleDouble HALF_PI = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
@@ -16,21 +16,19 @@ static const double ATAN_SERIES[4] = {
     -0x1.55555555554d8p-2, 0x1.999999977ca21p-3, -0x1.249230f058f3cp-3, 0x1.c63a3be9cfd0fp-4,
 };
 
-/* The same, |t| <= 1/16 */
-static const double ATAN_NEAR_SERIES[5] = {
-    -0x1.5555555555537p-2, 0x1.9999999963174p-3, -0x1.249248297a59cp-3, 0x1.c7187fd6ca15dp-4,
-    -0x1.70c2296fb3a85p-4,
+/* The same, |t| <= 1/8 */
+static const double ATAN_NEAR_SERIES[6] = {
+    -0x1.55555555554ccp-2, 0x1.9999999945f2ep-3, -0x1.2492489cdc06dp-3, 0x1.c71ba727dcf9ep-4,
+    -0x1.741079d00c9cap-4, 0x1.2cc205b488c0bp-4,
 };
 
 /* c near the middle of a step, of 26 bits, and its angle, which is a double up to 2^-58 of itself */
 typedef struct {
-    double centre[64], angle[64];
+    double centre[48], angle[48];
 } AtanSteps;
 
 static const AtanSteps ATAN_STEPS = {
     .centre = {
-        0x1.100002p-4, 0x1.300000p-4, 0x1.5000008000000p-4, 0x1.6ffff58000000p-4,
-        0x1.8ffffd8000000p-4, 0x1.b000008000000p-4, 0x1.d00001p-4, 0x1.efffff8000000p-4,
         0x1.0fffffp-3, 0x1.300003p-3, 0x1.5000028000000p-3, 0x1.6ffffc8000000p-3,
         0x1.8fffffp-3, 0x1.affff9p-3, 0x1.d00004p-3, 0x1.effffap-3,
         0x1.1000078000000p-2, 0x1.2ffffbp-2, 0x1.4ffffdp-2, 0x1.7000078000000p-2,
@@ -43,12 +41,8 @@ static const AtanSteps ATAN_STEPS = {
         0x1.8ffffe8000000p+1, 0x1.affffbp+1, 0x1.cffff38000000p+1, 0x1.effffc8000000p+1,
         0x1.0ffffep+2, 0x1.2ffff7p+2, 0x1.5000098000000p+2, 0x1.700007p+2,
         0x1.8ffff5p+2, 0x1.affffep+2, 0x1.cffff8p+2, 0x1.f00006p+2,
-        0x1.100001p+3, 0x1.2fffffp+3, 0x1.500009p+3, 0x1.700009p+3,
-        0x1.900003p+3, 0x1.afffff8000000p+3, 0x1.d00001p+3, 0x1.effffc8000000p+3,
     },
     .angle = {
-        0x1.0f99ec6f95b41p-4, 0x1.2f719318a4a9ap-4, 0x1.4f3fd6f64e290p-4, 0x1.6f03b3642ab64p-4,
-        0x1.8ebc51cd9b6fdp-4, 0x1.ae68a79b09ae1p-4, 0x1.ce07c6c08e4afp-4, 0x1.ed98c19ad9d20p-4,
         0x1.0e6adbd3b07e8p-3, 0x1.2dcbde1f2b843p-3, 0x1.4d087d0cde888p-3, 0x1.6c1d45349998cp-3,
         0x1.8b06ed31e1e59p-3, 0x1.a9c22b00599d8p-3, 0x1.c84bfc7543e19p-3, 0x1.e6a1433e88e76p-3,
         0x1.09dc607efbd61p-2, 0x1.27836d6d2bc75p-2, 0x1.44aa40b6d1642p-2, 0x1.614846d501b77p-2,
@@ -61,7 +55,5 @@ static const AtanSteps ATAN_STEPS = {
         0x1.42d703caa3597p+0, 0x1.4861b40122d4dp+0, 0x1.4d378a5500d52p+0, 0x1.51784f317043ep+0,
         0x1.56f6f2cecec7bp+0, 0x1.5d013aba8c5adp+0, 0x1.61f06dbf28cfcp+0, 0x1.660b0399a667ep+0,
         0x1.69821290abdaep+0, 0x1.6c78c7c1ef38cp+0, 0x1.6f08efdb449f4p+0, 0x1.7145eb26a6ccap+0,
-        0x1.7424deac3ad11p+0, 0x1.77467e1fddc0cp+0, 0x1.79d0f4a080142p+0, 0x1.7beb39f6aa28cp+0,
-        0x1.7daff8817555dp+0, 0x1.7f320a0a08d1ap+0, 0x1.807f211c4a52ap+0, 0x1.81a16e263b504p+0,
     },
 };

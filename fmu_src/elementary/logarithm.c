@@ -47,7 +47,7 @@ static inline double sum_of(LogParts p) {
 }
 
 /* log(1 + r), LOG_NEAR_LOW <= r <= LOG_NEAR_HIGH */
-static inline double log_near_one(double r) {
+NOINLINE static double log_near_one(double r) {
     const double r2 = r * r, *c = LOG_NEAR_SERIES;
     const double low = (c[0] + r * c[1]) + r2 * (c[2] + r * c[3]);
     const double high = (c[4] + r * c[5]) + r2 * ((c[6] + r * c[7]) + r2 * c[8]);

@@ -340,7 +340,7 @@ def arctangent() -> str:
         )
 
     count = 2**ATAN_BITS
-    lowest, highest = -4 * count, 4 * count
+    lowest, highest = -3 * count, 3 * count
     edges = [MP.mpf(2) ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(lowest, highest + 1)]
     centre = [near_doubles((a + b) / 2, MP.atan) for a, b in pairwise(edges)]
     farthest = max(max(abs(x - c) / (1 + c * x) for x in edges[j : j + 2]) for j, c in enumerate(centre))
@@ -352,8 +352,8 @@ def arctangent() -> str:
             pair("PI", MP.pi) + pair("HALF_PI", MP.pi / 2),
             f"/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= {float(farthest):.5f} */",
             constants("ATAN_SERIES", series(rest, 3, zero, farthest**2, lambda z: z**1.5 / least)),
-            "/* The same, |t| <= 1/16 */",
-            constants("ATAN_NEAR_SERIES", series(rest, 4, zero, least**2, lambda z: z)),
+            "/* The same, |t| <= 1/8 */",
+            constants("ATAN_NEAR_SERIES", series(rest, 5, zero, least**2, lambda z: z)),
             "/* c near the middle of a step, of 26 bits, and its angle, which is a double up to"
             f" 2^-{53 + SPARE_BITS} of itself */",
             arrays(
