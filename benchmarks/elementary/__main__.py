@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import elementary
-from benchmarks.elementary import arguments, errors
+from benchmarks.elementary import arguments, errors, shares
 from benchmarks.elementary.arguments import Array
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
@@ -181,7 +181,11 @@ def main() -> int:
         rows.append(row)
         table.add_row(name, *(row[key] for key in COLUMNS.values()))
     console.print(table)
-    results.publish(rows, circumstances("elementary", "numpy"), options.output, console)
+    facts = circumstances("elementary", "numpy")
+    results.publish(rows, facts, options.output, console)
+    if of_steps := shares.measure():
+        console.print(shares.table(of_steps))
+        results.publish(of_steps, facts, options.output.with_stem(options.output.stem + "_shares"), console)
     return int(failed)
 
 
