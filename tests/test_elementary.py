@@ -2,22 +2,22 @@
 
 import ctypes
 import math
-import random
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from functools import cache
+from collections.abc import Sequence
 
 import house
-import mpmath
+import numpy as np
 import pytest
 from driver import ROOT
 
-MP = mpmath.MPContext()
-MP.dps = 60
+from benchmarks.elementary import arguments
+from benchmarks.elementary.errors import EXACT, Reference, exact_error
+
 COUNT = 1000  # arguments of each function
-LARGEST, LEAST_NORMAL, LEAST = sys.float_info.max, sys.float_info.min, math.ulp(0.0)
+HARD = 5000  # of the hard ones
+LEAST_NORMAL, LARGEST, LEAST = arguments.LEAST_NORMAL, arguments.LARGEST, math.ulp(0.0)
 INFINITY, NAN = math.inf, math.nan
 
 
@@ -30,7 +30,7 @@ def functions(core):
         double shim_max(double x, double y) { return max_of(x, y); }
         double shim_min(double x, double y) { return min_of(x, y); }\n"""
     library = core(["elementary/elementary"], [], code)
-    names = {name: f"elementary_{name}" for name in ("atan2", *EXACT) if name not in ("sin", "cos")}
+    names = {name: f"elementary_{name}" for name in EXACT if name not in ("sin", "cos")}
     names |= {name: f"shim_{name}" for name in ("sin", "cos", "max", "min")}
     found = {}
     for name, symbol in names.items():
@@ -41,132 +41,94 @@ def functions(core):
     return found
 
 
-def error(computed: float, exact) -> float:
-    """In units of the last place of the exact value."""
-    nearest = float(exact)
-    unit = math.ulp(nearest) if abs(nearest) >= LEAST_NORMAL else LEAST
-    return float(abs(MP.mpf(computed) - exact) / unit)
+def value(functions, name: str, x: float, second: float) -> float:
+    return functions[name](x, second) if name == "atan2" else functions[name](x)
 
 
-def sizes(r: random.Random, low: float, high: float) -> float:
-    """A number of any sign; sizes from `low` to `high` are equally likely by their logarithm."""
-    return r.choice((-1.0, 1.0)) * math.exp(r.uniform(math.log(low), math.log(high)))
-
-
-def angles(r: random.Random) -> Iterator[float]:
-    while True:
-        yield r.uniform(-0.8, 0.8)
-        yield sizes(r, 1e-9, 100.0)
-        yield sizes(r, 1.0, 1e6)
-        yield sizes(r, 1e6, 1e300)
-
-
-def exponents(r: random.Random) -> Iterator[float]:
-    while True:
-        yield r.uniform(-1.0, 1.0)
-        yield r.uniform(-745.0, 709.0)
-        yield sizes(r, 1e-20, 700.0)
-
-
-def positive(r: random.Random) -> Iterator[float]:
-    while True:
-        yield r.uniform(0.5, 2.0)
-        yield 1.0 + sizes(r, 1e-15, 0.1)
-        yield abs(sizes(r, 1e-320, 1e300))
-
-
-def above_minus_one(r: random.Random) -> Iterator[float]:
-    while True:
-        yield r.uniform(-0.99, 1.0)
-        yield r.uniform(-0.02, 0.02)
-        yield abs(sizes(r, 1e-20, 1e300))
-
-
-def any_size(r: random.Random) -> Iterator[float]:
-    while True:
-        yield r.uniform(-1.1, 1.1)
-        yield sizes(r, 0.01, 100.0)
-        yield sizes(r, 1e-320, 1e300)
-
-
-EXACT = {
-    "exp": (MP.exp, exponents),
-    "expm1": (MP.expm1, exponents),
-    "log": (MP.log, positive),
-    "log1p": (MP.log1p, above_minus_one),
-    "sin": (MP.sin, angles),
-    "cos": (MP.cos, angles),
-    "tan": (MP.tan, angles),
-    "atan": (MP.atan, any_size),
-    "cbrt": (lambda x: MP.sign(x) * MP.cbrt(abs(x)), any_size),
-}
+def off(functions, name: str, x: float, second: float = 1.0) -> float:
+    """The size of the error by 60 digits, in units of the last place of the exact value."""
+    return abs(exact_error(name, x, second, value(functions, name, x, second)))
 
 
 @pytest.mark.parametrize("name", EXACT)
 def test_less_than_a_unit_in_the_last_place(functions, name):
-    exact, arguments = EXACT[name]
-    numbers = arguments(random.Random(1))
-    for x in (next(numbers) for _ in range(COUNT)):
-        assert error(functions[name](x), exact(MP.mpf(x))) < 1.0, x.hex()
+    numbers = arguments.random_arguments(name, np.random.default_rng(5), COUNT)
+    for x, second in zip(*(part.tolist() for part in numbers), strict=True):
+        assert off(functions, name, x, second) < 1.0, (x.hex(), second.hex())
 
 
-def test_less_than_a_unit_of_an_angle_of_two_coordinates(functions):
-    r = random.Random(2)
-    for k in range(COUNT):
-        y = sizes(r, 1e-300, 1e300) if k % 3 == 0 else r.uniform(-1.0, 1.0)
-        x = sizes(r, 1e-320, 1e308) if k % 5 == 0 else y * sizes(r, 1e-3, 1e3)
-        assert error(functions["atan2"](y, x), MP.atan2(MP.mpf(y), MP.mpf(x))) < 1.0, (y.hex(), x.hex())
+@pytest.fixture(scope="module")
+def reference():
+    return Reference(["-O2", "-fPIC", "-shared"])
 
 
-@cache
-def near_multiples_of_a_right_angle() -> list[float]:
-    """For every eighth exponent the double closest to a multiple of pi/2: of the continued fraction of
-    2^e/(pi/2), the last convergent whose denominator has at most 53 bits."""
-    context = MP.clone()
-    context.prec = 1400
-    found, bits = [], 1300
-    for e in range(-51, 972, 8):
-        numerator, rest = int(context.floor(2 / context.pi * context.mpf(2) ** (e + bits))), 2**bits
-        older, newer = 1, 0  # denominators of the convergents
-        while rest > 0 and newer < 2**53:
-            whole = numerator // rest
-            numerator, rest = rest, numerator - whole * rest
-            older, newer = newer, older + whole * newer
-        found += [math.ldexp(older, e), math.ldexp(older * ((2**53 - 1) // older), e)]
-    return [x for x in found if x >= 0.7]
+@pytest.mark.parametrize("name", EXACT)
+def test_less_than_a_unit_at_hard_arguments(functions, reference, name):
+    """Double-double arithmetic gives all errors, 60 digits those of each 25th argument."""
+    x, second = arguments.hard_arguments(name)
+    chosen = np.linspace(0, len(x) - 1, HARD).astype(int)
+    x, second = x[chosen].copy(), second[chosen].copy()
+    y = np.array([value(functions, name, *pair) for pair in zip(x.tolist(), second.tolist(), strict=True)])
+    found = reference.errors(name, x, second, y)
+    assert np.max(abs(found)) < 1.0
+    for k in range(0, HARD, 25):
+        assert exact_error(name, float(x[k]), float(second[k]), float(y[k])) == pytest.approx(
+            found[k], rel=0.0, abs=1e-9
+        )
 
 
 @pytest.mark.parametrize("name", ["sin", "cos", "tan"])
 def test_near_multiples_of_a_right_angle(functions, name):
     """The closest of all doubles is 6381956970095103 2^797, by 4.7e-19."""
-    numbers = near_multiples_of_a_right_angle()
+    numbers = arguments.near_multiples_of_a_right_angle(8)
     assert math.ldexp(6381956970095103, 797) in numbers
-    exact = EXACT[name][0]
     for x in numbers:
-        assert error(functions[name](x), exact(MP.mpf(x))) < 1.0, x.hex()
+        assert off(functions, name, x) < 1.0, x.hex()
 
 
-def test_at_the_ends_of_tables_and_ranges(functions):
+def test_at_the_ends_of_ranges(functions):
     """The doubles beside each border between two ways of computing."""
-    halves = [(k + 0.5) * math.log(2.0) / 64 for k in range(-70, 70)]
-    steps = [0.70703125 + 0.0078125 * k for k in range(40)] + [1.0 + 0.0078125 * k for k in range(60)]
-    borders = {
-        "exp": [*halves, 700.0, -700.0, 709.782712893384, -708.3964185322641, -745.1332191019411],
-        "expm1": [*halves, 0.25, -0.25, 2.0**-54, -40.0, 60.0],
-        "log": [*steps, 2.0, 4.0, LEAST_NORMAL, 2.0 * LEAST, LARGEST],
-        "log1p": [*(s - 1.0 for s in steps), 2.0**-54, 2.0**60, 2.0**-52 - 1.0],
-        "sin": [math.pi / 4, 2.0**-27, 2.0**20, LARGEST],
-        "cos": [math.pi / 4, 2.0**-27, 2.0**20, LARGEST],
-        "tan": [math.pi / 4, 2.0**-27, 2.0**20, LARGEST],
-        "atan": [*((k + 0.5) / 32 for k in range(33)), 1 / 16, 1.0, 16.0, 2.0**60, LARGEST, LEAST],
+    ends: dict[str, Sequence[float]] = {
+        "exp": [700.0, -700.0, 709.782712893384, -708.3964185322641, -745.1332191019411],
+        "expm1": [0.25, -0.25, 2.0**-54, -40.0, 60.0],
+        "log": [
+            1.0,
+            2.0,
+            4.0,
+            LEAST_NORMAL,
+            2.0 * LEAST,
+            LARGEST,
+            0.96484375,
+            1.0390625,
+            math.ldexp(0.70703125, 1023),
+        ],
+        "log1p": [
+            2.0**-54,
+            2.0**53,
+            2.0**60,
+            2.0**-52 - 1.0,
+            -0.03515625,
+            0.0390625,
+            LARGEST,
+        ],
+        **dict.fromkeys(("sin", "cos", "tan"), (math.pi / 4, 2.0**-27, 2.0**20, LARGEST, 0.125)),
+        "atan": [1 / 8, 1.0, 8.0, 2.0**60, LARGEST, LEAST],
         "cbrt": [1.0, 2.0, 8.0, 27.0, LEAST, LEAST_NORMAL, LARGEST],
     }
-    for name, numbers in borders.items():
-        exact = EXACT[name][0]
+    for name, numbers in ends.items():
         for number in numbers:
             for x in (math.nextafter(number, -INFINITY), number, math.nextafter(number, INFINITY)):
                 if math.isfinite(x) and x != 0.0 and not (name == "exp" and x > 709.782712893384):
-                    assert error(functions[name](x), exact(MP.mpf(x))) <= 1.0, (name, x.hex())
+                    assert off(functions, name, x) <= 1.0, (name, x.hex())
+
+
+@pytest.mark.parametrize("scale", [1e-320, 1e-300, 1e-150, 1.0, 1e160, 1e307])
+def test_angle_of_coordinates_of_any_size(functions, scale):
+    for tangent in (1e-15, 0.0624, 0.0626, 0.7, 15.9, 16.1, 7.99, 8.01, 0.1249, 0.1251, 1e15):
+        for x in (scale, -scale, 2.7 * scale, -2.7 * scale):
+            y = x * tangent
+            if math.isfinite(y) and y != 0.0:
+                assert off(functions, "atan2", y, x) < 1.0, (y.hex(), x.hex())
 
 
 # function, arguments -> value
@@ -188,7 +150,7 @@ SPECIAL = [
         ("cbrt", (x,), y)
         for x, y in ((-0.0, -0.0), (INFINITY, INFINITY), (-INFINITY, -INFINITY), (27.0, 3.0))
     ],
-    *[(name, (NAN,), NAN) for name in EXACT],
+    *[(name, (NAN,), NAN) for name in EXACT if name != "atan2"],
     *[
         ("atan2", (y, x), math.atan2(y, x))
         for y in (0.0, -0.0, 1.0, -1.0, LEAST, INFINITY, -INFINITY, NAN)

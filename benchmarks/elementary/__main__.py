@@ -4,92 +4,41 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-import mpmath
 import numpy as np
 
 from benchmarks import elementary
+from benchmarks.elementary import arguments, errors, shares
+from benchmarks.elementary.arguments import Array
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import BENCHMARKS
 
-Array = np.ndarray
-MP = mpmath.MPContext()
-MP.dps = 60
 ALLOWED = 1.0  # ulp
+DOUBTFUL = 0.8  # ulp: all errors above are computed again with 60 digits
+CHECKED = 10_000  # arguments of each function at which reference.c is compared with 60 digits
+AGREEMENT = 1e-9  # ulp, between the two
 CHUNK = 200_000
 CALLS = 20_000  # that callgrind counts
 LOOPS = BENCHMARKS / "elementary/loops.c"
+FLAGS = (core.OPTIMISED[0], "-fomit-frame-pointer")  # of the FMUs
 TIMED = np.linspace(0.01, 6.0, 10_000)
-
-
-def sizes(r: np.random.Generator, low: float, high: float) -> Array:
-    """Numbers of any sign; sizes from `low` to `high` are equally likely by their logarithm."""
-    return r.choice([-1.0, 1.0], CHUNK) * np.exp(r.uniform(math.log(low), math.log(high), CHUNK))
-
-
-def angles(r: np.random.Generator) -> Iterator[Array]:
-    while True:
-        yield r.uniform(-0.8, 0.8, CHUNK)
-        yield r.uniform(-100.0, 100.0, CHUNK)
-        yield sizes(r, 1.0, 1e6)
-        yield sizes(r, 1e6, 1e300)
-
-
-def exponents(r: np.random.Generator) -> Iterator[Array]:
-    while True:
-        yield r.uniform(-1.0, 1.0, CHUNK)
-        yield r.uniform(-745.0, 709.7, CHUNK)
-        yield sizes(r, 1e-10, 50.0)
-
-
-def positive(r: np.random.Generator) -> Iterator[Array]:
-    while True:
-        yield r.uniform(0.5, 2.0, CHUNK)
-        yield 1.0 + sizes(r, 1e-10, 0.1)
-        yield abs(sizes(r, 1e-320, 1e300))
-
-
-def above_minus_one(r: np.random.Generator) -> Iterator[Array]:
-    while True:
-        yield r.uniform(-0.99, 1.0, CHUNK)
-        yield r.uniform(-0.03, 0.03, CHUNK)
-        yield abs(sizes(r, 1e-10, 1e10))
-
-
-def any_size(r: np.random.Generator) -> Iterator[Array]:
-    while True:
-        yield r.uniform(-1.1, 1.1, CHUNK)
-        yield sizes(r, 0.01, 100.0)
-        yield sizes(r, 1e-300, 1e300)
-
-
-# name -> the function of numpy, that with 60 digits, its arguments
-FUNCTIONS: dict[
-    str, tuple[Callable[..., Array], Callable[..., mpmath.mpf], Callable[..., Iterator[Array]]]
-] = {
-    "exp": (np.exp, MP.exp, exponents),
-    "expm1": (np.expm1, MP.expm1, exponents),
-    "log": (np.log, MP.log, positive),
-    "log1p": (np.log1p, MP.log1p, above_minus_one),
-    "sin": (np.sin, MP.sin, angles),
-    "cos": (np.cos, MP.cos, angles),
-    "tan": (np.tan, MP.tan, angles),
-    "atan": (np.arctan, MP.atan, any_size),
-    "cbrt": (np.cbrt, lambda x: MP.sign(x) * MP.cbrt(abs(x)), any_size),
-}
-MEASURED_TOO = ("sin and cos", "atan2")  # of which the greatest error is that of others, or in the tests
+PAIRED = ("sin and cos",)  # whose errors are those of others
+# The C library chooses its variant by the processor. These settings take fused multiply-add away from glibc.
+NOT_FUSED = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX2_Usable"
 
 
 def loops() -> ctypes.CDLL:
-    flags = ["-O3", "-fPIC", "-shared"]
+    flags = [*FLAGS, "-fPIC", "-shared"]
     sources = [LOOPS, *sorted((core.FMU_SRC / "elementary").glob("*.c"))]
     library = ctypes.CDLL(str(core.compile_c(flags, sources, core.BUILD / "loops/elementary.so")))
     library.seconds.restype = ctypes.c_double
@@ -100,22 +49,58 @@ def address(x: Array) -> ctypes.c_void_p:
     return ctypes.c_void_p(x.ctypes.data)
 
 
-def greatest_error(library: ctypes.CDLL, name: str, count: int) -> tuple[float, float]:
-    """In ulp, and the argument."""
-    in_long, exact, arguments = FUNCTIONS[name]
-    worst, at = 0.0, 0.0
-    chunks = arguments(np.random.default_rng(1))
+def computed(library: ctypes.CDLL, name: str, x: Array, second: Array) -> Array:
+    y = np.empty_like(x)
+    words = (b"own", name.encode(), ctypes.c_size_t(len(x)))
+    library.values(*words, address(x), address(second), address(y))
+    return y
+
+
+@dataclass
+class Errors:
+    """Of one function, in ulp."""
+
+    count: int = 0
+    nearest: int = 0  # arguments whose result is the double nearest to the exact value
+    greatest: float = 0.0  # by 60 digits
+    at: tuple[float, float] = (0.0, 0.0)
+    disagreement: float = 0.0  # of reference.c and 60 digits
+
+    def add(self, name: str, numbers: tuple[Array, Array, Array], found: Array, chosen: Array) -> None:
+        """`numbers`: arguments, second arguments, results; `found`: errors by reference.c. Those of `chosen`
+        indices are computed again with 60 digits."""
+        self.count += len(found)
+        self.nearest += int(np.count_nonzero(abs(found) <= 0.5))
+        for k in chosen:
+            x, second, y = (float(part[k]) for part in numbers)
+            exact = errors.exact_error(name, x, second, y)
+            self.disagreement = max(self.disagreement, abs(exact - float(found[k])))
+            if not abs(exact) <= self.greatest:  # a NaN counts
+                self.greatest, self.at = abs(exact), (x, second)
+
+
+def chunks(name: str, count: int) -> Iterator[tuple[Array, Array]]:
+    """All hard arguments, then random ones."""
+    hard = arguments.hard_arguments(name)
+    for k in range(0, len(hard[0]), CHUNK):
+        yield hard[0][k : k + CHUNK].copy(), hard[1][k : k + CHUNK].copy()
+    r = np.random.default_rng(1)
     for _ in range(max(1, count // CHUNK)):
-        x = next(chunks)
-        y = np.empty_like(x)
-        library.values(name.encode(), ctypes.c_size_t(len(x)), address(x), address(y))
-        reference = in_long(x.astype(np.longdouble))
-        error = abs((y.astype(np.longdouble) - reference) / np.spacing(abs(reference.astype(float))))
-        k = int(np.argmax(error))
-        if not error[k] <= worst:  # a NaN counts
-            worst, at = float(error[k]), float(x[k])
-            value, computed = exact(MP.mpf(at)), MP.mpf(float(y[k]))
-    return float(abs(computed - value) / math.ulp(float(value))), at
+        yield arguments.random_arguments(name, r, CHUNK)
+
+
+def errors_of(library: ctypes.CDLL, reference: errors.Reference, name: str, count: int) -> Errors:
+    made, r = Errors(), np.random.default_rng(4)
+    checked = -(-CHECKED * CHUNK // max(count, CHUNK))
+    for x, second in chunks(name, count):
+        y = computed(library, name, x, second)
+        found = reference.errors(name, x, second, y)
+        size = np.where(np.isnan(found), math.inf, abs(found))
+        chosen = np.concatenate(
+            [np.flatnonzero(size > DOUBTFUL), [np.argmax(size)], r.integers(len(x), size=checked)]
+        )
+        made.add(name, (x, second, y), found, np.unique(chosen))
+    return made
 
 
 def nanoseconds(library: ctypes.CDLL, name: str, rounds: int) -> list[float]:
@@ -131,63 +116,76 @@ def nanoseconds(library: ctypes.CDLL, name: str, rounds: int) -> list[float]:
     return best
 
 
-def instructions(name: str) -> list[str]:
-    """Of one call with its loop: own, library; empty without valgrind."""
-    if shutil.which("valgrind") is None:
-        return ["", ""]
-    program = core.BUILD / "loops/elementary"
+def program() -> Path:
+    product = core.BUILD / "loops/elementary"
     sources = [LOOPS, *sorted((core.FMU_SRC / "elementary").glob("*.c"))]
-    if not program.exists() or any(path.stat().st_mtime > program.stat().st_mtime for path in sources):
-        core.compile_c(["-O3"], sources, program)
-    found = []
-    for kind in ("own", "library"):
-        with tempfile.TemporaryDirectory() as folder:
-            words = ["valgrind", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=loop"]
-            words += [f"--callgrind-out-file={folder}/out", str(program), kind, name, str(CALLS)]
-            done = subprocess.run(words, capture_output=True, text=True)
-            total = re.search(r"^(?:summary|totals): (\d+)", Path(folder, "out").read_text(), re.MULTILINE)
-            if done.returncode != 0 or total is None:
-                raise SystemExit(f"callgrind failed\n{done.stderr[-2000:]}")
-            found.append(f"{int(total[1]) / CALLS:.0f}")
-    return found
+    return core.compile_c(FLAGS, sources, product)
+
+
+def instructions(loop: Path, kind: str, name: str, tunables: str = "") -> str:
+    """Of one call with its loop; empty without valgrind."""
+    if shutil.which("valgrind") is None:
+        return ""
+    with tempfile.TemporaryDirectory() as folder:
+        words = ["valgrind", "--tool=callgrind", "--collect-atstart=no", "--toggle-collect=loop"]
+        words += [f"--callgrind-out-file={folder}/out", str(loop), kind, name, str(CALLS)]
+        environment = {**os.environ, "GLIBC_TUNABLES": tunables}
+        done = subprocess.run(words, capture_output=True, text=True, env=environment)
+        total = re.search(r"^(?:summary|totals): (\d+)", Path(folder, "out").read_text(), re.MULTILINE)
+        if done.returncode != 0 or total is None:
+            raise SystemExit(f"callgrind failed\n{done.stderr[-2000:]}")
+        return f"{int(total[1]) / CALLS:.0f}"
+
+
+def error_cells(found: Errors) -> dict[str, str]:
+    return {
+        "arguments": f"{found.count:.4g}",
+        "greatest_error_ulp": f"{found.greatest:.4f}",
+        "at": f"{found.at[0]:.17g}",
+        "at_second": f"{found.at[1]:.17g}",
+        "nearest_percent": f"{100.0 * found.nearest / found.count:.1f}",
+        "disagreement_ulp": f"{found.disagreement:.1e}",
+    }
+
+
+COLUMNS = {
+    "greatest error [ulp]": "greatest_error_ulp",
+    "nearest [%]": "nearest_percent",
+    "own [ns]": "ns",
+    "library [ns]": "ns_library",
+    "own [instr.]": "instructions",
+    "library [instr.]": "instructions_library",
+    "library, not fused [instr.]": "instructions_library_not_fused",
+}
 
 
 def main() -> int:
     parser = results.options(elementary.__doc__, "elementary", 51)
-    parser.add_argument("--count", type=float, default=1e7, help="arguments of each function (1e7)")
-    arguments = parser.parse_args()
-    if np.finfo(np.longdouble).nmant < 63:
-        raise SystemExit(
-            "long double of this machine has no 64-bit mantissa; the tests compare with 60 digits"
-        )
-    console, library, rows = results.new_console(), loops(), []
-    table = results.table(
-        "Functions of the core and of the C library",
-        *(
-            "function",
-            "greatest error [ulp]",
-            "at",
-            "own [ns]",
-            "library [ns]",
-            "own [instr.]",
-            "library [instr.]",
-        ),
-    )
+    parser.add_argument("--count", type=float, default=1e7, help="random arguments of each function (1e7)")
+    options = parser.parse_args()
+    console, library, loop, rows = results.new_console(), loops(), program(), []
+    reference = errors.Reference()
+    table = results.table("Functions of the core and of the C library", "function", *COLUMNS)
     failed = False
-    for name in (*FUNCTIONS, *MEASURED_TOO):
-        error, at = (
-            greatest_error(library, name, int(arguments.count)) if name in FUNCTIONS else (math.nan, 0.0)
-        )
-        failed = failed or error >= ALLOWED
-        times, counts = nanoseconds(library, name, arguments.rounds), instructions(name)
-        known = name in FUNCTIONS
-        cells = [f"{error:.3f}" if known else "", f"{at:.17g}" if known else ""]
-        cells += [f"{value:.1f}" for value in times] + counts
-        keys = ("greatest_error_ulp", "at", "ns", "ns_library", "instructions", "instructions_library")
-        rows.append({"function": name, **dict(zip(keys, cells, strict=True))})
-        table.add_row(name, *cells)
+    for name in (*errors.EXACT, *PAIRED):
+        known = name in errors.EXACT
+        found = errors_of(library, reference, name, int(options.count)) if known else Errors(1)
+        failed |= not (found.greatest < ALLOWED and found.disagreement < AGREEMENT)
+        own, others = nanoseconds(library, name, options.rounds)
+        cells = error_cells(found)
+        row = {"function": name, **(cells if known else dict.fromkeys(cells, ""))}
+        row |= {"ns": f"{own:.1f}", "ns_library": f"{others:.1f}"}
+        row["instructions"] = instructions(loop, "own", name)
+        row["instructions_library"] = instructions(loop, "library", name)
+        row["instructions_library_not_fused"] = instructions(loop, "library", name, NOT_FUSED)
+        rows.append(row)
+        table.add_row(name, *(row[key] for key in COLUMNS.values()))
     console.print(table)
-    results.publish(rows, circumstances("elementary", "numpy"), arguments.output, console)
+    facts = circumstances("elementary", "numpy")
+    results.publish(rows, facts, options.output, console)
+    if of_steps := shares.measure():
+        console.print(shares.table(of_steps))
+        results.publish(of_steps, facts, options.output.with_stem(options.output.stem + "_shares"), console)
     return int(failed)
 
 

@@ -50,8 +50,12 @@ EXPORT void loop(Function *f, size_t count, const double *x, double *y) {
     for (size_t i = 0; i < count; i++) y[i] = f(x[i]);
 }
 
-EXPORT void values(const char *name, size_t count, const double *x, double *y) {
-    loop(function_of("own", name), count, x, y);
+/* `second`: for atan2 alone */
+EXPORT void values(const char *kind, const char *name, size_t count, const double *x, const double *second, double *y) {
+    const int own = strcmp(kind, "own") == 0;
+    if (strcmp(name, "atan2") == 0)
+        for (size_t i = 0; i < count; i++) y[i] = own ? elementary_atan2(x[i], second[i]) : atan2(x[i], second[i]);
+    else loop(function_of(kind, name), count, x, y);
 }
 
 /* Processor time in seconds of one call. */

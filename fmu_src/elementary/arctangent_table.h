@@ -3,54 +3,57 @@
 
 #include "elementary/double_double.h"
 
-enum { ATAN_STEPS = 32 };
+enum { ATAN_BITS = 3 }; /* the steps of a binade are 2^ATAN_BITS */
+
+static const double ATAN_FIRST = 0x1.000000p-3;
+static const double ATAN_LAST = 0x1.000000p+3;
 
 static const DoubleDouble PI = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 static const DoubleDouble HALF_PI = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 
-/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 1/16 */
-static const double ATAN_SERIES[5] = {
-    -0x1.5555555555535p-2, 0x1.9999999960e22p-3, -0x1.24924821e50cep-3, 0x1.c7186ba0a885fp-4,
-    -0x1.70b8fdf5932c5p-4,
+/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 0.03030 */
+static const double ATAN_SERIES[4] = {
+    -0x1.55555555554d8p-2, 0x1.999999977ca21p-3, -0x1.249230f058f3cp-3, 0x1.c63a3be9cfd0fp-4,
 };
 
-/* atan(k/ATAN_STEPS) in two parts */
-typedef struct {
-    double high, low;
-} AtanStep;
+/* The same, |t| <= 1/8 */
+static const double ATAN_NEAR_SERIES[6] = {
+    -0x1.55555555554ccp-2, 0x1.9999999945f2ep-3, -0x1.2492489cdc06dp-3, 0x1.c71ba727dcf9ep-4,
+    -0x1.741079d00c9cap-4, 0x1.2cc205b488c0bp-4,
+};
 
-static const AtanStep ATAN_STEP[33] = {
-    {0, 0},
-    {0x1.ffd55bba97625p-6, -0x1.5ec431444912cp-60},
-    {0x1.ff55bb72cfdeap-5, -0x1.c934d86d23f1dp-60},
-    {0x1.7ee182602f10fp-4, -0x1.cfb654c0c3d98p-58},
-    {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-    {0x1.3d6eee8c6626cp-3, 0x1.61a3b0ce9281bp-57},
-    {0x1.7b97b4bce5b02p-3, 0x1.347b0b4f881cap-58},
-    {0x1.b90d7529260a2p-3, 0x1.17b10d2e0e5abp-61},
-    {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-    {0x1.18bf5a30bf178p-2, 0x1.30ca4748b1bf9p-57},
-    {0x1.362773707ebccp-2, -0x1.963a544b672d8p-57},
-    {0x1.530ad9951cd4ap-2, -0x1.2566480884082p-57},
-    {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-    {0x1.8b24d394a1b25p-2, 0x1.b6d0ba3748fa8p-56},
-    {0x1.a64eec3cc23fdp-2, -0x1.24dec1b50b7ffp-56},
-    {0x1.c0db4c94ec9f0p-2, -0x1.cc1ce70934c34p-56},
-    {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-    {0x1.f40dd0b541418p-2, -0x1.a3992dc382a23p-57},
-    {0x1.0657e94db30d0p-1, -0x1.d5b495f6349e6p-56},
-    {0x1.1255d9bfbd2a9p-1, -0x1.2bdaee1c0ee35p-58},
-    {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-    {0x1.2958e59308e31p-1, -0x1.09e73b0c6c087p-56},
-    {0x1.345f01cce37bbp-1, 0x1.1021137c71102p-55},
-    {0x1.3f13fb89e96f4p-1, 0x1.ecf8b492644f0p-56},
-    {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-    {0x1.538f57b89061fp-1, -0x1.1bb74abda520cp-55},
-    {0x1.5d58987169b18p-1, 0x1.0028e4bc5e7cap-57},
-    {0x1.66d663923e087p-1, -0x1.6ea6febe8bbbap-56},
-    {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-    {0x1.78f6bbd5d315ep-1, 0x1.406a089803740p-55},
-    {0x1.819d0b7158a4dp-1, -0x1.bf76229d3b917p-56},
-    {0x1.89ff5ff57f1f8p-1, -0x1.55b9a5e177a1bp-55},
-    {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
+/* c near the middle of a step, of 26 bits, and its angle, which is a double up to 2^-58 of itself */
+typedef struct {
+    double centre[48], angle[48];
+} AtanSteps;
+
+static const AtanSteps ATAN_STEPS = {
+    .centre = {
+        0x1.0fffffp-3, 0x1.300003p-3, 0x1.5000028000000p-3, 0x1.6ffffc8000000p-3,
+        0x1.8fffffp-3, 0x1.affff9p-3, 0x1.d00004p-3, 0x1.effffap-3,
+        0x1.1000078000000p-2, 0x1.2ffffbp-2, 0x1.4ffffdp-2, 0x1.7000078000000p-2,
+        0x1.8ffffa8000000p-2, 0x1.b000018000000p-2, 0x1.cffffbp-2, 0x1.f000008000000p-2,
+        0x1.1000008000000p-1, 0x1.2ffff8p-1, 0x1.5000018000000p-1, 0x1.70001ap-1,
+        0x1.8ffff0p-1, 0x1.b0000dp-1, 0x1.d00004p-1, 0x1.f000088000000p-1,
+        0x1.0ffffe8000000p+0, 0x1.2fffffp+0, 0x1.4ffffdp+0, 0x1.700007p+0,
+        0x1.9000008000000p+0, 0x1.affffc8000000p+0, 0x1.d00004p+0, 0x1.f0000d8000000p+0,
+        0x1.0ffffbp+1, 0x1.300003p+1, 0x1.5000028000000p+1, 0x1.6fffffp+1,
+        0x1.8ffffe8000000p+1, 0x1.affffbp+1, 0x1.cffff38000000p+1, 0x1.effffc8000000p+1,
+        0x1.0ffffep+2, 0x1.2ffff7p+2, 0x1.5000098000000p+2, 0x1.700007p+2,
+        0x1.8ffff5p+2, 0x1.affffep+2, 0x1.cffff8p+2, 0x1.f00006p+2,
+    },
+    .angle = {
+        0x1.0e6adbd3b07e8p-3, 0x1.2dcbde1f2b843p-3, 0x1.4d087d0cde888p-3, 0x1.6c1d45349998cp-3,
+        0x1.8b06ed31e1e59p-3, 0x1.a9c22b00599d8p-3, 0x1.c84bfc7543e19p-3, 0x1.e6a1433e88e76p-3,
+        0x1.09dc607efbd61p-2, 0x1.27836d6d2bc75p-2, 0x1.44aa40b6d1642p-2, 0x1.614846d501b77p-2,
+        0x1.7d55fff0a1f16p-2, 0x1.98cd559ad2214p-2, 0x1.b3a90db470dd9p-2, 0x1.cde5349a6e2f8p-2,
+        0x1.f40dd17ce8590p-2, 0x1.1255d3d58cb2cp-1, 0x1.2958e69f71087p-1, 0x1.3f140caeab893p-1,
+        0x1.538f4dc904fa0p-1, 0x1.66d66b2a43c78p-1, 0x1.78f6be08104c2p-1, 0x1.89ff64580704ap-1,
+        0x1.a1a25dc3c2a98p-1, 0x1.bde70dffcacbdp-1, 0x1.d6e57ac0c8feap-1, 0x1.ed0d9c59cf8c7p-1,
+        0x1.006133087f11dp+0, 0x1.092ce388a6c24p+0, 0x1.110eb0f6ea83fp+0, 0x1.1825f34afe276p+0,
+        0x1.21862d6f8b0d0p+0, 0x1.2c1a2504b48e6p+0, 0x1.34f1fc53d672bp+0, 0x1.3c6e64d3f5f76p+0,
+        0x1.42d703caa3597p+0, 0x1.4861b40122d4dp+0, 0x1.4d378a5500d52p+0, 0x1.51784f317043ep+0,
+        0x1.56f6f2cecec7bp+0, 0x1.5d013aba8c5adp+0, 0x1.61f06dbf28cfcp+0, 0x1.660b0399a667ep+0,
+        0x1.69821290abdaep+0, 0x1.6c78c7c1ef38cp+0, 0x1.6f08efdb449f4p+0, 0x1.7145eb26a6ccap+0,
+    },
 };

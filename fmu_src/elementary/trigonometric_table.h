@@ -5,24 +5,26 @@
 
 static const double TWO_BY_PI_ROUNDED = 0x1.45f306dc9c883p-1;
 
-/* pi/2 in three parts, of which two have 33 bits, and in two parts */
+/* pi/2 in four parts, of which three have 33 bits, and in two parts */
 static const double HALF_PI_1 = 0x1.921fb54400000p+0;
 static const double HALF_PI_2 = 0x1.0b4611a600000p-34;
-static const double HALF_PI_3 = 0x1.3198a2e037073p-69;
+
+static const double HALF_PI_3 = 0x1.3198a2e000000p-69;
+static const double HALF_PI_4 = 0x1.b839a252049c1p-104;
 
 static const double HALF_PI_HIGH = 0x1.921fb54442d18p+0;
 static const double HALF_PI_LOW = 0x1.1a62633145c07p-54;
 
-/* (sin(x) - x)/x^3 as a polynomial in x^2 */
-static const double SIN_SERIES[6] = {
-    -0x1.5555555555549p-3, 0x1.111111110f87ap-7, -0x1.a01a019c11987p-13, 0x1.71de3577b64eap-19,
-    -0x1.ae5e663a92bf9p-26, 0x1.5d93010a602e0p-33,
-};
+/* (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 as polynomials in x^2, side by side */
+typedef double Pair __attribute__((vector_size(16)));
 
-/* (cos(x) - 1 + x^2/2)/x^4 as a polynomial in x^2 */
-static const double COS_SERIES[6] = {
-    0x1.555555555554cp-5, -0x1.6c16c16c1517ep-10, 0x1.a01a019cb1c08p-16, -0x1.27e4f809f26e7p-22,
-    0x1.1ee9ebea50ea9p-29, -0x1.8fae9d06809d3p-37,
+static const Pair SIN_COS_SERIES[6] = {
+    {-0x1.5555555555549p-3, 0x1.555555555554cp-5},
+    {0x1.111111110f87ap-7, -0x1.6c16c16c1517ep-10},
+    {-0x1.a01a019c11987p-13, 0x1.a01a019cb1c08p-16},
+    {0x1.71de3577b64eap-19, -0x1.27e4f809f26e7p-22},
+    {-0x1.ae5e663a92bf9p-26, 0x1.1ee9ebea50ea9p-29},
+    {0x1.5d93010a602e0p-33, -0x1.8fae9d06809d3p-37},
 };
 
 /* The binary digits of 2/pi, 32 in a word */

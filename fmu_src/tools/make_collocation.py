@@ -11,13 +11,13 @@ the nodes.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Callable, Iterable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import generated
 import mpmath
 
 NUMERICS = Path(__file__).resolve().parent.parent / "numerics"
@@ -160,27 +160,9 @@ def lobatto() -> str:
 
 
 def texts() -> dict[Path, str]:
-    said = f"/* Written by {Path(__file__).name}, which says what these numbers are. */"
-    head = f"{said}\n/* clang-format off */\n\n"
+    head = generated.head_of(__file__)
     return {RADAU: head + "\n".join(radau(s) for s in STAGES), LOBATTO: head + lobatto()}
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes the tables of coefficients")
-    parser.add_argument("--check", action="store_true", help="only compare with the committed files")
-    check = parser.parse_args().check
-    stale = {
-        path: text
-        for path, text in texts().items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    }
-    for path, text in stale.items():
-        if check:
-            print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
-        else:
-            path.write_text(text, encoding="utf-8", newline="\n")
-    return 1 if check and stale else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(generated.write_or_check(texts, __file__))

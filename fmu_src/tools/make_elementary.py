@@ -9,13 +9,15 @@ Muller, Elementary Functions, 3rd ed., section 3.6). The script refuses a polyno
 
 from __future__ import annotations
 
-import argparse
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import generated
 import mpmath
+import numpy as np
 
 ROOM = Path(__file__).resolve().parent.parent / "elementary"
 MP = mpmath.MPContext()
@@ -24,7 +26,9 @@ Number = Any  # of MP
 Function = Callable[[Number], Number]
 LARGEST_ERROR = 2.0**-57
 GRID, EXCHANGES = 400, 6
-EXP_STEPS, LOG_BITS, ATAN_STEPS = 64, 6, 32
+EXP_STEPS, LOG_BITS, ATAN_BITS, TAN_BITS = 64, 6, 3, 3
+LOG_NEAR_BELOW, LOG_NEAR_ABOVE = 4, 2  # steps beside that of 1
+SPARE_BITS = 5
 
 
 def rounded(x: Number) -> Number:
@@ -105,14 +109,17 @@ def constant(name: str, x: Number) -> str:
     return f"static const double {name} = {text(x)};\n"
 
 
+def lines(numbers: Sequence[Number], indent: int) -> str:
+    rows = (", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4))
+    return "".join(f"{' ' * indent}{row},\n" for row in rows)
+
+
 def constants(name: str, numbers: Sequence[Number]) -> str:
-    lines = [", ".join(map(text, numbers[k : k + 4])) for k in range(0, len(numbers), 4)]
-    body = "".join(f"    {line},\n" for line in lines)
-    return f"static const double {name}[{len(numbers)}] = {{\n{body}}};\n"
+    return f"static const double {name}[{len(numbers)}] = {{\n{lines(numbers, 4)}}};\n"
 
 
-def rows(kind: str, name: str, fields: str, lines: Iterable[Sequence[Number]]) -> str:
-    entries = [f"    {{{', '.join(map(text, line))}}},\n" for line in lines]
+def rows(kind: str, name: str, fields: str, entries_of: Iterable[Sequence[Number]]) -> str:
+    entries = [f"    {{{', '.join(map(text, entry))}}},\n" for entry in entries_of]
     struct = f"typedef struct {{\n    double {fields};\n}} {kind};\n\n"
     return f"{struct}static const {kind} {name}[{len(entries)}] = {{\n{''.join(entries)}}};\n"
 
@@ -154,6 +161,48 @@ def exponential() -> str:
     )
 
 
+def near_doubles(x: Number, *functions: Function) -> Number:
+    """The number of 26 bits nearest to x at which each function is a double up to 2^-(53 + SPARE_BITS).
+
+    So a table needs no second parts (S. Gal, Computing elementary functions: a new approach for achieving
+    high accuracy and good performance, Springer LNCS 235, 1986)."""
+    unit = MP.mpf(2) ** (int(MP.floor(MP.log(x, 2))) - 25)
+    for k in range(20 * 2 ** (SPARE_BITS * len(functions))):
+        at = multiple(x, unit) + (-1) ** k * ((k + 1) // 2) * unit
+        values = (f(at) for f in functions)
+        if all(abs(value / rounded(value) - 1) < MP.mpf(2) ** (-53 - SPARE_BITS) for value in values):
+            return at
+    raise ValueError(f"no number near {float(x)}")
+
+
+def near_multiple_of_log(x: Number, unit: Number, allowed: Number) -> Number:
+    """The first x + k 2^-40 whose logarithm is a multiple of `unit` up to what is allowed.
+
+    The logarithm in units, less its whole part, is the sum of its value at x, of k times the first derivative
+    (integers of 64 bits leave out whole units) and of the next terms of its series."""
+    step = MP.mpf(2) ** -40
+    limit = float(allowed / unit)
+    at, slope = (np.uint64(int(MP.floor(value / unit * 2**64)) % 2**64) for value in (MP.log(x), step / x))
+    second, third = (float((-1) ** (n + 1) * (step / x) ** n / n / unit) for n in (2, 3))
+    for block in range(16):
+        k = np.arange(block << 18, (block + 1) << 18, dtype=np.uint64)
+        of_k = k.astype(float)
+        units = (at + slope * k).astype(float) * 2.0**-64 + of_k * of_k * (second + third * of_k)
+        hits = np.flatnonzero(abs(units - np.rint(units)) < limit)
+        if hits.size:
+            return x + int(k[hits[0]]) * step
+    raise ValueError(f"no number near {float(x)}")
+
+
+def arrays(kind: str, name: str, fields: Mapping[str, Sequence[Number]]) -> str:
+    """A struct of arrays: one index reaches them all."""
+    count = len(next(iter(fields.values())))
+    members = ", ".join(f"{field}[{count}]" for field in fields)
+    struct = f"typedef struct {{\n    double {members};\n}} {kind};\n\n"
+    body = "".join(f"    .{field} = {{\n{lines(numbers, 8)}    }},\n" for field, numbers in fields.items())
+    return f"{struct}static const {kind} {name} = {{\n{body}}};\n"
+
+
 def logarithm() -> str:
     count = 2**LOG_BITS
     first = MP.mpf(float.fromhex("0x1.6ap-1"))
@@ -163,28 +212,50 @@ def logarithm() -> str:
         half_units = MP.mpf(j) / count * 2 + (first - MP.mpf(1) / 2) * 4  # above 1/2, in units of 1/4
         return MP.mpf(1) / 2 + half_units / 4 if half_units <= 2 else 1 + (half_units - 2) / 2
 
-    lines, widest = [], MP.mpf(0)
-    for j in range(count):
-        c = multiple(2 / (edge(j) + edge(j + 1)), MP.mpf(2) ** -9)
-        if edge(j) < 1 < edge(j + 1):
-            c = MP.mpf(1)
-        high = multiple(-MP.log(c), MP.mpf(2) ** -42)
-        lines.append((c, high, rounded(-MP.log(c) - high)))
-        widest = max(widest, abs(edge(j) * c - 1), abs(edge(j + 1) * c - 1))
-    two_high = multiple(MP.log(2), MP.mpf(2) ** -42)
+    at_one = next(j for j in range(count) if edge(j) < 1 < edge(j + 1))
+    near = range(at_one - LOG_NEAR_BELOW, at_one + LOG_NEAR_ABOVE + 1)
+    least = min(abs(MP.log(edge(near[0]))), MP.log(edge(near[-1] + 1)))  # of |log m| outside of `near`
+    unit = MP.mpf(2) ** -42
+    middle = [(edge(j) + edge(j + 1)) / 2 for j in range(count)]
+    # Numbers m in the steps around 1 come with n log 2, n != 0: then the result is at least 0.65.
+    results = [MP.mpf("0.65") if j in near else abs(MP.log(c)) for j, c in enumerate(middle)]
+    centre = [
+        near_multiple_of_log(c, unit, result * MP.mpf(2) ** -57)
+        for c, result in zip(middle, results, strict=True)
+    ]
+    widest = max(max(c - edge(j), edge(j + 1) - c) / c for j, c in enumerate(centre))
+    low_edge, high_edge = edge(near[0]) - 1, edge(near[-1] + 1) - 1
+    two_high = multiple(MP.log(2), unit)
 
     def rest(r: Number) -> Number:
-        return MP.nsum(lambda n: (-r) ** n / (n + 3), [0, 60])
+        """(log(1 + r) - r)/r^2"""
+        return -MP.nsum(lambda n: (-r) ** n / (n + 2), [0, 60])
+
+    def of_value(r: Number) -> Number:
+        return r * r / MP.log1p(r) if r else r
 
     return "\n".join(
         [
             f"enum {{ LOG_BITS = {LOG_BITS} }}; /* the steps of a binade are 2^LOG_BITS */\n",
+            "/* The steps around 1, which have the series of their own: the first one, and how many */",
+            f"enum {{ LOG_NEAR = {near[0]}, LOG_NEAR_STEPS = {len(near)} }};\n",
             "/* log 2 in two parts. Multiples of 2^-42 add up without rounding. */",
             constant("LOG_2_HIGH", two_high) + constant("LOG_2_LOW", rounded(MP.log(2) - two_high)),
-            f"/* (log(1 + r) - r + r^2/2)/r^3, |r| < {float(widest):.5f} */",
-            constants("LOG_SERIES", series(rest, 5, -widest, widest, lambda r: r * r)),
-            "/* c, a multiple of 2^-9 near 1/m, and -log c in two parts */",
-            rows("LogStep", "LOG_STEP", "c, log_high, log_low", lines),
+            f"/* (log(1 + r) - r)/r^2, |r| < {float(widest):.5f} */",
+            constants("LOG_SERIES", series(rest, 5, -widest, widest, lambda r: r * r / least)),
+            f"/* The same, {float(low_edge):.5f} <= r <= {float(high_edge):.5f} */",
+            constant("LOG_NEAR_LOW", low_edge) + constant("LOG_NEAR_HIGH", high_edge),
+            constants("LOG_NEAR_SERIES", series(rest, 8, low_edge, high_edge, of_value)),
+            "/* c near the middle of a step, 1/c, and log c, a multiple of 2^-42 up to 2^-57 of results */",
+            arrays(
+                "LogSteps",
+                "LOG_STEPS",
+                {
+                    "centre": centre,
+                    "inverse": [rounded(1 / c) for c in centre],
+                    "log": [multiple(MP.log(c), unit) for c in centre],
+                },
+            ),
         ]
     )
 
@@ -197,7 +268,7 @@ def two_by_pi(words: int) -> list[int]:
 
 
 def trigonometric() -> str:
-    quarter = (MP.pi / 4 * MP.mpf("1.0001")) ** 2
+    zero, quarter = MP.mpf(0), (MP.pi / 4 * MP.mpf("1.0001")) ** 2
 
     def sine(z: Number) -> Number:
         return MP.nsum(lambda n: (-1) ** int(n + 1) * z**n / MP.factorial(2 * n + 3), [0, 30])
@@ -205,23 +276,56 @@ def trigonometric() -> str:
     def cosine(z: Number) -> Number:
         return MP.nsum(lambda n: (-1) ** int(n) * z**n / MP.factorial(2 * n + 4), [0, 30])
 
+    of_sine = series(sine, 5, zero, quarter, lambda z: z)
+    of_cosine = series(cosine, 5, zero, quarter, lambda z: z * z)
     words = two_by_pi(37)
     lines = [", ".join(f"0x{word:08x}" for word in words[k : k + 8]) for k in range(0, len(words), 8)]
-    zero = MP.mpf(0)
-    first, second, third = parts(MP.pi / 2, 33, 33)
+    first, second, third, fourth = parts(MP.pi / 2, 33, 33, 33)
     return "\n".join(
         [
             constant("TWO_BY_PI_ROUNDED", rounded(2 / MP.pi)),
-            "/* pi/2 in three parts, of which two have 33 bits, and in two parts */",
-            constant("HALF_PI_1", first) + constant("HALF_PI_2", second) + constant("HALF_PI_3", third),
+            "/* pi/2 in four parts, of which three have 33 bits, and in two parts */",
+            constant("HALF_PI_1", first) + constant("HALF_PI_2", second),
+            constant("HALF_PI_3", third) + constant("HALF_PI_4", fourth),
             constant("HALF_PI_HIGH", rounded(MP.pi / 2))
             + constant("HALF_PI_LOW", rounded(MP.pi / 2 - rounded(MP.pi / 2))),
-            "/* (sin(x) - x)/x^3 as a polynomial in x^2 */",
-            constants("SIN_SERIES", series(sine, 5, zero, quarter, lambda z: z)),
-            "/* (cos(x) - 1 + x^2/2)/x^4 as a polynomial in x^2 */",
-            constants("COS_SERIES", series(cosine, 5, zero, quarter, lambda z: z * z)),
+            "/* (sin(x) - x)/x^3 and (cos(x) - 1 + x^2/2)/x^4 as polynomials in x^2, side by side */",
+            "typedef double Pair __attribute__((vector_size(16)));\n",
+            f"static const Pair SIN_COS_SERIES[{len(of_sine)}] = {{\n"
+            + "".join(f"    {{{text(s)}, {text(c)}}},\n" for s, c in zip(of_sine, of_cosine, strict=True))
+            + "};\n",
             "/* The binary digits of 2/pi, 32 in a word */",
             f"static const uint32_t TWO_BY_PI[{len(words)}] = {{\n    " + ",\n    ".join(lines) + ",\n};\n",
+        ]
+    )
+
+
+def tangent() -> str:
+    def rest(z: Number) -> Number:
+        x = MP.sqrt(z)
+        return (MP.tan(x) - x) / x**3 if z > MP.mpf(10) ** -12 else MP.mpf(1) / 3 + z * 2 / 15
+
+    first, count = MP.mpf(1) / 8, 2**TAN_BITS
+    edges = [first * 2 ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(3 * count)]
+    edges = edges[: 1 + sum(1 for x in edges if x < MP.pi / 4)]
+    centre = [near_doubles((a + b) / 2, MP.tan, MP.cot) for a, b in pairwise(edges)]
+    return "\n".join(
+        [
+            f"enum {{ TAN_BITS = {TAN_BITS} }}; /* the steps of a binade are 2^TAN_BITS */\n",
+            constant("TAN_FIRST", first),
+            "/* (tan(x) - x)/x^3 as a polynomial in x^2, |x| <= 1/8 */",
+            constants("TAN_SERIES", series(rest, 5, MP.mpf(0), first**2, lambda z: z)),
+            "/* c near the middle of a step, of 26 bits. Its tangent and its cotangent are doubles up to"
+            f" 2^-{53 + SPARE_BITS} of themselves */",
+            arrays(
+                "TanSteps",
+                "TAN_STEPS",
+                {
+                    "centre": centre,
+                    "tangent": [rounded(MP.tan(c)) for c in centre],
+                    "cotangent": [rounded(MP.cot(c)) for c in centre],
+                },
+            ),
         ]
     )
 
@@ -235,17 +339,27 @@ def arctangent() -> str:
             f"static const DoubleDouble {name} = {{{text(rounded(x))}, {text(rounded(x - rounded(x)))}}};\n"
         )
 
-    angles = [MP.atan(MP.mpf(k) / ATAN_STEPS) for k in range(ATAN_STEPS + 1)]
-    zero, last = MP.mpf(0), MP.mpf("1.01") / 256
+    count = 2**ATAN_BITS
+    lowest, highest = -3 * count, 3 * count
+    edges = [MP.mpf(2) ** (j // count) * (1 + MP.mpf(j % count) / count) for j in range(lowest, highest + 1)]
+    centre = [near_doubles((a + b) / 2, MP.atan) for a, b in pairwise(edges)]
+    farthest = max(max(abs(x - c) / (1 + c * x) for x in edges[j : j + 2]) for j, c in enumerate(centre))
+    zero, least = MP.mpf(0), edges[0]
     return "\n".join(
         [
-            f"enum {{ ATAN_STEPS = {ATAN_STEPS} }};\n",
+            f"enum {{ ATAN_BITS = {ATAN_BITS} }}; /* the steps of a binade are 2^ATAN_BITS */\n",
+            constant("ATAN_FIRST", edges[0]) + constant("ATAN_LAST", edges[-1]),
             pair("PI", MP.pi) + pair("HALF_PI", MP.pi / 2),
-            "/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= 1/16 */",
-            constants("ATAN_SERIES", series(rest, 4, zero, last, lambda z: z)),
-            "/* atan(k/ATAN_STEPS) in two parts */",
-            rows(
-                "AtanStep", "ATAN_STEP", "high, low", [(rounded(a), rounded(a - rounded(a))) for a in angles]
+            f"/* (atan(t) - t)/t^3 as a polynomial in t^2, |t| <= {float(farthest):.5f} */",
+            constants("ATAN_SERIES", series(rest, 3, zero, farthest**2, lambda z: z**1.5 / least)),
+            "/* The same, |t| <= 1/8 */",
+            constants("ATAN_NEAR_SERIES", series(rest, 5, zero, least**2, lambda z: z)),
+            "/* c near the middle of a step, of 26 bits, and its angle, which is a double up to"
+            f" 2^-{53 + SPARE_BITS} of itself */",
+            arrays(
+                "AtanSteps",
+                "ATAN_STEPS",
+                {"centre": centre, "angle": [rounded(MP.atan(c)) for c in centre]},
             ),
         ]
     )
@@ -264,36 +378,17 @@ def roots() -> str:
 
 
 def texts() -> dict[Path, str]:
-    said = f"/* Written by {Path(__file__).name}, which says what these numbers are. */"
     made = {
         "exponential": ("", exponential()),
         "logarithm": ("", logarithm()),
         "trigonometric": ("#include <stdint.h>\n\n", trigonometric()),
+        "tangent": ("", tangent()),
         "arctangent": ('#include "elementary/double_double.h"\n\n', arctangent()),
         "roots": ("", roots()),
     }
-    return {
-        ROOM / f"{name}_table.h": f"{said}\n/* clang-format off */\n\n{includes}{body}"
-        for name, (includes, body) in made.items()
-    }
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Writes the tables of the elementary functions")
-    parser.add_argument("--check", action="store_true", help="only compare with the committed files")
-    check = parser.parse_args().check
-    stale = {
-        path: text
-        for path, text in texts().items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    }
-    for path, body in stale.items():
-        if check:
-            print(f"{path.name} is out of date: run {Path(__file__).name}", file=sys.stderr)
-        else:
-            path.write_text(body, encoding="utf-8", newline="\n")
-    return int(check and bool(stale))
+    head = generated.head_of(__file__)
+    return {ROOM / f"{name}_table.h": f"{head}{includes}{body}" for name, (includes, body) in made.items()}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(generated.write_or_check(texts, __file__))

@@ -96,6 +96,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "benchmarks",
         "compare_builds",
         "coupling",
+        "elementary",
         "own_plant",
         "performance",
         "stick_slip",
