@@ -140,7 +140,7 @@ def instructions(loop: Path, kind: str, name: str, tunables: str = "") -> str:
 
 def error_cells(found: Errors) -> dict[str, str]:
     return {
-        "arguments": f"{found.count:.4g}",
+        "arguments": str(found.count),
         "greatest_error_ulp": f"{found.greatest:.4f}",
         "at": f"{found.at[0]:.17g}",
         "at_second": f"{found.at[1]:.17g}",
