@@ -178,7 +178,7 @@ function, and wherever an error is above 0.8 ulp.
 Instructions and ns are those of a call: own / C library. The own functions fuse no operations. The C library
 of this machine may fuse multiplication and addition; the last column has its instructions without that. The
 functions "of two" are for the friction of both cams at once, and their costs are those of two values. They
-are made for 1e-14: their greatest errors are {two["exp of two"]} and {two["log of two"]} ulp.
+are made for some 1e-14: their greatest errors are {two["exp of two"]} and {two["log of two"]} ulp.
 
 Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
 In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,
