@@ -45,7 +45,7 @@ usage: ./build.sh [command] [arguments]
   endurance build, then run benchmarks.endurance (two minutes): memory over 10^6 instances, drift over 10^8 steps
   friction build, then run benchmarks.friction_cost (half a minute): friction that depends on the speed, against Coulomb's;
            needs valgrind
-  elementary  build, then run benchmarks.elementary (a minute): error and cost of exp, sin and the like, beside the C
+  elementary  build, then run benchmarks.elementary (six minutes): error and cost of exp, sin and the like, beside the C
            library's; needs valgrind for instructions
   hash     build for all platforms, then run the same scenes on all platforms and compilers of this machine and compare
            one hash of all bits (some minutes), tests/support/trajectory_hash.py; --quick: native and WebAssembly

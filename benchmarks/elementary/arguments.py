@@ -51,6 +51,8 @@ RANDOM: dict[str, list[Sampler]] = {
     "tan": ANGLES,
     "atan": ANY,
     "cbrt": ANY,
+    "exp of two": [uniform(-1.0, 1.0), uniform(-700.0, 700.0)],
+    "log of two": [uniform(0.5, 2.0), sizes(1e-300, 1e300, sign=False)],
     "atan2": [uniform(-1.0, 1.0), sizes(1e-3, 1e3), sizes(1e-100, 1e100)],
 }
 
@@ -162,6 +164,8 @@ HARD: dict[str, Callable[[], Array]] = {
     **dict.fromkeys(("sin", "cos", "tan"), hard_angles),
     "atan": hard_tangents,
     "cbrt": hard_roots,
+    "exp of two": lambda: np.linspace(-700.0, 700.0, 100_001),
+    "log of two": partial(steps_of_bits, LEAST_NORMAL, LARGEST, 46),
     "atan2": partial(steps_of_bits, 2.0**-12, 2.0**12, 46),
 }
 

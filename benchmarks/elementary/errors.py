@@ -26,6 +26,7 @@ EXACT: dict[str, Callable[..., mpmath.mpf]] = {  # in the order of reference.c
     "cbrt": lambda x: MP.sign(x) * MP.cbrt(abs(x)),
     "atan2": MP.atan2,
 }
+OF_TWO = {"exp of two": "exp", "log of two": "log"}  # numerics/vector2.h
 LIKE_X = ("expm1", "log1p", "sin", "tan", "atan")  # f(x) = x + ... near 0
 TERMS, WORDS = 31, 22
 
@@ -76,6 +77,7 @@ class Reference:
         """Of computed y, in units of the last place of the exact value; exact value less y."""
         found = np.empty_like(x)
         arrays = [ctypes.c_void_p(numbers.ctypes.data) for numbers in (x, second, y, found)]
+        name = OF_TWO.get(name, name)
         number, like_x = list(EXACT).index(name), ctypes.c_int(name in LIKE_X)
         self.library.errors(ctypes.byref(self.constants), number, like_x, ctypes.c_size_t(len(x)), *arrays)
         return found
@@ -84,6 +86,6 @@ class Reference:
 def exact_error(name: str, x: float, second: float, y: float) -> float:
     """The same by 60 digits."""
     numbers = (x, second) if name == "atan2" else (x,)
-    exact = EXACT[name](*map(MP.mpf, numbers))
+    exact = EXACT[OF_TWO.get(name, name)](*map(MP.mpf, numbers))
     unit = max(math.ulp(float(exact)), math.ulp(0.0)) if abs(exact) < sys.float_info.max else math.ulp(y)
     return float((exact - MP.mpf(y)) / unit)

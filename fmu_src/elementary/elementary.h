@@ -7,7 +7,8 @@
  * library (tests/test_elementary.py); sqrt(), fabs(), floor(), ceil() and copysign() are exact everywhere.
  *
  * Errors are below 1 unit in the last place: tests/test_elementary.py and benchmarks.elementary compare with 60 digits.
- * Coefficients and tables are written by tools/make_elementary.py. No flag of the floating-point unit is promised. */
+ * Coefficients and tables are written by tools/make_elementary.py. No flag of the floating-point unit is promised.
+ * Steps call all functions but tan, which the start of a run calls. */
 #ifndef DUALCAM_ELEMENTARY_H
 #define DUALCAM_ELEMENTARY_H
 
