@@ -144,3 +144,14 @@ def test_tables_are_found_in_the_resources(make3, tmp_path):
     fmu = make3(resources=f"{tmp_path}/").start({"cam1.profile": 3, "cam1.table": "a 1%.csv"})
     fmu.step(0.02, tau=3.0)
     assert fmu.get("z") > 0
+
+
+def test_a_call_in_the_wrong_state_names_the_call_to_make(make3):
+    fmu = make3(FORWARD, events=True)
+    fmu.start()
+    flags, time = [c_bool() for _ in range(3)], c_double()
+    step = ("DoStep", 0.0, 0.1, True, *map(byref, flags), byref(time))
+    fmu.ok("EnterEventMode")
+    fmu.refused(*step, mentions=('allowed is "step mode"; call fmi3EnterStepMode first',))
+    fmu.ok("Reset")
+    fmu.refused(*step, mentions=("; call fmi3EnterInitializationMode first",))
