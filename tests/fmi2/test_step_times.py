@@ -90,3 +90,12 @@ def test_refuses_experiments(fmu, wrong, word):
 def test_accepts_experiments(fmu, good):
     fmu.ok("fmi2SetupExperiment", *good)
     assert last_time(fmu) == good[2]
+
+
+@for_forward
+def test_a_step_below_the_rounding_of_the_time_goes_on_in_a_time_that_stands_still(fmu):
+    fmu.start(FREE, time=1e300)
+    fmu.step(0.001, tau=3.0)
+    fmu.step(0.001)
+    assert last_time(fmu) == 1e300
+    assert fmu.get("omega") == pytest.approx(3.0 * 0.002 / INERTIA, rel=1e-12)
