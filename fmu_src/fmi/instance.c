@@ -233,8 +233,8 @@ static const char *phase_name(Phase phase) {
     }
 }
 
-/* The call by which an instance leaves its phase towards one of these phases, without "fmi2" or "fmi3". NULL: the end of
- * the intermediate update. */
+/* The call by which an instance leaves its phase towards one of these phases, without "fmi2" or "fmi3". NULL: the end
+ * of the intermediate update. */
 static const char *next_call(Phase now, unsigned phases) {
     switch (now) {
         case PHASE_INSTANTIATED: return "EnterInitializationMode";
