@@ -5,40 +5,26 @@ import json
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from study_cases import FORWARD
+from study_cases import FORWARD, SOUND_PLAN
 
 from dualcam.design_file import TEMPLATES, read_design, write_template
 from dualcam.errors import DualcamError
 from dualcam.study import read_study
 
-PLAN = """fmu = "{fmu}"
-results = ["theta@0.2", "efficiency", "max(omega)"]
-[parameters]
-"cam2.radius" = "21 mm"
-[plan]
-kind = "latin"
-runs = 100
-seed = 3
-[plan.vary]
-peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
-push = {{ from = "100 ms", to = 0.2 }}
-"cam1.friction" = {{ from = 0.1, to = 0.2, log = true }}
-"cam2.friction" = {{ values = [0.1, 0.14, 0.2] }}
-wire = {{ from = "1.9 mm", to = "2.1 mm" }}
-[plan.derived]
-"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * 4)"
-[plan.constraints]
-soft = "spring.stiffness < 5400"
-[[plan.correlation]]
-of = ["cam1.friction", "push"]
-rank = 0.8
-[scenario]
-stop = "400 ms"
-inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
-[[plots]]
-kind = "histogram"
-of = ["efficiency"]
-"""
+PLAN = SOUND_PLAN.lstrip()
+for plain, richer in (
+    ('"efficiency"]', '"efficiency", "max(omega)"]'),
+    ("runs = 100", "runs = 100\nseed = 3"),
+    (
+        '"cam1.friction" = {{ from = 0.1, to = 0.2 }}',
+        '"cam1.friction" = {{ from = 0.1, to = 0.2, log = true }}',
+    ),
+    ('"cam2.friction" = {{ from = 0.1, to = 0.2 }}', '"cam2.friction" = {{ values = [0.1, 0.14, 0.2] }}'),
+    ('"cam1.friction", "cam2.friction"]', '"cam1.friction", "push"]'),
+):
+    assert plain in PLAN
+    PLAN = PLAN.replace(plain, richer)
+PLAN += '[[plots]]\nkind = "histogram"\nof = ["efficiency"]\n'
 
 # What a mistake puts in the place of a value, of a key or of a part of a line.
 ODD = [

@@ -49,8 +49,9 @@ def compiled(tmp_path, target: str, *options: str) -> bytes:
     """fmi/variables.c for another platform."""
     product = tmp_path / "variables"
     command = [*build_fmu.ZIG, "-target", target, *compile_options(2, "forward", GUID), *options]
-    source = build_fmu.CORE / "fmi/variables.c"
-    subprocess.run([*command, source, "-o", product], check=True, capture_output=True)
+    names = ["fmi/variables.c", *(["model/fault.c"] if "-shared" in options else [])]
+    sources = [build_fmu.CORE / name for name in names]
+    subprocess.run([*command, *sources, "-o", product], check=True, capture_output=True)
     return product.read_bytes()
 
 

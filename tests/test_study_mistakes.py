@@ -5,37 +5,12 @@ import re
 import numpy as np
 import pytest
 from scipy.stats import norm
-from study_cases import FORWARD, refused, study
+from study_cases import FORWARD, SOUND_PLAN, refused, study
 
 from dualcam.__main__ import main
 from dualcam.design_file import DesignFileError
 from dualcam.study import Correlation, History, Plan, Scenario, StudyError, Vary, read_study
 
-SOUND = """
-fmu = "{fmu}"
-results = ["theta@0.2", "efficiency"]
-[parameters]
-"cam2.radius" = "21 mm"
-[plan]
-kind = "latin"
-runs = 100
-[plan.vary]
-peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
-push = {{ from = "100 ms", to = 0.2 }}
-"cam1.friction" = {{ from = 0.1, to = 0.2 }}
-"cam2.friction" = {{ from = 0.1, to = 0.2 }}
-wire = {{ from = "1.9 mm", to = "2.1 mm" }}
-[plan.derived]
-"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * 4)"
-[plan.constraints]
-soft = "spring.stiffness < 5400"
-[[plan.correlation]]
-of = ["cam1.friction", "cam2.friction"]
-rank = 0.8
-[scenario]
-stop = "400 ms"
-inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
-"""
 TEN = [  # what is replaced, by what, and what is told
     ('results = ["theta@0.2"', 'results = ["thetta@0.2"', ["thetta", "did you mean theta"]),
     ('"cam2.radius"', '"cam2.radios"', ["cam2.radios", "did you mean cam2.radius"]),
@@ -68,12 +43,12 @@ def told(path):
 
 def test_the_sound_plan_is_sound(tmp_path):
     path = tmp_path / "plan.toml"
-    path.write_text(SOUND.format(fmu=FORWARD))
+    path.write_text(SOUND_PLAN.format(fmu=FORWARD))
     assert read_study(path).plan.count == 100
 
 
 def test_a_plan_with_a_dozen_mistakes_gets_a_dozen_messages(tmp_path, capsys):
-    text = SOUND
+    text = SOUND_PLAN
     for old, new, _ in TEN:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
@@ -125,8 +100,8 @@ def test_a_plan_with_a_dozen_mistakes_gets_a_dozen_messages(tmp_path, capsys):
 ])  # fmt: skip
 def test_one_mistake_gets_one_message(tmp_path, old, new, mentions):
     path = tmp_path / "plan.toml"
-    assert old in SOUND
-    path.write_text(SOUND.replace(old, new).format(fmu=FORWARD))
+    assert old in SOUND_PLAN
+    path.write_text(SOUND_PLAN.replace(old, new).format(fmu=FORWARD))
     if not mentions:
         assert read_study(path).plan.count == 100
         return
@@ -175,7 +150,7 @@ def test_a_distribution_outside_of_the_range_says_which_share(tmp_path, mean, st
     """By the normal distribution's function: the FMU allows 0 to 10."""
     path = tmp_path / "plan.toml"
     cut = f", from = {low}" if low else ""
-    text = SOUND.replace(
+    text = SOUND_PLAN.replace(
         '"cam1.friction" = {{ from = 0.1, to = 0.2 }}',
         f'"cam1.friction" = {{{{ distribution = "normal", mean = {mean}, std = {std}{cut} }}}}',
     )

@@ -121,7 +121,7 @@ def test_refusals_have_the_words_of_the_fmu(on_fmu):
         (("set", "cam1.table", "x" * 5000), "cam1.table"),
         (("set", "cam1.table", "x" * 100_000), "100000 bytes is too long"),
         (("step", "x"), "communicationStepSize = nan"),
-        (("band", [0.5, 2.0]), "initial.theta = 2 must lie in"),
+        (("band", [0.5, 2.0]), "initial.theta = 2 must be <= stop.upper = 1.3963"),
     ],
 )
 def test_other_refusals(command, words):

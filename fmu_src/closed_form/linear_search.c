@@ -152,8 +152,8 @@ static double half_periods_to_skip(const LinearIndicator *indicator, const Indic
     return floor(max_of(clear, 0.0) / osc->half_period);
 }
 
-/* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped. Where
- * the minima stay just above zero for very many periods, the search ends with the work of the step. */
+/* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped.
+ * Where the minima stay just above zero for very many periods, the search ends with the work of the step. */
 double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
     enum { WITH_FIRST_MINIMUM = 3 }; /* intervals that hold the first minimum, whatever the phase */
     if (has_constant_inputs(&indicator->segment->start)) return crossing_at_constant_inputs(indicator, t_end);

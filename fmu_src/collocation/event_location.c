@@ -180,8 +180,8 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
     return true;
 }
 
-/* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the earlier
- * proposal stays. */
+/* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the
+ * earlier proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
     const RadauStep *step = &location->step;
     location->next = step_control_next(step);

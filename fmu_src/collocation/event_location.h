@@ -1,8 +1,8 @@
 /* Event location: a segment of slip through grooves of any shape, up to its first event.
  *
  * The room collocation/ holds slip in grooves of any shape and under any forces, by integration: the Radau step, its
- * step control and event location; the Lobatto step for quiet motion. May include: platform, elementary, numerics, model,
- * geometry, contact.
+ * step control and event location; the Lobatto step for quiet motion. May include: platform, elementary, numerics,
+ * model, geometry, contact.
  *
  * One Radau step is taken, as long as the step control accepts. If an indicator crosses zero on the step's polynomial,
  * the step is solved again with a shorter length, until it ends on the crossing to rounding: so the event does not

@@ -1,9 +1,9 @@
 /* Lobatto steps where friction depends on the load: mu_i and R_i together, by Newton's method as in
  * contact/loaded_contacts.h, one iteration in each sweep.
  *
- * The friction force is F = f x with f ~ |x|^nu. At the x_i of the sweep before it is the line f' x - rest, f' the tangent
- * coefficient. The forces of the line give the next x_i. The curve leaves the line by F'' (change of x_i)^2/2, which is
- * then part of the rest: the error is of third order in the change. */
+ * The friction force is F = f x with f ~ |x|^nu. At the x_i of the sweep before it is the line f' x - rest, f' the
+ * tangent coefficient. The forces of the line give the next x_i. The curve leaves the line by F'' (change of x_i)^2/2,
+ * which is then part of the rest: the error is of third order in the change. */
 #ifndef DUALCAM_LOBATTO_LOADS_H
 #define DUALCAM_LOBATTO_LOADS_H
 

@@ -26,7 +26,8 @@ static double value_after(const LobattoSystem *s, PeakQuantity quantity, double 
     return fabs(lobatto_node_contact(&part.pair[last], &forces, i)[1]) * sqrt(r * r + a * a);
 }
 
-/* The turning points of the cubic with these Bernstein coefficients: the zeros of a (1 - x)^2 + 2 b x (1 - x) + c x^2. */
+/* The turning points of the cubic with these Bernstein coefficients: the zeros of a (1 - x)^2 + 2 b x (1 - x) +
+ * c x^2. */
 static void turning_points(const double at[LOBATTO_NODES], double x[2]) {
     const double a = at[1] - at[0], b = at[2] - at[1], c = at[3] - at[2], square = a - 2.0 * b + c, half = b - a;
     const double q = -(half + copysign(sqrt(max_of(half * half - square * a, 0.0)), half));
@@ -34,8 +35,9 @@ static void turning_points(const double at[LOBATTO_NODES], double x[2]) {
     x[1] = a / q;
 }
 
-/* Raises *peak, the larger |value| of both ends, to that of a turning point inside, in units of 1/unit. The cubic through
- * the values gives the place x; the error of the cubic there, e, moves x by some e over its second derivative. */
+/* Raises *peak, the larger |value| of both ends, to that of a turning point inside, in units of 1/unit. The cubic
+ * through the values gives the place x; the error of the cubic there, e, moves x by some e over its
+ * second derivative. */
 static bool raise(const LobattoSystem *s, PeakQuantity quantity, const LobattoValues *v, double unit, double *peak) {
     const LobattoValues c = lobatto_combine(LOBATTO.bernstein, v);
     double x[2];

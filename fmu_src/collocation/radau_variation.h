@@ -1,4 +1,5 @@
-/* The derivative of a Radau step: how small changes of the start, of the inputs and of the parameters change its end. */
+/* The derivative of a Radau step: how small changes of the start, of the inputs and of the parameters change
+ * its end. */
 #ifndef DUALCAM_RADAU_VARIATION_H
 #define DUALCAM_RADAU_VARIATION_H
 

@@ -3,11 +3,11 @@
  * An indicator is known at the start of the step and at its nodes; in between it is the polynomial through these
  * values. The polynomial's first crossing is found in Bernstein form, none is stepped over (bernstein.h).
  *
- * Where friction grows with the speed, a contact can hold the speed at the limit at which friction would jam, Delta = 0:
- * the reactions x_i = (r n A -+ d W)/Delta grow without bound toward the limit. Delta reaches zero with finite reactions
- * only where the loads vanish at the same instant. There the motion is not unique (F. Genot, B. Brogliato, New results
- * on Painleve paradoxes, European Journal of Mechanics A 18, 1999): rigid contacts could keep their reactions against
- * each other, hold, or let go. The contacts are defined to let go. */
+ * Where friction grows with the speed, a contact can hold the speed at the limit at which friction would jam, Delta =
+ * 0: the reactions x_i = (r n A -+ d W)/Delta grow without bound toward the limit. Delta reaches zero with finite
+ * reactions only where the loads vanish at the same instant. There the motion is not unique (F. Genot, B. Brogliato,
+ * New results on Painleve paradoxes, European Journal of Mechanics A 18, 1999): rigid contacts could keep their
+ * reactions against each other, hold, or let go. The contacts are defined to let go. */
 #ifndef DUALCAM_STEP_INDICATOR_H
 #define DUALCAM_STEP_INDICATOR_H
 

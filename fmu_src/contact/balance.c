@@ -188,8 +188,9 @@ static Dual torque_left(const SlipMode *slip, SlipCoefficients *k, double z, con
 }
 
 /* The search for the speed nearest to rest at which no torque is left, rad/s. Torque is left at `low`. At `high` the
- * torque left has the other sign, or friction jams. Damping that takes the load off the contacts can turn the torque left
- * before it has reached zero, and a longer step would pass two zeros: `turn` is a speed at which it grows again. */
+ * torque left has the other sign, or friction jams. Damping that takes the load off the contacts can turn the torque
+ * left before it has reached zero, and a longer step would pass two zeros: `turn` is a speed at which it
+ * grows again. */
 typedef struct {
     double low, high, turn;
     bool falls; /* at `low`: the torque left becomes smaller with the speed */

@@ -52,7 +52,8 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
  * by the last correction times the stiffness, and loads from the right-hand side would miss the balance of energy. */
 void balance_set_motion(const SlipMode *slip, double theta, double omega, double alpha, Balance *balance);
 
-/* Where friction varies: the share, above 0 and at most 1, of the way between two balances at which a step is to end. */
+/* Where friction varies: the share, above 0 and at most 1, of the way between two balances at which a step is
+ * to end. */
 double balance_friction_share(const SlipMode *slip, const Balance *from, const Balance *to);
 
 /* The right-hand side alone, as a Newton iteration needs it. */

@@ -128,9 +128,9 @@ COMPACT void balance_partials(const SlipMode *slip, const Balance *balance, Part
 
 /* ---- loads of a known motion ---- */
 
-/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta, the
- * determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments is
- * small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
+/* x_i from two of the three equations d_1 x_1 + d_2 x_2 = A, r_1 n_1 x_1 = T - W, r_2 n_2 x_2 = T. Near a jam Delta,
+ * the determinant of the axial balance and the difference of the moments, is small; the determinant P of both moments
+ * is small where a contact is about to lock. The larger one, as a share of its terms, loses fewer digits. */
 static void solve_loads(const DualContactFactors *f, double axial, double torque, double moment, double x[2]) {
     const double rn[2] = {f->rn[0].value, f->rn[1].value}, d[2] = {f->d[0].value, f->d[1].value};
     const double delta_terms = fabs(d[0] * rn[1]) + fabs(rn[0] * d[1]);

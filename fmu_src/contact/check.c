@@ -26,8 +26,8 @@ bool check_params(const Params *p, Fault *fault) {
         return false;
     }
     if (!(p->stop.lower < p->stop.upper)) {
-        snprintf(fault->text, sizeof fault->text, "stop.lower = %.17g must be < stop.upper = %.17g", p->stop.lower,
-                 p->stop.upper);
+        snprintf(fault->text, sizeof fault->text, "stop.lower = %s must be < stop.upper = %s",
+                 shortest_decimal(p->stop.lower).text, shortest_decimal(p->stop.upper).text);
         return false;
     }
     return true;
@@ -35,9 +35,10 @@ bool check_params(const Params *p, Fault *fault) {
 
 bool check_initial(const Params *p, Fault *fault) {
     if (p->initial.theta >= p->stop.lower && p->initial.theta <= p->stop.upper) return true;
-    snprintf(fault->text, sizeof fault->text,
-             "initial.theta = %.17g must lie in [stop.lower, stop.upper] = [%.17g, %.17g]", p->initial.theta,
-             p->stop.lower, p->stop.upper);
+    const bool below = p->initial.theta < p->stop.lower;
+    snprintf(fault->text, sizeof fault->text, "initial.theta = %s must be %s %s = %s",
+             shortest_decimal(p->initial.theta).text, below ? ">=" : "<=", below ? "stop.lower" : "stop.upper",
+             shortest_decimal(below ? p->stop.lower : p->stop.upper).text);
     return false;
 }
 

@@ -25,8 +25,8 @@ bool check_falling_friction(const Params *params, const char *cause, const char 
  * `remedy` completes the message. */
 bool check_loaded_friction(const Params *params, const char *remedy, Fault *fault);
 
-/* Without inertia: something limits the speed, since the friction of a table is constant above its last sample. `remedy`
- * completes the message. */
+/* Without inertia: something limits the speed, since the friction of a table is constant above its last sample.
+ * `remedy` completes the message. */
 bool check_limited_speed(const Params *params, const char *remedy, Fault *fault);
 
 /* A torque that loads exists everywhere between the stops: kappa_1 + kappa_2 > 0 at sigma = +1 (docs/mechanism.md,

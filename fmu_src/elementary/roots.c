@@ -6,8 +6,8 @@
 #include "platform/attributes.h"
 
 /* x = m 2^(3n), 1 <= m < 8, x normal. A polynomial gives the root of m to two digits. Two steps of Halley's method
- * follow, y + y (m - y^3)/(2 y^3 + m), which has order three. The second step takes y with 26 bits, so that y^2 is exact;
- * a third of the rounding of m/y^2 is all that counts besides the last sum. */
+ * follow, y + y (m - y^3)/(2 y^3 + m), which has order three. The second step takes y with 26 bits, so that y^2 is
+ * exact; a third of the rounding of m/y^2 is all that counts besides the last sum. */
 static double root_of_normal(double x) {
     const uint64_t bits = bits_of(x);
     const int exponent = (int)(bits >> 52) - 1023 + 3 * 400, n = exponent / 3 - 400, above = exponent % 3;

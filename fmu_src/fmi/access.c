@@ -65,7 +65,8 @@ COLD static bool refuse_no_number(const Instance *instance, const char *function
                            function, VARIABLES[reference].name);
 }
 
-/* Where a contact locks, no torque moves cam 2 that way: the edge of the stick band is infinite, and so is their ratio. */
+/* Where a contact locks, no torque moves cam 2 that way: the edge of the stick band is infinite, and so is
+ * their ratio. */
 static bool may_be_infinite(ValueReference reference) {
     return reference == VR_TORQUE_LOAD || reference == VR_TORQUE_RELEASE || reference == VR_EFFICIENCY;
 }

@@ -18,8 +18,8 @@ static bool is_input_derivative(const Instance *instance, const char *function, 
     if (order < 1 || order > INPUT_ORDER)
         return instance_refuse(instance, "%s: %s: derivative of order %d: allowed is 1 to %d", function, variable->name,
                                order, (int)INPUT_ORDER);
-    return isfinite(value) || instance_refuse(instance, "%s: derivative of %s = %.17g: allowed is any finite number",
-                                              function, variable->name, value);
+    return isfinite(value) || instance_refuse(instance, "%s: derivative of %s = %s: allowed is any finite number",
+                                              function, variable->name, shortest_decimal(value).text);
 }
 
 bool derivatives_set_of_inputs(Instance *instance, const char *function, const ValueReference vr[], size_t n,

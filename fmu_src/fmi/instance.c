@@ -161,13 +161,14 @@ bool instance_setup(Instance *instance, const char *function, const double *tole
                     const double *stop_time) {
     if (!instance_is_in(instance, function, PHASE_INSTANTIATED)) return false;
     if (tolerance != NULL && !(isfinite(*tolerance) && *tolerance > 0.0))
-        return instance_refuse(instance, "%s: tolerance = %.17g: allowed is any finite number > 0", function,
-                               *tolerance);
+        return instance_refuse(instance, "%s: tolerance = %s: allowed is any finite number > 0", function,
+                               shortest_decimal(*tolerance).text);
     if (!isfinite(start_time))
-        return instance_refuse(instance, "%s: startTime = %.17g: allowed is any finite number", function, start_time);
+        return instance_refuse(instance, "%s: startTime = %s: allowed is any finite number", function,
+                               shortest_decimal(start_time).text);
     if (stop_time != NULL && !(isfinite(*stop_time) && *stop_time >= start_time))
-        return instance_refuse(instance, "%s: stopTime = %.17g: allowed is any finite number from startTime = %.17g",
-                               function, *stop_time, start_time);
+        return instance_refuse(instance, "%s: stopTime = %s: allowed is any finite number from startTime = %s",
+                               function, shortest_decimal(*stop_time).text, shortest_decimal(start_time).text);
     instance->run.time = instance->run.completed_until = start_time;
     instance->values.model.params.tolerance =
         tolerance != NULL ? min_of(max_of(*tolerance, TOLERANCE_MIN), TOLERANCE_MAX) : TOLERANCE_DEFAULT;
@@ -232,6 +233,23 @@ static const char *phase_name(Phase phase) {
     }
 }
 
+/* The call by which an instance leaves its phase towards one of these phases, without "fmi2" or "fmi3". NULL: the end
+ * of the intermediate update. */
+static const char *next_call(Phase now, unsigned phases) {
+    switch (now) {
+        case PHASE_INSTANTIATED: return "EnterInitializationMode";
+        case PHASE_INITIALIZATION: return phases & ~(unsigned)PHASES_BEFORE_START ? "ExitInitializationMode" : "Reset";
+        case PHASE_INTERMEDIATE_INPUTS:
+        case PHASE_INTERMEDIATE_OUTPUTS: return NULL;
+        case PHASE_TERMINATED: return "Reset";
+        default: break;
+    }
+    if (phases & PHASE_EVENT) return "EnterEventMode";
+    if (phases & PHASE_CONTINUOUS) return "EnterContinuousTimeMode";
+    if (phases & PHASE_STEP) return "EnterStepMode";
+    return phases & PHASE_TERMINATED ? "Terminate" : "Reset";
+}
+
 COLD bool instance_refuse_phase(const Instance *instance, const char *function, unsigned phases) {
     char allowed[192] = "";
     size_t length = 0;
@@ -242,8 +260,14 @@ COLD bool instance_refuse_phase(const Instance *instance, const char *function, 
         length +=
             (size_t)snprintf(allowed + length, sizeof allowed - length, "%s%s", separator, phase_name((Phase)phase));
     }
-    return instance_refuse(instance, "%s is not allowed in phase \"%s\": allowed is \"%s\"", function,
-                           phase_name(instance->run.phase), allowed);
+    const char *call = next_call(instance->run.phase, phases);
+    if (call == NULL)
+        return instance_refuse(instance,
+                               "%s is not allowed in phase \"%s\": allowed is \"%s\"; return from the "
+                               "intermediate update first",
+                               function, phase_name(instance->run.phase), allowed);
+    return instance_refuse(instance, "%s is not allowed in phase \"%s\": allowed is \"%s\"; call %.4s%s first",
+                           function, phase_name(instance->run.phase), allowed, function, call);
 }
 
 const char *interface_name(InterfaceType type) {

@@ -28,7 +28,8 @@ static bool is_drive(const char *path) {
 }
 
 /* The encoded path, or NULL if the URI is not that of a file that can be opened. "file://server/share/x" is the file
- * "//server/share/x" where there are shares. The wrong URI "file://C:/x", which some masters make, is the file "C:/x". */
+ * "//server/share/x" where there are shares. The wrong URI "file://C:/x", which some masters make, is the
+ * file "C:/x". */
 static const char *path_of(const char *location) {
     const char *rest = location != NULL ? after(location, "file:") : NULL;
     if (rest == NULL) return NULL;

@@ -20,11 +20,11 @@ static bool is_near(double t, double time, double h) {
 static bool is_step(const Instance *instance, const char *function, double t, double h) {
     const double time = instance->run.time;
     if (!(h > 0.0 && h <= DBL_MAX))
-        return instance_refuse(instance, "%s: communicationStepSize = %.17g: allowed is any finite number > 0",
-                               function, h);
+        return instance_refuse(instance, "%s: communicationStepSize = %s: allowed is any finite number > 0", function,
+                               shortest_decimal(h).text);
     return (fabs(t + h) <= DBL_MAX && (t == time || is_near(t, time, h))) ||
-           instance_refuse(instance, "%s: currentCommunicationPoint = %.17g: allowed is only the FMU's time, %.17g",
-                           function, t, time);
+           instance_refuse(instance, "%s: currentCommunicationPoint = %s: allowed is only the FMU's time, %s", function,
+                           shortest_decimal(t).text, shortest_decimal(time).text);
 }
 
 bool simulation_step(Instance *instance, const char *function, double t, double h) {
@@ -137,8 +137,8 @@ COMPACT static bool sample_inputs(const WatchedStep *step, double t, double h, F
         differentiate(u[r], third, input);
         arithmetic_end(host);
         if (!isfinite(input[1] + input[2] + input[3])) {
-            snprintf(fault->text, sizeof fault->text,
-                     "%s changes within %.17g s by more than allowed: finite derivatives", VARIABLES[r].name, h);
+            snprintf(fault->text, sizeof fault->text, "%s changes within %s s by more than allowed: finite derivatives",
+                     VARIABLES[r].name, shortest_decimal(h).text);
             return false;
         }
         instance->run.derivatives_given |= (uint16_t)(1u << r);
@@ -204,7 +204,8 @@ bool simulation_set_time(Instance *instance, const char *function, unsigned phas
         !instance_is_in(instance, function, phases))
         return false;
     if (!isfinite(time))
-        return instance_refuse(instance, "%s: time = %.17g: allowed is any finite number", function, time);
+        return instance_refuse(instance, "%s: time = %s: allowed is any finite number", function,
+                               shortest_decimal(time).text);
     instance->run.time = time;
     instance->valid &= ~(unsigned)GROUP_TIME;
     return true;
@@ -214,8 +215,8 @@ bool simulation_set_states(Instance *instance, const char *function, const doubl
     if (!is_vector(instance, function, PHASE_CONTINUOUS, x, n, CONTINUOUS_STATES)) return false;
     for (size_t i = 0; i < n; i++)
         if (!isfinite(x[i]))
-            return instance_refuse(instance, "%s: %s = %.17g: allowed is any finite number", function,
-                                   VARIABLES[model_state_reference((int)i)].name, x[i]);
+            return instance_refuse(instance, "%s: %s = %s: allowed is any finite number", function,
+                                   VARIABLES[model_state_reference((int)i)].name, shortest_decimal(x[i]).text);
     const HostArithmetic host = arithmetic_begin();
     model_set_states(&instance->values.model, x);
     arithmetic_end(host);

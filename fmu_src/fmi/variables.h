@@ -182,15 +182,8 @@ void variables_start(Values *values);
 bool variable_allows(const Variable *variable, double value);
 
 typedef struct {
-    char text[32];
-} ShortestDecimal;
-
-typedef struct {
     char text[80];
 } RangeText;
-
-/* The decimal number with the fewest digits that reads back as `value`. */
-ShortestDecimal shortest_decimal(double value);
 
 /* The values that variable_allows() accepts, in words. */
 RangeText variable_range(const Variable *variable);

@@ -5,8 +5,8 @@
 #include "forward/segment.h"
 
 /* Handles the event that ended a segment which has been applied. Rest sets the speed to zero. A stop sets the angle to
- * that of the stop and reverses the speed. Contacts that let go take other flanks. A change of flanks changes nothing: the next
- * decision finds the flanks. */
+ * that of the stop and reverses the speed. Contacts that let go take other flanks. A change of flanks changes nothing:
+ * the next decision finds the flanks. */
 void handle_event(Mechanism *m, int direction, EventKind end);
 
 /* Impact on the end stop ahead in `direction`: omega -> -e omega. */

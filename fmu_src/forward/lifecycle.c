@@ -80,7 +80,8 @@ COLD static bool check_energy(const Mechanism *m, Fault *fault) {
 }
 
 bool mechanism_start(Mechanism *m, Fault *fault) {
-    if (!check_initial(&m->params, fault) || !mechanism_rebuild(m, fault)) return false;
+    const Params *p = &m->params;
+    if (!check_params(p, fault) || !check_initial(p, fault) || !mechanism_rebuild(m, fault)) return false;
     m->state = (State){
         .theta = sum_of(m->params.initial.theta),
         .omega = sum_of(has_inertia(&m->params) ? m->params.initial.omega : 0.0),

@@ -34,8 +34,8 @@ double stick_edge(double factor, double F_0);
  * band. On an edge, to rounding, the side decides on which the torque leaves the rounding, however late. */
 int stick_direction_beyond_band(const Mechanism *m);
 
-/* The torque is beyond the edge of that direction, or on the edge, to rounding. Does its excess grow from now on? On the
- * edge the excess can first shrink. */
+/* The torque is beyond the edge of that direction, or on the edge, to rounding. Does its excess grow from now on? On
+ * the edge the excess can first shrink. */
 bool stick_excess_grows(const Mechanism *m, int direction);
 
 /* Is the torque on the band's edge of that direction, to rounding? */

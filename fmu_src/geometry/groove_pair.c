@@ -20,10 +20,12 @@ static ParameterText parameter_text(const Params *p, int i) {
     ParameterText name;
     switch (cam[i].profile) {
         case PROFILE_HELIX:
-            snprintf(name.text, sizeof name.text, "cam%d.lead_angle = %.17g", i + 1, cam[i].lead_angle);
+            snprintf(name.text, sizeof name.text, "cam%d.lead_angle = %s", i + 1,
+                     shortest_decimal(cam[i].lead_angle).text);
             break;
         case PROFILE_ELLIPSE:
-            snprintf(name.text, sizeof name.text, "cam%d.ellipse_a = %.17g", i + 1, cam[i].ellipse_a);
+            snprintf(name.text, sizeof name.text, "cam%d.ellipse_a = %s", i + 1,
+                     shortest_decimal(cam[i].ellipse_a).text);
             break;
         default:
             snprintf(name.text, sizeof name.text, "cam%d.table = \"%.*s\"", i + 1, csv_quoted(p->table[i], QUOTED_PATH),

@@ -35,8 +35,8 @@ static bool build_straight(Transmission *transmission, const Params *p, Fault *f
 
 static bool check_stops(double lower, double upper, Fault *fault) {
     if (isfinite(lower) && isfinite(upper) && lower < upper) return true;
-    snprintf(fault->text, sizeof fault->text,
-             "stop.lower = %.17g must be < stop.upper = %.17g, and both must be finite", lower, upper);
+    snprintf(fault->text, sizeof fault->text, "stop.lower = %s must be < stop.upper = %s, and both must be finite",
+             shortest_decimal(lower).text, shortest_decimal(upper).text);
     return false;
 }
 

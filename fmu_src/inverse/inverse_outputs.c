@@ -12,9 +12,11 @@ bool inverse_reaches(const Inverse *m, double theta, Fault *fault) {
     const StopParams *stop = &m->params.stop;
     const double margin = rigid_shaft_stop_margin(stop);
     if (has_elastic_shaft(m) || (theta >= stop->lower - margin && theta <= stop->upper + margin)) return true;
-    snprintf(fault->text, sizeof fault->text,
-             "theta = %.17g is beyond the stops: allowed is stop.lower = %.17g to stop.upper = %.17g", theta,
-             stop->lower, stop->upper);
+    const bool below = theta < stop->lower;
+    snprintf(fault->text, sizeof fault->text, "theta = %s is beyond the %s stop: allowed is theta %s %s = %s",
+             shortest_decimal(theta).text, below ? "lower" : "upper",
+             below ? ">=" : "<=", below ? "stop.lower" : "stop.upper",
+             shortest_decimal(below ? stop->lower : stop->upper).text);
     return false;
 }
 

@@ -166,8 +166,7 @@ static const char *quoted_line(Span line, char text[QUOTED_LINE + 1]) {
     if (length > QUOTED_LINE) length = QUOTED_LINE;
     for (size_t i = 0; i < length; i++) {
         const char c = line.begin[i];
-        text[i] = c;
-        if (c < ' ' || c > '~') text[i] = '?';
+        text[i] = c >= ' ' && c <= '~' ? c : '?';
     }
     text[length] = '\0';
     return text;

@@ -9,8 +9,8 @@
  *   (2) clamp s c_j to at least -4 s d_j/h of the right piece and to at most 4 s d_j/h of the left piece.
  *   (3) for each piece e = 2 d0 + c0 h/4 + 2 d1 - c1 h/4; f = min(1, 5 Delta/e) (f = 1 if e has not the sign of Delta).
  *   (4) multiply d_j and c_j by the smallest f of the adjacent pieces.
- * Then the Bernstein coefficients of the derivative, d0, d0 + c0 h/4, 5 Delta - e, d1 - c1 h/4 and d1, all have the sign
- * of the chord (or are 0): each piece is monotone. */
+ * Then the Bernstein coefficients of the derivative, d0, d0 + c0 h/4, 5 Delta - e, d1 - c1 h/4 and d1, all have the
+ * sign of the chord (or are 0): each piece is monotone. */
 #ifndef DUALCAM_SAMPLED_CURVE_H
 #define DUALCAM_SAMPLED_CURVE_H
 

@@ -23,10 +23,12 @@ Excess edge_excess(const SlipMode *slip, double theta);
 /* Is there a torque that moves cam 2 in `direction`? Then *slip is the slip mode along the edge. */
 bool edge_slip(const Mechanism *m, int direction, SlipMode *slip);
 
-/* The changes of theta on the edge, at constant time, from `first` to `end` - 1. 0 where cam 2 rests inside the band. */
+/* The changes of theta on the edge, at constant time, from `first` to `end` - 1. 0 where cam 2 rests inside
+ * the band. */
 void edge_give(const Mechanism *m, const Excess *excess, Variation *x);
 
-/* The times, s per unit, by which the torque passes the edge later, if theta varies as in x. `omega`: rad/s, of cam 2. */
+/* The times, s per unit, by which the torque passes the edge later, if theta varies as in x. `omega`: rad/s, of
+ * cam 2. */
 void edge_delays(const Mechanism *m, int direction, double omega, const Variation *x, double delay[KNOWN_COUNT]);
 
 /* While theta follows the edge: the changes of the speed. */

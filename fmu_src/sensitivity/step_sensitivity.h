@@ -1,5 +1,5 @@
-/* The Jacobian of the latest step: derivatives of theta and omega at its end by theta and omega at its start, by tau and
- * F_ext, which shift by a constant over the whole step, and by the tunable parameters. The chain rule makes of the
+/* The Jacobian of the latest step: derivatives of theta and omega at its end by theta and omega at its start, by tau
+ * and F_ext, which shift by a constant over the whole step, and by the tunable parameters. The chain rule makes of the
  * Jacobians the gradient of a whole run. A master that solves for the torque at a port needs the derivatives by tau.
  *
  * The step is made once more, segment by segment, and the variations d theta, d omega are carried along. Inside a

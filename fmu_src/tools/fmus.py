@@ -99,8 +99,8 @@ def emit_description(identifier: str, version: int, check: bool) -> str:
         With `check`, where the committed file differs.
     """
     committed = DESCRIPTIONS / ("" if version == 2 else f"fmi{version}") / f"{identifier}.xml"
-    files = ("tools/emit.c", f"tools/emit_fmi{version}.c", "fmi/variables.c", "fmi/dependencies.c")
-    emitter = [CORE / name for name in files]
+    own = ("tools/emit.c", f"tools/emit_fmi{version}.c")
+    emitter = [CORE / name for name in (*own, "fmi/variables.c", "fmi/dependencies.c", "model/fault.c")]
     fresh = BUILD / "description" / f"fmi{version}" / committed.name
     names = names_of(core_sources(identifier, version))
     defines = model_defines(identifier, version)

@@ -1,9 +1,10 @@
 """FMI 2.0: wrong references, types, arrays and parameter sets are refused, and nothing is changed."""
 
 import math
+from ctypes import byref, c_int
 
 import pytest
-from driver import ERROR, OK, UNKNOWN_REFERENCE, VALUE, to_c
+from driver import ERROR, MODEL_EXCHANGE, OK, UNKNOWN_REFERENCE, VALUE, EventInfo, to_c
 from fmi2_inputs import DRIVE, SETTABLE, TYPES, drive
 
 # ---- references, types, arrays ----
@@ -110,3 +111,29 @@ def test_tuning_cannot_jam(fmu):
     fmu.start().step(0.01, **drive(fmu, 1.2))
     fmu.refused_set({"cam1.friction": 9.0, "cam2.friction": 9.0}, mentions=("friction",))
     fmu.step(0.01)
+
+
+# ---- calls in the wrong state: the message names the call that leads on ----
+
+
+def test_a_call_in_the_wrong_state_names_the_call_to_make(fmu):
+    step = ("fmi2DoStep", 0.0, 0.1, 1)
+    fmu.refused(*step, mentions=('allowed is "step mode"; call fmi2EnterInitializationMode first',))
+    fmu.ok("fmi2EnterInitializationMode")
+    fmu.refused(*step, mentions=('allowed is "step mode"; call fmi2ExitInitializationMode first',))
+    fmu.ok("fmi2ExitInitializationMode")
+    fmu.refused("fmi2EnterInitializationMode", mentions=("; call fmi2Reset first",))
+    fmu.ok(*step)
+    fmu.ok("fmi2Terminate")
+    fmu.refused("fmi2DoStep", fmu.time, 0.1, 1, mentions=("; call fmi2Reset first",))
+
+
+def test_a_call_of_model_exchange_in_the_wrong_state_names_the_call_to_make(make):
+    fmu = make(kind=MODEL_EXCHANGE)
+    fmu.setup()
+    fmu.ok("fmi2EnterInitializationMode")
+    fmu.ok("fmi2ExitInitializationMode")
+    completed = ("fmi2CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
+    fmu.refused(*completed, mentions=("; call fmi2EnterContinuousTimeMode first",))
+    fmu.settle()
+    fmu.refused("fmi2NewDiscreteStates", byref(EventInfo()), mentions=("; call fmi2EnterEventMode first",))

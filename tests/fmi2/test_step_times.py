@@ -38,7 +38,7 @@ def test_rounding_near_zero_is_relative_to_the_step(fmu):
 @pytest.mark.parametrize("t", [0.3 + 1e-9, 0.2, 0.0, -0.3, 1e300, math.nan, math.inf, -math.inf])
 def test_refuses_another_time(fmu, t):
     fmu.start().step(0.3, **drive(fmu, 1.2))
-    text = fmu.refused("fmi2DoStep", t, 0.1, 1, mentions=(f"{t:.17g}", f"{0.3:.17g}"))
+    text = fmu.refused("fmi2DoStep", t, 0.1, 1, mentions=(f" {t:.9g}:", " 0.3"))
     assert "currentCommunicationPoint" in text
     fmu.step(0.1)
 
@@ -46,7 +46,7 @@ def test_refuses_another_time(fmu, t):
 @pytest.mark.parametrize("h", [0.0, -0.0, -0.1, math.nan, math.inf, -math.inf])
 def test_refuses_step_sizes(fmu, h):
     fmu.start().step(0.3, **drive(fmu, 1.2))
-    fmu.refused("fmi2DoStep", fmu.time, h, 1, mentions=("communicationStepSize", f"{h:.17g}"))
+    fmu.refused("fmi2DoStep", fmu.time, h, 1, mentions=(f"communicationStepSize = {h:.9g}:",))
     fmu.step(0.1)
 
 
@@ -90,3 +90,12 @@ def test_refuses_experiments(fmu, wrong, word):
 def test_accepts_experiments(fmu, good):
     fmu.ok("fmi2SetupExperiment", *good)
     assert last_time(fmu) == good[2]
+
+
+@for_forward
+def test_a_step_below_the_rounding_of_the_time_goes_on_in_a_time_that_stands_still(fmu):
+    fmu.start(FREE, time=1e300)
+    fmu.step(0.001, tau=3.0)
+    fmu.step(0.001)
+    assert last_time(fmu) == 1e300
+    assert fmu.get("omega") == pytest.approx(3.0 * 0.002 / INERTIA, rel=1e-12)

@@ -154,3 +154,14 @@ def test_without_resources_a_table_must_be_absolute(make3, resources):
     fmu.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
     assert fmu.call("ExitInitializationMode") == ERROR
     assert "cam1.table" in fmu.messages[-1].text and "must be absolute" in fmu.messages[-1].text
+
+
+def test_a_call_in_the_wrong_state_names_the_call_to_make(make3):
+    fmu = make3(FORWARD, events=True)
+    fmu.start()
+    flags, time = [c_bool() for _ in range(3)], c_double()
+    step = ("DoStep", 0.0, 0.1, True, *map(byref, flags), byref(time))
+    fmu.ok("EnterEventMode")
+    fmu.refused(*step, mentions=('allowed is "step mode"; call fmi3EnterStepMode first',))
+    fmu.ok("Reset")
+    fmu.refused(*step, mentions=("; call fmi3EnterInitializationMode first",))

@@ -12,6 +12,11 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
+# The rooms below forward and inverse dynamics.
+BELOW_DYNAMICS = (
+    *("platform", "elementary", "numerics", "model", "geometry", "contact"),
+    *("closed_form", "collocation"),
+)
 # Rooms of fmu_src, bottom up, and the rooms from which each one may include besides itself.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "platform": (),
@@ -22,34 +27,10 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "contact": ("platform", "elementary", "numerics", "model", "geometry"),
     "closed_form": ("elementary", "numerics", "model", "contact"),
     "collocation": ("platform", "elementary", "numerics", "model", "geometry", "contact"),
-    "forward": (
-        "platform",
-        "elementary",
-        "numerics",
-        "model",
-        "geometry",
-        "contact",
-        "closed_form",
-        "collocation",
-    ),
-    "inverse": (
-        "platform",
-        "elementary",
-        "numerics",
-        "model",
-        "geometry",
-        "contact",
-        "closed_form",
-        "collocation",
-    ),
-    "sensitivity": (
-        *("platform", "elementary", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
-        *("forward", "inverse"),
-    ),
-    "fmi": (
-        *("platform", "elementary", "numerics", "model", "geometry", "contact", "closed_form", "collocation"),
-        *("forward", "inverse", "sensitivity"),
-    ),
+    "forward": BELOW_DYNAMICS,
+    "inverse": BELOW_DYNAMICS,
+    "sensitivity": (*BELOW_DYNAMICS, "forward", "inverse"),
+    "fmi": (*BELOW_DYNAMICS, "forward", "inverse", "sensitivity"),
     "component": (),
     "fleet": (),
     "web": (),

@@ -45,6 +45,38 @@ def every_run_once(folder, one):
     return np.column_stack([table[name] for name in one.results])
 
 
+def spring_of_wire(coils):
+    """The part of a plan in which the wire decides the stiffness."""
+    return f"""[plan.derived]
+"spring.stiffness" = "'79 GPa' * wire^4 / (8 * '20 mm'^3 * {coils})"
+[plan.constraints]
+soft = "spring.stiffness < 5400"
+"""
+
+
+# A plan without a mistake, in which tests put some; `format` gives the FMU.
+SOUND_PLAN = """
+fmu = "{fmu}"
+results = ["theta@0.2", "efficiency"]
+[parameters]
+"cam2.radius" = "21 mm"
+[plan]
+kind = "latin"
+runs = 100
+[plan.vary]
+peak = {{ distribution = "normal", mean = "8 N.m", std = 1.0, from = 5 }}
+push = {{ from = "100 ms", to = 0.2 }}
+"cam1.friction" = {{ from = 0.1, to = 0.2 }}
+"cam2.friction" = {{ from = 0.1, to = 0.2 }}
+wire = {{ from = "1.9 mm", to = "2.1 mm" }}
+{spring}[[plan.correlation]]
+of = ["cam1.friction", "cam2.friction"]
+rank = 0.8
+[scenario]
+stop = "400 ms"
+inputs.tau = {{ time = [0.0, "push", "push"], value = ["peak", "peak", 0.0] }}
+""".replace("{spring}", spring_of_wire(4))
+
 PLAN = """
 fmu = "{fmu}"
 results = ["efficiency", "theta"]
