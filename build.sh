@@ -78,7 +78,7 @@ usage: ./build.sh [command] [arguments]
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
   mutants  400 small mistakes in a copy of the C code, and which of them the tests notice (ten minutes); writes
            benchmarks/results/mutants.csv; arguments go to benchmarks.test_strength.mutants
-  coverage the branches of the C code that the tests take, in a copy (two minutes); writes
+  coverage the branches of the C code that the tests take, in a copy (half an hour; --again: what has changed); writes
            benchmarks/results/coverage.csv; arguments go to benchmarks.test_strength.coverage
   ssp      build, then make SSP packages of the examples and run them in ecos and libcosim; writes docs/ssp.md
   docs     build, then make the documentation site in build/docs (half a minute) and check its links; `docs links`

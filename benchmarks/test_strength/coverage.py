@@ -185,6 +185,11 @@ def report(rows: Sequence[Row], measured: Sequence[Taken], console: results.Cons
             file, function, text, value = branch
             place = f"{file}:{taken.decision.line} {function}()"
             results.say(console, f"{place} {text} is never {str(value).lower()}: {known.get(branch, '')}")
+    left = {branch for taken in measured for branch in taken.missing()}
+    for file, function, text, value in known.keys() - left:
+        results.say(
+            console, f"{file} {function}() {text} is {str(value).lower()} now: remove it from {UNREACHED}"
+        )
     console.print(shown)
 
 

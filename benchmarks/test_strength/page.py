@@ -117,7 +117,10 @@ BRANCHES = """
 A branch is a condition of the C code with one of its two values. The marks are set in the source text, so
 that optimisation does not change the counts. Macros and generated tables have no marks. MC/DC asks more: for
 each condition of a decision, two evaluations show that this condition alone changes the decision. Conditions
-that `&&` and `||` leave out may differ ("masking" MC/DC).
+that `&&` and `||` leave out may differ ("masking" MC/DC). A condition with one possible value has no branches
+of its own: a call that logs a refusal is always false, and a macro is constant. The tests are those of
+`benchmarks/test_strength/branch_tests.txt`, {tests} test files and folders. They drive the FMUs, functions of
+the C code, and the native programs that let allocations fail and replay the inputs of the fuzzer.
 
 """
 
@@ -131,7 +134,7 @@ def coverage_part(rows: Sequence[dict[str, str]]) -> str:
         for row in rows
     ]
     head = ["room or file", "branches", "taken", "%", "MC/DC, %", "not taken, without a reason"]
-    text = BRANCHES + table(head, lines)
+    text = BRANCHES.format(tests=len(coverage.TESTS.read_text().split())) + table(head, lines)
     text += f"\nThe target is {coverage.TARGET:g} % of the branches. " + measured(rows[0])
     text += "`benchmarks/test_strength/unreached.toml` gives the reason for branches that no test takes.\n"
     return text
