@@ -126,17 +126,23 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
 }
 
 /* Where the load of a contact passes zero, both of its flanks give the same loads and the same acceleration: the motion
- * goes on without a jump if the contact changes its flank and the other contact does not. The index of this slip mode,
- * or -1 where a load that is not zero disagrees with its flank. */
-static int slip_across_zero(int present, const Candidate *candidate) {
+ * goes on without a jump if the contact changes its flank and the other contact does not. A contact without load suits
+ * either flank, and takes the one that the axial load presses. The index of this slip mode, or -1 where a load that is
+ * not zero disagrees with its flank. */
+static int slip_across_zero(const Mechanism *m, int present, const Candidate *candidate) {
     const int direction = slip_direction(present);
     int flank[2];
     slip_flanks(present, flank);
     if (!candidate->possible) return -1;
     for (int i = 0; i < 2; i++) {
-        if (flank_agrees(candidate, direction, flank[i], i)) continue;
-        if (fabs(candidate->contact[i].value) > REACTION_ZERO_SHARE * candidate->size[i].value) return -1;
-        flank[i] = -flank[i];
+        const bool agreed = flank_agrees(candidate, direction, flank[i], i);
+        if (fabs(candidate->contact[i].value) > REACTION_ZERO_SHARE * candidate->size[i].value) {
+            if (!agreed) return -1;
+        } else if (!agreed) {
+            flank[i] = -flank[i];
+        } else if (flank_agrees(candidate, direction, -flank[i], i)) {
+            flank[i] = load_sign(m, direction);
+        }
     }
     return slip_index(direction, flank);
 }
@@ -151,7 +157,7 @@ static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const bool stays = m->state.mode == mode;
     if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate, 1.0)))
         return (Decision){.mode = mode, .slip_index = present};
-    const int across = stays ? slip_across_zero(present, &candidate) : -1;
+    const int across = stays ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
         const Candidate next = candidate_building(m, across, built);
         if (agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
