@@ -279,3 +279,50 @@ def test_a_wedge_under_load_friction_ends_where_flanks_agree(make, parts):
     fmu.set_rates(tau=-1.0)
     assert fmu.call("fmi2DoStep", 0.0, 1.0 / parts, 1) == ERROR
     assert "the contacts jam and let go without end" in fmu.messages[-1].text
+
+
+# ---- moving contacts whose load passes zero ----
+
+# Contact 2 alone locks. Under a torque that turns the inertia two pairs of flanks agree where R_1 is zero.
+TWO_PAIRS = {
+    "cam1.radius": 0.0143,
+    "cam2.radius": 0.19,
+    "cam1.lead_angle": 0.3,
+    "cam2.lead_angle": 0.01,
+    "cam1.friction": 0.21,
+    "cam2.friction": 0.124,
+    "spring.stiffness": 0.0,
+    "spring.preload": 0.0,
+    "inertia.shaft": 0.16,
+    "inertia.follower": 2.4e-4,
+    "stop.lower": -50.0,
+    "stop.upper": 50.0,
+    "initial.omega": 1.0,
+    "contacts": 1,
+}
+
+
+def balance(p, tau, load, flanks):
+    """R_1/h_1, R_2/h_2 and alpha of loading in helices: the axial balance and two moment balances."""
+    r = p["cam1.radius"], p["cam2.radius"]
+    a = [r[i] * math.tan(p[f"cam{i + 1}.lead_angle"]) for i in (0, 1)]
+    f = [e * p[f"cam{i + 1}.friction"] for i, e in enumerate(flanks)]
+    rn, d = [r[i] * (a[i] + f[i] * r[i]) for i in (0, 1)], [r[i] - f[i] * a[i] for i in (0, 1)]
+    J, inertia = p["inertia.shaft"], p["inertia.follower"] * a[1] / (a[0] + a[1])
+    return np.linalg.solve([[d[0], d[1], 0.0], [rn[0], 0.0, J + inertia], [0.0, rn[1], J]], [load, tau, tau])
+
+
+@pytest.mark.parametrize("pieces", CUTS)
+def test_a_contact_whose_load_passes_zero_changes_its_flank_alone(make_model, pieces):
+    """The axial load falls. At R_1 = 0 the speed goes on with the same acceleration, although another pair of
+    flanks agrees too, with another acceleration. alpha is linear in the load, and the load in time."""
+    tau, end = 500.0, 1e-3
+    zero = brentq(lambda load: balance(TWO_PAIRS, tau, load, (1, 1))[0], 0.0, 100.0)
+    other = balance(TWO_PAIRS, tau, zero, (1, -1))
+    assert other[0] > 0.0 > other[1]
+    speed, loads = TWO_PAIRS["initial.omega"], (1.5 * zero, zero, 0.5 * zero)
+    for flanks, phase in (((1, 1), loads[:2]), ((-1, 1), loads[1:])):
+        speed += 0.25 * end * sum(balance(TWO_PAIRS, tau, load, flanks)[2] for load in phase)
+    fmu = make_model(FORWARD).start(TWO_PAIRS)
+    assert run(fmu, end, pieces, (tau, 0.0), (loads[0], -zero / end)) == OK
+    assert fmu.get("omega") == pytest.approx(speed, rel=1e-10)

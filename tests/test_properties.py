@@ -6,6 +6,7 @@
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from driver import ERROR, OK, VARIABLES, Driver
 from hypothesis import HealthCheck, assume, example, given, settings
@@ -20,6 +21,8 @@ from reference import (
     UPPER_STOP,
     Grooves,
     Mechanism,
+    Refused,
+    Slip,
     groove_of,
     write_table,
 )
@@ -389,6 +392,32 @@ def wedges(parameters, a, mu, tau, force) -> bool:
     return not any(pair_agrees(parameters, a, mu, tau, force, way, pair) for way in (1, -1) for pair in pairs)
 
 
+def loaded_pair_agrees(mechanism, kin, tau, force, way, flank) -> bool:
+    """The same where friction depends on the load, by the reference; a contact that the load locks does not
+    move. `force` is F_ext."""
+    slip = Slip(way, flank)
+    try:
+        load, mu = mechanism._loaded(kin, slip, 0.0, tau, force)
+    except (Refused, np.linalg.LinAlgError):
+        return False
+    q = mechanism._balance(kin, slip, tuple(mu))
+    carried = q.d1 * mechanism.r2 * q.n2 * mechanism.I * kin.dgamma
+    by_alpha = q.delta * mechanism.J + carried + q.product * mechanism.m * kin.dz
+    least = TOLERANCE * (abs(load.x1) + abs(load.x2))
+    presses = flank[0] * load.x1 > least and flank[1] * load.x2 > least
+    return way * load.alpha > 0.0 and presses and by_alpha * q.delta > 0.0
+
+
+def loaded_wedges(mechanism, theta, tau, force) -> bool:
+    """As wedges()."""
+    if not mechanism.inertial:
+        return False
+    kin, pairs = mechanism.groove.at(theta), ((1, 1), (1, -1), (-1, 1), (-1, -1))
+    return not any(
+        loaded_pair_agrees(mechanism, kin, tau, force, way, pair) for way in (1, -1) for pair in pairs
+    )
+
+
 def rests(fmu: Driver, parameters, grooves) -> bool:
     """May it stand still there? The geometry is that of the reference."""
     tau, theta, mode, gamma = (fmu.get(name) for name in ("tau", "theta", "mode", "gamma"))
@@ -421,8 +450,12 @@ def rests(fmu: Driver, parameters, grooves) -> bool:
         return theta == parameters["stop.lower"] and tau <= release + rounding
     if mode == UPPER_STOP:
         return theta == parameters["stop.upper"] and tau >= load - rounding
-    if not mechanism.is_loaded and not release <= tau <= load and wedges(parameters, a, mu, tau, force):
-        return True
+    if not release <= tau <= load:
+        pull = fmu.get("F_ext")
+        if mechanism.is_loaded and loaded_wedges(mechanism, theta, tau, pull):
+            return True
+        if not mechanism.is_loaded and wedges(parameters, a, mu, tau, force):
+            return True
     # without any force the pin wedges as under the smallest one, of either sign
     signs = [math.copysign(1.0, force)] if force else [1.0, -1.0]
     return any(math.isinf(edge) for sign in signs for edge in edges(abs(force or 1.0) * sign))

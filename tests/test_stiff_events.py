@@ -187,6 +187,29 @@ def test_a_locked_contact_lets_a_dwell_pass(make_model, tmp_path):
         assert fmu.get("energy.heat_cam1") <= 1e-12
 
 
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("order", [2, 3])
+def test_a_motion_that_begins_slowly_against_a_damper_alone_finds_its_flanks(make_model, way, order):
+    """No force acts at first, and the torque begins like t^2 or t^3: neither a load nor its rates tell the
+    flanks. J alpha = tau - rho c z' omega, on the flanks that the damper presses."""
+    J, c, r, mu, lead, end = 0.01, 100.0, 0.02, 0.3, 1.0, 0.1
+    parameters = (
+        LEVEL | {f"cam{i}.friction": mu for i in (1, 2)} | {f"cam{i}.lead_angle": lead for i in (1, 2)}
+    )
+    parameters |= {"damper.c_load": c, "damper.c_release": c, "initial.theta": 0.5, "stop.upper": 1.0}
+    fmu = make_model(FORWARD).start(parameters)
+    assert (fmu.get("cam1.radius"), fmu.get("cam2.radius")) == (r, r)
+    step(fmu, end, 0.0, tuple(way * 10.0 / end**k if k == order else 0.0 for k in (1, 2, 3)))
+    a = r * math.tan(lead)
+    drag = 0.5 * r * (a + mu * r) / (r - mu * a) * c * 0.5 * a
+
+    def rates(t, x):
+        return [x[1], (way * 10.0 * (t / end) ** order / math.factorial(order) - drag * x[1]) / J]
+
+    wanted = solve_ivp(rates, (0.0, end), [0.5, 0.0], "DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert [fmu.get("theta"), fmu.get("omega")] == pytest.approx(wanted, rel=1e-8)
+
+
 # ---- stiff steps ----
 
 STIFF = {

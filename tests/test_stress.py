@@ -10,6 +10,7 @@ from benchmarks.stress import forces, judges
 from benchmarks.stress.drive import prepare
 from benchmarks.stress.families import FAMILIES, RANDOM
 from benchmarks.stress.judges import judge
+from benchmarks.stress.laws import random_law
 from benchmarks.stress.mechanisms import Tables
 
 SHARE = {"tolerances": 60, "lead": 40, "friction": 40, "dwell": 60}
@@ -38,6 +39,16 @@ def test_some_of_each_row(name, libraries, tmp_path, monkeypatch):
 @pytest.mark.parametrize(("name", "seed"), [("fuzz", 1), ("fuzz_laws", 3)])
 def test_some_at_random(name, seed, libraries, tmp_path):
     assert not wrong(RANDOM[name](Tables(tmp_path), 60, seed), libraries)
+
+
+@pytest.mark.parametrize("number", [722, 1180, 2346, 2378])
+def test_a_change_of_flanks_does_not_depend_on_cuts(number, libraries, tmp_path):
+    """1180: the load comes back above the speed of a jam, again and again, and no flanks agree: rounding must
+    not choose flanks that press against each other. 2346: after the change the motion leaves an unstable
+    balance. 2378: a reaction passes zero where two pairs of flanks agree. 722: the other reaction passes zero
+    too, and is less than its rounding."""
+    verdict = judge(random_law(Tables(tmp_path), number), libraries)
+    assert verdict.judged and not verdict.problems
 
 
 def test_changed_data_stay_within_their_limits():

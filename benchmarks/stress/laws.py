@@ -88,12 +88,17 @@ def with_law(rng: np.random.Generator, scene: Scene) -> Scene:
     return replace(scene, params=scene.params | drawn)
 
 
+def random_law(tables: Tables, number: int, seed: int = 0) -> Scene:
+    """One scene of fuzz_laws()."""
+    rng = np.random.default_rng([78, seed, number])
+    return replace(with_law(rng, draw(rng, tables)), label=f"law {number}")
+
+
 def fuzz_laws(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
     """Everything at random, and friction laws over many decades."""
     row = f"everything and friction laws at random ({count} scenes of 0.1 to 1 s)"
     for number in range(count):
-        rng = np.random.default_rng([78, seed, number])
-        yield replace(with_law(rng, draw(rng, tables)), row=row, label=f"law {number}")
+        yield replace(random_law(tables, number, seed), row=row)
 
 
 def force_of(params: Params) -> float:

@@ -88,7 +88,8 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
 /* ---- in grooves of any shape ---- */
 
 /* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the value of x_i a little
- * later decides; this value takes the place of the second derivative. */
+ * later decides; this value takes the place of the second derivative. What the acceleration then has beyond the present
+ * alpha and jerk has grown at least like t^2: the speed gains a third of it, and a damper's load follows that speed. */
 static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
     const double dt = CANDIDATE_LOOK_AHEAD * min_of(1.0, radau_step_time_scale(slip, now));
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
@@ -96,6 +97,10 @@ static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candi
         now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));
     Balance later;
     balance_at(slip, theta, omega, dt, &later);
+    if (slip->regime == REGIME_INERTIAL) {
+        const double gained = later.alpha - (candidate->alpha + dt * candidate->jerk);
+        balance_at(slip, theta, omega + dt / 3.0 * gained, dt, &later);
+    }
     for (int i = 0; i < 2; i++) {
         candidate->contact[i].second = later.x[i];
         candidate->size[i].second = candidate->size[i].value;

@@ -76,10 +76,17 @@ static bool overflows(const Candidate *candidate) {
     return candidate->possible && !finite;
 }
 
-/* The index of the slip mode whose flanks agree, or -1. Where none does, one that leaves the range of numbers: the step
- * is then refused in this mode. *built receives the coefficients of the last candidate that had
- * none in the model; mostly this is the slip mode that is found. */
-static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, LinearSlipMode *built) {
+/* What the search for a slip mode starts from. */
+typedef enum {
+    FROM_REST,
+    FROM_MOTION, /* the mechanism moves, and its flanks are not known */
+    FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
+} SearchStart;
+
+/* The index of the slip mode whose flanks agree, or -1. Where none does, from a motion one that is just before a change
+ * of flanks, or one that leaves the range of numbers: the step is then refused in this mode. *built receives the
+ * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
+static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int unstable = -1, before = -1, overflowing = -1;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
@@ -87,9 +94,9 @@ static int find_slip_mode(const Mechanism *m, int direction, bool at_rest, Linea
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
-        if (!at_rest && before < 0 && is_before_change(index, &candidate, 0.0)) before = index;
+        if (from == FROM_MOTION && before < 0 && is_before_change(index, &candidate, 0.0)) before = index;
         if (overflows(&candidate)) overflowing = index;
-        if (!agrees(m, index, &candidate, at_rest)) continue;
+        if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
         if (candidate.stable) return index;
         if (unstable < 0) unstable = index;
     }
@@ -112,13 +119,36 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
     /* The loads of a slip that begins later do not tell the flanks now. */
     if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
-    const int index = find_slip_mode(m, direction, true, built);
+    const int index = find_slip_mode(m, direction, FROM_REST, built);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
-/* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. */
+/* Where the load of a contact passes zero, both of its flanks give the same loads and the same acceleration: the motion
+ * goes on without a jump if the contact changes its flank and the other contact does not. A contact without load suits
+ * either flank, and takes the one that the axial load presses. The index of this slip mode, or -1 where a load that is
+ * not zero disagrees with its flank. */
+static int slip_across_zero(const Mechanism *m, int present, const Candidate *candidate) {
+    const int direction = slip_direction(present);
+    int flank[2];
+    slip_flanks(present, flank);
+    if (!candidate->possible) return -1;
+    for (int i = 0; i < 2; i++) {
+        const bool agreed = flank_agrees(candidate, direction, flank[i], i);
+        if (fabs(candidate->contact[i].value) > REACTION_ZERO_SHARE * candidate->size[i].value) {
+            if (!agreed) return -1;
+        } else if (!agreed) {
+            flank[i] = -flank[i];
+        } else if (flank_agrees(candidate, direction, -flank[i], i)) {
+            flank[i] = load_sign(m, direction);
+        }
+    }
+    return slip_index(direction, flank);
+}
+
+/* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
+ * agree, the one that continues the motion comes first. */
 static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
@@ -127,7 +157,13 @@ static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const bool stays = m->state.mode == mode;
     if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate, 1.0)))
         return (Decision){.mode = mode, .slip_index = present};
-    const int index = find_slip_mode(m, direction, false, built);
+    const int across = stays ? slip_across_zero(m, present, &candidate) : -1;
+    if (across >= 0) {
+        const Candidate next = candidate_building(m, across, built);
+        if (agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
+    }
+    int index = find_slip_mode(m, direction, stays ? FROM_FLANKS : FROM_MOTION, built);
+    if (index < 0 && stays && is_before_change(present, &candidate, 0.0)) index = present;
     return (Decision){.mode = index < 0 ? MODE_WEDGED : mode, .slip_index = index};
 }
 
@@ -160,7 +196,7 @@ void build_linear_slip(Mechanism *m, int index) {
 int slip_mode_of_moving(Mechanism *m, int direction) {
     LinearSlipMode built;
     built.direction = 0;
-    const int index = find_slip_mode(m, direction, false, &built);
+    const int index = find_slip_mode(m, direction, FROM_MOTION, &built);
     keep_linear_slip(m, &built);
     return index;
 }

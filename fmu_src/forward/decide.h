@@ -21,7 +21,8 @@ void enter_decided_mode(Mechanism *m);
 
 /* The slip mode in `direction` (+1, -1) whose flanks agree with their own reactions: its index, or -1 if there is
  * none. Several slip modes can agree where a contact locks; then the pair of supporting flanks comes first
- * (docs/mechanism.md, section 3). The mechanism moves in that direction, or is about to. */
+ * (docs/mechanism.md, section 3), except where the load of a moving contact passes zero (decide.c). The mechanism moves
+ * in that direction, or is about to. */
 int slip_mode_of_moving(Mechanism *m, int direction);
 
 /* Contacts that held the speed at the limit of a jam let go (collocation/step_indicator.h): they take the flanks that
