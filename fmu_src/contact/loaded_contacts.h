@@ -18,12 +18,14 @@
 #include "contact/contact_factors.h"
 #include "model/friction_law.h"
 #include "model/params.h"
+#include "model/work.h"
 
 typedef struct {
     const Params *params;
     int direction, flank[2];
     double slope[2]; /* m/rad, a_i */
     double speed[2]; /* m/s, v_i */
+    Work *work;      /* counts iterations, or NULL */
 } LoadedPin;
 
 /* T = torque - by_alpha.torque alpha, A = axial + by_alpha.axial alpha, W likewise. */
