@@ -7,6 +7,7 @@
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
 #include "numerics/bernstein.h"
+#include "numerics/golden_section.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
@@ -258,6 +259,7 @@ typedef struct {
 COMPACT static double loaded_excess(const void *context, double t) {
     const LoadedRest *rest = context;
     const Mechanism *m = rest->m;
+    work_add(m->work, WORK_OF_SEGMENT);
     const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
     const double F_0 = rest->F_0 - m->inputs.F_ext[0] + F_ext;
     const BandFactors band = contact_band_under(&m->params, &m->configuration.geometry, fabs(F_0));
@@ -268,14 +270,22 @@ COMPACT static double loaded_excess(const void *context, double t) {
     return rest->sign * (tau - stick_edge(factor, F_0)) - rest->ties * tie;
 }
 
-/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. */
+/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. Where a sample
+ * exceeds its neighbours, the largest excess in between counts too. */
 COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
-    double before = 0.0, f_before = min_of(loaded_excess(rest, 0.0), 0.0);
+    double t[3] = {0.0, 0.0, 0.0}, f[3] = {-INFINITY, -INFINITY, min_of(loaded_excess(rest, 0.0), 0.0)};
     for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
-        const double t = t_end * k / (int)LOADED_REST_SAMPLES, f = loaded_excess(rest, t);
-        if (f > 0.0) return root_between(loaded_excess, rest, before, f_before, t, f);
-        before = t;
-        f_before = f;
+        for (int j = 0; j < 2; j++) { /* the latest three samples */
+            t[j] = t[j + 1];
+            f[j] = f[j + 1];
+        }
+        t[2] = t_end * k / (int)LOADED_REST_SAMPLES;
+        f[2] = loaded_excess(rest, t[2]);
+        if (f[2] > 0.0) return root_between(loaded_excess, rest, t[1], f[1], t[2], f[2]);
+        if (!(f[1] < 0.0 && f[1] > f[0] && f[1] > f[2])) continue;
+        const GoldenSectionMaximum top =
+            golden_section_maximum(loaded_excess, rest, t[0], t[2], LOADED_REST_GOLDEN_STEPS);
+        if (top.value > 0.0) return root_between(loaded_excess, rest, t[0], f[0], top.x, top.value);
     }
     return INFINITY;
 }
