@@ -229,23 +229,24 @@ LoadResponse loaded_contacts_along_groove(const LoadedPin *pin, const LoadedCont
 
 /* ---- the stick band ---- */
 
-static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direction, const int flank[2]) {
+static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direction, const int flank[2], Work *work) {
     return (LoadedPin){
         .params = params,
         .direction = direction,
         .flank = {flank[0], flank[1]},
         .slope = {g->slope[0], g->slope[1]},
+        .work = work,
     };
 }
 
 /* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. */
 COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
-                                Transfer *transfer) {
+                                Transfer *transfer, Work *work) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     const LoadTerms loads = {.axial = F_0};
     for (int k = 0; k < candidates; k++) {
         flank_pair(k, 1, flank);
-        const LoadedPin pin = pin_at_rest(params, g, direction, flank);
+        const LoadedPin pin = pin_at_rest(params, g, direction, flank, work);
         LoadedContacts c;
         loaded_contacts_under(&pin, &loads, &c);
         if (!c.possible || flank[0] * c.x[0] < 0.0 || flank[1] * c.x[1] < 0.0) continue;
@@ -257,28 +258,28 @@ COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, i
     return false;
 }
 
-bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
-                        Transfer *transfer) {
+bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2], Transfer *transfer,
+                        Work *work) {
     if (!any_friction_depends_on_load(params)) return contact_edge(g, direction, flank, transfer);
-    return loaded_edge(params, g, max_of(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
+    return loaded_edge(params, g, max_of(F_0, LOADED_LEAST_FORCE), direction, flank, transfer, work);
 }
 
-COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0) {
+COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0, Work *work) {
     BandFactors band = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     Geometry edge = *g;
     int flank[2];
     Transfer t;
-    if (contact_edge_under(params, &edge, F_0, 1, flank, &t)) {
+    if (contact_edge_under(params, &edge, F_0, 1, flank, &t, work)) {
         band.load = t.rho;
         band.load_rate = t.rho_rate;
     }
-    if (contact_edge_under(params, &edge, F_0, -1, flank, &t)) {
+    if (contact_edge_under(params, &edge, F_0, -1, flank, &t, work)) {
         band.release = t.rho;
         band.release_rate = t.rho_rate;
     }
     return band;
 }
 
-BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0) {
-    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0) : contact_band(g);
+BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0, Work *work) {
+    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0, work) : contact_band(g);
 }
