@@ -144,22 +144,21 @@ static bool guess(RadauSystem *s, NewtonMatrix *newton) {
 /* ---- Newton's method ---- */
 
 /* Right-hand sides at the nodes of the present iterate; with `balances` the whole balances too. False if a node has
- * left the range in which the slip mode is possible. */
+ * left the range in which the slip mode is possible: mostly the last node, so that the nodes are visited backwards. */
 static bool evaluate(RadauSystem *s, RightHandSide rhs[RADAU_MAX], Balance *balances) {
-    bool possible = true;
     radau_system_place_nodes(s);
-    for (int i = 0; i < s->method->stages; i++) {
+    for (int i = s->method->stages - 1; i >= 0; i--) {
         const double theta = s->start->theta + s->dtheta[i], omega = s->omega[i], t = s->method->node[i] * s->h;
-        possible = possible && radau_system_is_inside(s, theta);
+        if (!radau_system_is_inside(s, theta)) return false;
         if (balances != NULL) {
             balance_at(s->slip, theta, omega, t, &balances[i]);
             rhs[i] = balances[i].rhs;
         } else {
             rhs[i] = balance_rhs(s->slip, theta, omega, t);
         }
-        possible = possible && rhs[i].possible && isfinite(rhs[i].value);
+        if (!rhs[i].possible || !isfinite(rhs[i].value)) return false;
     }
-    return possible;
+    return true;
 }
 
 /* Corrects y once. `fresh`: with the derivatives at the present nodes. Fills *largest with the largest correction.

@@ -16,7 +16,7 @@ NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b
     double slope[2];
     for (int i = 0; i < 2; i++) slope[i] = sqrt(max_of(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
     const Geometry g = cam_geometry(cam, slope);
-    const BandFactors band = contact_band_under(slip->params, &g, fabs(b->force));
+    const BandFactors band = contact_band_under(slip->params, &g, fabs(b->force), slip->work);
     const bool loads = (slip->direction > 0) == (b->force >= 0.0);
     return slip->direction * (b->tau - (loads ? band.load : band.release) * b->force);
 }

@@ -130,7 +130,7 @@ static bool loads_under_spring(const Params *p, const TransmissionPoint *point) 
     Geometry g = cam_geometry(p->cam, point->slope);
     int flank[2];
     Transfer transfer;
-    return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer);
+    return F_s == 0.0 || contact_edge_under(p, &g, fabs(F_s), 1, flank, &transfer, NULL);
 }
 
 COMPACT static bool loads_at(const Params *p, const TransmissionPiece *piece, double theta) {

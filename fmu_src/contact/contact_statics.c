@@ -1,6 +1,7 @@
 #include "contact/contact_statics.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "contact/contact_factors.h"
 #include "contact/loaded_contacts.h"
@@ -91,7 +92,7 @@ bool contact_statics_forces(ContactStatics *statics, int direction, const Load *
 bool contact_statics_on_edge(ContactStatics *statics, int direction, double F_0, ContactForces *forces) {
     const int side = F_0 < 0.0 ? -1 : 1;
     if (!contact_edge_under(statics->params, &statics->geometry, fabs(F_0), side * direction, forces->flank,
-                            &forces->transfer))
+                            &forces->transfer, NULL))
         return false;
     for (int i = 0; i < 2; i++) forces->flank[i] *= side;
     const Load load = {.axial = F_0};

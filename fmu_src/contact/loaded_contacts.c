@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "elementary/elementary.h"
+#include "numerics/root.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -77,17 +78,16 @@ COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
     return single && (grows || f.delta * c->tangent.delta > 0.0);
 }
 
-/* The iteration starts as if no friction acted. An iteration whose changes do not shrink is damped. */
-COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
-    const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)}, none[2] = {0.0, 0.0};
+/* Improves x_i from those in *c. An iteration whose changes shrink too slowly is damped: with the share s of the change
+ * made, the next change can be no smaller than 1 - s of the latest (P. Deuflhard, Newton Methods for Nonlinear Problems,
+ * 2004, section 3.3). */
+COMPACT static void iterate(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
+                            LoadedContacts *c) {
+    const double reaction[2] = {loaded_pin_reaction(pin, 0), loaded_pin_reaction(pin, 1)};
     double rest[2], before = INFINITY, share = 1.0;
-    c->alpha = 0.0;
-    for (int i = 0; i < 2; i++) contact_factors_set(&c->tangent, i, pin->params->cam[i].radius, 0.0, pin->slope[i]);
-    contact_factors_multiply(&c->tangent);
-    c->x[0] = c->x[1] = 0.0;
-    improve(pin, loads, by_alpha, none, 1.0, c);
     c->possible = false;
     for (int n = 0; n < LOADED_ITERATIONS; n++) {
+        work_add(pin->work, 1);
         linearise(pin, reaction, c, rest);
         const double change = improve(pin, loads, by_alpha, rest, share, c);
         const bool stalls = change <= LOADED_STALLED && change > 0.5 * before; /* at rounding */
@@ -98,9 +98,93 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
             c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
             return;
         }
-        share = change > 0.5 * before ? max_of(0.5 * share, 0.05) : min_of(2.0 * share, 1.0);
+        const bool slow = change > (1.0 - LOADED_SHARE_GAINED * share) * before;
+        share = slow ? max_of(0.5 * share, LOADED_LEAST_SHARE) : min_of(2.0 * share, 1.0);
         before = change;
     }
+}
+
+/* The balance as if no friction acted. */
+COMPACT static void begin(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
+    const double none[2] = {0.0, 0.0};
+    c->alpha = 0.0;
+    for (int i = 0; i < 2; i++) contact_factors_set(&c->tangent, i, pin->params->cam[i].radius, 0.0, pin->slope[i]);
+    contact_factors_multiply(&c->tangent);
+    c->x[0] = c->x[1] = 0.0;
+    improve(pin, loads, by_alpha, none, 1.0, c);
+}
+
+/* ---- where Newton's method ends nowhere ---- */
+
+typedef struct {
+    const LoadedPin *pin;
+    const LoadTerms *loads, *by_alpha;
+} Elimination;
+
+/* What follows from x_2: alpha, x_1, and by how much the friction force f_1 x_1 misses the law. */
+typedef struct {
+    double alpha, x1, missed;
+} Eliminated;
+
+/* Contact i passes on r_i (a_i x_i + r_i q_i) as torque and r_i x_i - a_i q_i as axial force, with q_i = f_i x_i. So x_2
+ * gives both for contact 2, the balances give both for contact 1, and these two forces are linear in x_1 and q_1. */
+COMPACT static Eliminated eliminate(const Elimination *e, double x2) {
+    const LoadedPin *pin = e->pin;
+    const CamParams *cam = pin->params->cam;
+    const double r1 = cam[0].radius, r2 = cam[1].radius, a1 = pin->slope[0], a2 = pin->slope[1];
+    work_add(pin->work, 1);
+    const double mu2 = friction_under(&cam[1], pin->speed[1], fabs(x2) * loaded_pin_reaction(pin, 1)).value;
+    const double q2 = sign_on(pin, 1) * mu2 * x2, torque2 = r2 * (a2 * x2 + r2 * q2);
+    LoadTerms loads = *e->loads;
+    Eliminated out = {.alpha = 0.0};
+    if (e->by_alpha != NULL) {
+        out.alpha = (loads.torque - torque2) / e->by_alpha->torque;
+        loads.axial += e->by_alpha->axial * out.alpha;
+        loads.moment += e->by_alpha->moment * out.alpha;
+    }
+    const double torque1 = torque2 - loads.moment, axial1 = loads.axial - (r2 * x2 - a2 * q2);
+    const double inverse = 1.0 / (r1 * r1 + a1 * a1);
+    out.x1 = (r1 * axial1 + a1 * torque1 / r1) * inverse;
+    const double mu1 = friction_under(&cam[0], pin->speed[0], fabs(out.x1) * loaded_pin_reaction(pin, 0)).value;
+    out.missed = (torque1 - a1 * axial1) * inverse - sign_on(pin, 0) * mu1 * out.x1;
+    return out;
+}
+
+static double missed_by(const void *context, double x2) {
+    return eliminate(context, x2).missed;
+}
+
+/* Samples x_2 on its flank over LOADED_SEARCH_DECADES on both sides of `size`, N/m, from small loads on, for a balance
+ * that is the only answer and has both reactions on their flanks. */
+COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
+                           LoadedContacts *c) {
+    const Elimination e = {pin, loads, by_alpha};
+    if (!(size > 0.0 && isfinite(size)) || (by_alpha != NULL && by_alpha->torque == 0.0)) return;
+    const double end = size * LOADED_SEARCH_RANGE;
+    double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
+    while (fabs(before) < end) { /* at most 60 turns: from 1e-6 to 1e6 */
+        const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
+        if ((missed > 0.0) != (missed_before > 0.0)) {
+            c->x[1] = root_between(missed_by, &e, before, missed_before, after, missed);
+            const Eliminated found = eliminate(&e, c->x[1]);
+            c->x[0] = found.x1;
+            c->alpha = found.alpha;
+            iterate(pin, loads, by_alpha, c);
+            if (c->possible && pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0) return;
+        }
+        before = after;
+        missed_before = missed;
+    }
+    c->possible = false;
+}
+
+/* The iteration starts as if no friction acted. */
+COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
+    const CamParams *cam = pin->params->cam;
+    begin(pin, loads, by_alpha, c);
+    const double size = max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
+    iterate(pin, loads, by_alpha, c);
+    if (!c->possible) search(pin, loads, by_alpha, size, c);
 }
 
 NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {
@@ -145,23 +229,24 @@ LoadResponse loaded_contacts_along_groove(const LoadedPin *pin, const LoadedCont
 
 /* ---- the stick band ---- */
 
-static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direction, const int flank[2]) {
+static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direction, const int flank[2], Work *work) {
     return (LoadedPin){
         .params = params,
         .direction = direction,
         .flank = {flank[0], flank[1]},
         .slope = {g->slope[0], g->slope[1]},
+        .work = work,
     };
 }
 
 /* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. */
 COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
-                                Transfer *transfer) {
+                                Transfer *transfer, Work *work) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     const LoadTerms loads = {.axial = F_0};
     for (int k = 0; k < candidates; k++) {
         flank_pair(k, 1, flank);
-        const LoadedPin pin = pin_at_rest(params, g, direction, flank);
+        const LoadedPin pin = pin_at_rest(params, g, direction, flank, work);
         LoadedContacts c;
         loaded_contacts_under(&pin, &loads, &c);
         if (!c.possible || flank[0] * c.x[0] < 0.0 || flank[1] * c.x[1] < 0.0) continue;
@@ -173,28 +258,28 @@ COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, i
     return false;
 }
 
-bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
-                        Transfer *transfer) {
+bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2], Transfer *transfer,
+                        Work *work) {
     if (!any_friction_depends_on_load(params)) return contact_edge(g, direction, flank, transfer);
-    return loaded_edge(params, g, max_of(F_0, LOADED_LEAST_FORCE), direction, flank, transfer);
+    return loaded_edge(params, g, max_of(F_0, LOADED_LEAST_FORCE), direction, flank, transfer, work);
 }
 
-COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0) {
+COMPACT static BandFactors loaded_band(const Params *params, const Geometry *g, double F_0, Work *work) {
     BandFactors band = {INFINITY, -INFINITY, INFINITY, -INFINITY};
     Geometry edge = *g;
     int flank[2];
     Transfer t;
-    if (contact_edge_under(params, &edge, F_0, 1, flank, &t)) {
+    if (contact_edge_under(params, &edge, F_0, 1, flank, &t, work)) {
         band.load = t.rho;
         band.load_rate = t.rho_rate;
     }
-    if (contact_edge_under(params, &edge, F_0, -1, flank, &t)) {
+    if (contact_edge_under(params, &edge, F_0, -1, flank, &t, work)) {
         band.release = t.rho;
         band.release_rate = t.rho_rate;
     }
     return band;
 }
 
-BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0) {
-    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0) : contact_band(g);
+BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0, Work *work) {
+    return any_friction_depends_on_load(params) ? loaded_band(params, g, F_0, work) : contact_band(g);
 }

@@ -18,12 +18,14 @@
 #include "contact/contact_factors.h"
 #include "model/friction_law.h"
 #include "model/params.h"
+#include "model/work.h"
 
 typedef struct {
     const Params *params;
     int direction, flank[2];
     double slope[2]; /* m/rad, a_i */
     double speed[2]; /* m/s, v_i */
+    Work *work;      /* counts iterations, or NULL */
 } LoadedPin;
 
 /* T = torque - by_alpha.torque alpha, A = axial + by_alpha.axial alpha, W likewise. */
@@ -74,8 +76,9 @@ double loaded_pin_reaction(const LoadedPin *pin, int i);
 /* ---- the stick band ---- */
 
 /* As contact_edge() and contact_band() for the axial load F_0 > 0. `g` receives the friction coefficients on the edge.
- * Where friction does not depend on the load these functions are contact_edge() and contact_band(). */
-bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2], Transfer *transfer);
-BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0);
+ * Where friction does not depend on the load these functions are contact_edge() and contact_band(). `work` may be NULL. */
+bool contact_edge_under(const Params *params, Geometry *g, double F_0, int direction, int flank[2], Transfer *transfer,
+                        Work *work);
+BandFactors contact_band_under(const Params *params, const Geometry *g, double F_0, Work *work);
 
 #endif

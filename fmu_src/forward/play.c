@@ -39,7 +39,7 @@ NOINLINE static Edge edge_at(const EdgePath *path, double theta) {
     Edge edge = {.dz_dtheta = g.dz_dtheta, .pattern = F_0 < 0.0 ? 8 : 0};
     int flank[2];
     Transfer t;
-    if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t)) {
+    if (!contact_edge_under(&m->params, &g, fabs(F_0), away, flank, &t, m->work)) {
         edge.torque = F_0 == 0.0 ? 0.0 : (double)path->direction * (double)INFINITY;
         return edge;
     }

@@ -101,31 +101,66 @@ static double wedge_time(const Mechanism *m, double left) {
     return first;
 }
 
-/* Does a pair of flanks agree t seconds after `now`? Leaves the inputs of that time in `m`. */
-static bool lets_go(Mechanism *m, const Inputs *now, double t) {
-    work_add(m->work, WORK_OF_SEGMENT * WORK_OF_LOADED_BALANCE);
+/* Wedged contacts under friction that depends on the load, t seconds from now. Contacts with the same number wedge for the
+ * same reason: beyond a finite edge, or inside an infinite one. */
+typedef struct {
+    bool lets_go; /* a pair of flanks agrees */
+    int reason;
+} WedgeSample;
+
+/* Leaves the inputs of that time in `m`. */
+static WedgeSample wedge_sample(Mechanism *m, const Inputs *now, double t) {
+    work_add(m->work, WORK_OF_SEGMENT);
     m->inputs = *now;
     inputs_advance(&m->inputs, t);
-    return is_slip(decision_of(m).mode);
+    const BandFactors band = stick_band(m);
+    const int reason = stick_direction_beyond_band(m) + 4 * (isinf(band.load) != 0) + 8 * (isinf(band.release) != 0);
+    return (WedgeSample){is_slip(decision_of(m).mode), reason};
 }
 
-/* The same where friction depends on the load: by samples of the decision, and bisection. */
+/* An interval at whose start, and before, the contacts hold. */
+typedef struct {
+    double before, after;
+    WedgeSample at_before, at_after;
+} WedgeInterval;
+
+/* Halves the interval toward the first instant at which the contacts let go or wedge for another reason, to the share
+ * `width` of the time. A short time in which they let go lies at such an instant. */
+static void narrow_wedge(Mechanism *m, const Inputs *now, double width, WedgeInterval *in) {
+    for (int n = 0; n < BISECTIONS_MAX && in->after - in->before > width * in->after; n++) {
+        const double middle = 0.5 * (in->before + in->after);
+        if (middle == in->before || middle == in->after) return;
+        const WedgeSample sample = wedge_sample(m, now, middle);
+        if (sample.lets_go || (!in->at_after.lets_go && sample.reason != in->at_before.reason)) {
+            in->after = middle;
+            in->at_after = sample;
+        } else {
+            in->before = middle;
+            in->at_before = sample;
+        }
+    }
+}
+
+/* The same where friction depends on the load: by samples of the decision, and bisection. With or without inertia, and
+ * also inside the band: an infinite edge can become finite, beyond the torque, while F_ext varies. */
 COLD static double loaded_wedge_time(Mechanism *m, double left) {
     const Inputs now = m->inputs;
-    double before = 0.0, after = INFINITY;
-    for (int k = 1; k <= LOADED_REST_SAMPLES && after == INFINITY; k++) {
-        const double t = left * k / (int)LOADED_REST_SAMPLES;
-        if (lets_go(m, &now, t)) after = t;
-        else before = t;
-    }
-    for (int n = 0; n < BISECTIONS_MAX && after < INFINITY; n++) {
-        const double middle = 0.5 * (before + after);
-        if (after - before <= LOCATION_ROUNDING * after || middle == before || middle == after) break;
-        if (lets_go(m, &now, middle)) after = middle;
-        else before = middle;
+    WedgeInterval in = {.before = 0.0, .at_before = wedge_sample(m, &now, 0.0)};
+    double time = left;
+    for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
+        in.after = left * k / (int)LOADED_REST_SAMPLES;
+        const WedgeSample sample = in.at_after = wedge_sample(m, &now, in.after);
+        if (!sample.lets_go && sample.reason != in.at_before.reason) narrow_wedge(m, &now, LOADED_REST_CHANGE, &in);
+        if (in.at_after.lets_go) {
+            narrow_wedge(m, &now, LOCATION_ROUNDING, &in);
+            time = in.after;
+            break;
+        }
+        in.before = left * k / (int)LOADED_REST_SAMPLES;
+        in.at_before = sample;
     }
     m->inputs = now;
-    return min_of(after, left);
+    return time;
 }
 
 double wedge_agreement(const Mechanism *m) {
@@ -180,6 +215,7 @@ void rest_propose(Mechanism *m, double left, Segment *segment) {
         return;
     }
     const double time = stick_rest_time(m, left);
-    const bool holds = wedge_holds(m), loaded = holds && m->model.friction_is_loaded;
-    rest_propose_for(m, loaded ? loaded_wedge_time(m, time) : holds ? wedge_time(m, time) : time, segment);
+    if (m->state.mode == MODE_WEDGED && m->model.friction_is_loaded)
+        rest_propose_for(m, loaded_wedge_time(m, time), segment);
+    else rest_propose_for(m, wedge_holds(m) ? wedge_time(m, time) : time, segment);
 }

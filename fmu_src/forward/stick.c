@@ -7,6 +7,7 @@
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
 #include "numerics/bernstein.h"
+#include "numerics/golden_section.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
 #include "platform/attributes.h"
@@ -40,7 +41,7 @@ double stick_torque_size(const Mechanism *m, double factor) {
 
 BandFactors stick_band(const Mechanism *m) {
     if (m->model.friction_is_loaded)
-        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)));
+        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)), m->work);
     return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
 }
 
@@ -252,15 +253,15 @@ static double time_to_mirror(const Mechanism *m, double F_0, double left) {
  * one edge of the rest interval, on the side of `sign`. */
 typedef struct {
     const Mechanism *m;
-    double F_0, side, sign, ties;
+    double spring, F_0, side, sign, ties; /* F_0: at the present instant */
 } LoadedRest;
 
 COMPACT static double loaded_excess(const void *context, double t) {
     const LoadedRest *rest = context;
     const Mechanism *m = rest->m;
     const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
-    const double F_0 = rest->F_0 - m->inputs.F_ext[0] + F_ext;
-    const BandFactors band = contact_band_under(&m->params, &m->configuration.geometry, fabs(F_0));
+    const double F_0 = rest->spring + F_ext;
+    const BandFactors band = contact_band_under(&m->params, &m->configuration.geometry, fabs(F_0), m->work);
     const BandFactors f = rest_factors(m, edges_of_band(band, rest->side), rest->F_0, rest->side);
     const double factor = rest->sign > 0.0 ? f.load : f.release;
     if (isinf(factor)) return -INFINITY;
@@ -268,14 +269,31 @@ COMPACT static double loaded_excess(const void *context, double t) {
     return rest->sign * (tau - stick_edge(factor, F_0)) - rest->ties * tie;
 }
 
-/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. */
+/* The zero of the excess between a and b, s, on the side on which the torque has left: where an edge becomes infinite, the
+ * excess jumps, and the other side is still rest. */
+COLD static double loaded_exit(const LoadedRest *rest, double a, double f_a, double b, double f_b) {
+    double t = root_between(loaded_excess, rest, a, f_a, b, f_b);
+    /* At most 53 turns: from a rounding of the time to the whole. */
+    for (double more = DBL_EPSILON * b; t < b && !(loaded_excess(rest, t) > 0.0); more *= 2.0) t += more;
+    return min_of(t, b);
+}
+
+/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. Where a sample
+ * exceeds its neighbours, the largest excess in between counts too. */
 COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
-    double before = 0.0, f_before = min_of(loaded_excess(rest, 0.0), 0.0);
+    double t[3] = {0.0, 0.0, 0.0}, f[3] = {-INFINITY, -INFINITY, min_of(loaded_excess(rest, 0.0), 0.0)};
     for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
-        const double t = t_end * k / (int)LOADED_REST_SAMPLES, f = loaded_excess(rest, t);
-        if (f > 0.0) return root_between(loaded_excess, rest, before, f_before, t, f);
-        before = t;
-        f_before = f;
+        for (int j = 0; j < 2; j++) { /* the latest three samples */
+            t[j] = t[j + 1];
+            f[j] = f[j + 1];
+        }
+        t[2] = t_end * k / (int)LOADED_REST_SAMPLES;
+        f[2] = loaded_excess(rest, t[2]);
+        if (f[2] > 0.0) return loaded_exit(rest, t[1], f[1], t[2], f[2]);
+        if (!(f[1] < 0.0 && f[1] > f[0] && f[1] > f[2])) continue;
+        const GoldenSectionMaximum top =
+            golden_section_maximum(loaded_excess, rest, t[0], t[2], LOADED_REST_GOLDEN_STEPS);
+        if (top.value > 0.0) return loaded_exit(rest, t[0], f[0], top.x, top.value);
     }
     return INFINITY;
 }
@@ -286,7 +304,7 @@ static double rest_time(const Mechanism *m, double ties, double left) {
     const double F_0 = stick_axial_load(m);
     const double side = side_of(m, F_0), t_end = min_of(time_to_mirror(m, F_0, left), left);
     if (m->model.friction_is_loaded && !inputs_load_constant(&m->inputs)) {
-        LoadedRest rest = {m, F_0, side, 1.0, ties};
+        LoadedRest rest = {m, spring_force(&m->params.spring, m->configuration.z), F_0, side, 1.0, ties};
         const double load = loaded_time_beyond(&rest, t_end);
         rest.sign = -1.0;
         return min_of(t_end, min_of(load, loaded_time_beyond(&rest, t_end)));

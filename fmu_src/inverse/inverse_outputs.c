@@ -107,7 +107,7 @@ bool inverse_load_outputs(const Inverse *m, InverseLoadOutputs *out, Fault *faul
     const Geometry *g = &cam.statics.geometry;
     const double z = transmission_z(&m->transmission, cam.theta);
     const double spring = spring_force(&m->params.spring, z), F_0 = spring + m->inputs.F_ext[0];
-    const BandFactors band = contact_band_under(&m->params, g, fabs(F_0));
+    const BandFactors band = contact_band_under(&m->params, g, fabs(F_0), NULL);
     const double load = F_0 < 0.0 ? band.release : band.load, release = F_0 < 0.0 ? band.load : band.release;
     *out = (InverseLoadOutputs){
         .theta_cam = cam.theta,

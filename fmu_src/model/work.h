@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /* Evaluations at most: about two seconds, 0.1 to 0.2 us each. What the decision and the proposal of a segment count for, and a
- * balance where friction depends on the load, which iterates. */
-enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 5 };
+ * balance where friction depends on the load, whose iterations count besides. */
+enum { MAX_WORK = 10000000, WORK_OF_SEGMENT = 20, WORK_OF_LOADED_BALANCE = 2 };
 
 /* A step that needs more segments is refused. The limit bounds a step to about two seconds: a segment takes 15 us where
  * friction varies with the speed, 95 us where it depends on the load. Bounces with a restitution near 1, vibrations of a

@@ -1,6 +1,7 @@
 #include "sensitivity/edge_sensitivity.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
@@ -16,7 +17,7 @@ bool edge_slip(const Mechanism *m, int direction, SlipMode *slip) {
     int flank[2];
     Transfer transfer;
     Geometry g = m->configuration.geometry;
-    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer))
+    if (!contact_edge_under(&m->params, &g, fabs(stick_axial_load(m)), side * direction, flank, &transfer, NULL))
         return false;
     for (int i = 0; i < 2; i++) flank[i] *= side;
     *slip = slip_mode_from_here(m, slip_index(direction, flank));

@@ -1,0 +1,152 @@
+"""Friction that depends on the load (docs/mechanism.md, section 9): the one answer of the balance where the
+reactions are far from those without friction, and rest that ends where an answer appears.
+
+Oracles: the balance of two contacts by SciPy's bisection, and instants in closed form.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from driver import models
+from reference.friction import FrictionLaw, LoadedContact
+from reference.parameters import DEFAULTS
+from scipy.optimize import brentq, minimize_scalar
+from test_friction_jams import OK, WEDGED, run
+
+FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
+FREE = {"spring.preload": 0.0, "spring.stiffness": 0.0, "contacts": 1}
+
+
+def cam(i, radius, lead, friction, exponent=0.0, load=100.0):
+    values = (radius, lead, friction, exponent, load)
+    names = ("radius", "lead_angle", "friction", "friction_load_exponent", "friction_load")
+    return {f"cam{i}.{name}": value for name, value in zip(names, values, strict=True)}
+
+
+def contact(p, i, turn):
+    """Contact i with turn = sigma e_i."""
+    full = DEFAULTS | p
+    lead = math.tan(full[f"cam{i}.lead_angle"])
+    return LoadedContact(full[f"cam{i}.radius"], lead, FrictionLaw.of_cam(full, i), 0.0, 1, turn)
+
+
+def reaction_at(of: LoadedContact, torque: float) -> float:
+    """The reaction of a contact whose torque grows with the reaction."""
+    return brentq(lambda r: of.torque(r) - torque, 0.0, 1e14, xtol=1e-300, rtol=1e-15)
+
+
+# ---- the answer of the balance ----
+
+NEARLY_LEVEL = FREE | cam(1, 0.0047, 0.26, 0.11, 0.16, 9300.0) | cam(2, 0.055, 1e-4, 0.086, -0.6, 9.4e5)
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_loading_edge_of_a_nearly_level_groove(make_model, model):
+    """Both torques grow with their reactions, so that R_2 gives R_1 and with both the axial load."""
+    first, second = (contact(NEARLY_LEVEL, i, 1) for i in (1, 2))
+
+    def carried(reaction):
+        return first.axial(reaction_at(first, second.torque(reaction))) + second.axial(reaction)
+
+    fmu = make_model(model).start(NEARLY_LEVEL)
+    for F_0 in np.geomspace(1.0, 1e7, 40):
+        found = brentq(lambda r, f=F_0: carried(r) - f, 1e-9, 1e9, xtol=1e-300, rtol=1e-15)
+        fmu.set({"F_ext": F_0})
+        assert fmu.get("torque_load") == pytest.approx(second.torque(found), rel=1e-10), F_0
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_release_edge_beside_a_locked_contact(make_model, model):
+    """Contact 1 without friction bears on its other flank: its axial force is T/a_1. The reaction of the
+    locked contact is 20 times that without friction."""
+    p = FREE | cam(1, 0.004, 1.3, 0.0) | cam(2, 0.076, 0.63, 1.37, -0.1, 205.0)
+    locked, rise = contact(p, 2, -1), 0.004 * math.tan(1.3)
+    fmu = make_model(model).start(p)
+    for F_0 in np.linspace(1000.0, 3000.0, 200):
+        reaction = brentq(
+            lambda r, f=F_0: locked.torque(r) / rise + locked.axial(r) - f, 1.0, 1e6, xtol=1e-300, rtol=1e-15
+        )
+        fmu.set({"F_ext": F_0})
+        assert locked.torque(reaction) < 0.0
+        assert fmu.get("torque_release") == pytest.approx(locked.torque(reaction), rel=1e-10), F_0
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_efficiency_is_0_where_no_torque_moves_the_mechanism(make_model, model):
+    """The load exceeds the largest that the contacts carry when loading, and when releasing while contact 2
+    is not locked. With contact 2 locked the load is below the least that they carry."""
+    p, F_0 = (
+        FREE | cam(1, 0.0624, 1.021, 0.293, -0.095, 4.93e5) | cam(2, 0.0121, 0.7125, 0.13, 0.304, 803.5),
+        4e5,
+    )
+    for turn in (1, -1):
+        first, second = (contact(p, i, turn) for i in (1, 2))
+        grows = [r for r in np.geomspace(1e-3, 1e8, 500) if second.grows(r)]
+        assert max(second.axial(r) + first.axial(reaction_at(first, second.torque(r))) for r in grows) < F_0
+    other = contact(p, 1, 1)
+    pulls = [r for r in np.geomspace(1e-3, 1e10, 500) if second.torque(r) <= 0.0]
+    left = [second.axial(r) - other.axial(reaction_at(other, -second.torque(r))) for r in pulls]
+    assert min(left) > F_0
+    fmu = make_model(model).start(p | {"F_ext": F_0})
+    assert (fmu.get("torque_load"), fmu.get("torque_release")) == (math.inf, -math.inf)
+    assert fmu.get("efficiency") == 0.0
+
+
+# ---- rest that ends where an answer appears ----
+
+STEEP = FREE | {k: v for i in (1, 2) for k, v in cam(i, 0.02, 1.0, 0.2, 0.5, 100.0).items()}
+BODIES = {"inertia": {"inertia.shaft": 0.01}, "damping": {"inertia.shaft": 0.0, "shaft.damping": 0.5}}
+
+
+def largest_load():
+    """N, that two equal contacts carry when loading: mu grows with the load until it carries no more."""
+    equal = contact(STEEP, 1, 1)
+    found = minimize_scalar(
+        lambda r: -equal.axial(r), bounds=(1.0, 1e4), method="bounded", options={"xatol": 1e-9}
+    )
+    return 2.0 * equal.axial(found.x), equal.torque(found.x)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("pieces", [1, 7])
+def test_a_jam_above_a_load_ends_with_the_load(make_model, body, pieces):
+    """F_ext falls through the largest load that can be moved, while the torque is twice that at its edge."""
+    load, torque = largest_load()
+    begins, end = 0.07, 0.1
+    pull = (1.7 * load, -0.7 * load / begins)
+    p = STEEP | BODIES[body] | {"F_ext": pull[0], "tau": 2.0 * torque, "stop.upper": 50.0}
+    fmu = make_model(FORWARD).start(p)
+    assert fmu.get("mode") == WEDGED
+    assert run(fmu, begins * (1.0 - 1e-7), pieces, (2.0 * torque, 0.0), pull) == OK
+    assert fmu.get("theta") == 0.0
+    whole = make_model(FORWARD).start(p)
+    assert run(whole, end, pieces, (2.0 * torque, 0.0), pull) == OK
+    fine = make_model(FORWARD).start(p)
+    assert run(fine, end, 60, (2.0 * torque, 0.0), pull) == OK
+    assert whole.get("theta") > 0.0
+    assert whole.get("theta") == pytest.approx(fine.get("theta"), rel=1e-7)
+    assert abs(whole.get("energy.residual")) <= 1e-9 * whole.get("energy.work_in")
+
+
+@pytest.mark.parametrize("middle", [0.0505, 0.0511, 0.0517, 0.0523])
+def test_a_short_dip_of_the_load_ends_rest(make_model, middle):
+    """The load falls as a parabola, for 0.8 ms of the 70 below that which the torque moves."""
+    equal = contact(STEEP, 1, 1)
+    load, torque = 2.0 * equal.axial(50.0), equal.torque(50.0)
+    half, end = 0.0004, 0.07
+    curve = 2e-4 * load / half**2
+    pull = (load * 0.9998 + curve * middle**2, -2.0 * curve * middle, 2.0 * curve)
+    fmus = [
+        make_model(FORWARD).start(STEEP | BODIES["inertia"] | {"F_ext": pull[0], "tau": torque}) for _ in "ab"
+    ]
+    for fmu, parts in zip(fmus, (1, 300), strict=True):
+        for k in range(parts):
+            t = end * k / parts
+            fmu.set({"F_ext": pull[0] + t * (pull[1] + t * pull[2] / 2), "tau": torque})
+            fmu.set_derivatives({"F_ext": [pull[1] + t * pull[2], pull[2], 0.0]})
+            assert fmu.call("fmi2DoStep", fmu.time, end / parts, 1) == OK
+            fmu.time += end / parts
+    moved, fine = (fmu.get("theta") for fmu in fmus)
+    assert moved > 0.0
+    assert moved == pytest.approx(fine, rel=1e-6)
