@@ -34,7 +34,8 @@ from benchmarks.step_cost.scenes import Scene, general_scenes
 MECHANISMS = ("cubic spring", "ellipses", "tables", "all forces")
 TARGET, TARGET_LOADED = 1.3, 2.0  # of the instructions of a collocation step
 SEGMENT = "segment_apply"  # is called once for each collocation step
-TABLE = ("find_friction_by_tables", "friction_table_reach")  # evaluate a table, and aim at its samples
+# of a table: the piece at the start, the values at the nodes, the way to the next samples
+TABLE = ("start_on_tables", "find_friction_by_tables", "approach_samples", "aim_at_samples")
 KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
 LOAD_EXPONENT = 0.3
 SAMPLES = np.array([0.0, *np.geomspace(2e-3, 0.5, 24)])  # m/s, of the table

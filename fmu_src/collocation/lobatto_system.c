@@ -89,7 +89,7 @@ NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n
         const Vector2 v = n->omega * n->sliding[i];
         const FrictionNearby *law = s->law[i];
         const VectorFriction f =
-            law->has_table ? friction_on_piece(law->sign, s->reach[i].piece, v) : friction_by_law(law, v);
+            law->has_table ? friction_on_piece(law->sign, s->piece[i], v) : friction_by_law(law, v);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * n->sliding[i];
     }

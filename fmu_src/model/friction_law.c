@@ -107,7 +107,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .radius = none + cam->radius,
         .radius2 = none + cam->radius * cam->radius,
         .gone = speed_without_excess(cam, excess),
-        .sign = sign,
+        .sign = none + sign,
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
     };
@@ -115,6 +115,8 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
 
 COMPACT void friction_prepare(const Params *params, int i, FrictionConstants *constants) {
     constants->fall = friction_fall(&params->cam[i], params->tolerance);
+    constants->tabled = params->cam[i].law.table ? i : 1 - i;
+    constants->table = params->cam[constants->tabled].law.table;
     for (int sign = -1; sign <= 1; sign += 2) constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
 }
 

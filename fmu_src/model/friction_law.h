@@ -23,6 +23,7 @@
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
 #include "numerics/vector2.h"
+#include "platform/attributes.h"
 
 /* Does the coefficient depend on the sliding speed? */
 static inline bool friction_varies(const CamParams *cam) {
@@ -53,7 +54,7 @@ static inline bool any_friction_table_has_loads(const Params *p) {
 
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
-    return cam->law.table ? friction_table_at_rest(cam->law.table) : cam->friction * cam->law.peak;
+    return cam->law.table ? cam->law.table->at_rest : cam->friction * cam->law.peak;
 }
 
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
@@ -100,7 +101,7 @@ typedef struct {
     Vector2 per_load, load_exponent; /* 1/N, 1/(n R_ref); nu, 0 where the law does not depend on the load */
     Vector2 radius, radius2;         /* m, m^2: r and r^2 */
     double gone;                     /* m/s, above which the excess is below all rounding */
-    double sign;                     /* of all values */
+    Vector2 sign;                    /* of all values */
     bool is_gauss;                   /* the Stribeck exponent is 2 */
     bool has_table;
 } FrictionNearby;
@@ -109,6 +110,9 @@ typedef struct {
 typedef struct {
     FrictionFall fall;
     FrictionNearby near[2]; /* by friction_sign_index() */
+    /* The contact and its table, or of a contact without a table the other one and its table, or NULL: */
+    int tabled;
+    const FrictionTable *table;
 } FrictionConstants;
 
 /* Of contact `i`, 0 or 1. */
@@ -125,28 +129,26 @@ typedef struct {
 } VectorFriction;
 
 /* Of a table, on its piece. An iteration may look a quarter of the piece beyond its ends. */
-static inline VectorFriction friction_on_piece(double sign, const FrictionPiece *p, Vector2 v) {
-    const Vector2 none = {0.0, 0.0};
-    Vector2 t = (v - p->cell.lower) * p->per_width, slope = none + p->c[4], u = slope;
-    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
-    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
+ALWAYS_INLINE static inline VectorFriction friction_on_piece(Vector2 sign, const FrictionPiece *p, Vector2 v) {
+    Vector2 t = (v - p->lower) * p->per_width, slope = p->c[4], u = slope;
+    t = vector2_min(vector2_max(t, (Vector2){-0.25, -0.25}), (Vector2){1.25, 1.25});
     for (int n = 3; n >= 0; n--) {
         u = u * t + p->c[n];
         slope = slope * t + u;
     }
     u *= t;
-    const Vector2 mu = (sign * p->mu) * (p->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+    const Vector2 mu = (sign * p->mu) * (p->is_flat ? vector2_exp_small(u) : vector2_exp(u));
     return (VectorFriction){mu, mu * slope * p->per_width};
 }
 
 /* mu on two pieces of tables, at a speed on each. */
 static inline Vector2 friction_on_pieces(const FrictionPiece *p, const FrictionPiece *q, Vector2 v) {
-    const Vector2 start = {p->cell.lower, q->cell.lower}, per_width = {p->per_width, q->per_width};
-    const Vector2 t = (v - start) * per_width;
-    Vector2 u = {p->c[4], q->c[4]};
-    for (int n = 3; n >= 0; n--) u = u * t + (Vector2){p->c[n], q->c[n]};
+    const Vector2 lower = {p->cell.lower, q->cell.lower}, per_width = {p->per_width[0], q->per_width[0]};
+    const Vector2 t = (v - lower) * per_width;
+    Vector2 u = {p->c[4][0], q->c[4][0]};
+    for (int n = 3; n >= 0; n--) u = u * t + (Vector2){p->c[n][0], q->c[n][0]};
     u *= t;
-    return (Vector2){p->mu, q->mu} * (p->is_flat && q->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+    return (Vector2){p->mu[0], q->mu[0]} * (p->is_flat && q->is_flat ? vector2_exp_small(u) : vector2_exp(u));
 }
 
 /* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.

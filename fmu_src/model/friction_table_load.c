@@ -1,6 +1,8 @@
 #include "model/friction_table_load.h"
 
 #include <math.h>
+#include <stdalign.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,6 +116,10 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
 
 /* ---- the curve over the speed ---- */
 
+static Vector2 both(double x) {
+    return (Vector2){x, x};
+}
+
 /* By powers of t, from value, slope d and second derivative c at both ends. */
 static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
     const FrictionSample *a = &s->sample[j], *b = &s->sample[j + 1];
@@ -121,16 +127,20 @@ static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
     const double d0 = h * s->knot[j].slope, d1 = h * s->knot[j + 1].slope;
     const double c0 = 0.5 * h * h * s->knot[j].bend, c1 = 0.5 * h * h * s->knot[j + 1].bend;
     const double value = rise - d0 - c0, slope = d1 - d0 - 2.0 * c0, bend = 2.0 * (c1 - c0); /* left to t^3, t^4, t^5 */
+    const double c[5] = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
+                         6.0 * value - 3.0 * slope + 0.5 * bend};
     FrictionPiece piece = {
-        .per_width = 1.0 / h,
-        .mu = a->mu,
+        .lower = both(a->v),
+        .per_width = both(1.0 / h),
+        .mu = both(a->mu),
         .log_mu = a->log_mu,
-        .c = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
-              6.0 * value - 3.0 * slope + 0.5 * bend},
     };
     double most = 0.0;
-    for (int n = 4; n >= 0; n--) most = 1.25 * (fabs(piece.c[n]) + most);
-    piece.is_flat = most <= VECTOR2_NEAR_0;
+    for (int n = 4; n >= 0; n--) {
+        most = 1.25 * (fabs(c[n]) + most);
+        piece.c[n] = both(c[n]);
+    }
+    piece.is_flat = most <= VECTOR2_SMALL;
     return piece;
 }
 
@@ -145,12 +155,13 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
     for (size_t j = 0; j < table->count; j++) {
         const FrictionPiece piece = pieces[j] = piece_of(s, first + j);
         pieces[j].cell = friction_table_cell(table->speed, table->count, j);
-        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
+        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n][0]) * piece.per_width[0];
         if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
     const FrictionSample *end = &sample[table->count];
     pieces[table->count] = (FrictionPiece){.cell = friction_table_cell(table->speed, table->count, table->count),
-                                           .mu = end->mu,
+                                           .lower = both(end->v),
+                                           .mu = both(end->mu),
                                            .log_mu = end->log_mu,
                                            .is_flat = true};
     return isfinite(sum);
@@ -195,6 +206,17 @@ static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
     return true;
 }
 
+/* The last bucket has the last sample. */
+static void fill_buckets(FrictionTable *table) {
+    table->octave = friction_table_octave(table->speed[table->count]) - FRICTION_BUCKETS + 1;
+    for (int64_t n = 0; n <= FRICTION_BUCKETS; n++) {
+        const int64_t octave = table->octave + n, bits = octave > 0 ? octave << (52 - FRICTION_BUCKET_BITS) : 0;
+        double v;
+        memcpy(&v, &bits, sizeof v);
+        table->bucket[n] = n == 0 ? 0 : (uint16_t)friction_table_find(table->speed, 0, table->count + 1, v);
+    }
+}
+
 static bool fill(FrictionTable *table, FrictionSamples *s) {
     for (size_t j = 0; j < s->speeds; j++) table->speed[j] = s->sample[j].v;
     for (size_t k = 0; k < s->loads; k++) {
@@ -202,15 +224,24 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
         table->load[k + 1] = s->sample[k * s->speeds].R;
         table->log_load[k] = s->loads > 1 ? elementary_log(table->load[k + 1]) : 0.0;
     }
+    table->middle = &table->piece[s->loads / 2 * s->speeds];
+    table->at_rest = table->middle->mu[0];
+    fill_buckets(table);
     if (s->loads > 2) fill_bends(table);
     return true;
 }
 
 static void free_table(FrictionTable *table) {
     if (!table) return;
-    free(table->piece);
+    free(table->pieces);
     free(table->speed);
     free(table);
+}
+
+/* Vectors stand at multiples of their size, as not all of malloc() does. */
+static FrictionPiece *first_piece(void *memory) {
+    const uintptr_t size = alignof(FrictionPiece), begin = (uintptr_t)memory;
+    return (FrictionPiece *)((char *)memory + (size - begin % size) % size);
 }
 
 /* NULL with the reason in the fault of `csv`. */
@@ -222,12 +253,13 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
         *table = (FrictionTable){
             .count = count,
             .loads = s->loads,
-            .piece = malloc(s->count * sizeof(FrictionPiece)),
+            .pieces = malloc(s->count * sizeof(FrictionPiece) + alignof(FrictionPiece) - 1),
             .speed = malloc(s->speeds * sizeof(double)),
             .falls_at = NAN,
         };
         memcpy(table->path, csv->path, size);
-        if (table->piece && table->speed && fill(table, s)) return table;
+        table->piece = first_piece(table->pieces);
+        if (table->pieces && table->speed && fill(table, s)) return table;
     }
     free_table(table);
     csv_refuse(csv, "no curve through these points: the speeds must not be so close that slopes overflow, nor the "
