@@ -45,7 +45,9 @@ typedef struct {
     bool has_tables;              /* of friction, at a contact */
     /* Only where there is such a table; of a contact without one, the same as of the other contact: */
     const FrictionPiece *piece[2];
-    Vector2 lowest, highest; /* m/s, the sliding speeds up to which the step may use the pieces */
+    const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
+    size_t span[2];                /* the loads of the patch */
+    Vector2 lowest, highest;       /* m/s, the sliding speeds up to which the step may use the pieces */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */

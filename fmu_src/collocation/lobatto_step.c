@@ -131,6 +131,34 @@ COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *
     return stays;
 }
 
+/* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? */
+COMPACT static bool stays_on_patch(const LobattoSystem *s, int i, LobattoRange reaction, double from) {
+    const FrictionTable *table = s->slip->law[i].loaded;
+    const KnotCell cell = friction_table_cell(table->load, table->loads, s->span[i]);
+    const bool up = reaction.high - from > from - reaction.low;
+    const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
+    return reaction.high - from <= (up ? step.longest : step.back)[0] &&
+           from - reaction.low <= (up ? step.back : step.longest)[0];
+}
+
+/* Nearly all steps stay well inside. */
+static bool stays_on_patches(const LobattoSystem *s, const NodeLoads *loads) {
+    const double per = 1.0 / s->slip->params->contacts;
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *table = s->slip->law[i].loaded;
+        if (!table) continue;
+        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
+        const LobattoRange size = s->slip->flank[i] > 0 ? (LobattoRange){range.low * per, range.high * per}
+                                                        : (LobattoRange){-range.high * per, -range.low * per};
+        const size_t k = s->span[i];
+        const double lower = table->load[k], upper = k < table->loads ? table->load[k + 1] : INFINITY;
+        const bool inside =
+            size.low >= lower && size.high <= upper && size.high - size.low <= 0.5 * FRICTION_SPAN * (upper - lower);
+        if (!inside && !stays_on_patch(s, i, size, fabs(loads->reaction[i].at[0]) * per)) return false;
+    }
+    return true;
+}
+
 /* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
 static inline bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
     const double contacts = s->slip->params->contacts;
@@ -203,6 +231,8 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (slip->friction_varies && slip->friction_is_loaded && !stays_beside_level(s, &loads)) return false;
+    if (slip->friction_varies && slip->friction_is_loaded && s->has_tables && !stays_on_patches(s, &loads))
+        return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);
@@ -365,7 +395,10 @@ NOINLINE static void approach_samples(LobattoSystem *s, const StartFriction *fri
     const bool up = rhs > 0.0;
     const KnotSteps step = up ? reach_on_pieces(s, v, true) : reach_on_pieces(s, v, false);
     const Vector2 margin = vector2_min(knot_margins(&step), step.longest - vector2_abs(per_time * s->h));
-    if (!(margin[0] >= 0.0 && margin[1] >= 0.0)) aim_at_samples(s, v, per_time, up, step);
+    if (margin[0] >= 0.0 && margin[1] >= 0.0) return;
+    aim_at_samples(s, v, per_time, up, step);
+    for (int i = 0; i < 2; i++) /* of the next piece, if a step before has reached that */
+        if (s->slip->law[i].loaded) s->patch[i] = friction_table_patch(s->slip->law[i].loaded, s->piece[i], s->span[i]);
 }
 
 static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {

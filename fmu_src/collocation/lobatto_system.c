@@ -88,6 +88,7 @@ NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n
     for (int i = 0; i < 2; i++) {
         const Vector2 v = n->omega * n->sliding[i];
         const FrictionNearby *law = s->law[i];
+        if (s->slip->law[i].loaded) continue;
         const VectorFriction f =
             law->has_table ? friction_on_piece(law->sign, s->piece[i], v) : friction_by_law(law, v);
         n->friction[i] = f.value;

@@ -46,12 +46,6 @@ static inline bool any_friction_depends_on_load(const Params *p) {
     return friction_depends_on_load(&p->cam[0]) || friction_depends_on_load(&p->cam[1]);
 }
 
-/* The samples over the load end steps, as those over the speed do. */
-static inline bool any_friction_table_has_loads(const Params *p) {
-    const FrictionTable *a = p->cam[0].law.table, *b = p->cam[1].law.table;
-    return (a && a->loads > 1) || (b && b->loads > 1);
-}
-
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
     return cam->law.table ? cam->law.table->at_rest : cam->friction * cam->law.peak;
@@ -113,6 +107,7 @@ typedef struct {
     /* The contact and its table, or of a contact without a table the other one and its table, or NULL: */
     int tabled;
     const FrictionTable *table;
+    const FrictionTable *loaded; /* the table of this contact if it has more than one load, else NULL */
 } FrictionConstants;
 
 /* Of contact `i`, 0 or 1. */
@@ -151,6 +146,25 @@ static inline Vector2 friction_on_pieces(const FrictionPiece *p, const FrictionP
     return (Vector2){p->mu[0], q->mu[0]} * (p->is_flat && q->is_flat ? vector2_exp_small(u) : vector2_exp(u));
 }
 
+/* A factor that depends on the load, and its derivative by ln R. */
+typedef struct {
+    Vector2 value, by_log_load;
+    bool is_power; /* by_log_load is nu q^nu */
+} VectorLoadPower;
+
+/* mu, dmu/dv, and the first and second derivative of ln mu by ln R */
+typedef struct {
+    Vector2 value, by_speed, power, bend;
+} VectorLoadedFriction;
+
+/* Of a table on its patch, at two speeds and reactions; q = R/R_1 >= 0. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span, const FrictionPiece *piece,
+                                       Vector2 v, Vector2 q);
+
+/* ln mu at one speed, as a cubic in b; mu of two cubics, in their spans k and l, and its derivative by ln R. */
+void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]);
+VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q);
+
 /* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
  * Without a table: */
 static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2 v) {
@@ -171,11 +185,6 @@ static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2
 }
 
 /* q^nu, as level_log() has the logarithm, and q times its derivative; q = R/R_ref >= 0. */
-typedef struct {
-    Vector2 value, by_log_load;
-    bool is_power; /* by_log_load is nu q^nu */
-} VectorLoadPower;
-
 VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q);
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is

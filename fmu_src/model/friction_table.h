@@ -46,6 +46,17 @@ typedef struct {
     bool is_flat; /* from t = -1/4 to t = 5/4 the powers of t add up to a number that vector2_exp_small() takes */
 } FrictionPiece;
 
+/* ln mu on one piece of the speed from one load to the next: sum_m b^m sum_n c[m][n] t^n with b = (ln R/R_1 - from) per.
+ * Below the first load and beyond the last one c[2] = c[3] = 0 and per = 1. */
+typedef struct {
+    Vector2 c[4][6];
+} FrictionPatch;
+
+/* Of the patches between two loads. An iteration may look at b from `low` to `high`. */
+typedef struct {
+    double from, per, low, high;
+} LoadSpan;
+
 struct FrictionTable {
     size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
     FrictionPiece *piece;                  /* count + 1 of the first load, then of the next */
@@ -57,7 +68,10 @@ struct FrictionTable {
     double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
-    double at_rest;                                      /* mu(0+), at the middle one of the loads */
+    FrictionPatch *patch; /* only with more than one load: loads + 1 of the first piece, then of the next */
+    void *patches;        /* owned: the memory of the patches */
+    LoadSpan span[FRICTION_LOADS_MAX + 1];
+    double at_rest;  /* mu(0+), at the middle one of the loads */
     double falls_at; /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
     char path[];     /* of the file */
 };
@@ -100,6 +114,16 @@ static inline size_t friction_table_sample(const FrictionTable *table, double v)
 /* The piece at the speed v; at the middle one of the loads. */
 static inline const FrictionPiece *friction_table_piece(const FrictionTable *table, double v) {
     return &table->middle[friction_table_sample(table, v)];
+}
+
+/* The span of the load R: 0 below the first load. */
+static inline size_t friction_table_span(const FrictionTable *table, double R) {
+    return friction_table_find(table->load, 0, table->loads + 1, R);
+}
+
+static inline const FrictionPatch *friction_table_patch(const FrictionTable *table, const FrictionPiece *piece,
+                                                        size_t span) {
+    return &table->patch[(size_t)(piece - table->middle) * (table->loads + 1) + span];
 }
 
 /* Of knot k and the next; knot 0 is 0, where no step ends. */
