@@ -6,8 +6,8 @@ Instructions of general steps of 1 ms are counted by callgrind (harness/instruct
 machine does not matter. The mechanisms are those of benchmarks/step_cost: 30 steps of a half swing under 1.30
 times the torque that the stick band needs. Each runs with Coulomb's law, then with a static excess, a
 Stribeck curve of exponent 2 or 1 and a lubricated branch, with a table of the same law, with a power of the
-load, with power and Stribeck curve together, and with a table of both over speed and load, at both cams and at
-cam 1 alone.
+load, with power and Stribeck curve together, and with a table of both over speed and load, at both cams and
+at cam 1 alone.
 
 Two ratios to Coulomb's law are reported. "Per communication step" holds all that the law costs. A Stribeck
 curve bends the motion, and a bent motion needs more collocation steps: that is physics. "Per collocation

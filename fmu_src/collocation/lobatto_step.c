@@ -381,6 +381,8 @@ NOINLINE static void aim_at_samples(LobattoSystem *s, Vector2 v, Vector2 per_tim
         step = reach_on_pieces(s, v, up);
     }
     for (int i = 0; i < 2; i++) {
+        const FrictionTable *loaded = s->slip->law[i].loaded;
+        if (loaded) s->patch[i] = friction_table_patch(loaded, s->piece[i], s->span[i]);
         const double change = per_time[i] * s->h, aim = knot_aim(&step, i);
         if (v[i] + change >= s->lowest[i] && v[i] + change <= s->highest[i]) continue;
         s->h *= min_of(aim / fabs(change), 1.0);
@@ -395,10 +397,7 @@ NOINLINE static void approach_samples(LobattoSystem *s, const StartFriction *fri
     const bool up = rhs > 0.0;
     const KnotSteps step = up ? reach_on_pieces(s, v, true) : reach_on_pieces(s, v, false);
     const Vector2 margin = vector2_min(knot_margins(&step), step.longest - vector2_abs(per_time * s->h));
-    if (margin[0] >= 0.0 && margin[1] >= 0.0) return;
-    aim_at_samples(s, v, per_time, up, step);
-    for (int i = 0; i < 2; i++) /* of the next piece, if a step before has reached that */
-        if (s->slip->law[i].loaded) s->patch[i] = friction_table_patch(s->slip->law[i].loaded, s->piece[i], s->span[i]);
+    if (!(margin[0] >= 0.0 && margin[1] >= 0.0)) aim_at_samples(s, v, per_time, up, step);
 }
 
 static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {

@@ -168,6 +168,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .sign = none + sign,
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
+        .has_patches = law->table != NULL && law->table->loads > 1,
     };
 }
 

@@ -98,6 +98,7 @@ typedef struct {
     Vector2 sign;                    /* of all values */
     bool is_gauss;                   /* the Stribeck exponent is 2 */
     bool has_table;
+    bool has_patches; /* the table has loads */
 } FrictionNearby;
 
 /* What the parameters of a contact imply for every step where friction varies. */
