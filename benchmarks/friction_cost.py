@@ -6,7 +6,8 @@ Instructions of general steps of 1 ms are counted by callgrind (harness/instruct
 machine does not matter. The mechanisms are those of benchmarks/step_cost: 30 steps of a half swing under 1.30
 times the torque that the stick band needs. Each runs with Coulomb's law, then with a static excess, a
 Stribeck curve of exponent 2 or 1 and a lubricated branch, with a table of the same law, with a power of the
-load, and with power and Stribeck curve together, at both cams and at cam 1 alone.
+load, with power and Stribeck curve together, and with a table of both over speed and load, at both cams and
+at cam 1 alone.
 
 Two ratios to Coulomb's law are reported. "Per communication step" holds all that the law costs. A Stribeck
 curve bends the motion, and a bent motion needs more collocation steps: that is physics. "Per collocation
@@ -34,23 +35,44 @@ from benchmarks.step_cost.scenes import Scene, general_scenes
 MECHANISMS = ("cubic spring", "ellipses", "tables", "all forces")
 TARGET, TARGET_LOADED = 1.3, 2.0  # of the instructions of a collocation step
 SEGMENT = "segment_apply"  # is called once for each collocation step
-TABLE = ("find_friction_by_tables", "friction_table_reach")  # evaluate a table, and aim at its samples
+# of a table: the piece at the start, the values at the nodes, the way to the next samples
+SAMPLES_OF_SPEED = ("start_on_tables", "find_friction_by_tables", "approach_samples", "aim_at_samples")
+# of a table over the load: besides, the values under the reactions
+SAMPLES_OF_LOAD = ("take_patches", "friction_on_cubics", "linearise_tables", "friction_on_patch")
+TABLE = SAMPLES_OF_SPEED + SAMPLES_OF_LOAD
 KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
 LOAD_EXPONENT = 0.3
+LOAD = 1000.0  # N, R_ref
+LOADS = (100.0, 300.0, 1000.0, 3000.0)  # N, of the table over the load
 SAMPLES = np.array([0.0, *np.geomspace(2e-3, 0.5, 24)])  # m/s, of the table
 
 Row = dict[str, str]
 
 
-def write_table(path: Path) -> Path:
-    """Samples of the law of exponent 2."""
+def write(path: Path, lines: Sequence[str]) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
-    mu = KINETIC * (1.0 + (PEAK - 1.0) * np.exp(-((SAMPLES / STRIBECK) ** 2))) + VISCOUS * SAMPLES
-    rows = [f"{v!r},{m!r}" for v, m in zip(SAMPLES.tolist(), mu.tolist(), strict=True)]
-    text = "\n".join(["v_m_s,mu", *rows]) + "\n"
+    text = "\n".join(lines) + "\n"
     if not path.exists() or path.read_text() != text:  # another process may be reading the file
         path.write_text(text)
     return path
+
+
+def write_table(path: Path) -> Path:
+    """Samples of the law of exponent 2."""
+    mu = KINETIC * (1.0 + (PEAK - 1.0) * np.exp(-((SAMPLES / STRIBECK) ** 2))) + VISCOUS * SAMPLES
+    rows = [f"{v!r},{m!r}" for v, m in zip(SAMPLES.tolist(), mu.tolist(), strict=True)]
+    return write(path, ["v_m_s,mu", *rows])
+
+
+def write_table_over_load(path: Path) -> Path:
+    """Samples of the law of exponent 2, times the power of the load."""
+    mu = KINETIC * (1.0 + (PEAK - 1.0) * np.exp(-((SAMPLES / STRIBECK) ** 2)))
+    rows = [
+        f"{v!r},{R!r},{m * (R / LOAD) ** LOAD_EXPONENT + VISCOUS * v!r}"
+        for R in LOADS
+        for v, m in zip(SAMPLES.tolist(), mu.tolist(), strict=True)
+    ]
+    return write(path, ["v_m_s,R_N,mu", *rows])
 
 
 @dataclass(frozen=True)
@@ -78,6 +100,8 @@ def laws() -> Iterator[Law]:
     """Coulomb's law first."""
     yield Law("Coulomb", "both", {}, None)
     table: Parameters = {"friction_table": str(write_table(core.BUILD / "tables" / "friction.csv"))}
+    path = write_table_over_load(core.BUILD / "tables" / "friction_over_load.csv")
+    table_over_load: Parameters = {"friction_table": str(path)}
     power: Parameters = {"friction_load_exponent": LOAD_EXPONENT}
     for cams, label in (((1, 2), "both"), ((1,), "cam 1")):
         yield Law("Stribeck, exponent 2", label, at_cams(cams, stribeck(2)), TARGET)
@@ -85,6 +109,7 @@ def laws() -> Iterator[Law]:
         yield Law("friction table", label, at_cams(cams, table), TARGET)
         yield Law("load", label, at_cams(cams, power), TARGET_LOADED)
         yield Law("load and Stribeck, exponent 2", label, at_cams(cams, stribeck(2) | power), TARGET_LOADED)
+        yield Law("friction table over load", label, at_cams(cams, table_over_load), TARGET_LOADED)
 
 
 def job(scene: Scene, library: Path) -> instructions.Job:

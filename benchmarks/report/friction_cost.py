@@ -29,47 +29,25 @@ def verdict(rows: Sequence[Row]) -> str:
     return "\n".join(map(prose, parts))
 
 
-def share_of_coulomb(rows: Sequence[Row], part: Sequence[float]) -> str:
-    """The range of `part`, instructions for each of the rows, in percent of a step with Coulomb's law."""
-    shares = [
-        100.0
-        * own
-        * float(row["ratio_per_collocation_step"])
-        / float(row["instructions_per_collocation_step"])
-        for row, own in zip(rows, part, strict=True)
-    ]
-    return f"{min(shares):.0f} to {max(shares):.0f} %"
-
-
 def about_tables(rows: Sequence[Row]) -> str:
-    """Why friction tables miss the target, where they do."""
-    tables = [row for row in rows if row["law"] == "friction table"]
+    """What a friction table over the load costs, and why such tables miss the target, where they do."""
+    tables = [row for row in rows if row["law"] == "friction table over load"]
     missed = [row for row in tables if float(row["ratio_per_collocation_step"]) > float(row["target"])]
     if not missed:
         return ""
-    own = [float(row["table_instructions_per_collocation_step"]) for row in missed]
-    scenes = {(row["mechanism"], row["cams"]) for row in missed}
-    curves = [
-        row
-        for row in rows
-        if row["law"] == "Stribeck, exponent 2" and (row["mechanism"], row["cams"]) in scenes
+    own = [
+        100.0
+        * float(row["table_instructions_per_collocation_step"])
+        * float(row["ratio_per_collocation_step"])
+        / float(row["instructions_per_collocation_step"])
+        for row in missed
     ]
-    extra = [
-        float(row["instructions_per_collocation_step"])
-        * (1.0 - 1.0 / float(row["ratio_per_collocation_step"]))
-        for row in curves
-    ]
-    both = [mine + more for mine, more in zip(own, extra, strict=True)]
     return prose(
-        f"""A friction table misses the target in {len(missed)} of {len(tables)} rows. Two parts of its cost
-        are counted, in percent of a Coulomb step. Any coefficient that depends on the speed costs
-        {share_of_coulomb(curves, extra)}: so much does the Stribeck curve of exponent 2, which needs no
-        exponential at most speeds of these scenes. The functions of the table cost
-        {share_of_coulomb(missed, own)}: the exponential of a polynomial of degree 5 and its derivative at
-        the nodes of each sweep, and the way to the next sample. Together the two parts take
-        {share_of_coulomb(missed, both)}; the target allows 30 %. The search of the sample at the start and
-        the aim at the sample at the end come on top. A polynomial of lower degree would be another curve,
-        with jumps of the second derivative at the samples."""
+        f"""A friction table over the load misses the target in {len(missed)} of {len(tables)} rows. In these
+        rows the functions of the table take {min(own):.0f} to {max(own):.0f} % of a Coulomb step. Between two
+        speeds and two loads ln mu is a polynomial of degree 5 in the speed and of degree 3 in the logarithm
+        of the load. Each sweep evaluates this polynomial with its derivatives, a logarithm and an exponential
+        at each node and contact. The first guess of the reactions needs the polynomial twice more."""
     )
 
 

@@ -9,6 +9,37 @@
 
 /* ---- the start ---- */
 
+/* Of the contacts whose tables have loads: f_i, and its derivative by ln R_i. */
+typedef struct {
+    Vector2 friction, by_log_load;
+} TableFriction;
+
+/* Takes the patches of these contacts. */
+NOINLINE static TableFriction take_patches(LobattoSystem *s, const Geometry *g, Vector2 x) {
+    const FrictionConstants *law = s->slip->law;
+    const LoadSpan *span[2] = {NULL, NULL};
+    Vector2 u[4], q;
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *table = law[i].loaded ? law[i].loaded : law[1 - i].loaded;
+        const int of = law[i].loaded ? i : 1 - i;
+        const double R = fabs(x[of]) * cam_length(g, of) / s->slip->params->contacts;
+        double cubic[4];
+        s->span[of] = friction_table_span(table, R);
+        s->patch[of] = friction_table_patch(table, s->piece[of], s->span[of]);
+        friction_cubic(s->patch[of], s->piece[of], s->omega * s->slip->direction * cam_sliding(g, of), cubic);
+        for (int m = 0; m < 4; m++) u[m][i] = cubic[m];
+        span[i] = &table->span[s->span[of]];
+        q[i] = R / table->load[1];
+    }
+    const VectorLoadPower mu = friction_on_cubics(u, span[0], span[1], q);
+    const Vector2 sign = {s->law[0]->sign[0], s->law[1]->sign[0]};
+    return (TableFriction){sign * mu.value, sign * mu.by_log_load};
+}
+
+static inline bool has_loaded_tables(const LobattoSystem *s) {
+    return s->has_tables && (s->slip->law[0].loaded || s->slip->law[1].loaded);
+}
+
 /* Both contacts in one vector. */
 NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const GrooveBend *bend, double z,
                                   double value[2], double kinetic[2]) {
@@ -53,6 +84,13 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
             power[i] = at.value[i];
             more[i] = dry[i] * at.by_log_load[i];
         }
+        if (!has_loaded_tables(s)) continue;
+        const TableFriction tables = take_patches(s, g, (Vector2){x[0], x[1]});
+        for (int i = 0; i < 2; i++) {
+            if (!slip->law[i].loaded) continue;
+            power[i] = tables.friction[i] / dry[i];
+            more[i] = tables.by_log_load[i];
+        }
     }
     for (int i = 0; i < 2; i++) {
         kinetic[i] = (kinetic[i] - viscous[i]) * power[i] + viscous[i];
@@ -63,11 +101,31 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
 
 /* ---- a sweep ---- */
 
+/* With f = e^L, L over ln R of slope p and second derivative w: f' = f (1 + p) and x F'' = f (p + p^2 + w). */
+NOINLINE static void linearise_tables(const LobattoSystem *s, NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *table = s->slip->law[i].loaded;
+        if (!table) continue;
+        const Vector2 square = n->x[i] * n->x[i] * (s->law[i]->radius2 + n->slope[i] * n->slope[i]);
+        const Vector2 q = (Vector2){sqrt(square[0]), sqrt(square[1])} / (s->slip->params->contacts * table->load[1]);
+        const VectorLoadedFriction at =
+            friction_on_patch(s->patch[i], &table->span[s->span[i]], s->piece[i], n->omega * n->sliding[i], q);
+        const Vector2 sign = s->law[i]->sign, value = sign * at.value, more = value * at.power;
+        n->friction[i] = value + more;
+        n->dfriction_domega[i] = sign * at.by_speed * n->sliding[i];
+        n->rest[i] = more * n->x[i];
+        for (int k = 0; k < 2; k++) /* without a slope there is no rest to bend */
+            n->curve[i][k] = at.power[k] == 0.0 ? 0.0 : 0.5 + 0.5 * (at.power[k] + at.bend[k] / at.power[k]);
+    }
+}
+
 NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
     for (int i = 0; i < 2; i++) {
         const Vector2 exponent = s->law[i]->load_exponent, none = {0.0, 0.0};
-        n->rest[i] = n->curve[i] = none;
-        if (exponent[0] == 0.0) continue;
+        if (exponent[0] == 0.0) {
+            n->rest[i] = n->curve[i] = none;
+            continue;
+        }
         const Vector2 square = n->x[i] * n->x[i] * (s->law[i]->radius2 + n->slope[i] * n->slope[i]);
         const Vector2 q = (Vector2){sqrt(square[0]), sqrt(square[1])} * s->law[i]->per_load;
         const VectorLoadPower power = friction_load_power(exponent, q);
@@ -76,8 +134,9 @@ NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
         n->friction[i] = dry * power.value + viscous * n->omega + more;
         n->dfriction_domega[i] = (n->dfriction_domega[i] - viscous) * power.value + viscous;
         n->rest[i] = more * n->x[i];
-        if (power.is_power) n->curve[i] = 0.5 + 0.5 * exponent;
+        n->curve[i] = power.is_power ? 0.5 + 0.5 * exponent : none;
     }
+    if (has_loaded_tables(s)) linearise_tables(s, n);
 }
 
 /* The change of net torque, N.m m^3, by changes of the friction forces f_i x_i, N/m: as minus rests of that size. */
@@ -107,7 +166,7 @@ NOINLINE Vector2 lobatto_loads_find(LobattoSystem *s, Vector2 omega, Vector2 alp
         Vector2 square = change * change / (n->x[i] * n->x[i] + DBL_MIN);
         square = (Vector2){square[0] < 0.1 ? square[0] : 0.1, square[1] < 0.1 ? square[1] : 0.1};
         const double most = square[0] > square[1] ? square[0] : square[1];
-        const double error = LOBATTO_LOAD_SHARE * (n->curve[i][0] > 0.0 ? most * sqrt(most) : most);
+        const double error = LOBATTO_LOAD_SHARE * (n->curve[i][0] != 0.0 ? most * sqrt(most) : most);
         s->load_error = error > s->load_error ? error : s->load_error;
         bent[i] = -n->curve[i] * n->rest[i] * square;
         n->rest[i] += bent[i];

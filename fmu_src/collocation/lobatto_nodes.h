@@ -43,7 +43,11 @@ typedef struct {
     /* Only where friction varies: */
     const FrictionNearby *law[2]; /* times sigma e_i */
     bool has_tables;              /* of friction, at a contact */
-    FrictionReach reach[2];       /* only of such a table */
+    /* Only where there is such a table; of a contact without one, the same as of the other contact: */
+    const FrictionPiece *piece[2];
+    const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
+    size_t span[2];                /* the loads of the patch */
+    Vector2 lowest, highest;       /* m/s, the sliding speeds up to which the step may use the pieces */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */

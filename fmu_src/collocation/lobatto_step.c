@@ -16,11 +16,10 @@
 
 /* Does the sliding speed of contact i stay on its piece of the friction table? */
 static bool stays_on_piece(const LobattoSystem *s, int i) {
-    const FrictionReach *reach = &s->reach[i];
     LobattoValues v;
     for (int k = 0; k < LOBATTO_HALVES; k++) v.half[k] = s->speed.half[k] * s->pair[k].sliding[i];
     const LobattoRange range = lobatto_range(&v);
-    return range.low >= reach->low && range.high <= reach->high;
+    return range.low >= s->lowest[i] && range.high <= s->highest[i];
 }
 
 /* Where friction varies: does it change little enough over the step to be seen by the nodes? */
@@ -132,6 +131,34 @@ COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *
     return stays;
 }
 
+/* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? */
+COMPACT static bool stays_on_patch(const LobattoSystem *s, int i, LobattoRange reaction, double from) {
+    const FrictionTable *table = s->slip->law[i].loaded;
+    const KnotCell cell = friction_table_cell(table->load, table->loads, s->span[i]);
+    const bool up = reaction.high - from > from - reaction.low;
+    const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
+    return reaction.high - from <= (up ? step.longest : step.back)[0] &&
+           from - reaction.low <= (up ? step.back : step.longest)[0];
+}
+
+/* Nearly all steps stay well inside. */
+static bool stays_on_patches(const LobattoSystem *s, const NodeLoads *loads) {
+    const double per = 1.0 / s->slip->params->contacts;
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *table = s->slip->law[i].loaded;
+        if (!table) continue;
+        const LobattoRange range = lobatto_range(&loads->reaction[i]); /* of one sign, see stays_on_flanks() */
+        const LobattoRange size = s->slip->flank[i] > 0 ? (LobattoRange){range.low * per, range.high * per}
+                                                        : (LobattoRange){-range.high * per, -range.low * per};
+        const size_t k = s->span[i];
+        const double lower = table->load[k], upper = k < table->loads ? table->load[k + 1] : INFINITY;
+        const bool inside =
+            size.low >= lower && size.high <= upper && size.high - size.low <= 0.5 * FRICTION_SPAN * (upper - lower);
+        if (!inside && !stays_on_patch(s, i, size, fabs(loads->reaction[i].at[0]) * per)) return false;
+    }
+    return true;
+}
+
 /* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
 static inline bool stays_beside_level(const LobattoSystem *s, const NodeLoads *loads) {
     const double contacts = s->slip->params->contacts;
@@ -204,6 +231,8 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (slip->friction_varies && slip->friction_is_loaded && !stays_beside_level(s, &loads)) return false;
+    if (slip->friction_varies && slip->friction_is_loaded && s->has_tables && !stays_on_patches(s, &loads))
+        return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
     if (slip->params->ledger) find_peaks(s, &loads, from->known, out);
@@ -263,23 +292,26 @@ typedef struct {
     bool falls;                  /* at a contact */
 } StartFriction;
 
+/* m, of the contacts with a table */
+static inline Vector2 tabled_sliding(const LobattoSystem *s, const StartFriction *friction) {
+    return (Vector2){friction->sliding[s->slip->law[0].tabled], friction->sliding[s->slip->law[1].tabled]};
+}
+
 /* Takes the pieces of the friction tables. */
-static void start_on_tables(LobattoSystem *s, double omega, StartFriction *out) {
-    const FrictionPiece *piece[2];
-    const Vector2 v = {omega * out->sliding[0], omega * out->sliding[1]};
+NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFriction *out) {
+    const FrictionConstants *law = s->slip->law;
+    const Vector2 v = tabled_sliding(s, out) * omega;
+    s->piece[0] = s->piece[1] = friction_table_piece(law[0].table, v[0]);
+    if (law[0].table != law[1].table) s->piece[1] = friction_table_piece(law[1].table, v[1]);
+    const Vector2 mu = friction_on_pieces(s->piece[0], s->piece[1], v);
     for (int i = 0; i < 2; i++)
-        if (s->law[i]->has_table) friction_table_begin(s->slip->law[i].fall.table, v[i], &s->reach[i]);
-    for (int i = 0; i < 2; i++) piece[i] = s->reach[s->law[i]->has_table ? i : 1 - i].piece;
-    const Vector2 mu = friction_on_pieces(piece[0], piece[1], v);
-    for (int i = 0; i < 2; i++)
-        if (s->law[i]->has_table) out->value[i] = out->kinetic[i] = s->law[i]->sign * mu[i];
+        if (s->law[i]->has_table) out->value[i] = out->kinetic[i] = s->law[i]->sign[0] * mu[i];
 }
 
 static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) {
     const double faint = LOBATTO_FALL_FAINT * sqrt(s->slip->params->tolerance);
     StartFriction out = {.falls = false};
     for (int i = 0; i < 2; i++) out.sliding[i] = s->slip->direction * cam_sliding(from->geometry, i);
-    if (s->has_tables) start_on_tables(s, from->omega, &out);
     for (int i = 0; i < 2; i++) {
         const FrictionNearby *law = s->law[i];
         if (law->has_table) continue;
@@ -293,6 +325,7 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
         if (!falls) out.kinetic[i] = out.value[i];
         out.falls = out.falls || falls;
     }
+    if (s->has_tables) start_on_tables(s, from->omega, &out);
     return out;
 }
 
@@ -329,20 +362,42 @@ COMPACT static double share_to_fall(const LobattoSystem *s, const StartFriction 
     return share < 1.0 ? STEP_SAFETY * share : 1.0;
 }
 
-/* Friction tables: takes the piece of each contact. A step that passes a sample is shortened to end there. */
-static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+/* The speeds that the step may reach on its pieces of the friction tables. */
+ALWAYS_INLINE static inline KnotSteps reach_on_pieces(LobattoSystem *s, Vector2 v, bool up) {
+    const double overshoot = s->slip->law[0].fall.overshoot; /* the same of both */
+    const KnotSteps step = knot_steps(&s->piece[0]->cell, &s->piece[1]->cell, overshoot, v, up);
+    s->lowest = v - (up ? step.back : step.longest);
+    s->highest = v + (up ? step.longest : step.back);
+    return step;
+}
+
+/* Takes the next piece where a step before has reached the sample ahead. Shortens the step to end at the sample of the
+ * first contact to get there. */
+NOINLINE static void aim_at_samples(LobattoSystem *s, Vector2 v, Vector2 per_time, bool up, KnotSteps step) {
     const double longest = s->h;
-    for (int i = 0; i < 2; i++) {
-        if (!s->law[i]->has_table) continue;
-        const FrictionFall *fall = &s->slip->law[i].fall;
-        FrictionReach *reach = &s->reach[i];
-        const double sliding = friction->sliding[i], v = sliding * omega;
-        const double change = sliding * rhs * s->h;
-        friction_table_reach(fall->overshoot, v, change > 0.0, reach);
-        if (v + change >= reach->low && v + change <= reach->high) continue;
-        s->h *= min_of(reach->aim / fabs(change), 1.0);
-        s->end_speed = (EndSpeed){true, i, v, v + copysign(reach->aim, change), reach->slack, longest};
+    while (knot_is_reached(&step, 0) || knot_is_reached(&step, 1)) { /* at most one turn per sample */
+        for (int i = 0; i < 2; i++)
+            if (knot_is_reached(&step, i)) s->piece[i] += up ? 1 : -1;
+        step = reach_on_pieces(s, v, up);
     }
+    for (int i = 0; i < 2; i++) {
+        const FrictionTable *loaded = s->slip->law[i].loaded;
+        if (loaded) s->patch[i] = friction_table_patch(loaded, s->piece[i], s->span[i]);
+        const double change = per_time[i] * s->h, aim = knot_aim(&step, i);
+        if (v[i] + change >= s->lowest[i] && v[i] + change <= s->highest[i]) continue;
+        s->h *= min_of(aim / fabs(change), 1.0);
+        const double slack = FRICTION_AIM_SHARE * (step.longest[i] - aim);
+        s->end_speed = (EndSpeed){true, s->slip->law[i].tabled, v[i], v[i] + copysign(aim, change), slack, longest};
+    }
+}
+
+/* Friction tables: does the step stay on its pieces under constant acceleration? If not, the step is shortened. */
+NOINLINE static void approach_samples(LobattoSystem *s, const StartFriction *friction, double omega, double rhs) {
+    const Vector2 sliding = tabled_sliding(s, friction), v = sliding * omega, per_time = sliding * rhs;
+    const bool up = rhs > 0.0;
+    const KnotSteps step = up ? reach_on_pieces(s, v, true) : reach_on_pieces(s, v, false);
+    const Vector2 margin = vector2_min(knot_margins(&step), step.longest - vector2_abs(per_time * s->h));
+    if (!(margin[0] >= 0.0 && margin[1] >= 0.0)) aim_at_samples(s, v, per_time, up, step);
 }
 
 static GrooveBend start_bend(const SlipMode *slip, const LobattoStart *from) {

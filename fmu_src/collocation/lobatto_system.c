@@ -88,8 +88,10 @@ NOINLINE static void find_friction_by_tables(const LobattoSystem *s, NodePair *n
     for (int i = 0; i < 2; i++) {
         const Vector2 v = n->omega * n->sliding[i];
         const FrictionNearby *law = s->law[i];
-        const VectorFriction f =
-            law->has_table ? friction_on_piece(law->sign, s->reach[i].piece, v) : friction_by_law(law, v);
+        VectorFriction f;
+        if (!law->has_table) f = friction_by_law(law, v);
+        else if (law->has_patches) continue;
+        else f = friction_on_piece(law->sign, s->piece[i], v);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * n->sliding[i];
     }

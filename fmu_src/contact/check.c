@@ -178,8 +178,7 @@ static void name_lead(char text[80], const Params *p, int i, double slope) {
 
 static void name_friction(char text[100], const CamParams *cam, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table)
-        snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, friction_table_at_rest(law->table));
+    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, law->table->at_rest);
     else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %.17g", i + 1, cam->friction);
     else
         snprintf(text, 100, "cam%d.friction = %.17g times cam%d.friction_peak = %.17g at rest", i + 1, cam->friction,

@@ -141,7 +141,7 @@ static bool is_driven(const Mechanism *m, const SlipMode *slip) {
 
 static bool find_lobatto_step(const Mechanism *m, const SlipMode *slip, double left, LobattoStep *lobatto) {
     const State *s = &m->state;
-    if (slip->regime == REGIME_RATE_INDEPENDENT || any_friction_table_has_loads(&m->params)) return false;
+    if (slip->regime == REGIME_RATE_INDEPENDENT) return false;
     if (slip->regime == REGIME_VISCOUS && (slip->friction_varies || !is_driven(m, slip))) return false;
     const LobattoStart from = {
         s->theta.hi,    s->omega.hi, m->configuration.z, &m->configuration.geometry, angle_to_stop(m, slip->direction),

@@ -72,6 +72,64 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
+/* ln q as level_log() has it, and q times its derivative. */
+static inline VectorLoadPower log_of_load(Vector2 q) {
+    if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM)
+        return (VectorLoadPower){vector2_log(q), (Vector2){1.0, 1.0}, true};
+    const Dual a = level_log(q[0]), b = level_log(q[1]);
+    return (VectorLoadPower){(Vector2){a.value, b.value}, q * (Vector2){a.slope, b.slope}, false};
+}
+
+/* The cubic in b, and b; the first derivative by ln R. */
+typedef struct {
+    Vector2 value, power, b, per;
+} LoadCubic;
+
+ALWAYS_INLINE static inline LoadCubic cubic_at(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
+    const Vector2 from = {k->from, l->from}, width = {k->per, l->per}, low = {k->low, l->low},
+                  high = {k->high, l->high};
+    const VectorLoadPower x = log_of_load(q);
+    const Vector2 b = vector2_min(vector2_max((x.value - from) * width, low), high), per = x.by_log_load * width;
+    return (LoadCubic){u[0] + b * (u[1] + b * (u[2] + b * u[3])), (u[1] + b * (2.0 * u[2] + b * (3.0 * u[3]))) * per, b,
+                       per};
+}
+
+NOINLINE VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
+    const LoadCubic cubic = cubic_at(u, k, l, q);
+    const Vector2 mu = vector2_exp(cubic.value);
+    return (VectorLoadPower){mu, mu * cubic.power, false};
+}
+
+void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]) {
+    const double t = (v - piece->cell.lower) * piece->per_width[0];
+    for (int m = 0; m < 4; m++) {
+        const Vector2 *c = patch->c[m];
+        u[m] = c[5][0];
+        for (int n = 4; n >= 0; n--) u[m] = u[m] * t + c[n][0];
+    }
+}
+
+NOINLINE VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span,
+                                                const FrictionPiece *piece, Vector2 v, Vector2 q) {
+    const Vector2 low = {-0.25, -0.25}, high = {1.25, 1.25};
+    const Vector2 t = vector2_min(vector2_max((v - piece->lower) * piece->per_width, low), high);
+    Vector2 u[4], slope[4]; /* of b^m, and its derivative by t */
+    for (int m = 0; m < 4; m++) {
+        const Vector2 *c = patch->c[m];
+        u[m] = slope[m] = c[5];
+        for (int n = 4; n > 0; n--) {
+            u[m] = u[m] * t + c[n];
+            slope[m] = slope[m] * t + u[m];
+        }
+        u[m] = u[m] * t + c[0];
+    }
+    const LoadCubic cubic = cubic_at(u, span, span, q);
+    const Vector2 b = cubic.b, mu = vector2_exp(cubic.value);
+    const Vector2 by_speed = slope[0] + b * (slope[1] + b * (slope[2] + b * slope[3]));
+    return (VectorLoadedFriction){mu, mu * by_speed * piece->per_width, cubic.power,
+                                  (2.0 * u[2] + 6.0 * b * u[3]) * cubic.per * cubic.per};
+}
+
 /* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
 static double friction_overshoot(double tolerance) {
     const double quarter = sqrt(sqrt(tolerance));
@@ -99,22 +157,27 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
     const double excess = excess_of(cam);
     return (FrictionNearby){
         .kinetic = none + sign * cam->friction,
-        .viscous = none + sign * law->viscous,
+        .viscous = none + (law->table ? 0.0 : sign * law->viscous),
         .excess = none + sign * excess,
         .minus_by_v = none - 1.0 / law->stribeck_velocity,
         .per_load = none + 1.0 / (p->contacts * law->load),
-        .load_exponent = none + (friction_depends_on_load(cam) ? law->load_exponent : 0.0),
+        .load_exponent = none + (friction_depends_on_load(cam) && !law->table ? law->load_exponent : 0.0),
         .radius = none + cam->radius,
         .radius2 = none + cam->radius * cam->radius,
         .gone = speed_without_excess(cam, excess),
-        .sign = sign,
+        .sign = none + sign,
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
+        .has_patches = law->table != NULL && law->table->loads > 1,
     };
 }
 
 COMPACT void friction_prepare(const Params *params, int i, FrictionConstants *constants) {
     constants->fall = friction_fall(&params->cam[i], params->tolerance);
+    constants->tabled = params->cam[i].law.table ? i : 1 - i;
+    constants->table = params->cam[constants->tabled].law.table;
+    const FrictionTable *own = params->cam[i].law.table;
+    constants->loaded = own && own->loads > 1 ? own : NULL;
     for (int sign = -1; sign <= 1; sign += 2) constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
 }
 

@@ -23,6 +23,7 @@
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
 #include "numerics/vector2.h"
+#include "platform/attributes.h"
 
 /* Does the coefficient depend on the sliding speed? */
 static inline bool friction_varies(const CamParams *cam) {
@@ -45,15 +46,9 @@ static inline bool any_friction_depends_on_load(const Params *p) {
     return friction_depends_on_load(&p->cam[0]) || friction_depends_on_load(&p->cam[1]);
 }
 
-/* The samples over the load end steps, as those over the speed do. */
-static inline bool any_friction_table_has_loads(const Params *p) {
-    const FrictionTable *a = p->cam[0].law.table, *b = p->cam[1].law.table;
-    return (a && a->loads > 1) || (b && b->loads > 1);
-}
-
 /* mu(0+): the coefficient at rest, on the edge of the stick band, and where slip begins; at R_ref. */
 static inline double friction_static(const CamParams *cam) {
-    return cam->law.table ? friction_table_at_rest(cam->law.table) : cam->friction * cam->law.peak;
+    return cam->law.table ? cam->law.table->at_rest : cam->friction * cam->law.peak;
 }
 
 /* mu and its derivative; v in m/s. A negative v, at which an iteration may look, continues the law smoothly. */
@@ -100,15 +95,20 @@ typedef struct {
     Vector2 per_load, load_exponent; /* 1/N, 1/(n R_ref); nu, 0 where the law does not depend on the load */
     Vector2 radius, radius2;         /* m, m^2: r and r^2 */
     double gone;                     /* m/s, above which the excess is below all rounding */
-    double sign;                     /* of all values */
+    Vector2 sign;                    /* of all values */
     bool is_gauss;                   /* the Stribeck exponent is 2 */
     bool has_table;
+    bool has_patches; /* the table has loads */
 } FrictionNearby;
 
 /* What the parameters of a contact imply for every step where friction varies. */
 typedef struct {
     FrictionFall fall;
     FrictionNearby near[2]; /* by friction_sign_index() */
+    /* The contact and its table, or of a contact without a table the other one and its table, or NULL: */
+    int tabled;
+    const FrictionTable *table;
+    const FrictionTable *loaded; /* the table of this contact if it has more than one load, else NULL */
 } FrictionConstants;
 
 /* Of contact `i`, 0 or 1. */
@@ -125,29 +125,46 @@ typedef struct {
 } VectorFriction;
 
 /* Of a table, on its piece. An iteration may look a quarter of the piece beyond its ends. */
-static inline VectorFriction friction_on_piece(double sign, const FrictionPiece *p, Vector2 v) {
-    const Vector2 none = {0.0, 0.0};
-    Vector2 t = (v - p->cell.lower) * p->per_width, slope = none + p->c[4], u = slope;
-    t = (Vector2){t[0] < -0.25 ? -0.25 : t[0], t[1] < -0.25 ? -0.25 : t[1]};
-    t = (Vector2){t[0] > 1.25 ? 1.25 : t[0], t[1] > 1.25 ? 1.25 : t[1]};
+ALWAYS_INLINE static inline VectorFriction friction_on_piece(Vector2 sign, const FrictionPiece *p, Vector2 v) {
+    Vector2 t = (v - p->lower) * p->per_width, slope = p->c[4], u = slope;
+    t = vector2_min(vector2_max(t, (Vector2){-0.25, -0.25}), (Vector2){1.25, 1.25});
     for (int n = 3; n >= 0; n--) {
         u = u * t + p->c[n];
         slope = slope * t + u;
     }
     u *= t;
-    const Vector2 mu = (sign * p->mu) * (p->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+    const Vector2 mu = (sign * p->mu) * (p->is_flat ? vector2_exp_small(u) : vector2_exp(u));
     return (VectorFriction){mu, mu * slope * p->per_width};
 }
 
 /* mu on two pieces of tables, at a speed on each. */
 static inline Vector2 friction_on_pieces(const FrictionPiece *p, const FrictionPiece *q, Vector2 v) {
-    const Vector2 start = {p->cell.lower, q->cell.lower}, per_width = {p->per_width, q->per_width};
-    const Vector2 t = (v - start) * per_width;
-    Vector2 u = {p->c[4], q->c[4]};
-    for (int n = 3; n >= 0; n--) u = u * t + (Vector2){p->c[n], q->c[n]};
+    const Vector2 lower = {p->cell.lower, q->cell.lower}, per_width = {p->per_width[0], q->per_width[0]};
+    const Vector2 t = (v - lower) * per_width;
+    Vector2 u = {p->c[4][0], q->c[4][0]};
+    for (int n = 3; n >= 0; n--) u = u * t + (Vector2){p->c[n][0], q->c[n][0]};
     u *= t;
-    return (Vector2){p->mu, q->mu} * (p->is_flat && q->is_flat ? vector2_exp_near_0(u) : vector2_exp(u));
+    return (Vector2){p->mu[0], q->mu[0]} * (p->is_flat && q->is_flat ? vector2_exp_small(u) : vector2_exp(u));
 }
+
+/* A factor that depends on the load, and its derivative by ln R. */
+typedef struct {
+    Vector2 value, by_log_load;
+    bool is_power; /* by_log_load is nu q^nu */
+} VectorLoadPower;
+
+/* mu, dmu/dv, and the first and second derivative of ln mu by ln R */
+typedef struct {
+    Vector2 value, by_speed, power, bend;
+} VectorLoadedFriction;
+
+/* Of a table on its patch, at two speeds and reactions; q = R/R_1 >= 0. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span, const FrictionPiece *piece,
+                                       Vector2 v, Vector2 q);
+
+/* ln mu at one speed, as a cubic in b; mu of two cubics, in their spans k and l, and its derivative by ln R. */
+void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]);
+VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q);
 
 /* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
  * Without a table: */
@@ -169,11 +186,6 @@ static inline VectorFriction friction_by_law(const FrictionNearby *near, Vector2
 }
 
 /* q^nu, as level_log() has the logarithm, and q times its derivative; q = R/R_ref >= 0. */
-typedef struct {
-    Vector2 value, by_log_load;
-    bool is_power; /* by_log_load is nu q^nu */
-} VectorLoadPower;
-
 VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q);
 
 /* mu along a motion, as a Taylor polynomial in time, of cam `i` (0 or 1); its slopes are derivatives by `known`. `R` is

@@ -10,10 +10,11 @@
 
 /* The curve u_k, less ln mu where its piece starts, and its derivative by v. */
 static FrictionCoefficient curve_at(const FrictionPiece *p, double v) {
-    const double t = (v - p->cell.lower) * p->per_width, x = t < -0.25 ? -0.25 : t, *c = p->c;
-    const double slope = c[0] + x * (2.0 * c[1] + x * (3.0 * c[2] + x * (4.0 * c[3] + x * 5.0 * c[4])));
-    return (FrictionCoefficient){x * (c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])))),
-                                 t < x ? 0.0 : slope * p->per_width};
+    const Vector2 *c = p->c;
+    const double t = (v - p->cell.lower) * p->per_width[0], x = t < -0.25 ? -0.25 : t;
+    const double value = c[0][0] + x * (c[1][0] + x * (c[2][0] + x * (c[3][0] + x * c[4][0])));
+    const double slope = c[0][0] + x * (2.0 * c[1][0] + x * (3.0 * c[2][0] + x * (4.0 * c[3][0] + x * 5.0 * c[4][0])));
+    return (FrictionCoefficient){x * value, t < x ? 0.0 : slope * p->per_width[0]};
 }
 
 static const FrictionPiece *piece_of(const FrictionTable *table, size_t load, size_t j) {
@@ -21,17 +22,19 @@ static const FrictionPiece *piece_of(const FrictionTable *table, size_t load, si
 }
 
 FrictionCoefficient friction_table_at(const FrictionTable *table, double v) {
-    const FrictionPiece *p = piece_of(table, table->loads / 2, friction_table_find(table->speed, table->count, v));
+    const FrictionPiece *p = friction_table_piece(table, v);
     const FrictionCoefficient u = curve_at(p, v);
-    const double value = p->mu * elementary_exp(u.value);
+    const double value = p->mu[0] * elementary_exp(u.value);
     return (FrictionCoefficient){value, value * u.by_speed};
 }
 
 /* u_k(v) along a motion. */
 COMPACT static Jet curve_along(const FrictionTable *table, size_t k, const Jet *v) {
-    const FrictionPiece *p = piece_of(table, k, friction_table_find(table->speed, table->count, v->c[0].value));
-    const double c[6] = {p->log_mu, p->c[0], p->c[1], p->c[2], p->c[3], p->c[4]};
-    const Jet t = jet_line((Dual){-p->cell.lower * p->per_width, 0.0}, (Dual){p->per_width, 0.0}, v);
+    const FrictionPiece *p = piece_of(table, k, friction_table_sample(table, v->c[0].value));
+    double c[6] = {p->log_mu};
+    for (int n = 0; n < 5; n++) c[n + 1] = p->c[n][0];
+    const double per_width = p->per_width[0];
+    const Jet t = jet_line((Dual){-p->cell.lower * per_width, 0.0}, (Dual){per_width, 0.0}, v);
     return jet_polynomial(c, 5, &t);
 }
 
@@ -44,7 +47,7 @@ typedef struct {
 } SplinePlace;
 
 COMPACT static SplinePlace place_of(const FrictionTable *table, double x) {
-    const size_t k = friction_table_find(table->log_load, table->loads - 2, x);
+    const size_t k = friction_table_find(table->log_load, 0, table->loads - 1, x);
     const double h = table->log_load[k + 1] - table->log_load[k];
     return (SplinePlace){k, (table->log_load[k + 1] - x) / h, h};
 }
@@ -64,7 +67,7 @@ COMPACT static FrictionCoefficient spline_at(const FrictionTable *table, const S
 COMPACT LoadedFriction friction_table_under(const FrictionTable *table, double v, double R) {
     const Dual log_ratio = level_log(R / table->load[1]);
     const SplinePlace at = place_of(table, table->log_load[0] + log_ratio.value);
-    const size_t j = friction_table_find(table->speed, table->count, v);
+    const size_t j = friction_table_sample(table, v);
     double u[FRICTION_LOADS_MAX], slope[FRICTION_LOADS_MAX];
     for (size_t k = 0; k < table->loads; k++) {
         const FrictionPiece *p = piece_of(table, k, j);
@@ -124,46 +127,22 @@ static double width_beside(const double *knot, size_t last, size_t k) {
 }
 
 COMPACT KnotCell friction_table_cell(const double *knot, size_t last, size_t k) {
-    return (KnotCell){
-        knot[k], k < last ? knot[k + 1] : INFINITY, {width_beside(knot, last, k), width_beside(knot, last, k + 1)}};
-}
-
-/* How far a step goes from a place in a cell, up or down. */
-typedef struct {
-    double aim, longest; /* the distance at which the step is to end, if it gets that far; that which it may reach */
-    double back;         /* the distance that it may go the other way */
-} KnotStep;
-
-/* A step that starts so close to the knot ahead has reached that knot before. */
-static inline bool is_reached(const KnotCell *cell, double overshoot, double x, bool up) {
-    const double ahead = up ? cell->upper : cell->lower;
-    return fabs(ahead - x) < FRICTION_REACHED * (overshoot * cell->beside[up]) && cell->beside[up] < INFINITY;
-}
-
-/* A step ends at the knot ahead, or halfway where the knot is far. At the knot the step aims at the middle of the
- * overshoot, the share of a width by which the step may pass. */
-static inline KnotStep knot_step(const KnotCell *cell, double overshoot, double x, bool up) {
-    const double most = FRICTION_SPAN * (cell->upper - cell->lower), beyond = overshoot * cell->beside[up];
-    const double distance = up ? cell->upper - x : x - cell->lower, behind = up ? x - cell->lower : cell->upper - x;
-    const bool is_far = distance > FRICTION_SPAN_SLACK * most;
-    KnotStep step = {INFINITY, INFINITY, min_of(most, fabs(behind) + overshoot * cell->beside[!up])};
-    if (beyond == INFINITY) return step;
-    step.aim = is_far ? 0.5 * fabs(distance) : fabs(distance) + 0.5 * beyond;
-    step.longest = is_far ? FRICTION_SPAN_SLACK * step.aim : fabs(distance) + beyond;
-    return step;
+    return (KnotCell){knot[k],
+                      {k > 0 ? knot[k] : -INFINITY, k < last ? knot[k + 1] : INFINITY},
+                      {width_beside(knot, last, k), width_beside(knot, last, k + 1)}};
 }
 
 COMPACT static double share_of(const double *knot, size_t last, double overshoot, double from, double to) {
     const bool up = to > from;
-    size_t k = friction_table_find(knot, last, from);
-    KnotCell cell = friction_table_cell(knot, last, k);
-    while (is_reached(&cell, overshoot, from, up)) { /* at most one turn per knot */
-        k = up ? k + 1 : k - 1;
-        cell = friction_table_cell(knot, last, k);
+    const Vector2 x = {from, from};
+    size_t k = friction_table_find(knot, 0, last + 1, from);
+    for (;; k = up ? k + 1 : k - 1) { /* at most one turn per knot */
+        const KnotCell cell = friction_table_cell(knot, last, k);
+        const KnotSteps step = knot_steps(&cell, &cell, overshoot, x, up);
+        if (knot_is_reached(&step, 0)) continue;
+        const double change = fabs(to - from);
+        return change <= step.longest[0] ? 1.0 : knot_aim(&step, 0) / change;
     }
-    const KnotStep step = knot_step(&cell, overshoot, from, up);
-    const double change = fabs(to - from);
-    return change <= step.longest ? 1.0 : step.aim / change;
 }
 
 double friction_table_share(const FrictionTable *table, double overshoot, double from, double to) {
@@ -172,16 +151,6 @@ double friction_table_share(const FrictionTable *table, double overshoot, double
 
 double friction_table_load_share(const FrictionTable *table, double overshoot, double from, double to) {
     return table->loads > 1 ? share_of(table->load, table->loads, overshoot, from, to) : 1.0;
-}
-
-void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach) {
-    while (is_reached(&reach->piece->cell, overshoot, v, up)) /* at most one turn per knot */
-        reach->piece += up ? 1 : -1;
-    const KnotStep step = knot_step(&reach->piece->cell, overshoot, v, up);
-    reach->low = v - (up ? step.back : step.longest);
-    reach->high = v + (up ? step.longest : step.back);
-    reach->aim = step.aim;
-    reach->slack = FRICTION_AIM_SHARE * (step.longest - step.aim);
 }
 
 double friction_level_share(double level, double overshoot, double from, double to) {

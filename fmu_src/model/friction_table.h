@@ -12,39 +12,66 @@
 #ifndef DUALCAM_FRICTION_TABLE_H
 #define DUALCAM_FRICTION_TABLE_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <string.h>
 
 #include "model/params.h"
 #include "numerics/jet.h"
+#include "numerics/tolerances.h"
 #include "numerics/vector2.h"
+#include "platform/attributes.h"
 
-enum { FRICTION_LOADS_MAX = 16 };
+enum { FRICTION_LOADS_MAX = 16, FRICTION_BUCKETS = 128, FRICTION_BUCKET_BITS = 3 /* 8 buckets in each octave */ };
 
 /* From one knot to the next: samples over the speed or over the load, in whose unit its fields are. Beyond the last knot
  * the upper knot is infinity. */
 typedef struct {
-    double lower, upper;
+    double lower;
+    double ahead[2]; /* where a step down or up is to end: the knots; -infinity in place of knot 0 */
     double beside
         [2]; /* the smaller width of both cells at the lower and at the upper knot; infinity: no step ends there */
 } KnotCell;
 
-/* The curve from one sample to the next. Beyond the last sample it is constant, and per_width is 0. */
+/* The curve from one sample to the next. Beyond the last sample it is constant, and per_width is 0. A vector holds the
+ * same number twice: no step has to spread the number. */
 typedef struct {
-    KnotCell cell;     /* m/s */
-    double per_width;  /* s/m */
-    double mu, log_mu; /* where it starts */
-    double c[5];       /* of t, ..., t^5 */
-    bool is_flat;      /* from t = -1/4 to t = 5/4 the powers of t add up to a number that vector2_exp_near_0() takes */
+    Vector2 c[5];             /* of t, ..., t^5 */
+    Vector2 lower, per_width; /* m/s, s/m */
+    Vector2 mu;               /* where the curve starts */
+    KnotCell cell;            /* m/s */
+    double log_mu;            /* where the curve starts */
+    bool is_flat; /* from t = -1/4 to t = 5/4 the powers of t add up to a number that vector2_exp_small() takes */
 } FrictionPiece;
 
+/* ln mu on one piece of the speed from one load to the next: sum_m b^m sum_n c[m][n] t^n with b = (ln R/R_1 - from) per.
+ * Below the first load and beyond the last one c[2] = c[3] = 0 and per = 1. */
+typedef struct {
+    Vector2 c[4][6];
+} FrictionPatch;
+
+/* Of the patches between two loads. An iteration may look at b from `low` to `high`. */
+typedef struct {
+    double from, per, low, high;
+} LoadSpan;
+
 struct FrictionTable {
-    size_t count, loads;                 /* of the last speed, the first being 0; number of loads */
-    FrictionPiece *piece;                /* owned: count + 1 of the first load, then of the next */
-    double *speed;                       /* owned: m/s, count + 1 of them */
-    double load[FRICTION_LOADS_MAX + 1]; /* N: 0, then the loads */
+    size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
+    FrictionPiece *piece;                  /* count + 1 of the first load, then of the next */
+    const FrictionPiece *middle;           /* the first one of the middle one of the loads */
+    void *pieces;                          /* owned: the memory of the pieces */
+    double *speed;                         /* owned: m/s, count + 1 of them */
+    int64_t octave;                        /* of the first bucket: a speed's exponent and first bits of its mantissa */
+    uint16_t bucket[FRICTION_BUCKETS + 1]; /* the sample below the first speed of the bucket */
+    double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
+    FrictionPatch *patch; /* only with more than one load: loads + 1 of the first piece, then of the next */
+    void *patches;        /* owned: the memory of the patches */
+    LoadSpan span[FRICTION_LOADS_MAX + 1];
+    double at_rest;  /* mu(0+), at the middle one of the loads */
     double falls_at; /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
     char path[];     /* of the file */
 };
@@ -60,10 +87,9 @@ typedef struct {
     double by_load;  /* 1/N, dmu/dR */
 } LoadedFriction;
 
-/* The greatest index k <= last with knot[k] <= x; 0 for smaller x. */
-static inline size_t friction_table_find(const double *knot, size_t last, double x) {
-    size_t low = 0;                             /* the index is one of low, ..., low + count - 1 */
-    for (size_t count = last + 1; count > 1;) { /* at most 64 turns: `count` halves */
+/* The greatest index k of low, ..., low + count - 1 with knot[k] <= x; low for smaller x. */
+static inline size_t friction_table_find(const double *knot, size_t low, size_t count, double x) {
+    while (count > 1) { /* at most 64 turns: `count` halves */
         const size_t half = count / 2;
         low = x >= knot[low + half] ? low + half : low; /* without a branch: the processor cannot predict the branch */
         count -= half;
@@ -71,13 +97,37 @@ static inline size_t friction_table_find(const double *knot, size_t last, double
     return low;
 }
 
+static inline int64_t friction_table_octave(double v) {
+    int64_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits >> (52 - FRICTION_BUCKET_BITS);
+}
+
+/* The greatest index j with speed[j] <= v; 0 for v < 0. A bucket has few samples unless the samples are close together. */
+static inline size_t friction_table_sample(const FrictionTable *table, double v) {
+    const uint64_t n = (uint64_t)(friction_table_octave(v) - table->octave);
+    const bool is_in_bucket = n < FRICTION_BUCKETS; /* else slower than the first bucket, or beyond the last sample */
+    const size_t low = is_in_bucket ? table->bucket[n] : 0, high = is_in_bucket ? table->bucket[n + 1] : table->count;
+    return friction_table_find(table->speed, low, high - low + 1, v);
+}
+
+/* The piece at the speed v; at the middle one of the loads. */
+static inline const FrictionPiece *friction_table_piece(const FrictionTable *table, double v) {
+    return &table->middle[friction_table_sample(table, v)];
+}
+
+/* The span of the load R: 0 below the first load. */
+static inline size_t friction_table_span(const FrictionTable *table, double R) {
+    return friction_table_find(table->load, 0, table->loads + 1, R);
+}
+
+static inline const FrictionPatch *friction_table_patch(const FrictionTable *table, const FrictionPiece *piece,
+                                                        size_t span) {
+    return &table->patch[(size_t)(piece - table->middle) * (table->loads + 1) + span];
+}
+
 /* Of knot k and the next; knot 0 is 0, where no step ends. */
 KnotCell friction_table_cell(const double *knot, size_t last, size_t k);
-
-/* mu(0+), at the middle one of the loads */
-static inline double friction_table_at_rest(const FrictionTable *table) {
-    return table->piece[table->loads / 2 * (table->count + 1)].mu;
-}
 
 /* At the middle one of the loads. Below v = 0, at which an iteration may look, the first piece continues for a quarter
  * of its width. */
@@ -96,21 +146,40 @@ double friction_table_load_share(const FrictionTable *table, double overshoot, d
 /* The same for the load, N, below which a law without a table levels off. */
 double friction_level_share(double level, double overshoot, double from, double to);
 
-/* The piece on which a step lies, and the speeds up to which the step may use it. */
+/* How far steps go from places x in two cells, both up or both down. */
 typedef struct {
-    const FrictionPiece *piece;
-    double low, high; /* m/s */
-    double aim;       /* m/s, the change of speed at which a longer step is to end; infinity: none */
-    double slack;     /* m/s, by which the step may miss the aim */
-} FrictionReach;
+    Vector2 distance;      /* to the knot ahead */
+    Vector2 beyond;        /* by which a step may pass that knot; infinity: no step ends there */
+    Vector2 longest, back; /* the distance that a step may reach, and the other way */
+} KnotSteps;
 
-/* The piece at the speed v; at the middle one of the loads. */
-static inline void friction_table_begin(const FrictionTable *table, double v, FrictionReach *reach) {
-    const size_t first = table->loads / 2 * (table->count + 1);
-    reach->piece = &table->piece[first + friction_table_find(table->speed, table->count, v)];
+/* A step ends at the knot ahead, or halfway where the knot is far. */
+ALWAYS_INLINE static inline KnotSteps knot_steps(const KnotCell *a, const KnotCell *b, double overshoot, Vector2 x,
+                                                 bool up) {
+    const Vector2 lower = {a->lower, b->lower}, upper = {a->ahead[1], b->ahead[1]}, down = {a->ahead[0], b->ahead[0]};
+    const Vector2 ahead = {a->beside[up], b->beside[up]}, behind = {a->beside[!up], b->beside[!up]};
+    const Vector2 most = FRICTION_SPAN * (upper - lower), far = FRICTION_SPAN_SLACK * most;
+    const Vector2 d = up ? upper - x : x - down, other_way = up ? x - lower : upper - x;
+    KnotSteps out = {d, overshoot * ahead, {0.0, 0.0}, vector2_min(most, vector2_abs(other_way) + overshoot * behind)};
+    const Vector2 half = FRICTION_SPAN_SLACK * (0.5 * d), passes = d + out.beyond;
+    out.longest = (Vector2){d[0] > far[0] ? half[0] : passes[0], d[1] > far[1] ? half[1] : passes[1]};
+    return out;
 }
 
-/* The piece of a step from the speed v, and how far the step reaches. `up`: the speed grows. */
-void friction_table_reach(double overshoot, double v, bool up, FrictionReach *reach);
+/* Negative where a step starts so close to the knot ahead that a step before has reached the knot. NaN beyond the last
+ * knot. */
+static inline Vector2 knot_margins(const KnotSteps *step) {
+    return vector2_abs(step->distance) - FRICTION_REACHED * step->beyond;
+}
+
+static inline bool knot_is_reached(const KnotSteps *step, int k) {
+    return knot_margins(step)[k] < 0.0;
+}
+
+/* The distance at which a longer step is to end: at the knot, the middle of what the step may pass. */
+static inline double knot_aim(const KnotSteps *step, int k) {
+    const double distance = step->distance[k];
+    return step->longest[k] < distance ? 0.5 * distance : distance + 0.5 * step->beyond[k];
+}
 
 #endif

@@ -1,6 +1,8 @@
 #include "model/friction_table_load.h"
 
 #include <math.h>
+#include <stdalign.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,6 +116,10 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
 
 /* ---- the curve over the speed ---- */
 
+static Vector2 both(double x) {
+    return (Vector2){x, x};
+}
+
 /* By powers of t, from value, slope d and second derivative c at both ends. */
 static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
     const FrictionSample *a = &s->sample[j], *b = &s->sample[j + 1];
@@ -121,16 +127,20 @@ static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
     const double d0 = h * s->knot[j].slope, d1 = h * s->knot[j + 1].slope;
     const double c0 = 0.5 * h * h * s->knot[j].bend, c1 = 0.5 * h * h * s->knot[j + 1].bend;
     const double value = rise - d0 - c0, slope = d1 - d0 - 2.0 * c0, bend = 2.0 * (c1 - c0); /* left to t^3, t^4, t^5 */
+    const double c[5] = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
+                         6.0 * value - 3.0 * slope + 0.5 * bend};
     FrictionPiece piece = {
-        .per_width = 1.0 / h,
-        .mu = a->mu,
+        .lower = both(a->v),
+        .per_width = both(1.0 / h),
+        .mu = both(a->mu),
         .log_mu = a->log_mu,
-        .c = {d0, c0, 10.0 * value - 4.0 * slope + 0.5 * bend, -15.0 * value + 7.0 * slope - bend,
-              6.0 * value - 3.0 * slope + 0.5 * bend},
     };
     double most = 0.0;
-    for (int n = 4; n >= 0; n--) most = 1.25 * (fabs(piece.c[n]) + most);
-    piece.is_flat = most <= VECTOR2_NEAR_0;
+    for (int n = 4; n >= 0; n--) {
+        most = 1.25 * (fabs(c[n]) + most);
+        piece.c[n] = both(c[n]);
+    }
+    piece.is_flat = most <= VECTOR2_SMALL;
     return piece;
 }
 
@@ -145,12 +155,13 @@ static bool fill_load(FrictionTable *table, FrictionSamples *s, size_t k) {
     for (size_t j = 0; j < table->count; j++) {
         const FrictionPiece piece = pieces[j] = piece_of(s, first + j);
         pieces[j].cell = friction_table_cell(table->speed, table->count, j);
-        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n]) * piece.per_width;
+        for (int n = 0; n < 5; n++) sum += fabs(piece.c[n][0]) * piece.per_width[0];
         if (isnan(table->falls_at) && sample[j + 1].mu < sample[j].mu) table->falls_at = sample[j + 1].v;
     }
     const FrictionSample *end = &sample[table->count];
     pieces[table->count] = (FrictionPiece){.cell = friction_table_cell(table->speed, table->count, table->count),
-                                           .mu = end->mu,
+                                           .lower = both(end->v),
+                                           .mu = both(end->mu),
                                            .log_mu = end->log_mu,
                                            .is_flat = true};
     return isfinite(sum);
@@ -181,6 +192,64 @@ static void fill_bends(FrictionTable *table) {
             table->bend[k][l] = (table->bend[k][l] - (x[k + 1] - x[k]) * table->bend[k + 1][l]) / diagonal[k];
 }
 
+/* Adds `factor` times u_k, or the second derivative of the spline at load k, as powers of t. */
+static void add_curve(const FrictionTable *table, size_t k, size_t j, double factor, double c[6]) {
+    const FrictionPiece *p = &table->piece[k * (table->count + 1) + j];
+    c[0] += factor * p->log_mu;
+    for (int n = 0; n < 5; n++) c[n + 1] += factor * p->c[n][0];
+}
+
+static void add_bend(const FrictionTable *table, size_t k, size_t j, double factor, double c[6]) {
+    for (size_t l = 0; l < table->loads; l++) add_curve(table, l, j, factor * table->bend[k][l], c);
+}
+
+/* From load k to load k + 1, a distance h in ln R: the spline by powers of b. */
+static void fill_inner_patch(const FrictionTable *table, size_t k, size_t j, double h, double c[4][6]) {
+    const double sixth = h * h / 6.0;
+    add_curve(table, k, j, 1.0, c[0]);
+    add_curve(table, k + 1, j, 1.0, c[1]);
+    add_curve(table, k, j, -1.0, c[1]);
+    add_bend(table, k, j, -2.0 * sixth, c[1]);
+    add_bend(table, k + 1, j, -sixth, c[1]);
+    add_bend(table, k, j, 3.0 * sixth, c[2]);
+    add_bend(table, k + 1, j, sixth, c[3]);
+    add_bend(table, k, j, -sixth, c[3]);
+}
+
+/* The straight line that continues the spline with its slope per ln R at the first or the last load. */
+static void fill_outer_patch(const FrictionTable *table, bool is_last, size_t j, double c[4][6]) {
+    const size_t k = is_last ? table->loads - 2 : 0;
+    const double h = table->log_load[k + 1] - table->log_load[k];
+    add_curve(table, is_last ? k + 1 : k, j, 1.0, c[0]);
+    add_curve(table, k + 1, j, 1.0 / h, c[1]);
+    add_curve(table, k, j, -1.0 / h, c[1]);
+    add_bend(table, k, j, (is_last ? 1.0 : -2.0) * h / 6.0, c[1]);
+    add_bend(table, k + 1, j, (is_last ? 2.0 : -1.0) * h / 6.0, c[1]);
+}
+
+static void fill_patch(FrictionTable *table, size_t k, size_t j) {
+    double c[4][6] = {{0.0}};
+    const bool is_inner = k > 0 && k < table->loads;
+    if (is_inner) fill_inner_patch(table, k - 1, j, 1.0 / table->span[k].per, c);
+    else fill_outer_patch(table, k > 0, j, c);
+    FrictionPatch *patch = &table->patch[j * (table->loads + 1) + k];
+    for (int m = 0; m < 4; m++)
+        for (int n = 0; n < 6; n++) patch->c[m][n] = both(c[m][n]);
+}
+
+static void fill_patches(FrictionTable *table) {
+    const double *x = table->log_load;
+    for (size_t k = 0; k <= table->loads; k++) {
+        const bool is_inner = k > 0 && k < table->loads;
+        table->span[k] =
+            (LoadSpan){x[k > 0 ? k - 1 : 0] - x[0], is_inner ? 1.0 / (x[k] - x[k - 1]) : 1.0, k > 0 ? -0.25 : -INFINITY,
+                       is_inner ? 1.25
+                       : k > 0  ? INFINITY
+                                : 0.25};
+        for (size_t j = 0; j <= table->count; j++) fill_patch(table, k, j);
+    }
+}
+
 /* The load may change mu by a power between -FRICTION_LOAD_POWER and that: as the load exponent of the analytic law. */
 static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
     for (size_t n = s->speeds; n < s->count; n++) {
@@ -195,6 +264,17 @@ static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
     return true;
 }
 
+/* The last bucket has the last sample. */
+static void fill_buckets(FrictionTable *table) {
+    table->octave = friction_table_octave(table->speed[table->count]) - FRICTION_BUCKETS + 1;
+    for (int64_t n = 0; n <= FRICTION_BUCKETS; n++) {
+        const int64_t octave = table->octave + n, bits = octave > 0 ? octave << (52 - FRICTION_BUCKET_BITS) : 0;
+        double v;
+        memcpy(&v, &bits, sizeof v);
+        table->bucket[n] = n == 0 ? 0 : (uint16_t)friction_table_find(table->speed, 0, table->count + 1, v);
+    }
+}
+
 static bool fill(FrictionTable *table, FrictionSamples *s) {
     for (size_t j = 0; j < s->speeds; j++) table->speed[j] = s->sample[j].v;
     for (size_t k = 0; k < s->loads; k++) {
@@ -202,15 +282,26 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
         table->load[k + 1] = s->sample[k * s->speeds].R;
         table->log_load[k] = s->loads > 1 ? elementary_log(table->load[k + 1]) : 0.0;
     }
+    table->middle = &table->piece[s->loads / 2 * s->speeds];
+    table->at_rest = table->middle->mu[0];
+    fill_buckets(table);
     if (s->loads > 2) fill_bends(table);
+    if (s->loads > 1) fill_patches(table);
     return true;
 }
 
 static void free_table(FrictionTable *table) {
     if (!table) return;
-    free(table->piece);
+    free(table->pieces);
+    free(table->patches);
     free(table->speed);
     free(table);
+}
+
+/* Vectors stand at multiples of their size, as not all of malloc() does. */
+static void *first_vector(void *memory) {
+    const uintptr_t size = alignof(Vector2), begin = (uintptr_t)memory;
+    return (char *)memory + (size - begin % size) % size;
 }
 
 /* NULL with the reason in the fault of `csv`. */
@@ -222,12 +313,15 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
         *table = (FrictionTable){
             .count = count,
             .loads = s->loads,
-            .piece = malloc(s->count * sizeof(FrictionPiece)),
+            .pieces = malloc(s->count * sizeof(FrictionPiece) + alignof(Vector2) - 1),
+            .patches = malloc((s->loads > 1 ? (s->count + s->speeds) * sizeof(FrictionPatch) : 0) + alignof(Vector2)),
             .speed = malloc(s->speeds * sizeof(double)),
             .falls_at = NAN,
         };
         memcpy(table->path, csv->path, size);
-        if (table->piece && table->speed && fill(table, s)) return table;
+        table->piece = first_vector(table->pieces);
+        table->patch = first_vector(table->patches);
+        if (table->pieces && table->patches && table->speed && fill(table, s)) return table;
     }
     free_table(table);
     csv_refuse(csv, "no curve through these points: the speeds must not be so close that slopes overflow, nor the "

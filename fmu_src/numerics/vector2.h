@@ -2,13 +2,33 @@
 #ifndef DUALCAM_VECTOR2_H
 #define DUALCAM_VECTOR2_H
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 
-/* The largest |u| of vector2_exp_near_0(): log(2)/2 */
-static const double VECTOR2_NEAR_0 = 0.34657359;
+/* The largest |u| of vector2_exp_small() */
+static const double VECTOR2_SMALL = 0.125;
+
+/* Of each half; where a number is NaN, the y of that half. */
+static inline Vector2 vector2_min(Vector2 x, Vector2 y) {
+    return (Vector2){x[0] < y[0] ? x[0] : y[0], x[1] < y[1] ? x[1] : y[1]};
+}
+
+static inline Vector2 vector2_max(Vector2 x, Vector2 y) {
+    return (Vector2){x[0] > y[0] ? x[0] : y[0], x[1] > y[1] ? x[1] : y[1]};
+}
+
+static inline Vector2 vector2_abs(Vector2 x) {
+    return (Vector2){fabs(x[0]), fabs(x[1])};
+}
+
+/* exp(u) for |u| <= 1/8, to 1e-14: (s + u)/(s - u) with s = u coth(u/2), an even function, by its series. */
+static inline Vector2 vector2_exp_small(Vector2 u) {
+    const Vector2 u2 = u * u, s = 2.0 + u2 * (1.0 / 6.0 + u2 * (-1.0 / 360.0 + u2 * (1.0 / 15120.0)));
+    return (s + u) / (s - u);
+}
 
 /* exp(u) for |u| <= log(2)/2, to 1e-14: the Taylor polynomial at u/16, to the 16th power. */
 static inline Vector2 vector2_exp_near_0(Vector2 u) {
