@@ -155,7 +155,7 @@ def test_tests_that_killed_neighbours_come_first(tmp_path):
     ]
     known.seconds = {item.nodeid: 0.001 for item in items} | {"slow.py::test": 9.0}
     known.reached = {item.nodeid: [1, 2, 3] for item in items[:3]} | {"elsewhere.py::test": []}
-    known.note_kill(2, "good.py::test")
+    known.note_kill(2, "good.py::test", 0.01)
     assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py", "slow.py"]
     assert [item.location[0] for item in known.tests_of(3, items, [])] == ["slow.py", "quick.py", "good.py"]
     assert [item.location[0] for item in known.tests_of(1, items, ["good.py::test"])] == [

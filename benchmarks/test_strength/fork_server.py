@@ -237,8 +237,9 @@ def read_status(number: int, job: Schedule) -> dict[str, Any]:
     return json.loads(path.read_text()) if path.exists() else {}
 
 
-def note_end(number: int, code: int, passed: Sequence[str], job: Schedule) -> None:
-    """Completes the file of the mutant: what came of the tests, and the last test that ran."""
+def note_end(number: int, code: int, seconds: float, passed: Sequence[str], job: Schedule) -> None:
+    """Completes the file of the mutant: what came of the tests, and the last test that ran. `seconds`: of the
+    child. `passed`: the tests that it has passed, if it has passed all that it was given."""
     path, present = job.status / str(number), at_present(number, job)
     last = present.read_text() if present.exists() else "before the first test"
     present.unlink(missing_ok=True)
@@ -252,9 +253,10 @@ def note_end(number: int, code: int, passed: Sequence[str], job: Schedule) -> No
         if not passed:
             last = "no test in which it differs" if number in job.touched else "no test"
     else:
-        job.note_kill(number, last)
+        job.note_kill(number, last, seconds)
     kept = list(passed) if word == "survives" else []
-    path.with_suffix(".new").write_text(json.dumps({"end": word, "test": last, "passed": kept}))
+    found = {"end": word, "test": last, "seconds": round(seconds, 2), "passed": kept}
+    path.with_suffix(".new").write_text(json.dumps(found))
     path.with_suffix(".new").replace(path)
     shutil.rmtree(folder_of(number, job), ignore_errors=True)
 
@@ -263,19 +265,20 @@ def learn(job: Schedule) -> None:
     """The tests that killed mutants in an earlier run."""
     for number in job.names:
         if (read := read_status(number, job)) and read["end"] != "survives":
-            job.note_kill(number, read["test"])
+            job.note_kill(number, read["test"], read.get("seconds", 0.0))
 
 
 def run_children(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
-    running: dict[int, tuple[int, list[str]]] = {}
+    running: dict[int, tuple[int, list[str], list[str]]] = {}
     learn(job)
     gc.freeze()  # else the first collection of each child copies all memory
 
     def wait_for_one() -> None:
-        child, code = os.wait()
+        child, code, used = os.wait4(-1, 0)
         if child in running:
-            number, passed = running.pop(child)
-            note_end(number, code, passed, job)
+            number, earlier, now = running.pop(child)
+            seconds = used.ru_utime + used.ru_stime
+            note_end(number, code, seconds, [*earlier, *now], job)
 
     for k, number in enumerate(job.numbers):
         passed = read_status(number, job).get("passed", [])
@@ -283,12 +286,12 @@ def run_children(items: Sequence[Item], job: Schedule, session: pytest.Session) 
         if k % TELL_EVERY == 0:
             tell(session, f"{k} of {len(job.numbers)} mutants begun")
         if not tests:
-            note_end(number, SURVIVES, passed, job)
+            note_end(number, SURVIVES, 0.0, passed, job)
             continue
         while len(running) >= job.processes:
             wait_for_one()
         child = in_child(run_child, number, tests, job, session)
-        running[child] = number, [*passed, *(item.nodeid for item in tests)]
+        running[child] = number, passed, [item.nodeid for item in tests]
     while running:
         wait_for_one()
 

@@ -125,7 +125,7 @@ def play(options: Options, copy: Path, places: Mapping[int, Site], numbers: Sequ
     marks.write_bytes(bytes(max(places) + 1))
     extra = {"DUALCAM_MUTANTS_JOB": str(job), switch.ACTIVE: "-1", switch.REACHED: str(marks)}
     plugin = ["-p", "benchmarks.test_strength.fork_server", "--basetemp", str(RUN / "pytest")]
-    words = [*plugin, "--tb=native", *options.tests]
+    words = [*plugin, "--tb=native", "-p", "no:faulthandler", *options.tests]
     code = tree.run_pytest(copy, words, extra)
     if code != 0:
         raise SystemExit(f"mutants: pytest ended with {code}")

@@ -15,6 +15,11 @@ OVERHEAD = 0.01  # s of a test beside its own work
 HOPE = {"function": 8.0, "file": 3.0, "room": 1.0}
 
 
+def function_of(test: str) -> str:
+    """The test without its parameters."""
+    return test.partition("[")[0]
+
+
 @dataclass
 class Schedule:
     """The work that mutants.py orders, and what the first pass finds, kept in the file `reach`."""
@@ -31,6 +36,7 @@ class Schedule:
     touched: list[int] = field(default_factory=list)  # places that any test reaches
     failed: list[str] = field(default_factory=list)
     kills: dict[str, Counter[str]] = field(default_factory=dict)  # by function, file or room: tests
+    slow: dict[str, float] = field(default_factory=dict)  # s that a test function has taken to fail
 
     KEPT = ("seconds", "reached", "touched", "failed")
 
@@ -46,7 +52,10 @@ class Schedule:
         file, function = self.names[number]
         return {"function": f"{file} {function}", "file": file, "room": file.partition("/")[0]}
 
-    def note_kill(self, number: int, test: str) -> None:
+    def note_kill(self, number: int, test: str, seconds: float) -> None:
+        """A test may take long to fail, where it first asks whether the scene has another answer, too."""
+        function = function_of(test)
+        self.slow[function] = max(seconds, self.slow.get(function, 0.0))
         for place in self.places_of(number).values():
             self.kills.setdefault(place, Counter())[test] += 1
 
@@ -63,7 +72,9 @@ class Schedule:
                 continue
             turns[item.location[0]] += 1
             hope = 1.0 / turns[item.location[0]] + sum(weight * kills[item.nodeid] for weight, kills in known)
-            rate = hope / (OVERHEAD + self.seconds[item.nodeid])
+            rate = hope / (
+                OVERHEAD + max(self.seconds[item.nodeid], self.slow.get(function_of(item.nodeid), 0.0))
+            )
             order.append((0.0 if item.nodeid == self.hints.get(number) else -rate, len(order), item))
         order.sort(key=lambda entry: (entry[0] != 0.0, entry[:2]))
         return self.within_limit([item for *_, item in order])
