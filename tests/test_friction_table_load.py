@@ -132,10 +132,10 @@ def test_directional_derivatives(make_model, table, omega):
             assert partial(fmu, unknown, known) == pytest.approx(expected, rel=2e-5, abs=1e-6), known
 
 
-@pytest.mark.parametrize("share", [1.0, 0.03, 10.0])
+@pytest.mark.parametrize("share, slow", [(1.0, 1.0), (0.03, 1.0), (10.0, 1.0), (1.0, 0.3)])
 @pytest.mark.parametrize("direction", [1, -1])
-def test_output_derivatives(make_model, tmp_path, direction, share):
-    """Within the loads of the table, above and below them."""
+def test_output_derivatives(make_model, tmp_path, direction, share, slow):
+    """Within the loads of the table, above and below them; in its first and in its second range of speed."""
     base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES["ellipses"]
     loads, mu = share * np.array(LOADS), drawn(np.random.default_rng(4), SPEEDS, LOADS)
     values = (
