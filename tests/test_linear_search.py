@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-CONTACTS, SPEED, EDGE = (0, 1), 2, 3
+CONTACTS, SPEED, EDGE, STOP = (0, 1), 2, 3, 5
 COUNT = 4_000  # samples
 CODE = """
 typedef struct {
@@ -115,7 +115,7 @@ def motions(library):
     return made
 
 
-@pytest.mark.parametrize("quantity", [*CONTACTS, SPEED, EDGE])
+@pytest.mark.parametrize("quantity", [*CONTACTS, SPEED, EDGE, STOP])
 def test_rates_of_an_indicator_are_its_derivatives(motions, quantity):
     for number, motion in enumerate(motions):
         end = 2.0 * motion.half_period

@@ -31,7 +31,8 @@ of the C code. `./build.sh mutants` makes small mistakes and looks which of them
 `./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
 tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this
 page.
-
+"""
+MUTANTS = """
 ## Mutants
 
 A mutant is the C code with one small mistake. {count} places in the rooms {rooms} are drawn with a fixed seed
@@ -82,7 +83,7 @@ def mutants_part(rows: Sequence[dict[str, str]]) -> str:
         [kind, KINDS.get(kind, ""), *(count[verdict] for verdict in mutants.VERDICTS)]
         for kind, count in counts.items()
     ]
-    text = HEAD.format(
+    text = MUTANTS.format(
         count=len(rows),
         rooms="of physics and of FMI",
         tests=len(mutants.TESTS.read_text().split()),
@@ -148,7 +149,16 @@ def coverage_part(rows: Sequence[dict[str, str]]) -> str:
 
 
 def main() -> None:
-    PAGE.write_text(mutants_part(read("mutants")) + coverage_part(read("coverage")))
+    parts = {"mutants": mutants_part, "coverage": coverage_part}
+    text = HEAD
+    for name, part in parts.items():
+        if (RESULTS / f"{name}.csv").exists():
+            text += part(read(name))
+        else:
+            print(
+                f"benchmarks/results/{name}.csv is missing, the page leaves this part out: ./build.sh {name}"
+            )
+    PAGE.write_text(text)
 
 
 if __name__ == "__main__":
