@@ -138,10 +138,10 @@ def test_output_derivatives(make_model, tmp_path, direction, share, slow):
     """Within the loads of the table, above and below them; in its first and in its second range of speed."""
     base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES["ellipses"]
     loads, mu = share * np.array(LOADS), drawn(np.random.default_rng(4), SPEEDS, LOADS)
-    values = (
-        base | output_derivatives.REGIMES["inertial"] | both(write(tmp_path / "t.csv", SPEEDS, loads, mu))
-    )
+    path = write(tmp_path / "t.csv", slow * np.array(SPEEDS), loads, mu)
+    values = base | output_derivatives.REGIMES["inertial"] | both(path)
     fmu, inputs = output_derivatives.slipping(make_model, values, direction)
+    assert all((fmu.get(f"cam{i}.sliding_speed") < slow * SPEEDS[1]) == (slow == 1.0) for i in (1, 2))
     reactions = [fmu.get(f"cam{i}.reaction") for i in (1, 2)]
     assert all((loads[0] < r) == (share <= 1.0) and (r < loads[-1]) == (share >= 1.0) for r in reactions)
     mode = 2 if direction > 0 else 3
