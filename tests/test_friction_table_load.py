@@ -132,7 +132,7 @@ def test_directional_derivatives(make_model, table, omega):
             assert partial(fmu, unknown, known) == pytest.approx(expected, rel=2e-5, abs=1e-6), known
 
 
-@pytest.mark.parametrize("share, slow", [(1.0, 1.0), (0.03, 1.0), (10.0, 1.0), (1.0, 0.3)])
+@pytest.mark.parametrize("share, slow", [(1.0, 1.0), (0.03, 1.0), (10.0, 1.0), (0.7, 0.3)])
 @pytest.mark.parametrize("direction", [1, -1])
 def test_output_derivatives(make_model, tmp_path, direction, share, slow):
     """Within the loads of the table, above and below them; in its first and in its second range of speed."""
@@ -143,7 +143,7 @@ def test_output_derivatives(make_model, tmp_path, direction, share, slow):
     fmu, inputs = output_derivatives.slipping(make_model, values, direction)
     assert all((fmu.get(f"cam{i}.sliding_speed") < slow * SPEEDS[1]) == (slow == 1.0) for i in (1, 2))
     reactions = [fmu.get(f"cam{i}.reaction") for i in (1, 2)]
-    assert all((loads[0] < r) == (share <= 1.0) and (r < loads[-1]) == (share >= 1.0) for r in reactions)
+    assert all((loads[0] < r) == (share < 10.0) and (r < loads[-1]) == (share > 0.1) for r in reactions)
     mode = 2 if direction > 0 else 3
     h = 0.1 * output_derivatives.H["inertial"]  # at a speed of the table higher derivatives jump
     output_derivatives.check_between_events(fmu, inputs, h, mode)

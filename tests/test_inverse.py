@@ -340,6 +340,21 @@ def test_one_step_is_many(make, values, shaft):
     assert residual_share(one) < 1e-13
     for name in ("torque", "omega", "reaction1", "reaction2"):
         assert one.get(f"peak.{name}") == pytest.approx(many.get(f"peak.{name}"), rel=1e-6)
+    fastest = max(abs(motion(0.001 * k * h)[1]) for k in range(1001))
+    assert one.get("peak.omega") == pytest.approx(fastest, rel=1e-5)
+
+
+def test_sliding_speeds(make):
+    """Section 4: v_i = psi_i' |omega| hypot(r_i, a_i), with gamma' = a_2/(a_1 + a_2), phi' = 1 - gamma'."""
+    leads, radii = (0.5, 0.9), (0.02, 0.03)
+    fmu = make().start(
+        {f"cam{i}.{n}": v[i - 1] for i in (1, 2) for n, v in (("lead_angle", leads), ("radius", radii))}
+    )
+    fmu.set({"theta": 0.4, "omega": -3.0})
+    a = [r * math.tan(lead) for r, lead in zip(radii, leads, strict=True)]
+    for i in (0, 1):
+        speed = 3.0 * a[1 - i] / sum(a) * math.hypot(radii[i], a[i])
+        assert fmu.get(f"cam{i + 1}.sliding_speed") == pytest.approx(speed, rel=1e-13)
 
 
 def test_reversal_inside_a_step_worked_out(make):
