@@ -5,6 +5,7 @@ import math
 from ctypes import byref, c_bool, c_double, c_int32, c_size_t, c_uint
 
 import driver3
+import pytest
 from driver import ERROR
 from driver3 import FORWARD, OTHER, Driver
 from fmi3_scenes import each_model
@@ -144,3 +145,12 @@ def test_tables_are_found_in_the_resources(make3, tmp_path):
     fmu = make3(resources=f"{tmp_path}/").start({"cam1.profile": 3, "cam1.table": "a 1%.csv"})
     fmu.step(0.02, tau=3.0)
     assert fmu.get("z") > 0
+
+
+@pytest.mark.parametrize("resources", [None, ""])
+def test_without_resources_a_relative_table_is_refused(make3, resources):
+    fmu = make3(resources=resources)
+    fmu.set({"cam1.profile": 3, "cam1.table": "groove.csv"})
+    fmu.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
+    assert fmu.call("ExitInitializationMode") == ERROR
+    assert "cam1.table" in fmu.messages[-1].text and "groove.csv" in fmu.messages[-1].text
