@@ -8,7 +8,7 @@ All mutants are compiled into the FMUs of a copy of the repository at once, each
 The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
 as long. equivalent.toml names mutants that no test can notice, and mutants that change only the cost, with
 the reason. What came of each mutant is kept in build/test_strength. `--again` continues a run that was
-interrupted. `--survivors` lets the survivors meet tests that are new or changed.
+interrupted. `--survivors` lets the survivors meet tests that are new or changed. `--report` only judges again.
 """
 
 from __future__ import annotations
@@ -90,6 +90,7 @@ class Options:
     only: Sequence[int]
     again: bool  # the copy and the first pass are those of the last run
     survivors: bool
+    report: bool  # nothing is run
     output: Path
 
 
@@ -245,13 +246,14 @@ def options_of(words: Sequence[str] | None) -> Options:
     parser.add_argument("--only", type=int, nargs="+", default=[], help="numbers of mutants")
     parser.add_argument("--again", action="store_true", help="continue the last run")
     parser.add_argument("--survivors", action="store_true", help="run survivors and changed tests")
+    parser.add_argument("--report", action="store_true", help="judge the results of the last run again")
     parser.add_argument("--tests", nargs="+", default=TESTS.read_text().split(), help="test files")
     return Options(**vars(parser.parse_args(words)))
 
 
 def begin(options: Options) -> tuple[Path, dict[int, Site], list[int]]:
     """The copy of the repository, its mutants, and the numbers of those to run."""
-    if not (options.again or options.survivors):
+    if not (options.again or options.survivors or options.report):
         copy, places = prepare(options.count, options.seed)
         (tree.TREES / "places.json").write_text(json.dumps({n: vars(site) for n, site in places.items()}))
         return copy, places, list(options.only or places)
@@ -273,7 +275,8 @@ def main(words: Sequence[str] | None = None) -> int:
     options = options_of(words)
     console, started = results.new_console(), time.monotonic()
     copy, places, numbers = begin(options)
-    play(options, copy, places, numbers)
+    if not options.report:
+        play(options, copy, places, numbers)
     rows = rows_of(places, ends(places))
     if not rows:
         return 0
