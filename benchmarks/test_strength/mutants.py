@@ -8,7 +8,7 @@ All mutants are compiled into the FMUs of a copy of the repository at once, each
 The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
 as long. equivalent.toml names mutants that no test can notice, and mutants that change only the cost, with
 the reason. What came of each mutant is kept in build/test_strength. `--again` continues a run that was
-interrupted. `--survivors` lets the survivors meet tests that are new or changed. `--report` only judges again.
+interrupted. `--survivors` lets the survivors meet tests that are new or changed. `--report` judges again.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ Read this page to judge how far a green run of the tests can be trusted. Two com
 of the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
 `./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
 tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this
-page.
+page. [Reliability](reliability.md) tells what else is tested.
 """
 MUTANTS = """
 ## Mutants
