@@ -161,8 +161,9 @@ def strength() -> str:
         counts = Counter(row["verdict"] for row in mutants)
         killed = counts["killed"] / (counts["killed"] + counts["survives"])
         text += f"""
-Of {len(mutants)} mutants {counts["killed"]} were noticed by a test, {counts["equivalent"]} change nothing, {counts["cost only"]} only the cost,
-{counts["survives"]} survive: {100 * killed:.0f} % of those that change something are noticed.
+Of {len(mutants)} mutants {counts["killed"]} were noticed by a test, {counts["equivalent"]} change nothing,
+{counts["cost only"]} only the cost, {counts["survives"]} survive: {100 * killed:.0f} % of those
+that change a result are noticed.
 
 {measured(mutants)}"""
     if not text:
