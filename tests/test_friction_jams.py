@@ -203,13 +203,13 @@ PAINLEVE = {
 }
 
 
-def agrees(tau, load):
+def agrees(tau, load, p=PAINLEVE):
     """Does a pair of flanks agree with the reactions of loading from rest? Section 6, for alpha and x_i."""
-    r = PAINLEVE["cam1.radius"], PAINLEVE["cam2.radius"]
-    a = [r[i] * math.tan(PAINLEVE[f"cam{i + 1}.lead_angle"]) for i in (0, 1)]
-    turn, inertia = a[1] / (a[0] + a[1]), (PAINLEVE["inertia.shaft"], PAINLEVE["inertia.follower"])
+    r = p["cam1.radius"], p["cam2.radius"]
+    a = [r[i] * math.tan(p[f"cam{i + 1}.lead_angle"]) for i in (0, 1)]
+    turn, inertia = a[1] / (a[0] + a[1]), (p["inertia.shaft"], p["inertia.follower"])
     for flanks in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-        f = [e * PAINLEVE[f"cam{i + 1}.friction"] for i, e in enumerate(flanks)]
+        f = [e * p[f"cam{i + 1}.friction"] for i, e in enumerate(flanks)]
         rn, d = [r[i] * (a[i] + f[i] * r[i]) for i in (0, 1)], [r[i] - f[i] * a[i] for i in (0, 1)]
         matrix = [[d[0], d[1], 0.0], [rn[0], 0.0, inertia[0] + inertia[1] * turn], [0.0, rn[1], inertia[0]]]
         x0, x1, alpha = np.linalg.solve(matrix, [load, tau, tau])

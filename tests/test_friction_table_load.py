@@ -132,13 +132,21 @@ def test_directional_derivatives(make_model, table, omega):
             assert partial(fmu, unknown, known) == pytest.approx(expected, rel=2e-5, abs=1e-6), known
 
 
+@pytest.mark.parametrize("share, slow", [(1.0, 1.0), (0.03, 1.0), (10.0, 1.0), (0.7, 0.3)])
 @pytest.mark.parametrize("direction", [1, -1])
-def test_output_derivatives(make_model, table, direction):
+def test_output_derivatives(make_model, tmp_path, direction, share, slow):
+    """Within the loads of the table, above and below them; in its first and in its second range of speed."""
     base = output_derivatives.LINEAR | output_derivatives.CURVED | output_derivatives.GROOVES["ellipses"]
-    values = base | output_derivatives.REGIMES["inertial"] | both(table)
+    loads, mu = share * np.array(LOADS), drawn(np.random.default_rng(4), SPEEDS, LOADS)
+    path = write(tmp_path / "t.csv", slow * np.array(SPEEDS), loads, mu)
+    values = base | output_derivatives.REGIMES["inertial"] | both(path)
     fmu, inputs = output_derivatives.slipping(make_model, values, direction)
+    assert all((fmu.get(f"cam{i}.sliding_speed") < slow * SPEEDS[1]) == (slow == 1.0) for i in (1, 2))
+    reactions = [fmu.get(f"cam{i}.reaction") for i in (1, 2)]
+    assert all((loads[0] < r) == (share < 10.0) and (r < loads[-1]) == (share > 0.1) for r in reactions)
     mode = 2 if direction > 0 else 3
-    output_derivatives.check_between_events(fmu, inputs, 0.3 * output_derivatives.H["inertial"], mode)
+    h = 0.1 * output_derivatives.H["inertial"]  # at a speed of the table higher derivatives jump
+    output_derivatives.check_between_events(fmu, inputs, h, mode)
 
 
 def test_a_restored_run_repeats(make_model, table):

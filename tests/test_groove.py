@@ -308,6 +308,14 @@ def test_table_of_a_polynomial(library, grooves, tmp_path):
     assert (groove.first, groove.last) == (-0.7, 1.4)
 
 
+@pytest.mark.parametrize("first, last", [(0.0, 1.4), (-1.4, 0.0)])
+def test_psi_of_zero_may_be_an_end_of_the_table(library, grooves, tmp_path, first, last):
+    psi = np.linspace(first, last, 8)
+    groove = grooves(cam(TABLE, table=write_table(tmp_path / "t.csv", psi.tolist(), (0.02 * psi).tolist())))
+    assert (groove.first, groove.last) == (first, last)
+    assert library.groove_at(byref(groove), 0.5 * (first + last)).z == pytest.approx(0.01 * (first + last))
+
+
 def test_four_points(library, grooves, tmp_path):
     p = np.polynomial.Polynomial([0.0, 0.02, 0.004, -0.001])
     psi = np.array([0.0, 0.3, 0.8, 1.0])

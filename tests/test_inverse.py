@@ -340,6 +340,8 @@ def test_one_step_is_many(make, values, shaft):
     assert residual_share(one) < 1e-13
     for name in ("torque", "omega", "reaction1", "reaction2"):
         assert one.get(f"peak.{name}") == pytest.approx(many.get(f"peak.{name}"), rel=1e-6)
+    fastest = max(abs(motion(0.001 * k * h)[1]) for k in range(1001))
+    assert one.get("peak.omega") == pytest.approx(fastest, rel=1e-5)
 
 
 def test_reversal_inside_a_step_worked_out(make):
@@ -737,21 +739,24 @@ def test_tuning_with_an_elastic_shaft(make):
     assert residual_share(fmu) < 1e-13
 
 
-def test_a_force_polynomial_with_an_elastic_shaft(make):
-    """In stairs, as documented: near to what small steps give."""
+@pytest.mark.parametrize("end, speed", [(1.0, 1.0), (0.45, -3.0)])
+def test_a_force_polynomial_with_an_elastic_shaft(make, end, speed):
+    """In stairs, as documented: near to what small steps give. The second motion turns back."""
     one, many = (make().start({"shaft.stiffness": SOFT}) for _ in range(2))
     for fmu in (one, many):
         fmu.step(0.1, theta=0.5, omega=1.0)
     one.set_rates(F_ext=-80.0)
-    one.step(1.0, theta=1.0, omega=1.0)
-    n = 4000
-    motion = hermite((0.5, 1.0), (1.0, 1.0), 1.0)
+    one.step(1.0, theta=end, omega=speed)
+    n = 1000
+    motion = hermite((0.5, 1.0), (end, speed), 1.0)
     for k in range(1, n + 1):
         theta, omega, _ = motion(k / n)
         many.step(1 / n, theta=theta, omega=omega, F_ext=-80.0 * (k - 0.5) / n)
     many.set({"F_ext": -80.0})
     assert one.get("F_ext") == -80.0
-    assert one.get("theta_cam") == pytest.approx(many.get("theta_cam"), rel=1e-12)
+    # while it releases, cam 2 is where F_ext of the middle of the last small step has put it
+    allowed = 1e-12 if speed > 0.0 else 80.0 / n * RHO[-1] / SOFT
+    assert one.get("theta_cam") == pytest.approx(many.get("theta_cam"), abs=allowed)
     assert one.get("energy.work_in") == pytest.approx(many.get("energy.work_in"), rel=1e-4)
     assert residual_share(one) < 1e-13
 

@@ -8,7 +8,7 @@ from driver import ROOT
 
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
-from benchmarks.test_strength import choice, coverage, decisions, mutants, sites, switch
+from benchmarks.test_strength import choice, coverage, decisions, mutants, schedule, sites, switch
 
 CORE = ROOT / "fmu_src"
 CODE = """\
@@ -102,6 +102,71 @@ def test_a_switch_puts_one_mutant_in_force(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
+def test_marks_tell_whether_a_mistake_ever_makes_a_difference(tmp_path):
+    found = {s.identity[1:5]: s for s in sites_of_text(tmp_path, CALLS)}
+    wanted = {
+        1: found["count", "comparison", "k < n", "k <= n"],  # n turns, then the loop ends: they differ
+        2: found["work", "comparison", "a < b", "a <= b"],  # never called with equal numbers
+        3: found["work", "arguments", "power(a, b)", "power(b, a)"],  # cannot be computed beside: counts
+    }
+    (tmp_path / "platform").mkdir()
+    (tmp_path / switch.HEADER).write_text(switch.header_text(4))
+    marks = tmp_path / "marks"
+    marks.write_bytes(bytes(4))
+    code = CALLED + (
+        f"library = called(DUALCAM_MUTANT='-1', DUALCAM_REACHED={str(marks)!r})\n"
+        "print(library.count(6), library.work(2.0, 3.0), library.work(3.0, 2.0))\n"
+    )
+    assert run(tmp_path, switch.HEADER, switch.switched(CALLS.encode(), wanted), code) == [
+        "12",
+        "-6.0",
+        "2.0",
+    ]
+    both = switch.REACHED_BIT | switch.DIFFERS_BIT
+    assert list(marks.read_bytes()) == [0, both, switch.REACHED_BIT, both]
+
+
+@pytest.mark.parametrize(
+    "kind, original, compared",
+    [
+        ("comparison", "a[i] < s->b", True),
+        ("comparison", "fabs(x) <= max_of(a, b)", True),
+        ("comparison", "next(&list) < n", False),
+        ("comparison", "n++ < 3", False),
+        ("logic", "a < b && !c", True),
+        ("logic", "p != NULL && p->n > 0", False),  # computing p->n would crash
+        ("arithmetic", "a + b", False),
+    ],
+)
+def test_only_what_has_no_effect_is_computed_twice(kind, original, compared):
+    site = sites.Site("model/x.c", "f", kind, 0, 1, 1, original, "0", 1, False)
+    assert switch.can_be_compared(site) is compared
+
+
+def test_tests_that_killed_neighbours_come_first(tmp_path):
+    class Item:
+        def __init__(self, name):
+            self.nodeid, self.location = name, (name.partition("::")[0],)
+
+    names = {1: ("model/a.c", "f"), 2: ("model/a.c", "f"), 3: ("fmi/b.c", "g")}
+    known = schedule.Schedule([], names, {3: "slow.py::test"}, tmp_path / "reach", tmp_path, 10.0, 1)
+    items = [
+        Item(name) for name in ("quick.py::test", "good.py::test", "slow.py::test", "elsewhere.py::test")
+    ]
+    known.seconds = {item.nodeid: 0.001 for item in items} | {"slow.py::test": 9.0}
+    known.reached = {item.nodeid: [1, 2, 3] for item in items[:3]} | {"elsewhere.py::test": []}
+    known.note_kill(2, "good.py::test", 0.01)
+    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py", "slow.py"]
+    assert [item.location[0] for item in known.tests_of(3, items, [])] == ["slow.py", "quick.py", "good.py"]
+    assert [item.location[0] for item in known.tests_of(1, items, ["good.py::test"])] == [
+        "quick.py",
+        "slow.py",
+    ]
+    known.limit = 1.0
+    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")
 def test_marks_tell_branches_and_what_decides_alone(tmp_path):
     core = tmp_path / "core"
     (core / "platform").mkdir(parents=True)
@@ -163,7 +228,7 @@ def test_the_choice_is_the_same_each_time_and_takes_kinds_in_turn():
 
 
 def test_each_judged_mutant_is_a_place_of_the_code():
-    judged, signatures = mutants.reasons(), {}
+    judged, signatures = mutants.judged(), {}
     for path in sorted(CORE.rglob("*.h")) if any(key[2] == "arguments" for key in judged) else ():
         signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
     paths = named(judged)
@@ -175,7 +240,8 @@ def test_each_judged_mutant_is_a_place_of_the_code():
         for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)
     }
     assert not set(judged) - known, "places that are gone: remove them from equivalent.toml"
-    assert all(len(reason) > 20 for reason in judged.values())
+    assert all(len(reason) > 20 for _, reason in judged.values())
+    assert {verdict for verdict, _ in judged.values()} <= set(mutants.VERDICTS)
 
 
 def test_each_explained_branch_is_a_branch_of_the_code():

@@ -2,9 +2,10 @@
 
     DUALCAM_MUTANTS_JOB=job.json python -m pytest -p benchmarks.test_strength.fork_server TESTS
 
-The first pass has no mutant in force. It notes how long each test takes and which places the test reaches. A
-child process begins with all that the first pass has imported and compiled. It runs only the tests that reach
-the mutant's place, up to the first failure.
+The first pass has no mutant in force. It notes in which places each test makes a difference. A second pass,
+in a child process and without a mutant, too, notes how long each test takes there, and leaves out tests that
+fail there. The child of a mutant begins with all that the first pass has imported and compiled. It runs only
+the tests in which the mutant makes a difference, up to the first failure (schedule.py).
 """
 
 from __future__ import annotations
@@ -23,63 +24,25 @@ import resource
 import shutil
 import signal
 import sys
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import hypothesis
 import pytest
 from _pytest.runner import runtestprotocol
 
-from benchmarks.test_strength.switch import ACTIVE, REACHED, SYMBOL
+from benchmarks.test_strength.schedule import Item, Schedule
+from benchmarks.test_strength.switch import ACTIVE, DIFFERS_BIT, REACHED, SYMBOL
 
 JOB = "DUALCAM_MUTANTS_JOB"
 SLOWER, PATIENCE = 5.0, 2.0  # a test of a mutant may take so many times the processor time, and s on top
-WAITING = 120.0  # s by the clock for one test that waits without computing
-SAVE_EVERY = 10  # tests
-TELL_EVERY = 20  # mutants
+WAITING = 120.0  # s by the clock, on top, for one test that waits without computing
+SHARE = 0.05  # of a processor that a test has at least, on a machine with other work
+TELL_EVERY, TELL_EVERY_TESTS = 20, 200  # mutants, tests
 MEMORY = 4 << 30  # bytes, of a child
 SURVIVES, KILLED = 0, 1
-
-Item = Any  # pytest.Item, whose parts for a second run are not typed
-
-
-@dataclass
-class Job:
-    """What the first pass finds, kept between runs in the file `reach`."""
-
-    numbers: list[int]
-    reach: Path
-    status: Path  # folder: one file for each mutant
-    limit: float  # s of tests for one mutant
-    processes: int
-    seconds: dict[str, float] = field(default_factory=dict)
-    reached: dict[str, list[int]] = field(default_factory=dict)
-    failed: list[str] = field(default_factory=list)
-    kills: Counter[str] = field(default_factory=Counter)
-
-    def save(self) -> None:
-        found = {"seconds": self.seconds, "reached": self.reached, "failed": self.failed}
-        self.reach.write_text(json.dumps(found))
-
-    def tests_of(self, number: int, items: Sequence[Item]) -> list[Item]:
-        """The tests that reach the mutant, as many as the limit allows. First those that have killed others,
-        then one of each file, then a second of each file, the quickest first."""
-        turns: Counter[str] = Counter()
-        order: list[tuple[int, int, int, Item]] = []
-        for item in sorted(items, key=lambda item: self.seconds[item.nodeid]):
-            if number in self.reached.get(item.nodeid, ()):
-                turns[item.location[0]] += 1
-                order.append((-self.kills[item.nodeid], turns[item.location[0]], len(order), item))
-        taken, total = [], 0.0
-        for *_, item in sorted(order):
-            total += self.seconds[item.nodeid]
-            if total <= self.limit:
-                taken.append(item)
-        return taken
-
 
 # ---- the first pass ----
 
@@ -100,17 +63,17 @@ def computed() -> float:
     return sum(os.times()[:4])
 
 
-def first_pass(items: Sequence[Item], job: Job, marks: mmap.mmap) -> None:
+def first_pass(items: Sequence[Item], job: Schedule, marks: mmap.mmap) -> None:
     for k, item in enumerate(items):
         marks[:] = bytes(len(marks))
-        begin = computed()
         reports = runtestprotocol(item, nextitem=items[(k + 1) % len(items)], log=False)
-        job.seconds[item.nodeid] = computed() - begin
-        job.reached[item.nodeid] = [n for n, mark in enumerate(marks[:]) if mark]
+        job.reached[item.nodeid] = [n for n, mark in enumerate(marks[:]) if mark & DIFFERS_BIT]
+        job.touched = sorted({*job.touched, *(n for n, mark in enumerate(marks[:]) if mark)})
         if failed_in(reports):
             job.failed.append(item.nodeid)
             tell(item, f"fails without a mutant: {item.nodeid}")
-        if k % SAVE_EVERY == 0:
+        if k % TELL_EVERY_TESTS == 0:
+            tell(item, f"first pass: {k} of {len(items)} tests")
             job.save()
 
 
@@ -134,10 +97,11 @@ def keep_compiled(tools: ModuleType, folder: Path) -> None:
 
 
 def keep_solved(folder: Path) -> None:
-    """The reference solves each scene once, not once in each child. It knows nothing of the FMU."""
+    """The reference solves each scene once, not once in each child or run. It knows nothing of the FMU."""
     reference = importlib.import_module("reference")  # of the tests
-
-    folder.mkdir(exist_ok=True)
+    sources = sorted(Path(reference.__path__[0]).glob("*.py"))
+    folder /= hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()
+    folder.mkdir(parents=True, exist_ok=True)
 
     def kept(solve: Callable[..., Any]) -> Callable[..., Any]:
         @functools.wraps(solve)
@@ -189,82 +153,145 @@ def limit_child() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run_child(number: int, items: Sequence[Item], job: Job, session: pytest.Session) -> None:
-    """Runs the tests of one mutant and ends the process. Signals end it where a test takes too long."""
+def enter_child(number: int, items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
     limit_child()
     put_in_force(number)
     session.config._tmp_path_factory._basetemp = folder_of(number, job)  # type: ignore[attr-defined]
     folder_of(number, job).mkdir(parents=True, exist_ok=True)
     session._setupstate.teardown_exact(items[0])
-    status = job.status / str(number)
+
+
+def passes(items: Sequence[Item], k: int) -> bool:
+    """Runs one of the tests."""
+    following = items[k + 1] if k + 1 < len(items) else None
+    return not failed_in(runtestprotocol(items[k], nextitem=following, log=False))
+
+
+def run_child(number: int, items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
+    """Runs the tests of one mutant and ends the process. Signals end it where a test takes too long."""
+    enter_child(number, items, job, session)
+    status = at_present(number, job)
     for k, item in enumerate(items):
         status.write_text(item.nodeid)
-        signal.setitimer(signal.ITIMER_PROF, SLOWER * job.seconds[item.nodeid] + PATIENCE)
-        signal.setitimer(signal.ITIMER_REAL, WAITING)
-        following = items[k + 1] if k + 1 < len(items) else None
-        if failed_in(runtestprotocol(item, nextitem=following, log=False)):
+        longest = SLOWER * job.seconds[item.nodeid] + PATIENCE
+        signal.setitimer(signal.ITIMER_PROF, longest)
+        signal.setitimer(signal.ITIMER_REAL, WAITING + longest / SHARE)
+        if not passes(items, k):
             os._exit(KILLED)
-    status.write_text(f"{len(items)} tests")
     os._exit(SURVIVES)
 
 
-def folder_of(number: int, job: Job) -> Path:
+def run_control(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
+    """Runs all tests without a mutant, notes their times and those that fail, and ends the process."""
+    enter_child(0, items, job, session)
+    for k, item in enumerate(items):
+        begin = computed()
+        if not passes(items, k):
+            job.failed.append(item.nodeid)
+        job.seconds[item.nodeid] = computed() - begin
+    job.save()
+    os._exit(SURVIVES)
+
+
+def folder_of(number: int, job: Schedule) -> Path:
     return job.status.parent / "temporary" / str(number)
 
 
-def in_child(number: int, items: Sequence[Item], job: Job, session: pytest.Session) -> int:
-    """The process in which the tests of one mutant run."""
+def in_child(run: Callable[..., None], number: int, items: Sequence[Item], *rest: object) -> int:
+    """The process in which `run` runs."""
     child = os.fork()
     if child == 0:
         try:
-            run_child(number, items, job, session)
+            run(number, items, *rest) if number else run(items, *rest)
         finally:
             os._exit(KILLED)  # an error outside of a test, such as the lack of memory
     return child
 
 
-def note_end(number: int, code: int, job: Job) -> None:
-    """Completes the file of the mutant: what came of the tests, and the last test that ran."""
-    last = (job.status / str(number)).read_text()
+def control(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
+    """Times of the tests in a child, for those whose time is not known."""
+    fresh = [item for item in items if item.nodeid not in job.seconds and item.nodeid not in job.failed]
+    if not fresh:
+        return
+    tell(session, f"second pass: {len(fresh)} tests")
+    before = set(job.failed)
+    job.save()
+    child = in_child(run_control, 0, fresh, job, session)
+    _, code = os.waitpid(child, 0)
+    if code != 0:
+        raise SystemExit(f"mutants: the tests without a mutant end with {code} in a child process")
+    shutil.rmtree(folder_of(0, job), ignore_errors=True)
+    job.load()
+    for name in sorted(set(job.failed) - before):
+        tell(session, f"fails without a mutant in a child process: {name}")
+
+
+def at_present(number: int, job: Schedule) -> Path:
+    """The file with the name of the test that runs."""
+    return job.status / f"{number}.running"
+
+
+def read_status(number: int, job: Schedule) -> dict[str, Any]:
+    """What an earlier run found out about the mutant: `end`, `test`, `passed`."""
+    path = job.status / str(number)
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def note_end(number: int, code: int, seconds: float, passed: Sequence[str], job: Schedule) -> None:
+    """Completes the file of the mutant: what came of the tests, and the last test that ran. `seconds`: of the
+    child. `passed`: the tests that it has passed, if it has passed all that it was given."""
+    path, present = job.status / str(number), at_present(number, job)
+    last = present.read_text() if present.exists() else "before the first test"
+    present.unlink(missing_ok=True)
     if os.WIFSIGNALED(code):
         name = signal.Signals(os.WTERMSIG(code)).name
         word = "time" if name in ("SIGPROF", "SIGALRM") else f"crash {name}"
     else:
         word = "survives" if os.WEXITSTATUS(code) == SURVIVES else "fails"
-    (job.status / str(number)).write_text(json.dumps({"end": word, "test": last}))
-    if word != "survives":
-        job.kills[last] += 1
+    if word == "survives":
+        last = f"{len(passed)} tests"
+        if not passed:
+            last = "no test in which it differs" if number in job.touched else "no test"
+    else:
+        job.note_kill(number, last, seconds)
+    kept = list(passed) if word == "survives" else []
+    found = {"end": word, "test": last, "seconds": round(seconds, 2), "passed": kept}
+    path.with_suffix(".new").write_text(json.dumps(found))
+    path.with_suffix(".new").replace(path)
     shutil.rmtree(folder_of(number, job), ignore_errors=True)
 
 
-def kills_before(job: Job) -> Iterator[str]:
-    """The tests that killed a mutant in an earlier run."""
-    for path in job.status.iterdir():
-        if (text := path.read_text()).startswith("{") and (read := json.loads(text))["end"] != "survives":
-            yield read["test"]
+def learn(job: Schedule) -> None:
+    """The tests that killed mutants in an earlier run."""
+    for number in job.names:
+        if (read := read_status(number, job)) and read["end"] != "survives":
+            job.note_kill(number, read["test"], read.get("seconds", 0.0))
 
 
-def run_children(items: Sequence[Item], job: Job, session: pytest.Session) -> None:
-    running: dict[int, int] = {}
-    job.kills.update(kills_before(job))
+def run_children(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
+    running: dict[int, tuple[int, list[str], list[str]]] = {}
+    learn(job)
     gc.freeze()  # else the first collection of each child copies all memory
 
     def wait_for_one() -> None:
-        child, code = os.wait()
+        child, code, used = os.wait4(-1, 0)
         if child in running:
-            note_end(running.pop(child), code, job)
+            number, earlier, now = running.pop(child)
+            seconds = used.ru_utime + used.ru_stime
+            note_end(number, code, seconds, [*earlier, *now], job)
 
     for k, number in enumerate(job.numbers):
-        tests = job.tests_of(number, items)
-        (job.status / str(number)).write_text("not reached")
+        passed = read_status(number, job).get("passed", [])
+        tests = job.tests_of(number, items, passed)
         if k % TELL_EVERY == 0:
-            tell(session, f"{k} of {len(job.numbers)} mutants begun, {job.kills.total()} killed so far")
+            tell(session, f"{k} of {len(job.numbers)} mutants begun")
         if not tests:
-            note_end(number, SURVIVES, job)
+            note_end(number, SURVIVES, 0.0, passed, job)
             continue
         while len(running) >= job.processes:
             wait_for_one()
-        running[in_child(number, tests, job, session)] = number
+        child = in_child(run_child, number, tests, job, session)
+        running[child] = number, passed, [item.nodeid for item in tests]
     while running:
         wait_for_one()
 
@@ -272,19 +299,27 @@ def run_children(items: Sequence[Item], job: Job, session: pytest.Session) -> No
 # ---- hooks of pytest ----
 
 
-def read_job() -> Job:
+def read_job() -> Schedule:
     given = json.loads(Path(os.environ[JOB]).read_text())
-    reach, status = Path(given.pop("reach")), Path(given.pop("status"))
-    job = Job(reach=reach, status=status, **given)
-    if job.reach.exists():
-        for name, value in json.loads(job.reach.read_text()).items():
-            setattr(job, name, value)
+    for name in ("names", "hints"):
+        given[name] = {int(number): value for number, value in given[name].items()}
+    for name in ("reach", "status"):
+        given[name] = Path(given[name])
+    job = Schedule(**given)
+    job.load()
     return job
 
 
 def pytest_configure() -> None:
     """Before test modules import the reference."""
-    keep_solved(read_job().status.parent / "solved")
+    keep_solved(read_job().status.parent.parent / "solved")
+
+
+def pytest_collection() -> None:
+    """After conftest.py, before the test modules: a failing test need not look for a smaller example."""
+    phases = [hypothesis.Phase.explicit, hypothesis.Phase.generate]
+    hypothesis.settings.register_profile("mutants", hypothesis.settings(), phases=phases)
+    hypothesis.settings.load_profile("mutants")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -296,10 +331,11 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
     keep_compiled(build_fmu, job.status.parent / "compiled")
     marks_file = Path(os.environ[REACHED])
     with marks_file.open("r+b") as file, mmap.mmap(file.fileno(), 0) as marks:
-        fresh = [item for item in items if item.nodeid not in job.seconds]
+        fresh = [item for item in items if item.nodeid not in job.reached]
         if fresh:
             first_pass(fresh, job, marks)
             job.save()
-        sound = [item for item in items if item.nodeid not in job.failed]
-        run_children(sound, job, session)
+    control([item for item in items if item.nodeid not in job.failed], job, session)
+    sound = [item for item in items if item.nodeid not in job.failed]
+    run_children(sound, job, session)
     return True

@@ -6,11 +6,14 @@
 operator, a constant, a sign, a statement left out, a condition negated, two arguments of one type swapped.
 All mutants are compiled into the FMUs of a copy of the repository at once, each behind a switch (switch.py).
 The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
-as long. equivalent.toml names mutants that no test can notice, with the reason.
+as long. equivalent.toml names mutants that no test can notice, and mutants that change only the cost, with
+the reason. What came of each mutant is kept in build/test_strength. `--again` continues a run that was
+interrupted. `--survivors` lets the survivors meet tests that are new or changed. `--report` judges again.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import shutil
@@ -29,12 +32,15 @@ from benchmarks.test_strength import choice, switch, tree
 from benchmarks.test_strength.sites import Site
 
 COUNT, SEED = 400, 1
-LIMIT = 60.0  # s of tests for one mutant
-TARGET = 95.0  # % of the mutants that are not equivalent
+LIMIT = 1000.0  # s of tests for one mutant: all tests
+TARGET = 95.0  # % of the mutants that change a result
+IDENTITY = ("file", "function", "kind", "original", "mutated", "nth")  # of a mutant's place
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 ROUNDS = 20  # of drawing again for places where the compiler refuses the mistake
 # Quick tests of the FMUs and of the core: statics, accuracy, ledger, inclusion, states, derivatives, files.
 TESTS = Path(__file__).with_name("tests.txt")
+RUN = tree.TREES / "mutants-run"
+VERDICTS = ("killed", "equivalent", "cost only", "survives")
 
 Row = dict[str, str]
 
@@ -83,13 +89,28 @@ class Options:
     tests: Sequence[str]
     only: Sequence[int]
     again: bool  # the copy and the first pass are those of the last run
+    survivors: bool
+    report: bool  # nothing is run
+    output: Path
 
 
-def job_of(options: Options, folder: Path, numbers: Sequence[int]) -> dict[str, object]:
+def hints_of(places: Mapping[int, Site], output: Path) -> dict[int, str]:
+    """The test that killed each mutant, by the results of an earlier run."""
+    if not output.exists():
+        return {}
+    with output.open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["verdict"] == "killed"]
+    known = {tuple(row[name] for name in IDENTITY): row["test"] for row in rows}
+    return {number: known[site.identity] for number, site in places.items() if site.identity in known}
+
+
+def job_of(options: Options, places: Mapping[int, Site], numbers: Sequence[int]) -> dict[str, object]:
     return {
         "numbers": list(numbers),
-        "reach": str(folder / "reach.json"),
-        "status": str(folder / "status"),
+        "names": {number: (site.file, site.function) for number, site in places.items()},
+        "hints": hints_of(places, options.output),
+        "reach": str(RUN / "reach.json"),
+        "status": str(RUN / "status"),
         "limit": options.limit,
         "processes": options.processes,
     }
@@ -97,16 +118,15 @@ def job_of(options: Options, folder: Path, numbers: Sequence[int]) -> dict[str, 
 
 def play(options: Options, copy: Path, places: Mapping[int, Site], numbers: Sequence[int]) -> None:
     """Runs the tests. The end of each mutant stands in a file of its own."""
-    folder = copy.parent / "mutants-run"
-    if not options.again:
-        shutil.rmtree(folder, ignore_errors=True)
-    (folder / "status").mkdir(parents=True, exist_ok=True)
-    job, marks = folder / "job.json", folder / "marks"
-    job.write_text(json.dumps(job_of(options, folder, numbers)))
+    if not (options.again or options.survivors):
+        shutil.rmtree(RUN, ignore_errors=True)
+    (RUN / "status").mkdir(parents=True, exist_ok=True)
+    job, marks = RUN / "job.json", RUN / "marks"
+    job.write_text(json.dumps(job_of(options, places, numbers)))
     marks.write_bytes(bytes(max(places) + 1))
     extra = {"DUALCAM_MUTANTS_JOB": str(job), switch.ACTIVE: "-1", switch.REACHED: str(marks)}
-    plugin = ["-p", "benchmarks.test_strength.fork_server", "--basetemp", str(folder / "pytest")]
-    words = [*plugin, *options.tests]
+    plugin = ["-p", "benchmarks.test_strength.fork_server", "--basetemp", str(RUN / "pytest")]
+    words = [*plugin, "--tb=native", "-p", "no:faulthandler", *options.tests]
     code = tree.run_pytest(copy, words, extra)
     if code != 0:
         raise SystemExit(f"mutants: pytest ended with {code}")
@@ -116,30 +136,73 @@ def ends(places: Mapping[int, Site]) -> dict[int, tuple[str, str]]:
     """What came of the tests of each mutant that has been run, and the last test."""
     found = {}
     for number in places:
-        path = tree.TREES / "mutants-run" / "status" / str(number)
-        if path.exists() and path.read_text().startswith("{"):  # else the run was interrupted
+        path = RUN / "status" / str(number)
+        if path.exists():
             read = json.loads(path.read_text())
             found[number] = (read["end"], read["test"])
     return found
 
 
+# ---- new tests for survivors ----
+
+
+def changed_tests(copy: Path) -> list[str]:
+    """Copies tests that are new or changed; their files. Other files of the tests must be as in the copy."""
+    changed = []
+    for path in sorted((ROOT / "tests").rglob("*")):
+        name = path.relative_to(ROOT).as_posix()
+        if not path.is_file() or "__pycache__" in path.parts:
+            continue
+        if not (copy / name).exists() or (copy / name).read_bytes() != path.read_bytes():
+            (copy / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(path, copy / name)
+            changed.append(name)
+    others = [name for name in changed if not Path(name).name.startswith("test_")]
+    for name in others:
+        print(f"changed: {name}; the results of tests that use this file are those of the old one")
+    return changed
+
+
+def forget(changed: Sequence[str]) -> None:
+    """What is known of changed tests."""
+
+    def kept(test: str) -> bool:
+        return test.partition("::")[0] not in changed
+
+    path = RUN / "reach.json"
+    known = json.loads(path.read_text())
+    for name in ("seconds", "reached"):
+        known[name] = {test: value for test, value in known[name].items() if kept(test)}
+    known["failed"] = [test for test in known["failed"] if kept(test)]
+    path.write_text(json.dumps(known))
+    for path in (RUN / "status").iterdir():
+        if path.suffix == "":
+            read = json.loads(path.read_text())
+            read["passed"] = [test for test in read["passed"] if kept(test)]
+            path.write_text(json.dumps(read))
+
+
 # ---- the judgement ----
 
 
-def reasons() -> dict[tuple[str, ...], str]:
-    """Why a mutant is equivalent, by the identity of its place."""
-    names = ("file", "function", "kind", "original", "mutated")
+def judged() -> dict[tuple[str, ...], tuple[str, str]]:
+    """The verdict "equivalent" or "cost only" and its reason, by the identity of the mutant's place."""
     listed = tomllib.loads(EQUIVALENT.read_text())["mutant"]
-    return {(*(entry[name] for name in names), str(entry.get("nth", 1))): entry["reason"] for entry in listed}
+    judgements = {}
+    for entry in listed:
+        identity = tuple(str(entry.get(name, 1)) for name in IDENTITY)
+        judgements[identity] = entry.get("verdict", "equivalent"), entry["reason"]
+    return judgements
 
 
 def rows_of(places: Mapping[int, Site], found: Mapping[int, tuple[str, str]]) -> list[Row]:
-    known = reasons()
+    known = judged()
     rows = []
     for number, (end, test) in sorted(found.items()):
         site = places[number]
-        reason = known.get(site.identity, "")
-        verdict = ("equivalent" if reason else "survives") if end == "survives" else "killed"
+        verdict, reason = known.get(site.identity, ("survives", ""))
+        if end != "survives":
+            verdict = "killed"
         place = {"file": site.file, "line": str(site.line), "function": site.function}
         mistake = {
             "kind": site.kind,
@@ -153,16 +216,16 @@ def rows_of(places: Mapping[int, Site], found: Mapping[int, tuple[str, str]]) ->
 
 
 def share_killed(rows: Sequence[Row]) -> float:
-    """%, of the mutants that are not equivalent."""
+    """%, of the mutants that change a result."""
     counts = Counter(row["verdict"] for row in rows)
     return 100.0 * counts["killed"] / max(1, counts["killed"] + counts["survives"])
 
 
 def report(rows: Sequence[Row], seconds: float, console: results.Console) -> None:
-    shown = results.table("Mutants", "kind", "killed", "equivalent", "survive")
+    shown = results.table("Mutants", "kind", *VERDICTS)
     for kind in [*sorted({row["kind"] for row in rows}), "all"]:
         counts = Counter(row["verdict"] for row in rows if kind in ("all", row["kind"]))
-        shown.add_row(kind, *(str(counts[verdict]) for verdict in ("killed", "equivalent", "survives")))
+        shown.add_row(kind, *(str(counts[verdict]) for verdict in VERDICTS))
     console.print(shown)
     for row in rows:
         if row["verdict"] == "survives":
@@ -174,37 +237,51 @@ def report(rows: Sequence[Row], seconds: float, console: results.Console) -> Non
     results.say(console, f"killed: {share:.1f} % (target {TARGET:g} % {met}), {seconds:.0f} s")
 
 
-def options_of(words: Sequence[str] | None) -> tuple[Options, Path]:
+def options_of(words: Sequence[str] | None) -> Options:
     parser = results.options(__doc__, "mutants")
     parser.add_argument("--count", type=int, default=COUNT, help=f"number of mutants ({COUNT})")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"s of tests for one mutant ({LIMIT:g})")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--only", type=int, nargs="+", default=[], help="numbers of mutants")
-    parser.add_argument("--again", action="store_true", help="without a new copy, only what has not run yet")
+    parser.add_argument("--again", action="store_true", help="continue the last run")
+    parser.add_argument("--survivors", action="store_true", help="run survivors and changed tests")
+    parser.add_argument("--report", action="store_true", help="judge the results of the last run again")
     parser.add_argument("--tests", nargs="+", default=TESTS.read_text().split(), help="test files")
-    a = parser.parse_args(words)
-    return Options(a.count, a.seed, a.limit, a.processes, a.tests, a.only, a.again), a.output
+    return Options(**vars(parser.parse_args(words)))
+
+
+def begin(options: Options) -> tuple[Path, dict[int, Site], list[int]]:
+    """The copy of the repository, its mutants, and the numbers of those to run."""
+    if not (options.again or options.survivors or options.report):
+        copy, places = prepare(options.count, options.seed)
+        (tree.TREES / "places.json").write_text(json.dumps({n: vars(site) for n, site in places.items()}))
+        return copy, places, list(options.only or places)
+    copy = tree.TREES / "mutants"
+    kept = json.loads((tree.TREES / "places.json").read_text())
+    places = {int(number): Site(**site) for number, site in kept.items()}
+    done = ends(places)
+    if options.survivors:
+        forget(changed_tests(copy))
+        return (
+            copy,
+            places,
+            [n for n in options.only or places if done.get(n, ("survives",))[0] == "survives"],
+        )
+    return copy, places, list(options.only) or [number for number in places if number not in done]
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    options, output = options_of(words)
-    console, begin = results.new_console(), time.monotonic()
-    if options.again:
-        copy = tree.TREES / "mutants"
-        kept = json.loads((tree.TREES / "places.json").read_text())
-        places = {int(number): Site(**site) for number, site in kept.items()}
-    else:
-        copy, places = prepare(options.count, options.seed)
-        (tree.TREES / "places.json").write_text(json.dumps({n: vars(site) for n, site in places.items()}))
-    done = ends(places) if options.again else {}
-    numbers = options.only or [number for number in places if number not in done]
-    play(options, copy, places, numbers)
+    options = options_of(words)
+    console, started = results.new_console(), time.monotonic()
+    copy, places, numbers = begin(options)
+    if not options.report:
+        play(options, copy, places, numbers)
     rows = rows_of(places, ends(places))
     if not rows:
         return 0
-    report(rows, time.monotonic() - begin, console)
-    results.publish(rows, circumstances("mutants"), output, console)
+    report(rows, time.monotonic() - started, console)
+    results.publish(rows, circumstances("mutants"), options.output, console)
     return 0 if share_killed(rows) >= TARGET else 1
 
 

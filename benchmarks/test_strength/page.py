@@ -30,16 +30,28 @@ Read this page to judge how far a green run of the tests can be trusted. Two com
 of the C code. `./build.sh mutants` makes small mistakes and looks which of them a test notices.
 `./build.sh coverage` looks which branches the tests take. Both need the compiler of the `ziglang` wheel and
 tree-sitter, which parses C, from PyPI. Both run on Linux. `benchmarks/test_strength/page.py` writes this
-page.
-
+page. [Reliability](reliability.md) tells what else is tested.
+"""
+MUTANTS = """
 ## Mutants
 
 A mutant is the C code with one small mistake. {count} places in the rooms {rooms} are drawn with a fixed seed
 (`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes the mistake.
 All mutants are compiled into one library per FMU. A switch puts one of them in force, so that the library is
 compiled once. A mutant is killed if a test fails, crashes, or takes five times as long as without the mutant.
-A mutant meets only the tests that reach its place. These are the tests of
-`benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite.
+A mutant meets only the tests in which its mistake makes a difference: a test that never compares two equal
+numbers cannot tell `<` from `<=`. The tests are those of `benchmarks/test_strength/tests.txt`, {tests} files
+and folders of the suite. They compare with closed forms, with solutions by other programs, with the account
+of energy and with the law of friction, not with earlier results of the FMU.
+
+| verdict | meaning |
+| --- | --- |
+| killed | a test notices the mistake |
+| equivalent | no test can notice: the mistake changes no result beyond rounding |
+| cost only | the mistake changes iterations or segments, and results only within their tolerance |
+| survives | the mistake can change a result, and no test notices |
+
+Equivalent mutants and those of cost were judged by hand.
 """
 
 
@@ -63,52 +75,51 @@ def measured(row: Mapping[str, str]) -> str:
 
 
 def mutants_part(rows: Sequence[dict[str, str]]) -> str:
-    verdicts = ("killed", "equivalent", "survives")
     counts = {
         kind: Counter(row["verdict"] for row in rows if kind in ("all", row["kind"]))
         for kind in [*KINDS, "all"]
     }
     lines = [
-        [kind, KINDS.get(kind, ""), *(count[verdict] for verdict in verdicts)]
+        [kind, KINDS.get(kind, ""), *(count[verdict] for verdict in mutants.VERDICTS)]
         for kind, count in counts.items()
     ]
-    text = HEAD.format(
+    text = MUTANTS.format(
         count=len(rows),
         rooms="of physics and of FMI",
         tests=len(mutants.TESTS.read_text().split()),
     )
-    text += "\n" + table(["kind", "mistake", "killed", "equivalent", "survives"], lines)
+    text += "\n" + table(["kind", "mistake", *mutants.VERDICTS], lines)
     share = mutants.share_killed(rows)
-    text += f"\n**{share:.1f} %** of the mutants that are not equivalent are killed; the target is "
     text += (
-        f"{mutants.TARGET:g} %. `benchmarks/results/mutants.csv` has each mutant with the test that kills "
+        f"\n**{share:.1f} %** of the mutants that are neither equivalent nor of cost only are killed; the "
     )
-    text += "the mutant. "
-    text += measured(rows[0])
-    for verdict, title in (("survives", SURVIVE), ("equivalent", EQUIVALENT)):
-        some = [row for row in rows if row["verdict"] == verdict]
-        places = [
-            [f"{row['file']}, `{row['function']}()`", cell(row["original"]), cell(row["mutated"])]
-            for row in some
-        ]
-        if verdict == "equivalent":
-            places = [[*place, row["reason"]] for place, row in zip(places, some, strict=True)]
-        head = ["place", "code", "mutant", *(["why no test can notice"] if verdict == "equivalent" else [])]
-        text += title + (table(head, places) if some else "None.\n")
+    text += f"target is {mutants.TARGET:g} %. `benchmarks/results/mutants.csv` has each mutant with the test "
+    text += "that kills the mutant. " + measured(rows[0])
+    for verdict, title in (("survives", SURVIVE), ("cost only", COST_ONLY), ("equivalent", EQUIVALENT)):
+        text += title + mutants_table([row for row in rows if row["verdict"] == verdict])
     return text
+
+
+def mutants_table(rows: Sequence[dict[str, str]]) -> str:
+    places = [
+        [f"{row['file']}, `{row['function']}()`", cell(row["original"]), cell(row["mutated"]), row["reason"]]
+        for row in rows
+    ]
+    return table(["place", "code", "mutant", "reason"], places) if places else "None.\n"
 
 
 SURVIVE = """
 ### Mutants that survive
 
-No test notices these mistakes.
+"""
+COST_ONLY = """
+### Mutants that change only the cost
 
 """
 EQUIVALENT = """
 ### Equivalent mutants
 
-These mistakes change no result beyond rounding, or only the cost. Each was judged by hand. The reasons stand
-in `benchmarks/test_strength/equivalent.toml`.
+The reasons stand in `benchmarks/test_strength/equivalent.toml`.
 
 """
 BRANCHES = """
@@ -141,7 +152,16 @@ def coverage_part(rows: Sequence[dict[str, str]]) -> str:
 
 
 def main() -> None:
-    PAGE.write_text(mutants_part(read("mutants")) + coverage_part(read("coverage")))
+    parts = {"mutants": mutants_part, "coverage": coverage_part}
+    text = HEAD
+    for name, part in parts.items():
+        if (RESULTS / f"{name}.csv").exists():
+            text += part(read(name))
+        else:
+            print(
+                f"benchmarks/results/{name}.csv is missing, the page leaves this part out: ./build.sh {name}"
+            )
+    PAGE.write_text(text)
 
 
 if __name__ == "__main__":

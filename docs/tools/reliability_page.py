@@ -204,7 +204,8 @@ def strength() -> str:
         killed = counts["killed"] / (counts["killed"] + counts["survives"])
         text += f"""
 Of {len(mutants)} mutants {counts["killed"]} were noticed by a test, {counts["equivalent"]} change nothing,
-{counts["survives"]} survive: {100 * killed:.0f} % of those that change something are noticed.
+{counts["cost only"]} only the cost, {counts["survives"]} survive: {100 * killed:.0f} % of those
+that change a result are noticed.
 
 {measured(mutants)}"""
     if not text:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from driver3 import FORWARD, INVERSE
 from fmi3_scenes import BOUNCING, ELLIPSES, GENERAL, MODE_CHANGES_MEET, balance, events_of, frequency, wave
+from mechanisms import LIFT, STIFFNESS
 from reference import LOADING, LOWER_STOP, RELEASING, STICK
 
 
@@ -31,6 +32,16 @@ def test_early_return_is_at_the_time_of_the_closed_form(make3):
     assert fmu.time - start == pytest.approx(fall, rel=1e-12)
     assert (fmu.get("mode"), fmu.get("theta"), fmu.get("omega")) == (LOWER_STOP, 0.0, 0.0)
     assert abs(fmu.get("energy.residual")) < 1e-14
+
+
+def test_the_jacobian_after_an_early_return_is_that_of_the_part_made(make3):
+    """The swing up ends at 2 (tau/rho - F_0)/(k z'), from where the mechanism swings back at once."""
+    mu = 0.02
+    fmu = make3(events=True, early=True).start({"cam1.friction": mu, "cam2.friction": mu})
+    assert fmu.step(1.0, tau=2.0) == (True, True)
+    assert fmu.get("mode") == RELEASING and fmu.time < 0.5
+    rho = LIFT * (1.0 + mu) / (1.0 - mu)  # lead angles of 45 deg
+    assert fmu.get("step.dtheta_dtau") == pytest.approx(2.0 / (rho * STIFFNESS * LIFT), rel=1e-9)
 
 
 def test_a_change_brought_about_by_the_input_is_none_of_the_step(make3):

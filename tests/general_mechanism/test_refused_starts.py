@@ -57,6 +57,15 @@ def test_ellipse_left_before_a_stop(fmu, cam, kappa):
         fmu.ok("fmi2Reset")
 
 
+def test_a_jam_at_the_lower_stop_is_named_there(fmu):
+    """kappa_1 + kappa_2 <= 0 from tan(lambda) = 1/mu on, which here is below the lead angle at psi = 0."""
+    lead = math.atan(1.0 / 0.9) + 0.05
+    cam = {"profile": ELLIPSE, "lead_angle": lead, "ellipse_a": 0.1, "ellipse_b": 0.1, "friction": 0.9}
+    values = {f"cam{i}.{n}": v for i in (1, 2) for n, v in cam.items()} | {"stop.upper": 0.1}
+    text = start_refused(fmu, values, "jam when loading", "cam1.friction = 0.9")
+    assert number_after(text, "theta") == 0.0
+
+
 GOOD = "psi_rad,z_m\n0,0\n0.5,0.01\n1,0.02\n1.5,0.03\n"
 
 
@@ -127,7 +136,14 @@ def test_pin_that_nothing_fixes(fmu, tmp_path):
     values = {f"cam{i}.{n}": v for i in (1, 2) for n, v in (("profile", TABLE), ("table", str(path)))}
     start_refused(fmu, values, "cam1", "cam2", "theta")
     fmu.ok("fmi2Reset")
-    start_refused(fmu, {"cam1.lead_angle": 0.0, "cam2.lead_angle": 0.0}, "cam1.lead_angle", "cam2.lead_angle")
+    write_table(path, psi, 0.02 * (np.minimum(psi, 0.5) + np.maximum(psi - 0.8, 0.0)))  # level from 0.5 on
+    text = start_refused(fmu, values | {"stop.upper": 2.0}, "cam1", "cam2")
+    assert 1.0 <= number_after(text, "theta") <= 1.6  # both cams turn by the same angle
+    assert number_after(text, "z") == pytest.approx(0.01)
+    fmu.ok("fmi2Reset")
+    helices = {"cam1.lead_angle": 0.0, "cam2.lead_angle": 0.0}
+    text = start_refused(fmu, helices, "cam1.lead_angle = 0", "cam2.lead_angle = 0")
+    assert "theta" not in text  # level everywhere
     fmu.ok("fmi2Reset")
     level = {
         "cam1.profile": ELLIPSE,
@@ -135,4 +151,4 @@ def test_pin_that_nothing_fixes(fmu, tmp_path):
         "cam1.ellipse_curvature": 1,
         "cam2.lead_angle": 0.0,
     }
-    start_refused(fmu, level, "cam1", "cam2")
+    assert number_after(start_refused(fmu, level, "cam1", "cam2"), "theta") == 0.0
