@@ -48,7 +48,7 @@ STILL = "speed within rounding"
 FADING_SHARE = 0.2  # of all scenes, at most
 LARGEST_ERROR = 1e-11
 MOST_EVENTS = 150
-PATIENCE = 60  # seconds for one scene
+PATIENCE = 60  # seconds of processor time for one scene
 PROBE = 1e-8  # relative change of the data, to measure how it is amplified
 Tables = dict[str, tuple[list[float], list[float]]]
 
@@ -136,8 +136,8 @@ def candidate(number: int) -> tuple[Scene, Tables] | None:
     with tempfile.TemporaryDirectory() as folder:
         rng = np.random.default_rng([20, number])
         params, intervals = random_general_scene(rng, folder)
-        signal.signal(signal.SIGALRM, give_up)
-        signal.alarm(PATIENCE)
+        signal.signal(signal.SIGPROF, give_up)
+        signal.setitimer(signal.ITIMER_PROF, PATIENCE)
         try:
             points = simulate(params, intervals)
             if points[-1].events > MOST_EVENTS:
@@ -147,7 +147,7 @@ def candidate(number: int) -> tuple[Scene, Tables] | None:
         except (Refused, ArithmeticError, ValueError, TimeoutError):
             return None
         finally:
-            signal.alarm(0)
+            signal.setitimer(signal.ITIMER_PROF, 0)
         doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
         same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]
         error, size = differences(points, others), scales(points)
