@@ -1,6 +1,6 @@
 """Scenes with friction that depends on the sliding speed, solved by the reference simulator.
 
-    PYTHONPATH=tests:tests/support python tests/support/friction_scenes.py      computes them: hours of one processor
+    PYTHONPATH=tests:tests/support python tests/support/friction_scenes.py      computes them: an hour
 
 They are kept in data/friction_scenes.json.gz, as the scenes of general_scenes.py are, and chosen by the same
 rules; the suite recomputes a few of them to prove the file.
@@ -44,7 +44,8 @@ SEED = 18
 
 
 def candidate(number: int, loaded: bool = False) -> tuple[Scene, Tables] | None:
-    """Scene `number` with its tables, or None if the scene is not fit for a test. Loaded scenes have inertia."""
+    """Scene `number` with its tables, or None if the scene is not fit for a test. A loaded scene has
+    inertia."""
 
     def give_up(*_: object) -> None:
         raise TimeoutError
