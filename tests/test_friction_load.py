@@ -452,8 +452,8 @@ def scenes(tmp_path_factory):
     return load(tmp_path_factory.mktemp("tables"), LOADED_FILE)
 
 
-# Of 800 runs these two are wrong (docs/limits.md). Whoever mends one takes it out here.
-KNOWN_WRONG = {1e-4: {671}, 1e-11: {167}}
+# Of 800 runs this one is wrong (docs/limits.md). Whoever mends it takes it out here.
+KNOWN_WRONG = {1e-11: {167}}
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)

@@ -41,7 +41,8 @@ static void solve_linear(const ContactFactors *f, double axial, double moment, d
     x[1] = (f->rn[0] * axial + f->d[0] * moment) * inverse;
 }
 
-/* One iteration; returns the change of x_i, relative to the larger x_i. */
+/* One iteration; returns the change of x_i, relative to the larger x_i, or 0 where no contact carries anything: there
+ * the change is rounding, however often the iteration goes on. */
 COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
                               const double rest[2], double share, LoadedContacts *c) {
     const CamParams *cam = pin->params->cam;
@@ -55,12 +56,14 @@ COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, cons
         axial += by_alpha->axial * c->alpha;
         moment += by_alpha->moment * c->alpha;
     }
-    double x[2], change = 0.0;
+    double x[2], change = 0.0, carried = 0.0;
     solve_linear(f, axial, moment, x);
     for (int i = 0; i < 2; i++) {
         change = max_of(change, fabs(x[i] - c->x[i]));
+        carried = max_of(carried, cam[i].radius * max_of(fabs(x[i]), fabs(c->x[i])));
         c->x[i] += share * (x[i] - c->x[i]);
     }
+    if (carried <= LOADED_ZERO * loads->size) return 0.0;
     return change / max_of(max_of(fabs(x[0]), fabs(x[1])), max_of(fabs(c->x[0]), fabs(c->x[1])));
 }
 

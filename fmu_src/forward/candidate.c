@@ -150,6 +150,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
             (ContactLoad){.value = coarse * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
         const double noise = slip.regime != REGIME_RATE_INDEPENDENT ? noise_of_angle(m, &slip, &now, i) : 0.0;
         candidate.size[i].value += noise;
+        candidate.size[i].rate += candidate.size[i].value / CANDIDATE_STEADY;
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
