@@ -78,7 +78,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(stress.__doc__ or "").split("\n")[0])
     parser.add_argument("--rows", default=",".join(ROWS), help="names, with commas between")
     parser.add_argument(
-        "--fuzz", type=int, default=3000, help="scenes at random of each such row (default 3000)"
+        "--fuzz",
+        type=int,
+        default=3000,
+        help="scenes at random of each such row (default 3000); of fuzz_loads an eighth",
     )
     parser.add_argument("--seed", type=int, default=0, help="of the scenes at random")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
