@@ -38,7 +38,7 @@ FEWER = {"fuzz_loads": 8}  # such a scene takes about eight times as long
 
 
 def collect(names: Sequence[str], count: int, tables: Tables, seed: int = 0) -> list[Scene]:
-    """The scenes of the rows named. `count`: scenes at random for each row of RANDOM, of some of them FEWER."""
+    """The scenes of the rows named. `count`: scenes at random for each row of RANDOM, or FEWER."""
     made = [scene for name in names if name in FAMILIES for scene in FAMILIES[name](tables)]
     for name in names:
         if name in RANDOM:
