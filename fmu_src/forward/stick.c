@@ -273,8 +273,9 @@ COMPACT static double loaded_excess(const void *context, double t) {
  * excess jumps, and the other side is still rest. */
 COLD static double loaded_exit(const LoadedRest *rest, double a, double f_a, double b, double f_b) {
     double t = root_between(loaded_excess, rest, a, f_a, b, f_b);
+    double more = max_of(DBL_EPSILON * b, DBL_TRUE_MIN); /* the product is 0 in steps below 1e-308 s */
     /* At most 53 turns: from a rounding of the time to the whole. */
-    for (double more = DBL_EPSILON * b; t < b && !(loaded_excess(rest, t) > 0.0); more *= 2.0) t += more;
+    for (; t < b && !(loaded_excess(rest, t) > 0.0); more *= 2.0) t += more;
     return min_of(t, b);
 }
 
