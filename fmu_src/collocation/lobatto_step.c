@@ -230,8 +230,8 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     for (int k = 0; k < LOBATTO_HALVES; k++) add_node_loads(s, k, &loads);
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
-    if (slip->friction_varies && slip->friction_is_loaded && !stays_beside_level(s, &loads)) return false;
-    if (slip->friction_varies && slip->friction_is_loaded && s->has_tables && !stays_on_patches(s, &loads))
+    if (slip->friction_varies && slip->friction_is_loaded &&
+        !(stays_beside_level(s, &loads) && (!s->has_tables || stays_on_patches(s, &loads))))
         return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;

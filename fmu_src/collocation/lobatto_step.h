@@ -4,8 +4,8 @@
  * (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.5). The equations of lobatto_system.h
  * are not stiff here, so that functional iteration solves them in two or three sweeps; where friction varies, in one or
  * two after half a sweep. A step is accepted only if its error is within the tolerance and if no event can lie in it:
- * the speed, the angle to the stop and both reactions stay clear of zero. A rejected step is left
- * to event_location.h. */
+ * the speed, the angle to the stop and both reactions stay clear of zero. event_location.h
+ * advances a rejected step. */
 #ifndef DUALCAM_LOBATTO_STEP_H
 #define DUALCAM_LOBATTO_STEP_H
 

@@ -157,15 +157,14 @@ static double missed_by(const void *context, double x2) {
     return eliminate(context, x2).missed;
 }
 
-/* Samples x_2 on its flank over LOADED_SEARCH_DECADES on both sides of `size`, N/m, from small loads on, for a balance
- * that is the only answer and has both reactions on their flanks. */
+/* Samples x_2 on its flank from `size`, N/m, over LOADED_SEARCH_RANGE to times that range, for a balance that is the only
+ * answer and has both reactions on their flanks. */
 COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
                            LoadedContacts *c) {
     const Elimination e = {pin, loads, by_alpha};
     if (!(size > 0.0 && isfinite(size)) || (by_alpha != NULL && by_alpha->torque == 0.0)) return;
-    const double end = size * LOADED_SEARCH_RANGE;
     double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
-    while (fabs(before) < end) { /* at most 60 turns: from 1e-6 to 1e6 */
+    for (int n = 0; n < LOADED_SEARCH_SAMPLES; n++) {
         const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
         if ((missed > 0.0) != (missed_before > 0.0)) {
             c->x[1] = root_between(missed_by, &e, before, missed_before, after, missed);

@@ -148,15 +148,17 @@ COLD static double loaded_wedge_time(Mechanism *m, double left) {
     WedgeInterval in = {.before = 0.0, .at_before = wedge_sample(m, &now, 0.0)};
     double time = left;
     for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
-        in.after = left * k / (int)LOADED_REST_SAMPLES;
-        const WedgeSample sample = in.at_after = wedge_sample(m, &now, in.after);
+        const double t = left * k / (int)LOADED_REST_SAMPLES;
+        const WedgeSample sample = wedge_sample(m, &now, t);
+        in.after = t;
+        in.at_after = sample;
         if (!sample.lets_go && sample.reason != in.at_before.reason) narrow_wedge(m, &now, LOADED_REST_CHANGE, &in);
         if (in.at_after.lets_go) {
             narrow_wedge(m, &now, LOCATION_ROUNDING, &in);
             time = in.after;
             break;
         }
-        in.before = left * k / (int)LOADED_REST_SAMPLES;
+        in.before = t;
         in.at_before = sample;
     }
     m->inputs = now;

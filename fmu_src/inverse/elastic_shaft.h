@@ -24,8 +24,8 @@ typedef struct {
     Mode mode;
 } ElasticShaftState;
 
-/* The angle of cam 2 for theta and F_ext of m->inputs, if the shaft carried no torque before; NAN: the work
- * is spent. */
+/* The angle of cam 2 for theta and F_ext of m->inputs, if the shaft carried no torque before;
+ * NAN: the work is spent. */
 double elastic_shaft_start(const Inverse *m);
 
 /* The state if theta goes straight from the angle of m->state to that of m->inputs, at the present F_ext; NAN where

@@ -150,6 +150,10 @@ COMPACT static FrictionFall friction_fall(const CamParams *cam, double tolerance
     return fall;
 }
 
+static bool has_loads(const FrictionTable *table) {
+    return table != NULL && table->loads > 1;
+}
+
 COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
     const CamParams *cam = &p->cam[i];
     const FrictionParams *law = &cam->law;
@@ -168,7 +172,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .sign = none + sign,
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
-        .has_patches = law->table != NULL && law->table->loads > 1,
+        .has_patches = has_loads(law->table),
     };
 }
 
@@ -177,7 +181,7 @@ COMPACT void friction_prepare(const Params *params, int i, FrictionConstants *co
     constants->tabled = params->cam[i].law.table ? i : 1 - i;
     constants->table = params->cam[constants->tabled].law.table;
     const FrictionTable *own = params->cam[i].law.table;
-    constants->loaded = own && own->loads > 1 ? own : NULL;
+    constants->loaded = has_loads(own) ? own : NULL;
     for (int sign = -1; sign <= 1; sign += 2) constants->near[friction_sign_index(sign)] = nearby_of(params, i, sign);
 }
 

@@ -5,12 +5,10 @@
  * NOINLINE  a large function with several callers, which is not to be copied into each of them
  * ALWAYS_INLINE  a function of a step that the compiler would not copy into its callers
  * COMPACT   a function that no step calls and that is called often enough not to be cold: its code is kept small, and
- * is
- *           not copied into its callers
- * COMPACT_BEGIN, COMPACT_END  around functions that no step calls in stick or slip: their code is kept small. A
- * function
- *           between them may be copied into its callers. Functions that copy large structs stay outside: compact code
- *           copies them slowly */
+ *           is not copied into its callers
+ * COMPACT_BEGIN, COMPACT_END  around functions that no step calls in stick or slip: their code is kept small.
+ *           A function between them may be copied into its callers. Functions that copy large structs stay outside:
+ *           compact code copies them slowly */
 #ifndef DUALCAM_ATTRIBUTES_H
 #define DUALCAM_ATTRIBUTES_H
 
