@@ -13,12 +13,15 @@ import pytest
 from driver import ROOT
 
 from benchmarks.elementary import arguments
-from benchmarks.elementary.errors import EXACT, Reference, exact_error
+from benchmarks.elementary.errors import EXACT, OF_TWO, Reference, exact_error
 
 COUNT = 1000  # arguments of each function
 HARD = 5000  # of the hard ones
 LEAST_NORMAL, LARGEST, LEAST = arguments.LEAST_NORMAL, arguments.LARGEST, math.ulp(0.0)
 INFINITY, NAN = math.inf, math.nan
+
+
+VECTORS = dict(zip(OF_TWO, ("vector2_exp", "vector2_exp_small", "vector2_log"), strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +32,14 @@ def functions(core):
         double shim_cos(double x) { return elementary_sin_cos(x).cos; }
         double shim_max(double x, double y) { return max_of(x, y); }
         double shim_min(double x, double y) { return min_of(x, y); }\n"""
-    library = core(["elementary/elementary"], [], code)
+    code += "".join(
+        f"double shim_{function}(double x) {{ return {function}((Vector2){{x, 1.0}})[0]; }}\n"
+        for function in VECTORS.values()
+    )
+    library = core(["elementary/elementary", "numerics/vector2"], [], code)
     names = {name: f"elementary_{name}" for name in EXACT if name not in ("sin", "cos")}
     names |= {name: f"shim_{name}" for name in ("sin", "cos", "max", "min")}
+    names |= {name: f"shim_{function}" for name, function in VECTORS.items()}
     found = {}
     for name, symbol in names.items():
         found[name] = getattr(library, symbol)
@@ -50,7 +58,7 @@ def off(functions, name: str, x: float, second: float = 1.0) -> float:
     return abs(exact_error(name, x, second, value(functions, name, x, second)))
 
 
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", [*EXACT, *OF_TWO])
 def test_less_than_a_unit_in_the_last_place(functions, name):
     numbers = arguments.random_arguments(name, np.random.default_rng(5), COUNT)
     for x, second in zip(*(part.tolist() for part in numbers), strict=True):
@@ -62,7 +70,7 @@ def reference():
     return Reference(["-O2", "-fPIC", "-shared"])
 
 
-@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("name", [*EXACT, *OF_TWO])
 def test_less_than_a_unit_at_hard_arguments(functions, reference, name):
     """Double-double arithmetic gives all errors, 60 digits those of each 25th argument."""
     x, second = arguments.hard_arguments(name)

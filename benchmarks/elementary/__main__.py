@@ -24,7 +24,7 @@ from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import BENCHMARKS
 
 ALLOWED = 1.0  # ulp
-DOUBTFUL = 0.8  # ulp: all errors above are computed again with 60 digits, but for those of errors.OF_TWO
+DOUBTFUL = 0.8  # ulp: all errors above are computed again with 60 digits
 CHECKED = 10_000  # arguments of each function at which reference.c is compared with 60 digits
 AGREEMENT = 1e-9  # ulp, between the two
 CHUNK = 200_000
@@ -91,14 +91,13 @@ def chunks(name: str, count: int) -> Iterator[tuple[Array, Array]]:
 
 def errors_of(library: ctypes.CDLL, reference: errors.Reference, name: str, count: int) -> Errors:
     made, r = Errors(), np.random.default_rng(4)
-    doubtful = math.inf if name in errors.OF_TWO else DOUBTFUL
     checked = -(-CHECKED * CHUNK // max(count, CHUNK))
     for x, second in chunks(name, count):
         y = computed(library, name, x, second)
         found = reference.errors(name, x, second, y)
         size = np.where(np.isnan(found), math.inf, abs(found))
         chosen = np.concatenate(
-            [np.flatnonzero(size > doubtful), [np.argmax(size)], r.integers(len(x), size=checked)]
+            [np.flatnonzero(size > DOUBTFUL), [np.argmax(size)], r.integers(len(x), size=checked)]
         )
         made.add(name, (x, second, y), found, np.unique(chosen))
     return made
@@ -171,8 +170,7 @@ def main() -> int:
     for name in (*errors.EXACT, *PAIRED, *errors.OF_TWO):
         known = name not in PAIRED
         found = errors_of(library, reference, name, int(options.count)) if known else Errors(1)
-        allowed = math.inf if name in errors.OF_TWO else ALLOWED
-        failed |= not (found.greatest < allowed and found.disagreement < AGREEMENT)
+        failed |= not (found.greatest < ALLOWED and found.disagreement < AGREEMENT)
         own, others = nanoseconds(library, name, options.rounds)
         cells = error_cells(found)
         row = {"function": name, **(cells if known else dict.fromkeys(cells, ""))}

@@ -52,7 +52,8 @@ RANDOM: dict[str, list[Sampler]] = {
     "atan": ANY,
     "cbrt": ANY,
     "exp of two": [uniform(-1.0, 1.0), uniform(-700.0, 700.0)],
-    "log of two": [uniform(0.5, 2.0), sizes(1e-300, 1e300, sign=False)],
+    "small exp of two": [uniform(-0.1, 0.1), sizes(1e-20, 0.1)],
+    "log of two": [uniform(0.5, 2.0), near_one(1e-15, 0.1), sizes(1e-300, 1e300, sign=False)],
     "atan2": [uniform(-1.0, 1.0), sizes(1e-3, 1e3), sizes(1e-100, 1e100)],
 }
 
@@ -129,6 +130,23 @@ def hard_logarithms() -> Array:
     return x[(x > 0.0) & (x != 1.0)]
 
 
+def within(x: Array, low: float, high: float) -> Array:
+    """The numbers from `low` to `high`."""
+    return x[(low <= x) & (x <= high)]
+
+
+def hard_exponents_of_two() -> Array:
+    """Halfway between multiples of log 2, too."""
+    halves = with_neighbours((np.arange(-1009, 1009) + 0.5) * math.log(2.0))
+    return within(np.concatenate([halves, hard_exponents()]), -700.0, 700.0)
+
+
+def hard_logarithms_of_two() -> Array:
+    """sqrt(2) times powers of 2, too; no subnormal numbers."""
+    borders = with_neighbours(math.sqrt(2.0) * ends_of_exponents())
+    return within(np.concatenate([borders, hard_logarithms()]), LEAST_NORMAL, LARGEST)
+
+
 def hard_logarithms_less_one() -> Array:
     ends = np.array([-9 / 256, 5 / 128, 2.0**-53 - 1.0])
     borders = steps_of_bits(2.0**-53, 2.0**60, 45) - 1.0
@@ -164,8 +182,9 @@ HARD: dict[str, Callable[[], Array]] = {
     **dict.fromkeys(("sin", "cos", "tan"), hard_angles),
     "atan": hard_tangents,
     "cbrt": hard_roots,
-    "exp of two": lambda: np.linspace(-700.0, 700.0, 100_001),
-    "log of two": partial(steps_of_bits, LEAST_NORMAL, LARGEST, 46),
+    "exp of two": hard_exponents_of_two,
+    "small exp of two": lambda: within(hard_exponents(), -0.1, 0.1),
+    "log of two": hard_logarithms_of_two,
     "atan2": partial(steps_of_bits, 2.0**-12, 2.0**12, 46),
 }
 

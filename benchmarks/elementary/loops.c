@@ -29,6 +29,10 @@ static double own_exp_of_two(double x) {
     const Vector2 both = vector2_exp((Vector2){x, -x});
     return both[0] + 0.0 * both[1];
 }
+static double own_small_exp_of_two(double x) {
+    const Vector2 both = vector2_exp_small((Vector2){x, -x});
+    return both[0] + 0.0 * both[1];
+}
 static double library_exp_of_two(double x) { return exp(x) + exp(-x); }
 static double own_log_of_two(double x) {
     const Vector2 both = vector2_log((Vector2){x, x + 1.0});
@@ -50,6 +54,7 @@ static const Pair PAIRS[] = {
     {"cbrt", elementary_cbrt, cbrt},    {"sin and cos", own_sin_cos, library_sin_cos},
     {"atan2", own_atan2_of_1, library_atan2_of_1},
     {"exp of two", own_exp_of_two, library_exp_of_two},
+    {"small exp of two", own_small_exp_of_two, library_exp_of_two},
     {"log of two", own_log_of_two, library_log_of_two},
 };
 

@@ -154,7 +154,7 @@ def elementary() -> str:
     rows, steps = read("elementary"), read("elementary_shares")
     if not rows or not steps:
         return ""
-    one = [row for row in rows if row["arguments"] and "of two" not in row["function"]]
+    compared = [row for row in rows if row["arguments"]]
     lines = [
         [
             row["function"],
@@ -164,9 +164,8 @@ def elementary() -> str:
         ]
         for row in rows
     ]
-    fewest = min(int(float(row["arguments"])) for row in one)
-    greatest = max(float(row["greatest_error_ulp"]) for row in one)
-    two = {row["function"]: row["greatest_error_ulp"] for row in rows if "of two" in row["function"]}
+    fewest = min(int(float(row["arguments"])) for row in compared)
+    greatest = max(float(row["greatest_error_ulp"]) for row in compared)
     share = max(float(row["share_percent"]) for row in steps)
     return f"""\
 ## Elementary functions
@@ -178,8 +177,8 @@ function, and wherever an error is above 0.8 ulp.
 
 Instructions and ns are those of a call: own / C library. The own functions fuse no operations. The C library
 of this machine may fuse multiplication and addition; the last column has its instructions without that. The
-functions "of two" are for the friction of both cams at once, and their costs are those of two values. They
-are made for some 1e-14: their greatest errors are {two["exp of two"]} and {two["log of two"]} ulp.
+functions "of two" are for the friction of both cams at once, and their costs are those of two values. "small
+exp" takes arguments up to 0.1.
 
 Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
 In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,

@@ -140,7 +140,7 @@ static FrictionPiece piece_of(const FrictionSamples *s, size_t j) {
         most = 1.25 * (fabs(c[n]) + most);
         piece.c[n] = both(c[n]);
     }
-    piece.is_flat = most <= VECTOR2_SMALL;
+    piece.is_flat = most <= OF_TWO_EXP_SMALL;
     return piece;
 }
 

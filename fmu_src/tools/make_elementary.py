@@ -377,6 +377,37 @@ def roots() -> str:
     return "/* The third root of m, 1 <= m <= 8, to two digits */\n" + constants("CBRT_START", found)
 
 
+def of_two() -> str:
+    def half_coth(z: Number) -> Number:
+        """(x coth(x/2) - 2)/x^2 at z = x^2, by its series with the numbers of Bernoulli"""
+        return MP.nsum(lambda n: 2 * MP.bernoulli(2 * n + 2) * z**n / MP.factorial(2 * n + 2), [0, 20])
+
+    def artanh(z: Number) -> Number:
+        """(2 artanh(s) - 2 s)/s^3 at z = s^2"""
+        return MP.nsum(lambda n: 2 * z**n / (2 * n + 3), [0, 80])
+
+    def exp_series(terms: int, largest: Number) -> list[Number]:
+        # exp(x) = 1 + 2 x/(x coth(x/2) - x)
+        return series(half_coth, terms - 1, MP.mpf(0), largest**2, lambda z: z * MP.sqrt(z) / 2)
+
+    half_binade, small = MP.log(2) / 2 * MP.mpf("1.0001"), MP.mpf(1) / 10
+    largest = (MP.sqrt(2) - 1) / (MP.sqrt(2) + 1) * MP.mpf("1.0001")
+    high = parts(MP.log(2), 32)[0]
+    return "\n".join(
+        [
+            "/* log 2 in two parts, of which the first has 32 bits */",
+            constant("OF_TWO_LOG_2_HIGH", high) + constant("OF_TWO_LOG_2_LOW", rounded(MP.log(2) - high)),
+            "/* (x coth(x/2) - 2)/x^2 as a polynomial in x^2, |x| <= log(2)/2 */",
+            constants("OF_TWO_EXP_SERIES", exp_series(5, half_binade)),
+            f"/* The same, |x| <= {float(small)} */",
+            constant("OF_TWO_EXP_SMALL", rounded(small)),
+            constants("OF_TWO_EXP_SMALL_SERIES", exp_series(3, small)),
+            "/* (2 artanh(s) - 2 s)/s^3 as a polynomial in s^2, |s| <= (sqrt(2) - 1)/(sqrt(2) + 1) */",
+            constants("OF_TWO_LOG_SERIES", series(artanh, 6, MP.mpf(0), largest**2, lambda z: z)),
+        ]
+    )
+
+
 def texts() -> dict[Path, str]:
     made = {
         "exponential": ("", exponential()),
@@ -385,6 +416,7 @@ def texts() -> dict[Path, str]:
         "tangent": ("", tangent()),
         "arctangent": ('#include "elementary/double_double.h"\n\n', arctangent()),
         "roots": ("", roots()),
+        "of_two": ("", of_two()),
     }
     head = generated.head_of(__file__)
     return {ROOM / f"{name}_table.h": f"{head}{includes}{body}" for name, (includes, body) in made.items()}
