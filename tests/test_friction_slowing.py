@@ -1,5 +1,5 @@
-"""Slip that slows down into the range of speeds in which friction changes steeply, comes to rest or turns back:
-helices, against the reference simulator (reference/simulation.py)."""
+"""Slip that slows down into speeds at which friction changes steeply: helices, against the reference
+simulator (reference/simulation.py)."""
 
 import pytest
 from driver import models
