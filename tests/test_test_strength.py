@@ -168,6 +168,9 @@ def test_tests_that_killed_neighbours_come_first(tmp_path):
     known.limit, known.judged, known.judged_limit = 10.0, [1], 1.0
     assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
     assert len(known.tests_of(3, items, [])) == 3
+    known.seconds["quick.py::longest"] = 3.0
+    assert known.usual_seconds(items[0], False) == 0.001
+    assert known.usual_seconds(items[0], True) == 3.0
     assert known.by_length() == []
     known.numbers = [1, 2, 3]
     known.hints = {1: "good.py::test"}

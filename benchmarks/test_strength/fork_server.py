@@ -171,9 +171,11 @@ def run_child(number: int, items: Sequence[Item], job: Schedule, session: pytest
     """Runs the tests of one mutant and ends the process. Signals end it where a test takes too long."""
     enter_child(number, items, job, session)
     status = at_present(number, job)
+    begun: set[str] = set()
     for k, item in enumerate(items):
         status.write_text(item.nodeid)
-        longest = SLOWER * job.seconds[item.nodeid] + PATIENCE
+        longest = SLOWER * job.usual_seconds(item, item.location[0] not in begun) + PATIENCE
+        begun.add(item.location[0])
         signal.setitimer(signal.ITIMER_PROF, longest)
         signal.setitimer(signal.ITIMER_REAL, WAITING + longest / SHARE)
         if not passes(items, k):
