@@ -76,7 +76,7 @@ usage: ./build.sh [command] [arguments]
   web      build, then run benchmarks.web_step (seconds): what a step costs in the engine of the page; needs node
   masters  build, then play the same scenes in other masters (ecos, libcosim, FMI4j, Maestro, fmi-sim), which are
            installed into build/masters, and run checkers; writes docs/masters.md (some minutes the first time)
-  mutants  400 small mistakes in a copy of the C code, and which of them the tests notice (half an hour); writes
+  mutants  400 small mistakes in a copy of the C code, and which of them the tests notice (20 minutes); writes
            benchmarks/results/mutants.csv; arguments go to benchmarks.test_strength.mutants
   coverage the branches of the C code that the tests take, in a copy (half an hour; --again: what has changed); writes
            benchmarks/results/coverage.csv; arguments go to benchmarks.test_strength.coverage

@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, permutations, product
 
 import numpy as np
 import pytest
@@ -41,9 +41,18 @@ class Bernstein(Structure):
     _fields_ = (("degree", ctypes.c_int), ("c", ctypes.c_double * 9))
 
 
+LARGEST = """\
+double largest(const double *x) {
+    const LobattoValues v = {{x[0], x[1], x[2], x[3]}};
+    return lobatto_largest(lobatto_range(&v));
+}
+"""
+
+
 @pytest.fixture(scope="module")
 def library(core):
-    made = core(["numerics/bernstein", "numerics/radau"], [Radau, Bernstein])
+    made = core(["numerics/bernstein", "numerics/lobatto", "numerics/radau"], [Radau, Bernstein], LARGEST)
+    made.largest.restype = ctypes.c_double
     made.radau_of.restype = ctypes.POINTER(Radau)
     made.radau_polynomial.restype = Bernstein
     made.radau_polynomial.argtypes = (ctypes.POINTER(Radau), ctypes.POINTER(ctypes.c_double))
@@ -102,6 +111,14 @@ def test_order_conditions_of_lobatto():
     for k in range(4):
         np.testing.assert_allclose(c**k @ once, c ** (k + 1) / (k + 1), atol=1e-15)
         np.testing.assert_allclose(c**k @ twice, c ** (k + 2) / (k + 1) / (k + 2), atol=1e-15)
+
+
+def test_largest_size_of_four_values(library):
+    """The largest size stands at each node in turn, above and below zero."""
+    for signs in product([1.0, -1.0], repeat=4):
+        for order in permutations([0.5, 1.0, 2.0, 4.0]):
+            values = [sign * size for sign, size in zip(signs, order, strict=True)]
+            assert library.largest((ctypes.c_double * 4)(*values)) == 4.0
 
 
 def test_cubic_and_what_a_parabola_misses():

@@ -279,6 +279,18 @@ def test_ellipse_ends(library, grooves, kappa):
             assert back == pytest.approx(psi, abs=2e-15)
 
 
+@pytest.mark.parametrize("share", [1e-3, 1e-5, 1e-7])
+def test_slope_close_to_the_level_end_of_an_ellipse(library, grooves, share):
+    """A circle that flattens: the slope is r tan(angle), with sin(angle) = S_0 (1 - psi/psi_end). The height
+    has no digits of the slope left there."""
+    radius, a, start = 0.02, 0.05, math.sin(0.8)
+    groove = grooves(cam(ELLIPSE, radius=radius, lead=0.8, a=a, b=a, kappa=-1))
+    psi = start * a / radius * (1.0 - share)
+    sine = start - psi * radius / a
+    found = library.groove_slope(byref(groove), psi, library.groove_at(byref(groove), psi).z)
+    assert found == pytest.approx(radius * sine / math.sqrt(1.0 - sine * sine), abs=4 * EPS * radius, rel=0.0)
+
+
 def test_ellipse_from_vertical_is_refused(library):
     text = groove_refusal(library, cam(ELLIPSE, lead=math.pi / 2))
     assert "cam2.lead_angle = 1.57" in text and "must" in text

@@ -147,10 +147,18 @@ def test_a_polynomial_of_no_numbers_has_no_sign_changes(library):
 
 @pytest.mark.parametrize(
     ("turns", "width", "sign"),
-    [([1.0, 3.0], 0.1, 1), ([1.0, 3.0], 5.0, 1), ([1.0, 3.0], 1.0, 1), ([3.0], 3.0, -1), ([], 1.0, 1)],
+    [
+        ([1.0, 3.0], 0.1, 1),
+        ([1.0, 3.0], 5.0, 1),
+        ([1.0, 3.0], 1.0, 1),
+        ([3.0], 3.0, -1),
+        ([-1.0, 3.0], 3.5, -1),
+        ([-1.0, 3.0], 2.5, 1),
+        ([], 1.0, 1),
+    ],
 )
 def test_sign_with_which_a_polynomial_leaves_a_strip(library, turns, width, sign):
-    """u(0) = 0, u'(t) the product of (1 - t/turn): u rises, and turns at these times."""
+    """u(0) = 0, u'(t) the product of (1 - t/turn): u rises; only times after 0 are turns."""
     rate = np.poly1d([1.0])
     for turn in turns:
         rate *= np.poly1d([-1.0 / turn, 1.0])

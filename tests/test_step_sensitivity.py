@@ -15,6 +15,8 @@ TIGHT = 1e-12  # tolerance of the integration: differences of it are divided by 
 FLAT = {"cam1.profile": 2, "cam1.ellipse_a": 0.08, "cam1.ellipse_b": 0.05, "cam2.lead_angle": 0.5}
 MASSLESS = {"inertia.shaft": 0.0}
 VISCOUS = MASSLESS | {"damper.c_load": 2000.0, "damper.c_release": 3000.0}
+# The spring's force rises to 118 N at theta = 0.4, falls until 0.7, is back at 118 N at 0.85, and rises on.
+SNAPPING = {"spring.stiffness": 42e3, "spring.stiffness2": -8.25e6, "spring.stiffness3": 5e8}
 ROOT = MASSLESS | {"damper.q_load": 1e3, "damper.q_release": 1e3}  # its speed is a root of the torque
 
 
@@ -146,6 +148,9 @@ SCENES = {
         0.03,
         (100.0,),
         size=1e-3,
+    ),
+    "play, past a fold": Scene(
+        MASSLESS | SNAPPING | {"initial.theta": 0.38}, 1.55, 0.03, (10.0, 20.0), events=1
     ),
     "play, to the stop": Scene(LOW | MASSLESS, 20.0, mode=5, events=1),
     # at rest

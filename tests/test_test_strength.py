@@ -1,5 +1,6 @@
 """The tools that make mutants and mark branches, on small texts in C."""
 
+import json
 import subprocess
 import sys
 
@@ -8,7 +9,7 @@ from driver import ROOT
 
 pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
-from benchmarks.test_strength import choice, coverage, decisions, mutants, schedule, sites, switch
+from benchmarks.test_strength import choice, coverage, decisions, mutants, schedule, sites, switch, tree
 
 CORE = ROOT / "fmu_src"
 CODE = """\
@@ -149,7 +150,7 @@ def test_tests_that_killed_neighbours_come_first(tmp_path):
             self.nodeid, self.location = name, (name.partition("::")[0],)
 
     names = {1: ("model/a.c", "f"), 2: ("model/a.c", "f"), 3: ("fmi/b.c", "g")}
-    known = schedule.Schedule([], names, {3: "slow.py::test"}, tmp_path / "reach", tmp_path, 10.0, 1)
+    known = schedule.Schedule([], names, {3: "slow.py::test"}, tmp_path / "reach", tmp_path, 10.0, 1, "core")
     items = [
         Item(name) for name in ("quick.py::test", "good.py::test", "slow.py::test", "elsewhere.py::test")
     ]
@@ -164,6 +165,39 @@ def test_tests_that_killed_neighbours_come_first(tmp_path):
     ]
     known.limit = 1.0
     assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
+    known.limit, known.judged, known.judged_limit = 10.0, [1], 1.0
+    assert [item.location[0] for item in known.tests_of(1, items, [])] == ["good.py", "quick.py"]
+    assert len(known.tests_of(3, items, [])) == 3
+    known.seconds["quick.py::longest"] = 3.0
+    assert known.usual_seconds(items[0], False) == 0.001
+    assert known.usual_seconds(items[0], True) == 3.0
+    assert known.by_length() == []
+    known.numbers = [1, 2, 3]
+    known.hints = {1: "good.py::test"}
+    assert known.by_length() == [2, 3, 1]
+
+
+def test_results_of_other_sources_do_not_count(tmp_path, monkeypatch):
+    """Of the sources before an edit."""
+    source = tmp_path / "fmu_src" / "model" / "small.c"
+    source.parent.mkdir(parents=True)
+    source.write_text(CODE)
+    before = tree.core_of(tmp_path)
+    (source.parent / "notes.txt").write_text("not compiled")
+    assert tree.core_of(tmp_path) == before
+    source.write_text(CODE + "\n")
+    after = tree.core_of(tmp_path)
+    assert after != before
+    monkeypatch.setattr(mutants, "RUN", tmp_path)
+    (tmp_path / "status").mkdir()
+    for number, core in {1: before, 2: after}.items():
+        ended = {"end": "fails", "test": "good.py::test", "core": core}
+        (tmp_path / "status" / str(number)).write_text(json.dumps(ended))
+    places = dict(enumerate(sites_of_text(tmp_path, CODE)[:3], 1))
+    found = mutants.ends(mutants.Copy(tmp_path, places, after))
+    assert found == {2: ("fails", "good.py::test")}
+    (row,) = mutants.rows_of(mutants.Copy(tmp_path, places, after), found)
+    assert (row["verdict"], row["core"]) == ("killed", after)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the marks stand in a file that Linux maps")

@@ -3,7 +3,7 @@
     DUALCAM_MUTANTS_JOB=job.json python -m pytest -p benchmarks.test_strength.fork_server TESTS
 
 The first pass has no mutant in force. It notes in which places each test makes a difference. A second pass,
-in a child process and without a mutant, too, notes how long each test takes there, and leaves out tests that
+in child processes and without a mutant, too, notes how long each test takes there, and leaves out tests that
 fail there. The child of a mutant begins with all that the first pass has imported and compiled. It runs only
 the tests in which the mutant makes a difference, up to the first failure (schedule.py).
 """
@@ -155,7 +155,7 @@ def limit_child() -> None:
 
 def enter_child(number: int, items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
     limit_child()
-    put_in_force(number)
+    put_in_force(max(number, 0))
     session.config._tmp_path_factory._basetemp = folder_of(number, job)  # type: ignore[attr-defined]
     folder_of(number, job).mkdir(parents=True, exist_ok=True)
     session._setupstate.teardown_exact(items[0])
@@ -171,9 +171,11 @@ def run_child(number: int, items: Sequence[Item], job: Schedule, session: pytest
     """Runs the tests of one mutant and ends the process. Signals end it where a test takes too long."""
     enter_child(number, items, job, session)
     status = at_present(number, job)
+    begun: set[str] = set()
     for k, item in enumerate(items):
         status.write_text(item.nodeid)
-        longest = SLOWER * job.seconds[item.nodeid] + PATIENCE
+        longest = SLOWER * job.usual_seconds(item, item.location[0] not in begun) + PATIENCE
+        begun.add(item.location[0])
         signal.setitimer(signal.ITIMER_PROF, longest)
         signal.setitimer(signal.ITIMER_REAL, WAITING + longest / SHARE)
         if not passes(items, k):
@@ -181,16 +183,21 @@ def run_child(number: int, items: Sequence[Item], job: Schedule, session: pytest
     os._exit(SURVIVES)
 
 
-def run_control(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
-    """Runs all tests without a mutant, notes their times and those that fail, and ends the process."""
-    enter_child(0, items, job, session)
+def run_control(number: int, items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
+    """Runs the tests without a mutant, notes their times and those that fail, and ends the process."""
+    enter_child(number, items, job, session)
+    seconds, failed = {}, []
     for k, item in enumerate(items):
         begin = computed()
         if not passes(items, k):
-            job.failed.append(item.nodeid)
-        job.seconds[item.nodeid] = computed() - begin
-    job.save()
+            failed.append(item.nodeid)
+        seconds[item.nodeid] = computed() - begin
+    control_notes(number, job).write_text(json.dumps([seconds, failed]))
     os._exit(SURVIVES)
+
+
+def control_notes(number: int, job: Schedule) -> Path:
+    return job.reach.with_name(f"control{number}.json")
 
 
 def folder_of(number: int, job: Schedule) -> Path:
@@ -202,28 +209,37 @@ def in_child(run: Callable[..., None], number: int, items: Sequence[Item], *rest
     child = os.fork()
     if child == 0:
         try:
-            run(number, items, *rest) if number else run(items, *rest)
+            run(number, items, *rest)
         finally:
             os._exit(KILLED)  # an error outside of a test, such as the lack of memory
     return child
 
 
 def control(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
-    """Times of the tests in a child, for those whose time is not known."""
+    """Times of the tests in children, for those whose time is not known. A child takes whole files."""
     fresh = [item for item in items if item.nodeid not in job.seconds and item.nodeid not in job.failed]
     if not fresh:
         return
     tell(session, f"second pass: {len(fresh)} tests")
-    before = set(job.failed)
+    numbers = {-k: part for k, part in enumerate(shares(fresh, job.processes)) if part}
+    children = {in_child(run_control, number, part, job, session): number for number, part in numbers.items()}
+    for child, number in children.items():
+        _, code = os.waitpid(child, 0)
+        if code != 0:
+            raise SystemExit(f"mutants: the tests without a mutant end with {code} in a child process")
+        seconds, failed = json.loads(control_notes(number, job).read_text())
+        job.seconds |= seconds
+        job.failed += failed
+        for name in failed:
+            tell(session, f"fails without a mutant in a child process: {name}")
+        shutil.rmtree(folder_of(number, job), ignore_errors=True)
     job.save()
-    child = in_child(run_control, 0, fresh, job, session)
-    _, code = os.waitpid(child, 0)
-    if code != 0:
-        raise SystemExit(f"mutants: the tests without a mutant end with {code} in a child process")
-    shutil.rmtree(folder_of(0, job), ignore_errors=True)
-    job.load()
-    for name in sorted(set(job.failed) - before):
-        tell(session, f"fails without a mutant in a child process: {name}")
+
+
+def shares(items: Sequence[Item], count: int) -> list[list[Item]]:
+    """Tests of one file stay together: they share fixtures."""
+    files = list(dict.fromkeys(item.location[0] for item in items))
+    return [[item for item in items if files.index(item.location[0]) % count == k] for k in range(count)]
 
 
 def at_present(number: int, job: Schedule) -> Path:
@@ -255,7 +271,7 @@ def note_end(number: int, code: int, seconds: float, passed: Sequence[str], job:
     else:
         job.note_kill(number, last, seconds)
     kept = list(passed) if word == "survives" else []
-    found = {"end": word, "test": last, "seconds": round(seconds, 2), "passed": kept}
+    found = {"end": word, "test": last, "seconds": round(seconds, 2), "passed": kept, "core": job.core}
     path.with_suffix(".new").write_text(json.dumps(found))
     path.with_suffix(".new").replace(path)
     shutil.rmtree(folder_of(number, job), ignore_errors=True)
@@ -271,6 +287,7 @@ def learn(job: Schedule) -> None:
 def run_children(items: Sequence[Item], job: Schedule, session: pytest.Session) -> None:
     running: dict[int, tuple[int, list[str], list[str]]] = {}
     learn(job)
+    job.learn_hints()
     gc.freeze()  # else the first collection of each child copies all memory
 
     def wait_for_one() -> None:
@@ -280,7 +297,7 @@ def run_children(items: Sequence[Item], job: Schedule, session: pytest.Session) 
             seconds = used.ru_utime + used.ru_stime
             note_end(number, code, seconds, [*earlier, *now], job)
 
-    for k, number in enumerate(job.numbers):
+    for k, number in enumerate(job.by_length()):
         passed = read_status(number, job).get("passed", [])
         tests = job.tests_of(number, items, passed)
         if k % TELL_EVERY == 0:

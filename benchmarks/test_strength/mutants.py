@@ -7,8 +7,11 @@ operator, a constant, a sign, a statement left out, a condition negated, two arg
 All mutants are compiled into the FMUs of a copy of the repository at once, each behind a switch (switch.py).
 The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
 as long. equivalent.toml names mutants that no test can notice, and mutants that change only the cost, with
-the reason. What came of each mutant is kept in build/test_strength. `--again` continues a run that was
-interrupted. `--survivors` lets the survivors meet tests that are new or changed. `--report` judges again.
+the reason. Such a mutant meets the most promising tests for some seconds, any other one all tests. What came
+of each mutant is kept in build/test_strength, with the hash of the C sources. `--again` continues a run that
+was interrupted; if the C sources have changed, it runs all mutants of today's. `--survivors` lets the
+survivors meet tests that are new or changed. `--report` judges again. The CSV file is written once all
+mutants have run.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ from benchmarks.test_strength.sites import Site
 
 COUNT, SEED = 400, 1
 LIMIT = 1000.0  # s of tests for one mutant: all tests
+JUDGED_LIMIT = 15.0  # s of tests for one mutant of which a reason tells that no test can notice it
 TARGET = 95.0  # % of the mutants that change a result
 IDENTITY = ("file", "function", "kind", "original", "mutated", "nth")  # of a mutant's place
 EQUIVALENT = Path(__file__).with_name("equivalent.toml")
@@ -40,6 +44,7 @@ ROUNDS = 20  # of drawing again for places where the compiler refuses the mistak
 # Quick tests of the FMUs and of the core: statics, accuracy, ledger, inclusion, states, derivatives, files.
 TESTS = Path(__file__).with_name("tests.txt")
 RUN = tree.TREES / "mutants-run"
+PLACES = tree.TREES / "places.json"
 VERDICTS = ("killed", "equivalent", "cost only", "survives")
 
 Row = dict[str, str]
@@ -58,8 +63,20 @@ def refused_places(message: str, places: Mapping[int, Site]) -> set[Site]:
     return found
 
 
-def prepare(count: int, seed: int) -> tuple[Path, dict[int, Site]]:
-    """The copy of the repository with `count` mutants, built."""
+@dataclass(frozen=True)
+class Copy:
+    """The repository with all mutants. `core`: the hash of the C sources that it was made of."""
+
+    tree: Path
+    places: dict[int, Site]
+    core: str
+
+
+def prepare(count: int, seed: int) -> Copy:
+    """The copy of the repository with `count` mutants, built. What is known of an earlier copy goes away."""
+    PLACES.unlink(missing_ok=True)
+    shutil.rmtree(RUN, ignore_errors=True)
+    core = tree.core_of(ROOT)
     order = choice.ordered(choice.all_sites(ROOT / "fmu_src"), seed)
     refused: set[Site] = set()
     for _ in range(ROUNDS):
@@ -68,7 +85,9 @@ def prepare(count: int, seed: int) -> tuple[Path, dict[int, Site]]:
         switch.write(copy / "fmu_src", places)
         message = tree.build(copy)
         if not message:
-            return copy, places
+            kept = {"core": core, "places": {n: vars(site) for n, site in places.items()}}
+            PLACES.write_text(json.dumps(kept))
+            return Copy(copy, places, core)
         found = refused_places(message, places)
         if not found:
             raise SystemExit(f"mutants: the copy does not build:\n{message[-3000:]}")
@@ -85,6 +104,7 @@ class Options:
     count: int
     seed: int
     limit: float
+    judged_limit: float
     processes: int
     tests: Sequence[str]
     only: Sequence[int]
@@ -104,42 +124,46 @@ def hints_of(places: Mapping[int, Site], output: Path) -> dict[int, str]:
     return {number: known[site.identity] for number, site in places.items() if site.identity in known}
 
 
-def job_of(options: Options, places: Mapping[int, Site], numbers: Sequence[int]) -> dict[str, object]:
+def job_of(options: Options, copy: Copy, numbers: Sequence[int]) -> dict[str, object]:
+    known = judged()
+    verdicts = {number: known.get(site.identity, ("survives", ""))[0] for number, site in copy.places.items()}
     return {
         "numbers": list(numbers),
-        "names": {number: (site.file, site.function) for number, site in places.items()},
-        "hints": hints_of(places, options.output),
+        "names": {number: (site.file, site.function) for number, site in copy.places.items()},
+        "hints": hints_of(copy.places, options.output),
         "reach": str(RUN / "reach.json"),
         "status": str(RUN / "status"),
         "limit": options.limit,
+        "judged": [number for number, verdict in verdicts.items() if verdict != "survives"],
+        "judged_limit": options.judged_limit,
         "processes": options.processes,
+        "core": copy.core,
     }
 
 
-def play(options: Options, copy: Path, places: Mapping[int, Site], numbers: Sequence[int]) -> None:
+def play(options: Options, copy: Copy, numbers: Sequence[int]) -> None:
     """Runs the tests. The end of each mutant stands in a file of its own."""
-    if not (options.again or options.survivors):
-        shutil.rmtree(RUN, ignore_errors=True)
     (RUN / "status").mkdir(parents=True, exist_ok=True)
     job, marks = RUN / "job.json", RUN / "marks"
-    job.write_text(json.dumps(job_of(options, places, numbers)))
-    marks.write_bytes(bytes(max(places) + 1))
+    job.write_text(json.dumps(job_of(options, copy, numbers)))
+    marks.write_bytes(bytes(max(copy.places) + 1))
     extra = {"DUALCAM_MUTANTS_JOB": str(job), switch.ACTIVE: "-1", switch.REACHED: str(marks)}
     plugin = ["-p", "benchmarks.test_strength.fork_server", "--basetemp", str(RUN / "pytest")]
     words = [*plugin, "--tb=native", "-p", "no:faulthandler", *options.tests]
-    code = tree.run_pytest(copy, words, extra)
+    code = tree.run_pytest(copy.tree, words, extra)
     if code != 0:
         raise SystemExit(f"mutants: pytest ended with {code}")
 
 
-def ends(places: Mapping[int, Site]) -> dict[int, tuple[str, str]]:
-    """What came of the tests of each mutant that has been run, and the last test."""
+def ends(copy: Copy) -> dict[int, tuple[str, str]]:
+    """What came of the tests of each mutant that has been run with this core, and the last test."""
     found = {}
-    for number in places:
+    for number in copy.places:
         path = RUN / "status" / str(number)
         if path.exists():
             read = json.loads(path.read_text())
-            found[number] = (read["end"], read["test"])
+            if read["core"] == copy.core:
+                found[number] = (read["end"], read["test"])
     return found
 
 
@@ -195,11 +219,11 @@ def judged() -> dict[tuple[str, ...], tuple[str, str]]:
     return judgements
 
 
-def rows_of(places: Mapping[int, Site], found: Mapping[int, tuple[str, str]]) -> list[Row]:
+def rows_of(copy: Copy, found: Mapping[int, tuple[str, str]]) -> list[Row]:
     known = judged()
     rows = []
     for number, (end, test) in sorted(found.items()):
-        site = places[number]
+        site = copy.places[number]
         verdict, reason = known.get(site.identity, ("survives", ""))
         if end != "survives":
             verdict = "killed"
@@ -211,7 +235,7 @@ def rows_of(places: Mapping[int, Site], found: Mapping[int, tuple[str, str]]) ->
             "nth": str(site.nth),
         }
         outcome = {"verdict": verdict, "by": "" if end == "survives" else end, "test": test, "reason": reason}
-        rows.append({"mutant": str(number), **place, **mistake, **outcome})
+        rows.append({"mutant": str(number), **place, **mistake, **outcome, "core": copy.core})
     return rows
 
 
@@ -242,6 +266,12 @@ def options_of(words: Sequence[str] | None) -> Options:
     parser.add_argument("--count", type=int, default=COUNT, help=f"number of mutants ({COUNT})")
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"s of tests for one mutant ({LIMIT:g})")
+    parser.add_argument(
+        "--judged-limit",
+        type=float,
+        default=JUDGED_LIMIT,
+        help=f"s of tests for a mutant that equivalent.toml judges ({JUDGED_LIMIT:g})",
+    )
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--only", type=int, nargs="+", default=[], help="numbers of mutants")
     parser.add_argument("--again", action="store_true", help="continue the last run")
@@ -251,36 +281,47 @@ def options_of(words: Sequence[str] | None) -> Options:
     return Options(**vars(parser.parse_args(words)))
 
 
-def begin(options: Options) -> tuple[Path, dict[int, Site], list[int]]:
-    """The copy of the repository, its mutants, and the numbers of those to run."""
+def kept_copy() -> Copy:
+    """That of the last run."""
+    if not PLACES.exists():
+        raise SystemExit("mutants: there is no earlier run to go on with: run ./build.sh mutants")
+    kept = json.loads(PLACES.read_text())
+    places = {int(number): Site(**site) for number, site in kept["places"].items()}
+    return Copy(tree.TREES / "mutants", places, kept["core"])
+
+
+def begin(options: Options) -> tuple[Copy, list[int]]:
+    """The copy of the repository with its mutants, and the numbers of those to run."""
     if not (options.again or options.survivors or options.report):
-        copy, places = prepare(options.count, options.seed)
-        (tree.TREES / "places.json").write_text(json.dumps({n: vars(site) for n, site in places.items()}))
-        return copy, places, list(options.only or places)
-    copy = tree.TREES / "mutants"
-    kept = json.loads((tree.TREES / "places.json").read_text())
-    places = {int(number): Site(**site) for number, site in kept.items()}
-    done = ends(places)
+        copy = prepare(options.count, options.seed)
+        return copy, list(options.only or copy.places)
+    copy, core = kept_copy(), tree.core_of(ROOT)
+    if copy.core != core:
+        print(f"The last run is of core {copy.core}, the C sources are core {core}.", flush=True)
+        if options.survivors:
+            raise SystemExit("mutants: ./build.sh mutants runs all mutants of the C sources of today")
+        if options.again:
+            copy = prepare(options.count, options.seed)
+    done = ends(copy)
     if options.survivors:
-        forget(changed_tests(copy))
-        return (
-            copy,
-            places,
-            [n for n in options.only or places if done.get(n, ("survives",))[0] == "survives"],
-        )
-    return copy, places, list(options.only) or [number for number in places if number not in done]
+        forget(changed_tests(copy.tree))
+        wanted = options.only or copy.places
+        return copy, [number for number in wanted if done.get(number, ("survives",))[0] == "survives"]
+    return copy, list(options.only) or [number for number in copy.places if number not in done]
 
 
 def main(words: Sequence[str] | None = None) -> int:
     options = options_of(words)
     console, started = results.new_console(), time.monotonic()
-    copy, places, numbers = begin(options)
+    copy, numbers = begin(options)
     if not options.report:
-        play(options, copy, places, numbers)
-    rows = rows_of(places, ends(places))
-    if not rows:
-        return 0
+        play(options, copy, numbers)
+    rows = rows_of(copy, ends(copy))
     report(rows, time.monotonic() - started, console)
+    left = len(copy.places) - len(rows)
+    if left:
+        results.say(console, f"{left} mutants have not run: nothing is written; --again runs them")
+        return 1
     results.publish(rows, circumstances("mutants"), options.output, console)
     return 0 if share_killed(rows) >= TARGET else 1
 

@@ -51,7 +51,8 @@ of energy and with the law of friction, not with earlier results of the FMU.
 | cost only | the mistake changes iterations or segments, and results only within their tolerance |
 | survives | the mistake can change a result, and no test notices |
 
-Equivalent mutants and those of cost were judged by hand.
+Equivalent mutants and those of cost were judged by hand. Such a mutant meets {judged:g} s of the tests in
+which the mistake makes a difference, the most promising ones first; any other mutant meets all of them.
 """
 
 
@@ -71,7 +72,8 @@ def cell(text: str) -> str:
 
 
 def measured(row: Mapping[str, str]) -> str:
-    return f"Measured on {row['date']}, {row['machine']}, {row['versions']}.\n"
+    core = f"C sources with the hash {row['core']}, " if row.get("core") else ""
+    return f"Measured on {row['date']}, {core}{row['machine']}, {row['versions']}.\n"
 
 
 def mutants_part(rows: Sequence[dict[str, str]]) -> str:
@@ -87,6 +89,7 @@ def mutants_part(rows: Sequence[dict[str, str]]) -> str:
         count=len(rows),
         rooms="of physics and of FMI",
         tests=len(mutants.TESTS.read_text().split()),
+        judged=mutants.JUDGED_LIMIT,
     )
     text += "\n" + table(["kind", "mistake", *mutants.VERDICTS], lines)
     share = mutants.share_killed(rows)

@@ -31,6 +31,9 @@ class Schedule:
     status: Path  # folder: one file for each mutant
     limit: float  # s of tests for one mutant
     processes: int
+    core: str  # hash of the C sources
+    judged: list[int] = field(default_factory=list)  # mutants of which a reason tells what they change
+    judged_limit: float = 0.0  # s of tests for one of them
     seconds: dict[str, float] = field(default_factory=dict)
     reached: dict[str, list[int]] = field(default_factory=dict)  # where the mistake makes a difference
     touched: list[int] = field(default_factory=list)  # places that any test reaches
@@ -51,6 +54,15 @@ class Schedule:
     def places_of(self, number: int) -> dict[str, str]:
         file, function = self.names[number]
         return {"function": f"{file} {function}", "file": file, "room": file.partition("/")[0]}
+
+    def learn_hints(self) -> None:
+        """What kills a mutant may kill another one of the same place."""
+        for number, test in self.hints.items():
+            self.note_kill(number, test, 0.0)
+
+    def by_length(self) -> list[int]:
+        """Mutants that no test has killed before come first: their runs are long, and end beside others."""
+        return sorted(self.numbers, key=lambda number: number in self.hints)
 
     def note_kill(self, number: int, test: str, seconds: float) -> None:
         """A test may take long to fail, where it first asks whether the scene has another answer, too."""
@@ -77,13 +89,22 @@ class Schedule:
             )
             order.append((0.0 if item.nodeid == self.hints.get(number) else -rate, len(order), item))
         order.sort(key=lambda entry: (entry[0] != 0.0, entry[:2]))
-        return self.within_limit([item for *_, item in order])
+        limit = min(self.limit, self.judged_limit) if number in self.judged else self.limit
+        return self.within_limit([item for *_, item in order], limit)
 
-    def within_limit(self, tests: Sequence[Item]) -> list[Item]:
+    def usual_seconds(self, item: Item, first_of_file: bool) -> float:
+        """Without a mutant. The first test of a file also makes the fixtures of the file: another one had
+        made them when the times were noted, within the time of the longest test of the file."""
+        if not first_of_file:
+            return self.seconds[item.nodeid]
+        begin = item.location[0] + "::"
+        return max(seconds for test, seconds in self.seconds.items() if test.startswith(begin))
+
+    def within_limit(self, tests: Sequence[Item], limit: float) -> list[Item]:
         taken: list[Item] = []
         total = 0.0
         for item in tests:
-            total += self.seconds[item.nodeid]
-            if not taken or total <= self.limit:
+            if not taken or total + self.seconds[item.nodeid] <= limit:
+                total += self.seconds[item.nodeid]
                 taken.append(item)
         return taken

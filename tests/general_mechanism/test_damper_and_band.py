@@ -1,6 +1,8 @@
 """Without inertia the damper can hold the pin on flanks on which the spring's load does not press any more
 (docs/mechanism.md, section 6): rest begins where the torque is back inside the stick band."""
 
+import math
+
 import pytest
 from reference import STICK, Interval, simulate
 
@@ -51,3 +53,20 @@ def test_axial_load_changes_its_sign_in_the_step(make, grooves, pieces, directio
     assert (fmu.get("mode"), fmu.get("omega"), fmu.get("events")) == (STICK, 0.0, wanted.events)
     assert fmu.get("theta") == pytest.approx(wanted.theta, rel=1e-8)
     assert fmu.get("energy.work_in") == pytest.approx(wanted.value("energy.work_in"), rel=1e-8)
+
+
+@pytest.mark.parametrize("F_ext, rests", [(-1000.0, True), (-200.0, False)])
+def test_axial_load_jumps_over_the_band(make, F_ext, rests):
+    """Between two steps F_ext turns the axial load around. The mirrored band reaches up to
+    |F_0| r tan(atan(mu) - lambda)/2: beyond tau at the larger load, below tau at the smaller one."""
+    parameters = LOCKING | GROOVES["nonlinear spring"] | {"tau": 0.2, "F_ext": 20.0}
+    fmu = make().start(parameters)
+    for _ in range(3):
+        fmu.step(0.001)
+    theta, load = fmu.get("theta"), abs(F_ext + 1.0 + 10.0 * fmu.get("z"))
+    assert fmu.get("omega") > 0.0
+    assert (0.5 * load * 0.02 * math.tan(math.atan(0.2) - 0.1) > 0.2) == rests
+    fmu.set({"F_ext": F_ext})
+    fmu.step(0.001)
+    assert (fmu.get("theta") == theta) == (fmu.get("omega") == 0.0) == rests
+    assert (fmu.get("mode") == STICK) == rests
