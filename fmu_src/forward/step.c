@@ -122,6 +122,14 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
     return closed_form_slip_propose(m, left, segment);
 }
 
+/* Under friction that depends on the load a pair of flanks can lose its motion while the mechanism moves: two answers of
+ * the balance meet, and no step, however short, goes on. Where another pair agrees, the motion goes on along that pair
+ * with the same speed; rigid contacts stop a motion only where no pair is possible. */
+static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
+    const bool lost = segment->kind == SEGMENT_JAM && m->model.friction_is_loaded && is_slip(m->state.mode);
+    return lost && leave_lost_flanks(m);
+}
+
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
 static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
@@ -184,6 +192,8 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
             if (is_over(m, run)) return OUTCOME_DONE;
             if (!propose_segment(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
         }
+        if (goes_beyond_loss(m, &segment) && !propose_segment(m, run->left, &location, &segment))
+            return OUTCOME_NOT_FINITE;
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
 }
