@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from benchmarks.stress import forces, judges
-from benchmarks.stress.drive import prepare
+from benchmarks.stress.drive import drive, equal_cuts, prepare
 from benchmarks.stress.families import FAMILIES, RANDOM
-from benchmarks.stress.judges import judge
-from benchmarks.stress.laws import random_law
+from benchmarks.stress.judges import judge, largest_error, sizes_of
+from benchmarks.stress.laws import random_law, random_load
 from benchmarks.stress.mechanisms import Tables
 
 SHARE = {"tolerances": 60, "lead": 40, "friction": 40, "dwell": 60}
@@ -49,6 +49,28 @@ def test_a_change_of_flanks_does_not_depend_on_cuts(number, libraries, tmp_path)
     too, and is less than its rounding."""
     verdict = judge(random_law(Tables(tmp_path), number), libraries)
     assert verdict.judged and not verdict.problems
+
+
+LOADED = {
+    "a short time in the stick band": (248, 2, -0.053684250),
+    "a motion after contacts have wedged": (248, 4, -0.4130318134213241),
+    "a pair of flanks that loses its motion": (338, 2, 1.0430582216990865),
+}
+
+
+@pytest.mark.parametrize("name", LOADED)
+def test_motion_under_load_laws_does_not_depend_on_cuts(name, libraries, tmp_path):
+    """One interval of a scene, which begins at rest, in one step and in ten."""
+    number, interval, theta = LOADED[name]
+    scene = random_load(Tables(tmp_path), number)
+    start = {"initial.theta": theta, "initial.omega": 0.0}
+    scene = replace(scene, params=scene.params | start, intervals=[scene.intervals[interval]])
+    whole, cut = (drive(libraries[False], scene, equal_cuts(n)) for n in (1, 10))
+    size = sizes_of(whole.largest, whole.turnover)
+    for trace in (whole, cut):
+        assert not trace.refusal and not trace.problems
+        assert largest_error(scene, trace.read, whole.read, size)[0] <= 1e-7
+        assert trace.read[-1]["events"] == whole.read[-1]["events"]
 
 
 def test_changed_data_stay_within_their_limits():

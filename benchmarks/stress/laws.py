@@ -126,10 +126,14 @@ def with_load(rng: np.random.Generator, scene: Scene, tables: Tables) -> Scene:
     return replace(scene, params=scene.params | drawn)
 
 
+def random_load(tables: Tables, number: int, seed: int = 0) -> Scene:
+    """One scene of fuzz_loads()."""
+    rng = np.random.default_rng([79, seed, number])
+    return replace(with_load(rng, with_law(rng, draw(rng, tables)), tables), label=f"load law {number}")
+
+
 def fuzz_loads(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
     """Everything at random, and friction laws over speed and load."""
     row = f"everything, friction laws and load laws at random ({count} scenes of 0.1 to 1 s)"
     for number in range(count):
-        rng = np.random.default_rng([79, seed, number])
-        scene = with_load(rng, with_law(rng, draw(rng, tables)), tables)
-        yield replace(scene, row=row, label=f"load law {number}")
+        yield replace(random_load(tables, number, seed), row=row)

@@ -8,6 +8,7 @@
 #include "collocation/step_energy.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- error ---- */
 
@@ -114,6 +115,27 @@ static EnergyBalance energy_balance_of(const SlipMode *slip, const RadauStep *st
     return step_energy_balance(slip, &step->booking, &ends);
 }
 
+/* Where friction depends on the load: the error of the heat at each contact, relative to `size`, J. The energy balance
+ * sees only the sum of both heats, and where the inertia rules the motion, the defect of the speed sees neither. Near
+ * load zero the power R^(1 + nu) is not smooth, and one contact's heat would be booked at the other. Where the speed is
+ * no more than the effect of the rounding of the forces, its share of rounding is that of the power, too. */
+COMPACT static double heat_error(const SlipMode *slip, const RadauStep *step, double size) {
+    const Radau *r = step->method;
+    const RightHandSide *rhs = &step->start.rhs;
+    const double noise = RADAU_FORCE_ROUNDING * max_of(rhs->size, fabs(rhs->value)); /* of y */
+    const double speed = max_of(fabs(step->start.omega), fabs(radau_step_end(step)->omega));
+    const Booking start = balance_power(slip, &step->start);
+    double defect[2] = {-start.heat_cam[0], -start.heat_cam[1]};
+    for (int j = 0; j < r->stages; j++) {
+        const Booking power = balance_power(slip, &step->node[j]);
+        for (int i = 0; i < 2; i++) defect[i] += r->at_start[j] * power.heat_cam[i];
+    }
+    const double inside = step->h * max_of(fabs(defect[0]), fabs(defect[1])) * r->defect_once / size;
+    if (inside * speed <= (slip->regime == REGIME_INERTIAL ? step->h * noise : noise)) return 0.0;
+    const double error = inside < 1.0 ? error_at_end(inside, r->stages) : inside;
+    return RADAU_LOADED_STRICT * RADAU_ERROR_SAFETY * error / slip->params->tolerance;
+}
+
 /* ---- the step ---- */
 
 /* Error: the speeds at the nodes must add up to the distance. The integrals of work and heat miss the same amount. */
@@ -155,6 +177,7 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     const EnergyBalance energy = energy_balance_of(slip, step);
     step->energy_gained = energy.gained;
     step->energy_error = energy.error;
+    if (slip->friction_is_loaded) step->error = max_of(step->error, heat_error(slip, step, energy.passed));
     return true;
 }
 

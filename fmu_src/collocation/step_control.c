@@ -72,10 +72,11 @@ static double resolved_share(const SlipMode *slip, const RadauStep *step) {
  * better: a residual that a trial has not halved is accepted. */
 bool step_control_solve(const SlipMode *slip, const Balance *start, double longest, const StepProposal *first,
                         RadauStep *step) {
-    double h = longest, energy_before = INFINITY;
+    double h = longest, energy_before = INFINITY, error_before = INFINITY;
     const bool has_samples =
         slip->friction_varies && (slip->friction_is_loaded || slip->law[0].fall.table || slip->law[1].fall.table);
     bool at_sample = false;
+    int level = 0; /* trials in a row whose error a shorter step has not changed: the error is rounding */
     int stages = first_stages(slip, start, h, first);
     for (int n = 0; n < STEP_TRIALS && !work_is_spent(slip->work); n++) {
         if (!radau_step_solve(slip, start, h, stages, step)) {
@@ -93,6 +94,9 @@ bool step_control_solve(const SlipMode *slip, const Balance *start, double longe
         const bool stalled = step->energy_error > 0.5 * energy_before;
         step->at_sample = at_sample;
         if (step->error <= 1.0 && (step->energy_error <= 1.0 || stalled)) return true;
+        level = fabs(step->error - error_before) <= STEP_LEVEL * error_before ? level + 1 : 0;
+        if (slip->friction_is_loaded && level >= STEP_LEVEL_TRIALS) return false;
+        error_before = step->error;
         energy_before = step->error <= 1.0 ? step->energy_error : INFINITY;
         if (stages < RADAU_MAX) {
             stages += 2;

@@ -19,5 +19,9 @@ EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *b, const 
     const double rounding =
         STEP_ENERGY_ROUNDING * (passed + at_rest + e->kinetic[0] + e->kinetic[1]) + e->angle_noise * fabs(e->tau);
     const double allowed = STEP_ENERGY_SHARE * p->tolerance * (passed + e->kinetic[1]) + DBL_MIN;
-    return (EnergyBalance){.gained = gained, .error = max_of(fabs(gained) - rounding, 0.0) / allowed};
+    return (EnergyBalance){
+        .gained = gained,
+        .error = max_of(fabs(gained) - rounding, 0.0) / allowed,
+        .passed = passed + e->kinetic[1] + DBL_MIN,
+    };
 }

@@ -5,20 +5,25 @@
 
 #include "contact/loaded_contacts.h"
 #include "elementary/elementary.h"
+#include "numerics/golden_section.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
 /* ---- what may end the segment ---- */
 
-/* Torque beyond the edge of the stick band, N.m. */
-NOINLINE static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
+/* Torque beyond the edge of the stick band, N.m, with the slopes a_i, m/rad, and the axial load F_0, N. */
+NOINLINE static double torque_beyond(const SlipMode *slip, const double slope[2], double force, double tau) {
+    const Geometry g = cam_geometry(slip->params->cam, slope);
+    const BandFactors band = contact_band_under(slip->params, &g, fabs(force), slip->work);
+    const bool loads = (slip->direction > 0) == (force >= 0.0);
+    return slip->direction * (tau - (loads ? band.load : band.release) * force);
+}
+
+static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
     const CamParams *cam = slip->params->cam;
     double slope[2];
     for (int i = 0; i < 2; i++) slope[i] = sqrt(max_of(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
-    const Geometry g = cam_geometry(cam, slope);
-    const BandFactors band = contact_band_under(slip->params, &g, fabs(b->force), slip->work);
-    const bool loads = (slip->direction > 0) == (b->force >= 0.0);
-    return slip->direction * (b->tau - (loads ? band.load : band.release) * b->force);
+    return torque_beyond(slip, slope, b->force, b->tau);
 }
 
 /* True if the damper's load is on the flanks that the spring presses on. */
@@ -170,6 +175,50 @@ COMPACT static bool reaches_band_edge(const SegmentLimits *limits, const RadauSt
     return reaches;
 }
 
+/* Where friction depends on the load, the edge of the stick band jumps where another pair of flanks begins to carry the
+ * load, and bends where F_0 is zero: no polynomial through the nodes shows it. */
+typedef struct {
+    const SlipMode *slip;
+    const RadauStep *step;
+    Bernstein angle; /* rad, since the start, over the share of the step */
+} LoadedEdge;
+
+/* N.m, by which the torque lies inside the band at the share x of the step. */
+COMPACT static double inside_loaded_band(const void *context, double x) {
+    const LoadedEdge *edge = context;
+    const SlipMode *slip = edge->slip;
+    SlipCoefficients storage;
+    double z;
+    const double theta = edge->step->start.theta + bernstein_value(&edge->angle, x);
+    const SlipCoefficients *k = slip_coefficients_at(slip, theta, 0.0, &storage, &z);
+    const InputValues in = slip_inputs_at(slip, x * edge->step->h);
+    const double slope[2] = {k->slope[0].value, k->slope[1].value};
+    return -torque_beyond(slip, slope, spring_force(&slip->params->spring, z) + in.F_ext, in.tau);
+}
+
+/* The first place of the step, as a share of it, at which the torque is found inside the band, by samples; where a sample
+ * exceeds its neighbours, the largest value in between counts too. */
+COLD static double loaded_edge_crossing(const SlipMode *slip, const RadauStep *step) {
+    double angle[RADAU_MAX + 1] = {0.0}, x[3] = {0.0, 0.0, 0.0}, f[3] = {-INFINITY, -INFINITY, 0.0};
+    for (int j = 0; j < step->method->stages; j++) angle[j + 1] = step->node_dtheta[j];
+    const LoadedEdge edge = {slip, step, radau_polynomial(step->method, angle)};
+    f[2] = min_of(-torque_beyond_edge(slip, &step->start), 0.0);
+    for (int k = 1; k <= LOADED_EDGE_SAMPLES; k++) {
+        for (int j = 0; j < 2; j++) { /* the latest three samples */
+            x[j] = x[j + 1];
+            f[j] = f[j + 1];
+        }
+        x[2] = k / (double)LOADED_EDGE_SAMPLES;
+        f[2] = inside_loaded_band(&edge, x[2]);
+        if (f[2] > 0.0) return x[2];
+        if (!(f[1] < 0.0 && f[1] > f[0] && f[1] > f[2])) continue;
+        const GoldenSectionMaximum top =
+            golden_section_maximum(inside_loaded_band, &edge, x[0], x[2], LOADED_REST_GOLDEN_STEPS);
+        if (top.value > 0.0) return top.x;
+    }
+    return INFINITY;
+}
+
 /* Delta passes zero where the axial load does, with finite reactions; or the step has stepped over the infinite
  * reactions of a jam, which stop the motion. */
 static double jam_crossing(const SegmentLimits *limits, const RadauStep *step) {
@@ -177,6 +226,11 @@ static double jam_crossing(const SegmentLimits *limits, const RadauStep *step) {
     if (!(x < INFINITY)) return x;
     const double before = axial_load(limits->slip, &step->start);
     return before * axial_load(limits->slip, radau_step_end(step)) < 0.0 ? x : CROSSING_UNRESOLVED;
+}
+
+static double band_edge_crossing(const SegmentLimits *limits, const RadauStep *step) {
+    return limits->slip->friction_is_loaded ? loaded_edge_crossing(limits->slip, step)
+                                            : crossing_of(limits, STEP_BAND_EDGE, step);
 }
 
 typedef struct {
@@ -203,7 +257,7 @@ double step_indicator_first_crossing(const SegmentLimits *limits, const RadauSte
         keep_earlier(crossing_of(limits, k, step), k, &first);
     }
     if (reaches_band_edge(limits, step) && counts(STEP_BAND_EDGE, ignored))
-        keep_earlier(crossing_of(limits, STEP_BAND_EDGE, step), STEP_BAND_EDGE, &first);
+        keep_earlier(band_edge_crossing(limits, step), STEP_BAND_EDGE, &first);
     if (limits->has_jam && counts(STEP_JAM, ignored)) keep_earlier(jam_crossing(limits, step), STEP_JAM, &first);
     for (StepIndicator k = STEP_FLANK_1; limits->has_friction && k <= STEP_FLANK_2; k++)
         if (counts(k, ignored)) keep_earlier(crossing_of(limits, k, step), k, &first);

@@ -201,6 +201,22 @@ int slip_mode_of_moving(Mechanism *m, int direction) {
     return index;
 }
 
+bool leave_lost_flanks(Mechanism *m) {
+    const int present = present_slip_index(m), direction = slip_direction(present), sign = load_sign(m, direction);
+    const bool at_rest = !has_inertia(&m->params) || m->state.omega.hi == 0.0;
+    for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
+        int flank[2];
+        flank_pair(k, sign, flank);
+        const int index = slip_index(direction, flank);
+        if (index == present) continue;
+        const Candidate candidate = candidate_of(m, index);
+        if (!candidate.stable || !agrees(m, index, &candidate, at_rest)) continue;
+        slip_flanks(index, m->state.flank);
+        return true;
+    }
+    return false;
+}
+
 void let_go(Mechanism *m, int direction) {
     for (int sign = 1; sign >= -1; sign -= 2) {
         const int flank[2] = {sign, sign}, index = slip_index(direction, flank);

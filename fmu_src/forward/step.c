@@ -34,6 +34,8 @@ typedef struct {
     bool decided;          /* the mode has been decided in this step */
     bool rests_on;         /* the latest segment is rest under constant inputs: no decision is due */
     bool goes_on;          /* the latest segment is a collocation step without event: its mode probably lasts */
+    bool jammed_at_rest;   /* the latest segment is a jam that has taken neither speed nor time */
+    bool jams_on;          /* the latest two are: each decision finds the same again */
     LobattoHint hint;      /* for the next segment */
     int segments, jams;    /* so far; Lobatto steps and segments that only end at a breakpoint do not count */
     Work work;             /* so far; all segments and all searches count */
@@ -60,7 +62,7 @@ static int most_segments(const Mechanism *m) {
 
 /* Bounds the work of a step, and finds a step in which time does not advance. */
 static Outcome check_limits(const Mechanism *m, StepRun *run) {
-    if (run->jams >= MAX_JAMS_PER_STEP) return OUTCOME_TOO_MANY_JAMS;
+    if (run->jams >= MAX_JAMS_PER_STEP || run->jams_on) return OUTCOME_TOO_MANY_JAMS;
     if (run->segments >= most_segments(m)) return OUTCOME_TOO_MANY_SEGMENTS;
     if (work_is_spent(&run->work)) return OUTCOME_TOO_MUCH_WORK;
     if (run->segments < run->next_check) return OUTCOME_GOES_ON;
@@ -120,11 +122,20 @@ static bool propose_segment(Mechanism *m, double left, EventLocation *location, 
     return closed_form_slip_propose(m, left, segment);
 }
 
+/* Under friction that depends on the load a pair of flanks can lose its motion while the mechanism moves: two answers of
+ * the balance meet, and no step, however short, goes on. Where another pair agrees, the motion goes on along that pair
+ * with the same speed; rigid contacts stop a motion only where no pair is possible. */
+static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
+    const bool lost = segment->kind == SEGMENT_JAM && m->model.friction_is_loaded && is_slip(m->state.mode);
+    return lost && leave_lost_flanks(m);
+}
+
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
 static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
     SegmentPast past;
     past.mode = m->state.mode;
+    const double omega = m->state.omega.hi;
     if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
     past.omega = m->state.omega.hi;
@@ -139,6 +150,12 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     run->segments += counts;
     work_add(&run->work, WORK_OF_SEGMENT);
     run->jams += segment->kind == SEGMENT_JAM;
+    const bool at_rest = segment->kind == SEGMENT_JAM && segment->duration == 0.0 && omega == 0.0;
+    run->jams_on = run->jammed_at_rest && at_rest;
+    run->jammed_at_rest = at_rest;
+    /* The length of a step that ran into a jam says nothing about the motion that begins after the rest. */
+    if (m->model.friction_is_loaded && (segment->kind == SEGMENT_JAM || segment->kind == SEGMENT_REST))
+        m->cache.proposal = (StepProposal){INFINITY, 0};
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
 }
 
@@ -175,6 +192,8 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
             if (is_over(m, run)) return OUTCOME_DONE;
             if (!propose_segment(m, run->left, &location, &segment)) return OUTCOME_NOT_FINITE;
         }
+        if (goes_beyond_loss(m, &segment) && !propose_segment(m, run->left, &location, &segment))
+            return OUTCOME_NOT_FINITE;
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
 }

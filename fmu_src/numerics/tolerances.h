@@ -144,8 +144,9 @@ static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBE
  * less of the next is made, at least LOADED_LEAST_SHARE. LOADED_SEARCH_RANGE, _FACTOR, _SAMPLES: from the load without
  * friction down and up, in factors. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
  * change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE: share of a_i in n_i that passes on no torque;
- * LOADED_REST_SAMPLES: of the band's edge while F_ext varies. */
+ * LOADED_REST_SAMPLES: of the band's edge while F_ext varies; LOADED_EDGE_SAMPLES: in a step. */
 enum { LOADED_ITERATIONS = 25, LOADED_REST_SAMPLES = 32, LOADED_REST_GOLDEN_STEPS = 20, LOADED_SEARCH_SAMPLES = 59 };
+enum { LOADED_EDGE_SAMPLES = 16 };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
                     LOADED_SHARE_GAINED = 0.25, LOADED_LEAST_SHARE = 0.02, LOADED_SEARCH_RANGE = 1e6,
                     LOADED_SEARCH_FACTOR = 1.6, LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6,
@@ -279,7 +280,9 @@ static const double STEP_MOST_GROWTH = 4.0, STEP_UNSOLVED_SHORTENING = 0.25;
 /* Share of the proposed length above which a step takes over the proposed number of stages. */
 static const double STEP_SIMILAR = 0.5;
 
-enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8 }; /* of one step; to end the step at a sample of friction */
+/* Of one step; to end the step at a sample of friction; whose errors differ by the share STEP_LEVEL: rounding. */
+enum { STEP_TRIALS = 60, STEP_SAMPLE_TRIALS = 8, STEP_LEVEL_TRIALS = 10 };
+static const double STEP_LEVEL = 0.01;
 
 /* Event location */
 /* Share of the step before which a crossing of an indicator that starts from zero is rounding: the mode decision has
