@@ -391,6 +391,10 @@ static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3;
  * effect of this rounding counts as zero. */
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
 
+/* Two reactions vanish at the same instant if the one falls to zero within this many times the time in which the other
+ * counts as zero. */
+static const double VANISH_TOGETHER = 2.0;
+
 /* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
  * rounding. */
 static const double BREAKAWAY_ROUNDING = 64.0 * DBL_EPSILON;
