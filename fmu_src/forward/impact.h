@@ -19,8 +19,9 @@ bool is_jammed(const Mechanism *m);
 /* Does the motion along `slip` run into a jam now, to the rounding of theta? Reactions and acceleration have the factor
  * D = J Delta + P m z' + Q I gamma' of the equation of motion (slip_mode.h) in their denominator. Where D falls to zero
  * while the mechanism moves, the reactions grow without bound and stop the mechanism at once: the impact without
- * collision of Painleve's paradox (F. Genot, B. Brogliato, New results on Painleve paradoxes, European Journal of
- * Mechanics A 18, 1999). Other flanks may agree there, too, but the impact comes first. */
+ * collision of Painleve's paradox (A. R. Champneys, P. L. Varkonyi, The Painleve paradox in contact mechanics, IMA
+ * Journal of Applied Mathematics 81, 2016). Other flanks may agree there, too, but the impact comes first. Not found
+ * where friction depends on the load. */
 bool runs_into_jam(const Mechanism *m, const SlipMode *slip, const Balance *now);
 
 /* Proposes a jam: no pair of flanks agrees with the motion, and the contacts stop it at once. The kinetic energy
