@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.stress import forces, judges
+from benchmarks.stress.at_random import random_scene
 from benchmarks.stress.drive import drive, equal_cuts, prepare
 from benchmarks.stress.families import FAMILIES, RANDOM
 from benchmarks.stress.judges import judge, largest_error, sizes_of
@@ -41,13 +42,15 @@ def test_some_at_random(name, seed, libraries, tmp_path):
     assert not wrong(RANDOM[name](Tables(tmp_path), 60, seed), libraries)
 
 
-@pytest.mark.parametrize("number", [722, 1180, 2346, 2378])
-def test_a_change_of_flanks_does_not_depend_on_cuts(number, libraries, tmp_path):
+@pytest.mark.parametrize(
+    ("make", "number"), [(random_scene, 314), *((random_law, n) for n in (722, 1180, 2346, 2378, 2718))]
+)
+def test_a_change_of_flanks_does_not_depend_on_cuts(make, number, libraries, tmp_path):
     """1180: the load comes back above the speed of a jam, again and again, and no flanks agree: rounding must
     not choose flanks that press against each other. 2346: after the change the motion leaves an unstable
     balance. 2378: a reaction passes zero where two pairs of flanks agree. 722: the other reaction passes zero
-    too, and is less than its rounding."""
-    verdict = judge(random_law(Tables(tmp_path), number), libraries)
+    too, and is less than its rounding. 314, 2718: tests/test_jams_in_motion.py."""
+    verdict = judge(make(Tables(tmp_path), number), libraries)
     assert verdict.judged and not verdict.problems
 
 

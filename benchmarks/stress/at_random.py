@@ -125,8 +125,12 @@ def draw(rng: np.random.Generator, tables: Tables) -> Scene:
     return Scene("", {n: reference.plain(v) for n, v in p.items()}, intervals, "cuts", "", tolerance)
 
 
+def random_scene(tables: Tables, number: int, seed: int = 0) -> Scene:
+    """One scene of fuzz()."""
+    return replace(draw(np.random.default_rng([77, seed, number]), tables), label=f"fuzz {number}")
+
+
 def fuzz(tables: Tables, count: int, seed: int = 0) -> Iterator[Scene]:
     row = f"everything at random ({count} scenes of 0.1 to 1 s)"
     for number in range(count):
-        scene = draw(np.random.default_rng([77, seed, number]), tables)
-        yield replace(scene, row=row, label=f"fuzz {number}")
+        yield replace(random_scene(tables, number, seed), row=row)

@@ -107,6 +107,10 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
         segment->end = EVENT_STOP;
         return true;
     }
+    if (runs_into_jam(m, slip, start)) {
+        jam_propose(m, segment);
+        return true;
+    }
     const bool found = event_location_find(slip, start, &stop, left, &m->cache.proposal, location);
     if (slip->regime == REGIME_RATE_INDEPENDENT && (!found || jump_is_at_fold(slip, location, left))) {
         const JumpProposal jump = jump_past_fold(m, slip, start, left, segment);

@@ -55,15 +55,32 @@ static int load_sign(const Mechanism *m, int direction) {
 }
 
 /* Just before a change of flanks a reaction still has the sign of its flank, but counts as zero and falls. The location
- * of this event lies ahead. True if both reactions exceed `share` of their rounding. */
-static bool is_before_change(int index, const Candidate *candidate, double share) {
+ * of this event lies ahead. True if both reactions exceed their rounding. */
+static bool is_before_change(int index, const Candidate *candidate) {
     int flank[2];
     slip_flanks(index, flank);
     if (!candidate->possible || !follows_edge(candidate, slip_direction(index))) return false;
     bool before = true;
     for (int i = 0; i < 2; i++)
-        before &= flank[i] * candidate->contact[i].value > share * REACTION_ZERO_SHARE * candidate->rounding[i];
+        before &= flank[i] * candidate->contact[i].value > REACTION_ZERO_SHARE * candidate->rounding[i];
     return before;
+}
+
+/* Both reactions can vanish at the same instant, as where one axial load makes both. Just before, the one can count as
+ * zero while the other is still on its flank. The location of the event of this other one lies ahead. True if this other
+ * one falls to zero within the time in which the first one counts as zero. */
+static bool vanish_together(int index, const Candidate *candidate) {
+    int flank[2];
+    slip_flanks(index, flank);
+    if (!candidate->possible || !follows_edge(candidate, slip_direction(index))) return false;
+    for (int i = 0; i < 2; i++) {
+        const ContactLoad *zero = &candidate->contact[i], *other = &candidate->contact[1 - i];
+        const double rounding = REACTION_ZERO_SHARE * candidate->size[i].value, fall = -flank[1 - i] * other->rate;
+        const double left = flank[1 - i] * other->value;
+        if (!(fabs(zero->value) <= rounding && left > REACTION_ZERO_SHARE * candidate->size[1 - i].value)) continue;
+        if (left * fabs(zero->rate) <= VANISH_TOGETHER * rounding * fall) return true;
+    }
+    return false;
 }
 
 /* Do the reactions leave the range of numbers? Then no comparison with them means anything. */
@@ -94,7 +111,7 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         flank_pair(k, sign, flank);
         const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
-        if (from == FROM_MOTION && before < 0 && is_before_change(index, &candidate, 0.0)) before = index;
+        if (from == FROM_MOTION && before < 0 && vanish_together(index, &candidate)) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
         if (candidate.stable) return index;
@@ -155,7 +172,7 @@ static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int present = slip_index(direction, m->state.flank);
     const Candidate candidate = candidate_building(m, present, built);
     const bool stays = m->state.mode == mode;
-    if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate, 1.0)))
+    if (stays && (agrees(m, present, &candidate, false) || is_before_change(present, &candidate)))
         return (Decision){.mode = mode, .slip_index = present};
     const int across = stays ? slip_across_zero(m, present, &candidate) : -1;
     if (across >= 0) {
@@ -163,7 +180,7 @@ static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
         if (agrees(m, across, &next, false)) return (Decision){.mode = mode, .slip_index = across};
     }
     int index = find_slip_mode(m, direction, stays ? FROM_FLANKS : FROM_MOTION, built);
-    if (index < 0 && stays && is_before_change(present, &candidate, 0.0)) index = present;
+    if (index < 0 && stays && vanish_together(present, &candidate)) index = present;
     return (Decision){.mode = index < 0 ? MODE_WEDGED : mode, .slip_index = index};
 }
 

@@ -1,6 +1,7 @@
 #include "forward/impact.h"
 
 #include <float.h>
+#include <math.h>
 
 #include "forward/decide.h"
 #include "numerics/tolerances.h"
@@ -44,6 +45,36 @@ void handle_event(Mechanism *m, int direction, EventKind end) {
 
 bool is_jammed(const Mechanism *m) {
     return has_inertia(&m->params) && m->state.omega.hi != 0.0 && !is_slip(m->state.mode);
+}
+
+/* dD/dt along the motion; D: the factor of alpha in the equation of motion. */
+static double inertia_rate(const SlipMode *slip, const Balance *now, double *inertia) {
+    SlipCoefficients storage;
+    double z;
+    const SlipCoefficients *k = slip_coefficients_at(slip, now->theta, now->omega, &storage, &z);
+    const Dual d = slip_inertia(slip, k);
+    const double rate = d.slope * now->omega;
+    *inertia = d.value;
+    if (!slip->friction_varies) return rate;
+    const InertiaParams *in = &slip->params->inertia;
+    const ContactFactors *by_omega = &k->dfactors_domega;
+    const double dp_domega = by_omega->rn[0] * k->factors.rn[1].value + k->factors.rn[0].value * by_omega->rn[1];
+    return rate + now->alpha * (in->shaft * by_omega->delta + dp_domega * in->follower_mass * k->dz_dtheta.value +
+                                by_omega->q * in->follower * k->dpsi_dtheta[0].value);
+}
+
+/* The time to the zero of D is |D/(dD/dt)| to first order. In this time theta changes by less than its rounding, and the
+ * speed by more than its rounding, since alpha grows without bound, but not to rest. Where D reaches zero with finite
+ * reactions the speed does not change: the loads vanish there. */
+COMPACT bool runs_into_jam(const Mechanism *m, const SlipMode *slip, const Balance *now) {
+    if (slip->regime != REGIME_INERTIAL || slip->friction_is_loaded || !has_friction(&m->params)) return false;
+    const double angle = JAM_ANGLE * largest_angle(&m->params), speed = slip->direction * now->omega;
+    const double braking = -slip->direction * now->alpha;
+    if (!(speed > 0.0 && braking * angle > JAM_SPEED * speed * speed)) return false;
+    double inertia;
+    const double rate = inertia_rate(slip, now, &inertia);
+    const double left = inertia * rate < 0.0 ? fabs(inertia / rate) : INFINITY; /* s */
+    return speed * left <= angle && braking * left > JAM_SPEED * speed && braking * left < speed;
 }
 
 COMPACT void jam_propose(const Mechanism *m, Segment *segment) {

@@ -362,13 +362,11 @@ enum { VARIATION_TRIALS = 300 }; /* parts tried in one step */
 
 /* Torque and load at rest are known to a few roundings, in curved grooves to the digits of the transmission. A
  * difference below this share of their size counts as zero: a tie is rest. */
-static const double STICK_TIE_STRAIGHT = 8.0 * DBL_EPSILON;
-static const double STICK_TIE_CURVED = 2e-12;
+static const double STICK_TIE_STRAIGHT = 8.0 * DBL_EPSILON, STICK_TIE_CURVED = 2e-12;
 
 /* The rounding of the transmission's polynomials is of the largest z and of the largest slope between the stops. These
  * shares of them count among the terms of F_0 and of a torque. */
-static const double STICK_HEIGHT_SHARE = 0.1;
-static const double STICK_SLOPE_SHARE = 0.01;
+static const double STICK_HEIGHT_SHARE = 0.1, STICK_SLOPE_SHARE = 0.01;
 
 /* What is left of a rate of torque and the rate of the band's edge that cancel: below this share of both it is zero.
  * Helices with linear forces know both rates exactly. */
@@ -393,6 +391,10 @@ static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3;
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
  * effect of this rounding counts as zero. */
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
+
+/* Two reactions vanish together if the one falls to zero within this many times the time in which the other counts as
+ * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. */
+static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12;
 
 /* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
  * rounding. */

@@ -1,0 +1,173 @@
+"""Motions that the contacts stop at once, however the time is cut into steps (docs/limits.md, Painlevé).
+
+Oracles: a closed form up to the instant at which no flanks agree; and the equation of motion of section 6 up
+to the pole of its reactions, by DOP853.
+"""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from driver import OK, models
+from reference.grooves import Ellipse
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+FORWARD = models["DualCamForward"]
+
+
+def step(fmu, begin, end):
+    assert fmu.call("fmi2DoStep", begin, end - begin, 1) == OK, fmu.messages[-1].text
+    fmu.time = end
+
+
+def factors(r, a, f):
+    """P, Q and Delta of section 6 with the signed friction coefficients f."""
+    rn, d = [r[i] * (a[i] + f[i] * r[i]) for i in (0, 1)], [r[i] - f[i] * a[i] for i in (0, 1)]
+    return rn[0] * rn[1], d[0] * rn[1], d[0] * rn[1] + rn[0] * d[1]
+
+
+class Braked:
+    """A shaft without inertia and a heavy follower in helices. A torque releases. The axial force F on the
+    follower is a parabola, positive for less than a time constant. The torque at the pin, T = tau - b omega,
+    obeys dT/dt = c (rho F - T) with c = b/(rho m z'). Where T is zero the shaft begins to brake the follower.
+    Contact 1 is locked, so no pair of flanks can do that: the follower stops. It starts again at once."""
+
+    r, slope, mu = 0.03, (0.3, 0.8), (0.5, 0.1)
+    mass, damping, tau, force, begin = 0.5, 0.02, -1.0, 5.0, 1.0
+
+    def __init__(self):
+        a = [self.r * s for s in self.slope]
+        p, _, delta = factors((self.r, self.r), a, self.mu)
+        self.rho, self.lift = p / delta, a[0] * a[1] / (a[0] + a[1])
+        self.rate = self.damping / (self.rho * self.mass * self.lift)
+        half = 1.005 / self.rate  # s, of the time in which F > 0
+        time = np.polynomial.Polynomial([-2.0 * half, 1.0])
+        self.load = self.force * (1.0 - time**2 / half**2)
+        self.torque = self.rho * (
+            self.load - self.load.deriv() / self.rate + self.load.deriv(2) / self.rate**2
+        )
+        self.jam = self.torque.roots()[0]  # s
+        self.end = self.jam + 3.0 / self.rate
+
+    def parameters(self):
+        cams = {f"cam{i}.lead_angle": math.atan(s) for i, s in enumerate(self.slope, 1)}
+        cams |= {f"cam{i}.radius": self.r for i in (1, 2)}
+        cams |= {f"cam{i}.friction": mu for i, mu in enumerate(self.mu, 1)}
+        return cams | {
+            "spring.preload": 0.0,
+            "spring.stiffness": 0.0,
+            "shaft.damping": self.damping,
+            "inertia.shaft": 0.0,
+            "inertia.follower_mass": self.mass,
+            "initial.theta": self.begin,
+            "initial.omega": (self.tau - self.torque(0.0)) / self.damping,
+            "tau": self.tau,
+            "F_ext": self.load(0.0),
+        }
+
+    def at_end(self):
+        """Angle, speed, and the heat of the contacts and of the shaft. After the jam T = tau exp(-c t) + the
+        polynomial."""
+        c, left, tau, b = self.rate, self.end - self.jam, self.tau, self.damping
+        decay = math.exp(-c * left)
+        travel = (tau * self.end - self.torque.integ()(self.end) - tau * (1.0 - decay) / c) / b
+        return self.begin + travel, (tau - self.torque(self.end) - tau * decay) / b
+
+
+BRAKED = Braked()
+
+
+def cuts_around_the_jam():
+    """Times as close to the jam as rounding lets them be."""
+    near = [BRAKED.jam * (1.0 + side * 10.0**-n) for side in (-1, 1) for n in (16, 15, 13, 10)]
+    return [0.0, *sorted({BRAKED.jam, *near}), BRAKED.end]
+
+
+def random_cuts(end, count):
+    rng = np.random.default_rng(0)
+    return [[0.0, *np.sort(rng.uniform(0.0, end, 3)).tolist(), end] for _ in range(count)]
+
+
+def test_a_follower_that_no_flanks_can_brake_stops(make_model):
+    """The sign of a load that is rounding must not decide whether the follower stops."""
+    found = []
+    for cuts in [[0.0, BRAKED.end], cuts_around_the_jam(), *random_cuts(BRAKED.end, 40)]:
+        fmu = make_model(FORWARD).start(BRAKED.parameters(), tolerance=1e-6)
+        for begin, end in pairwise(cuts):
+            fmu.set({"F_ext": BRAKED.load(begin)})
+            fmu.set_derivatives({"F_ext": [BRAKED.load.deriv(k)(begin) for k in (1, 2)]})
+            step(fmu, begin, end)
+        found.append([fmu.get("theta"), fmu.get("omega")])
+    assert found == [pytest.approx(BRAKED.at_end(), rel=1e-7)] * len(found)
+
+
+class Pole:
+    """A pull moves the follower, and no torque acts. Contact 2 bears on the other flank. Friction at cam 1
+    grows with the speed. Delta of this pair of flanks falls to zero while the mechanism moves: the reactions
+    are then infinite. Two other pairs agree at that instant, one with Delta > 0 and one with Delta < 0."""
+
+    r, lead, ellipse, slope2 = (0.005, 0.08), 0.915, (0.01, 0.02), 0.05
+    mu, branch, pull, inertia, fastest = (0.5, 0.5), 1.45, -2.0, 1e-4, 100.0
+    flanks = (1, -1)
+
+    def __init__(self):
+        self.groove, self.a2 = Ellipse(self.r[0], self.lead, *self.ellipse, -1), self.r[1] * self.slope2
+
+    def factors(self, theta, omega, flanks=flanks):
+        gamma = brentq(
+            lambda x: self.groove.derivatives(x, 0)[0] - self.a2 * (theta - x), -0.1, 1.0, xtol=1e-15
+        )
+        a = self.groove.derivatives(gamma, 0)[1], self.a2
+        sliding = a[1] / (a[0] + a[1]) * math.hypot(self.r[0], a[0])
+        mu = self.mu[0] + self.branch * sliding * omega, self.mu[1]
+        return factors(self.r, a, [e * m for e, m in zip(flanks, mu, strict=True)])
+
+    def jam(self):
+        """Angle, speed and time of the pole. In the time s with dt = Delta ds the motion has no pole."""
+
+        def rates(_, y):
+            p, _, delta = self.factors(*y[:2])
+            return [delta * y[1], -p * self.pull / self.inertia, delta]
+
+        def falls(_, y):
+            return self.factors(*y[:2])[2]
+
+        falls.terminal, falls.direction = True, -1
+        start = [0.0, self.fastest, 0.0]
+        return solve_ivp(rates, (0.0, 1e9), start, "DOP853", rtol=1e-12, atol=1e-15, events=falls).y[:, -1]
+
+    def parameters(self):
+        return {
+            "cam1.profile": 2,
+            "cam1.ellipse_a": self.ellipse[0],
+            "cam1.ellipse_b": self.ellipse[1],
+            "cam1.ellipse_curvature": -1,
+            "cam1.lead_angle": self.lead,
+            "cam2.lead_angle": math.atan(self.slope2),
+            **{f"cam{i}.radius": r for i, r in enumerate(self.r, 1)},
+            **{f"cam{i}.friction": mu for i, mu in enumerate(self.mu, 1)},
+            "cam1.friction_viscous": self.branch,
+            "spring.preload": 0.0,
+            "spring.stiffness": 0.0,
+            "inertia.shaft": self.inertia,
+            "initial.omega": self.fastest,
+            "stop.upper": 1.0,
+            "F_ext": self.pull,
+        }
+
+
+def test_infinite_reactions_stop_the_motion_where_other_flanks_agree(make_model):
+    """The impact comes first, although the motion could go on along the other flanks."""
+    pole, found = Pole(), []
+    theta, omega, instant = pole.jam()
+    assert omega > 0.8 * pole.fastest and pole.factors(theta, omega, (-1, 1))[2] > 0.0
+    end = 1.2 * instant
+    near = sorted({instant * (1.0 + side * 10.0**-n) for side in (-1, 1) for n in (15, 12, 9, 6)})
+    for cuts in [[0.0, end], [0.0, *near, end], *random_cuts(end, 20)]:
+        fmu = make_model(FORWARD).start(pole.parameters())
+        for begin, after in pairwise(cuts):
+            step(fmu, begin, after)
+        found.append([fmu.get("omega"), fmu.get("theta")])
+    assert found == [[0.0, pytest.approx(theta, abs=1e-9)]] * len(found)
