@@ -454,10 +454,9 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
     release, load = edges(force)
     ratio = max((abs(edge) for edge in band(r, a, mu, size) if math.isfinite(edge)), default=0.0)
     rounding = TOLERANCE * (abs(tau) + ratio + a[0] * a[1] / (a[0] + a[1]) * size) + NOTHING
-    level = 1e-15 * max(r)  # m/rad: a groove that is level there is so to its digits
-    rounding += level * size
-    # and z is known to 1e-13 of the whole way: what that makes of a force that is next to nothing
-    doubt = 1e-13 * mechanism.reach
+    rounding += 1e-15 * max(r) * size  # a groove that is level there is so to its digits
+    # and z is known to 1e-13 of the whole way, with a tie of twice that: matters where the force is small
+    doubt = 3e-13 * mechanism.reach
     noise = sum(abs(c) * ((abs(z) + doubt) ** i - abs(z) ** i) for i, c in enumerate(k))
     reach = max((abs(edge) for edge in band(r, a, mu, 1.0) if math.isfinite(edge)), default=0.0)
     rounding += (reach + max(r)) * noise
@@ -475,10 +474,11 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
             return True
     # without any force the pin wedges as under the smallest one, of either sign
     loads = [force] if force else [1.0, -1.0]
-    # at the end of a dwell one contact carries nothing, and wedges as soon as the other groove rises
-    return any(
-        math.isinf(edge) for load in loads for steeper in (0.0, level) for edge in edges(load, steeper)
-    )
+    # slopes are known to 1e-13 of the steeper one: where contacts lock, and at the end of a dwell, where one
+    # contact carries nothing and wedges as soon as the other groove rises, that decides
+    known = 1e-13 * max(a)
+    found = [edge for load in loads for steeper in (0.0, known, -known) for edge in edges(load, steeper)]
+    return any(map(math.isinf, found))
 
 
 @GENERAL_FIXTURE

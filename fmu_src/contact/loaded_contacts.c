@@ -162,14 +162,14 @@ static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
     return pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0;
 }
 
-/* Samples x_2 on its flank from `size`, N/m, over LOADED_SEARCH_RANGE to times that range, for a balance that is the only
- * answer and has both reactions on their flanks. */
+/* Takes `samples` samples of x_2 on its flank, from `size`, N/m, over LOADED_SEARCH_RANGE upward, for a balance that is the
+ * only answer and has both reactions on their flanks. */
 COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
-                           LoadedContacts *c) {
+                           int samples, LoadedContacts *c) {
     const Elimination e = {pin, loads, by_alpha};
     if (!(size > 0.0 && isfinite(size)) || (by_alpha != NULL && by_alpha->torque == 0.0)) return;
     double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
-    for (int n = 0; n < LOADED_SEARCH_SAMPLES; n++) {
+    for (int n = 0; n < samples; n++) { /* at most LOADED_EDGE_SAMPLES turns */
         const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
         if ((missed > 0.0) != (missed_before > 0.0)) {
             c->x[1] = root_between(missed_by, &e, before, missed_before, after, missed);
@@ -196,14 +196,14 @@ COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const Lo
     begin(pin, loads, by_alpha, c);
     const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
-    if (!c->possible) search(pin, loads, by_alpha, size, c);
+    if (!c->possible) search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, c);
 }
 
 /* Under known loads, with the reactions on their flanks. Newton's method can end at a balance off the flanks, where the law
  * holds for |x_i| but the pin has left the flank, while there is another one on the flanks. */
 COMPACT static void search_on_flanks(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
     begin(pin, loads, NULL, c);
-    search(pin, loads, NULL, size_of(pin, c), c);
+    search(pin, loads, NULL, size_of(pin, c), LOADED_EDGE_SAMPLES, c);
 }
 
 NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {

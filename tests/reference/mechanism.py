@@ -458,7 +458,7 @@ class Mechanism:
             q1, mu, x1 = balanced(slip.e[1] * math.exp(log_x2))
             return q1 - slip.sigma * slip.e[0] * mu[0] * x1
 
-        grid = np.linspace(math.log(1e-12 * f0 / self.r2), math.log(1e8 * f0 / self.r2), 207)
+        grid = np.linspace(math.log(1e-12 * f0 / self.r2), math.log(1e12 * f0 / self.r2), 248)
         values = [missed(x) for x in grid]
         steps = zip(pairwise(grid), pairwise(values), strict=True)
         for low, high in (ends for ends, (before, after) in steps if before * after <= 0):
