@@ -148,8 +148,8 @@ def test_sensitivities_of_curved_steps_come_to_an_end():
 
 
 def test_a_small_torque_moves_a_mechanism_with_a_steep_groove_and_a_long_travel():
-    """Rounding of the slopes, of 5000 m/rad, times that of a height of 1 m is of second order: the torque is no
-    tie. The motion is a vibration under the spring, over angles in which the ellipse is straight."""
+    """Rounding of the slopes, of 5000 m/rad, times that of a height of 1 m is of second order: the torque is
+    no tie. The motion is a vibration under the spring, over angles in which the ellipse is straight."""
     slope = 0.1 * math.tan(1.2)
     p = {
         **{f"cam{i}.friction": 0.0 for i in (1, 2)},

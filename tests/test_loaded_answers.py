@@ -74,8 +74,8 @@ def test_release_edge_beside_a_locked_contact(make_model, model):
 
 @pytest.mark.parametrize("model", [FORWARD, INVERSE])
 def test_release_edge_of_a_nearly_locked_contact_beside_a_nearly_level_groove(make_model, model):
-    """As above, with friction that falls with the load: contact 2 locks below a reaction, and the edge is just
-    above. Newton's method ends at a reaction off the flank."""
+    """As above, with friction that falls with the load: contact 2 locks below a reaction, and the edge is
+    just above. Newton's method ends at a reaction off the flank."""
     p = FREE | cam(1, 0.0986, 1.5e-5, 0.0) | cam(2, 0.00914, 1.1, 1.0, -0.7, 6.3)
     second, rise = contact(p, 2, -1), 0.0986 * math.tan(1.5e-5)
     unlocked = 6.3 * (1.0 / math.tan(1.1)) ** (1 / 0.7)

@@ -110,6 +110,16 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
+/* Without inertia, where friction grows with the speed: several pairs of flanks can balance the torque, each at its own
+ * speed, while the axial load passes zero. The motion goes on along its pair as long as this pair agrees. */
+static bool keeps_flanks(const Mechanism *m, int direction, LinearSlipMode *built) {
+    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params) || !any_friction_varies(&m->params))
+        return false;
+    const int present = slip_index(direction, m->state.flank);
+    const Candidate candidate = candidate_building(m, present, built);
+    return candidate.stable && agrees(m, present, &candidate, true);
+}
+
 static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     const int direction = stick_direction_beyond_band(m);
     if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
@@ -119,6 +129,8 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
     /* The loads of a slip that begins later do not tell the flanks now. */
     if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
+    if (keeps_flanks(m, direction, built))
+        return (Decision){.mode = m->state.mode, .slip_index = slip_index(direction, m->state.flank)};
     const int index = find_slip_mode(m, direction, FROM_REST, built);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
