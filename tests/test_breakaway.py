@@ -145,3 +145,30 @@ def test_sensitivities_of_curved_steps_come_to_an_end():
             for time in times[-1:]:
                 assert run.events_after(time) > 0
                 assert all(map(math.isfinite, run.step_derivatives.read()))
+
+
+def test_a_small_torque_moves_a_mechanism_with_a_steep_groove_and_a_long_travel():
+    """Rounding of the slopes, of 5000 m/rad, times that of a height of 1 m is of second order: the torque is
+    no tie. The motion is a vibration under the spring, over angles in which the ellipse is straight."""
+    slope = 0.1 * math.tan(1.2)
+    p = {
+        **{f"cam{i}.friction": 0.0 for i in (1, 2)},
+        **{
+            "cam1.radius": 1.0,
+            "cam1.lead_angle": math.pi / 2 - 2e-4,
+            "cam2.radius": 0.1,
+            "cam2.lead_angle": 1.2,
+        },
+        **{"cam2.profile": 2, "cam2.ellipse_a": 10.0, "cam2.ellipse_b": 10.0, "cam2.ellipse_curvature": -1},
+        **{"spring.preload": 0.0, "spring.stiffness": 3e5, "inertia.shaft": 1.0, "stop.upper": 8.0},
+        **{"damper.c_load": 0.0, "damper.c_release": 0.0, "stop.lower": -1.0},
+    }
+    tau, steep = 1e-6, math.tan(math.pi / 2 - 2e-4)
+    lift = slope * steep / (slope + steep)
+    w = lift * math.sqrt(3e5)
+    with Fmu(FORWARD) as fmu:
+        fmu.start({**p, "tau": tau})
+        for k in range(1, 6):
+            fmu.step(1e-3)
+            expected = tau / w**2 * (1.0 - math.cos(w * 1e-3 * k))
+            assert fmu.get("theta") == pytest.approx(expected, rel=1e-4)

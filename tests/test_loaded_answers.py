@@ -73,6 +73,27 @@ def test_release_edge_beside_a_locked_contact(make_model, model):
 
 
 @pytest.mark.parametrize("model", [FORWARD, INVERSE])
+def test_release_edge_of_a_nearly_locked_contact_beside_a_nearly_level_groove(make_model, model):
+    """As above, with friction that falls with the load: contact 2 locks below a reaction, and the edge is
+    just above. Newton's method ends at a reaction off the flank."""
+    p = FREE | cam(1, 0.0986, 1.5e-5, 0.0) | cam(2, 0.00914, 1.1, 1.0, -0.7, 6.3)
+    second, rise = contact(p, 2, -1), 0.0986 * math.tan(1.5e-5)
+    unlocked = 6.3 * (1.0 / math.tan(1.1)) ** (1 / 0.7)
+    fmu = make_model(model).start(p)
+    for F_0 in np.linspace(8.0, 60.0, 12):
+        reaction = brentq(
+            lambda r, f=F_0: second.torque(r) / rise + second.axial(r) - f,
+            unlocked,
+            1e4,
+            xtol=1e-300,
+            rtol=1e-15,
+        )
+        fmu.set({"F_ext": F_0})
+        # the torque is a difference of nearly equal terms: their rounding over the torque is 1e-9
+        assert fmu.get("torque_release") == pytest.approx(second.torque(reaction), rel=1e-8), F_0
+
+
+@pytest.mark.parametrize("model", [FORWARD, INVERSE])
 def test_efficiency_is_0_where_no_torque_moves_the_mechanism(make_model, model):
     """The load exceeds the largest that the contacts carry when loading, and when releasing while contact 2
     is not locked. With contact 2 locked the load is below the least that they carry."""

@@ -157,14 +157,19 @@ static double missed_by(const void *context, double x2) {
     return eliminate(context, x2).missed;
 }
 
-/* Samples x_2 on its flank from `size`, N/m, over LOADED_SEARCH_RANGE to times that range, for a balance that is the only
- * answer and has both reactions on their flanks. */
+/* Do the reactions press the flanks of the pair? */
+static bool is_on_flanks(const LoadedPin *pin, const LoadedContacts *c) {
+    return pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0;
+}
+
+/* Takes `samples` samples of x_2 on its flank, from `size`, N/m, over LOADED_SEARCH_RANGE upward, for a balance that is the
+ * only answer and has both reactions on their flanks. */
 COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, double size,
-                           LoadedContacts *c) {
+                           int samples, LoadedContacts *c) {
     const Elimination e = {pin, loads, by_alpha};
     if (!(size > 0.0 && isfinite(size)) || (by_alpha != NULL && by_alpha->torque == 0.0)) return;
     double before = pin->flank[1] * size / LOADED_SEARCH_RANGE, missed_before = missed_by(&e, before);
-    for (int n = 0; n < LOADED_SEARCH_SAMPLES; n++) {
+    for (int n = 0; n < samples; n++) { /* at most LOADED_FAR_SAMPLES turns */
         const double after = LOADED_SEARCH_FACTOR * before, missed = missed_by(&e, after);
         if ((missed > 0.0) != (missed_before > 0.0)) {
             c->x[1] = root_between(missed_by, &e, before, missed_before, after, missed);
@@ -172,7 +177,7 @@ COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const L
             c->x[0] = found.x1;
             c->alpha = found.alpha;
             iterate(pin, loads, by_alpha, c);
-            if (c->possible && pin->flank[0] * c->x[0] >= 0.0 && pin->flank[1] * c->x[1] >= 0.0) return;
+            if (c->possible && is_on_flanks(pin, c)) return;
         }
         before = after;
         missed_before = missed;
@@ -180,13 +185,25 @@ COMPACT static void search(const LoadedPin *pin, const LoadTerms *loads, const L
     c->possible = false;
 }
 
+/* N/m, of the larger reaction of *c, as a size of x_2. */
+static double size_of(const LoadedPin *pin, const LoadedContacts *c) {
+    const CamParams *cam = pin->params->cam;
+    return max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
+}
+
 /* The iteration starts as if no friction acted. */
 COMPACT static void solve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha, LoadedContacts *c) {
-    const CamParams *cam = pin->params->cam;
     begin(pin, loads, by_alpha, c);
-    const double size = max_of(fabs(c->x[0]) * cam[0].radius, fabs(c->x[1]) * cam[1].radius) / cam[1].radius;
+    const double size = size_of(pin, c);
     iterate(pin, loads, by_alpha, c);
-    if (!c->possible) search(pin, loads, by_alpha, size, c);
+    if (!c->possible) search(pin, loads, by_alpha, size, LOADED_SEARCH_SAMPLES, c);
+}
+
+/* Under known loads, with the reactions on their flanks. Newton's method can end at a balance off the flanks, where the law
+ * holds for |x_i| but the pin has left the flank, while there is another one on the flanks. */
+COMPACT static void search_on_flanks(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *c) {
+    begin(pin, loads, NULL, c);
+    search(pin, loads, NULL, size_of(pin, c), LOADED_FAR_SAMPLES, c);
 }
 
 NOINLINE void loaded_contacts_under(const LoadedPin *pin, const LoadTerms *loads, LoadedContacts *out) {
@@ -241,17 +258,19 @@ static LoadedPin pin_at_rest(const Params *params, const Geometry *g, int direct
     };
 }
 
-/* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. */
+/* A pair of flanks carries F_0 > 0 if the reactions have the signs of the flanks. The first pass takes Newton's method, the
+ * second one, where no pair carries, the search. */
 COMPACT static bool loaded_edge(const Params *params, Geometry *g, double F_0, int direction, int flank[2],
                                 Transfer *transfer, Work *work) {
     const int candidates = direction > 0 ? 1 : FLANK_PAIR_COUNT - 1;
     const LoadTerms loads = {.axial = F_0};
-    for (int k = 0; k < candidates; k++) {
-        flank_pair(k, 1, flank);
+    for (int k = 0; k < 2 * candidates; k++) {
+        flank_pair(k % candidates, 1, flank);
         const LoadedPin pin = pin_at_rest(params, g, direction, flank, work);
         LoadedContacts c;
-        loaded_contacts_under(&pin, &loads, &c);
-        if (!c.possible || flank[0] * c.x[0] < 0.0 || flank[1] * c.x[1] < 0.0) continue;
+        if (k < candidates) loaded_contacts_under(&pin, &loads, &c);
+        else search_on_flanks(&pin, &loads, &c);
+        if (!c.possible || !is_on_flanks(&pin, &c)) continue;
         for (int i = 0; i < 2; i++) g->friction[i] = c.mu[i].value;
         *transfer = contact_transfer(g, direction, flank);
         transfer->rho_rate = c.tangent.p / c.tangent.delta;

@@ -16,27 +16,34 @@ double stick_axial_load(const Mechanism *m) {
     return spring_force(&m->params.spring, m->configuration.z) + m->inputs.F_ext[0];
 }
 
-/* The size of the terms of F_0 under the external load F_ext. */
-static double axial_size(const Mechanism *m, double F_ext) {
+/* The size of the terms of F_0 at |z| = `z`, under the external load F_ext. */
+static double terms_of_load(const Mechanism *m, double z, double F_ext) {
     const SpringParams *s = &m->params.spring;
-    const double z = fabs(m->configuration.z) + STICK_HEIGHT_SHARE * m->model.transmission.z_size;
     return fabs(s->preload) + z * (fabs(s->stiffness) + z * (fabs(s->stiffness2) + z * fabs(s->stiffness3))) +
            fabs(F_ext);
+}
+
+/* The size of the terms of F_0, whose rounding is that of the largest z, too. */
+static double axial_size(const Mechanism *m, double F_ext) {
+    return terms_of_load(m, fabs(m->configuration.z) + STICK_HEIGHT_SHARE * m->model.transmission.z_size, F_ext);
 }
 
 double stick_axial_size(const Mechanism *m) {
     return axial_size(m, m->inputs.F_ext[0]);
 }
 
-/* The size of the terms of a factor of the stick band, m. */
-static double lever_size(const Mechanism *m, double factor) {
-    /* The factor vanishes on a dwell and where a contact begins to lock. The factor's rounding does not vanish. */
-    const double rest = m->configuration.geometry.dz_dtheta + STICK_SLOPE_SHARE * m->model.transmission.slope_size;
-    return m->model.transmission.straight ? fabs(factor) : fabs(factor) + rest;
+/* The size of the terms of factor F_0, for a factor of the stick band. The factor vanishes on a dwell and where a contact
+ * begins to lock. The factor's rounding does not vanish, and is a share of the largest slope: this share multiplies the
+ * terms of the present F_0 alone, for the rounding of the factor times that of z is of second order. */
+static double edge_size(const Mechanism *m, double factor, double F_ext) {
+    if (m->model.transmission.straight) return fabs(factor) * axial_size(m, F_ext);
+    const double lever = fabs(factor) + m->configuration.geometry.dz_dtheta;
+    return lever * axial_size(m, F_ext) +
+           STICK_SLOPE_SHARE * m->model.transmission.slope_size * terms_of_load(m, fabs(m->configuration.z), F_ext);
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
-    return fabs(m->inputs.tau[0]) + lever_size(m, factor) * stick_axial_size(m);
+    return fabs(m->inputs.tau[0]) + edge_size(m, factor, m->inputs.F_ext[0]);
 }
 
 BandFactors stick_band(const Mechanism *m) {
@@ -62,17 +69,18 @@ double stick_edge(double factor, double F_0) {
 
 /* ---- differences that decide by their sign ---- */
 
-/* A torque or a load whose sign decides, as a polynomial of the time at rest: u(t) = sum u_k t^k/k!. The size of its
- * terms is by_tau |tau| + by_load (size of the terms of F_0). Below a tie of this size u is rounding. */
+/* F_0, or tau less an edge factor F_0, whose sign decides, as a polynomial of the time at rest: u(t) = sum u_k t^k/k!. Below
+ * a tie of the size of its terms u is rounding. */
 typedef struct {
     double u[INPUT_ORDER + 1];
-    double by_tau, by_load;
+    bool is_load;
+    double factor;
 } Difference;
 
 /* The tie of u after t seconds. */
 static double tie_at(const Mechanism *m, const Difference *d, double t) {
     const double tau = input_value(m->inputs.tau, t), F_ext = input_value(m->inputs.F_ext, t);
-    return stick_tie(m) * (d->by_tau * fabs(tau) + d->by_load * axial_size(m, F_ext));
+    return stick_tie(m) * (d->is_load ? axial_size(m, F_ext) : fabs(tau) + edge_size(m, d->factor, F_ext));
 }
 
 /* The sign of u. Where u is rounding, u has the sign with which u leaves the rounding: a torque that touches the edge
@@ -84,7 +92,7 @@ static int sign_of_difference(const Mechanism *m, const Difference *d) {
 
 /* F_0 */
 static Difference load_of(const Mechanism *m, double F_0) {
-    Difference load = {.u = {F_0}, .by_load = 1.0};
+    Difference load = {.u = {F_0}, .is_load = true};
     for (int k = 1; k <= INPUT_ORDER; k++) load.u[k] = m->inputs.F_ext[k];
     return load;
 }
@@ -108,8 +116,7 @@ static double excess_rate(const Mechanism *m, double factor, int k) {
 
 /* tau - factor F_0, for a finite factor; `rate`: the derivative of the edge factor F_0 by F_0 */
 static Difference excess_of(const Mechanism *m, double factor, double rate, double F_0) {
-    Difference excess = {
-        .u = {m->inputs.tau[0] - stick_edge(factor, F_0)}, .by_tau = 1.0, .by_load = lever_size(m, factor)};
+    Difference excess = {.u = {m->inputs.tau[0] - stick_edge(factor, F_0)}, .factor = factor};
     for (int k = 1; k <= INPUT_ORDER; k++) excess.u[k] = excess_rate(m, rate, k);
     return excess;
 }
@@ -265,7 +272,7 @@ COMPACT static double loaded_excess(const void *context, double t) {
     const BandFactors f = rest_factors(m, edges_of_band(band, rest->side), rest->F_0, rest->side);
     const double factor = rest->sign > 0.0 ? f.load : f.release;
     if (isinf(factor)) return -INFINITY;
-    const double tie = stick_tie(m) * (fabs(tau) + lever_size(m, factor) * axial_size(m, F_ext));
+    const double tie = stick_tie(m) * (fabs(tau) + edge_size(m, factor, F_ext));
     return rest->sign * (tau - stick_edge(factor, F_0)) - rest->ties * tie;
 }
 

@@ -142,11 +142,12 @@ static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBE
 
 /* Friction that depends on the load. LOADED_SHARE_GAINED: part of the change made by which the next one must fall, else
  * less of the next is made, at least LOADED_LEAST_SHARE. LOADED_SEARCH_RANGE, _FACTOR, _SAMPLES: from the load without
- * friction down and up, in factors. LEVEL_LOG_FROM: share of R_ref below which friction levels off, so that a contact may
- * change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE: share of a_i in n_i that passes on no torque;
- * LOADED_REST_SAMPLES: of the band's edge while F_ext varies; LOADED_EDGE_SAMPLES: in a step. */
-enum { LOADED_ITERATIONS = 25, LOADED_REST_SAMPLES = 32, LOADED_REST_GOLDEN_STEPS = 20, LOADED_SEARCH_SAMPLES = 59 };
-enum { LOADED_EDGE_SAMPLES = 16 };
+ * friction down and up, in factors; LOADED_FAR_SAMPLES: beside a level groove, up to 1e12. LEVEL_LOG_FROM: share of R_ref
+ * below which friction levels off, so that a contact may change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE:
+ * share of a_i in n_i that passes on no torque; LOADED_REST_SAMPLES: of the band's edge while F_ext varies;
+ * LOADED_EDGE_SAMPLES: in a step. */
+enum { LOADED_ITERATIONS = 25, LOADED_REST_SAMPLES = 32, LOADED_REST_GOLDEN_STEPS = 20, LOADED_EDGE_SAMPLES = 16 };
+enum { LOADED_SEARCH_SAMPLES = 59, LOADED_FAR_SAMPLES = 89 };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
                     LOADED_SHARE_GAINED = 0.25, LOADED_LEAST_SHARE = 0.02, LOADED_SEARCH_RANGE = 1e6,
                     LOADED_SEARCH_FACTOR = 1.6, LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -430,14 +431,42 @@ class Mechanism:
         )
 
     def _loaded_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
-        """The balance at rest on the edge under F_0 = f0 > 0."""
+        """The balance at rest on the edge under F_0 = f0 > 0. Newton's method may end off the flanks."""
+        f0 = max(f0, 1e-12)
         try:
-            load, mu = self._loaded_at_rest(kin, slip, max(f0, 1e-12))
+            load, mu = self._loaded_at_rest(kin, slip, f0)
         except (Refused, np.linalg.LinAlgError):
-            return None
+            load, mu = Load(0.0, 0.0, math.nan, math.nan), np.zeros(2)
+        if not (slip.e[0] * load.x1 >= 0 and slip.e[1] * load.x2 >= 0):
+            return self._searched_edge(kin, slip, f0)
         if not self._has_one_answer(kin, slip, load, mu):
             return None
         return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
+
+    def _searched_edge(self, kin: Kinematics, slip: Slip, f0: Number) -> Balance | None:
+        """The same: x_2 gives torque and axial force of contact 2, the balances give both of contact 1, and
+        these are linear in x_1 and its friction force, which must obey the law."""
+
+        def balanced(x2: float) -> tuple[float, np.ndarray, float]:
+            f2 = slip.sigma * slip.e[1] * self._law_at(kin, slip, Load(0.0, 0.0, 0.0, x2))[1]
+            torque = self.r2 * (kin.a2 + f2 * self.r2) * x2
+            axial = f0 - (self.r2 - f2 * kin.a2) * x2
+            x1, q1 = np.linalg.solve([[self.r1, -kin.a1], [kin.a1, self.r1]], [axial, torque / self.r1])
+            return float(q1), self._law_at(kin, slip, Load(0.0, 0.0, float(x1), x2)), float(x1)
+
+        def missed(log_x2: float) -> float:
+            q1, mu, x1 = balanced(slip.e[1] * math.exp(log_x2))
+            return q1 - slip.sigma * slip.e[0] * mu[0] * x1
+
+        grid = np.linspace(math.log(1e-12 * f0 / self.r2), math.log(1e12 * f0 / self.r2), 248)
+        values = [missed(x) for x in grid]
+        steps = zip(pairwise(grid), pairwise(values), strict=True)
+        for low, high in (ends for ends, (before, after) in steps if before * after <= 0):
+            x2 = slip.e[1] * math.exp(brentq(missed, low, high, xtol=1e-14, rtol=1e-15))
+            _, mu, x1 = balanced(x2)
+            if slip.e[0] * x1 >= 0 and self._has_one_answer(kin, slip, Load(0.0, 0.0, x1, x2), mu):
+                return self._balance(kin, slip, (float(mu[0]), float(mu[1])))
+        return None
 
     def _loaded_at_rest(self, kin: Kinematics, slip: Slip, f0: Number) -> tuple[Load, np.ndarray]:
         return self._loaded_at_speed(kin, slip, 0.0, f0 - self.spring_force(kin.z))
