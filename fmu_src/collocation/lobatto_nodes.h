@@ -19,7 +19,8 @@ typedef struct {
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
     /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
     Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
-    Vector2 curve[2];         /* x_i F''/(2 (F' - f)), of the friction force F */
+    Vector2 bend[2];          /* N/m, -x_i^2 F''/2, of the friction force F */
+    bool is_bent[2];          /* bend[] holds all that F has of second order */
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
@@ -48,6 +49,7 @@ typedef struct {
     const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
     size_t span[2];                /* the loads of the patch */
     Vector2 lowest, highest;       /* m/s, the sliding speeds up to which the step may use the pieces */
+    bool keeps_slopes;             /* the nodes hold df_i/domega of the tables whose loads count */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */

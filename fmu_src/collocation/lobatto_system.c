@@ -404,6 +404,7 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     const double h = s->h, rhs = s->y.at[0];
     const Vector2 c = {0.5, 1.0}, t = h * c;
     NodePair *n = &s->pair[1];
+    s->keeps_slopes = false;
     s->speed.half[1] = s->omega + rhs * t;
     s->dtheta.half[1] = t * (s->omega + 0.5 * rhs * t);
     if (!s->slip->inputs_are_constant) {
@@ -425,8 +426,13 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     place_on_parabola(s, &p);
     for (int i = 0; s->slip->friction_is_loaded && i < 2; i++) {
         const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
-        for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
+        const Vector2 slope = n->dfriction_domega[i];
+        for (int k = 0; k < LOBATTO_HALVES; k++) {
+            s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
+            s->pair[k].dfriction_domega[i] = slope[1] + (2.0 * (slope[1] - slope[0])) * (LOBATTO.node.half[k] - 1.0);
+        }
     }
+    s->keeps_slopes = true;
     return p;
 }
 

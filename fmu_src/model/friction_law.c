@@ -80,24 +80,24 @@ static inline VectorLoadPower log_of_load(Vector2 q) {
     return (VectorLoadPower){(Vector2){a.value, b.value}, q * (Vector2){a.slope, b.slope}, false};
 }
 
-/* The cubic in b, and b; the first derivative by ln R. */
-typedef struct {
-    Vector2 value, power, b, per;
-} LoadCubic;
-
-ALWAYS_INLINE static inline LoadCubic cubic_at(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
-    const Vector2 from = {k->from, l->from}, width = {k->per, l->per}, low = {k->low, l->low},
-                  high = {k->high, l->high};
-    const VectorLoadPower x = log_of_load(q);
-    const Vector2 b = vector2_min(vector2_max((x.value - from) * width, low), high), per = x.by_log_load * width;
-    return (LoadCubic){u[0] + b * (u[1] + b * (u[2] + b * u[3])), (u[1] + b * (2.0 * u[2] + b * (3.0 * u[3]))) * per, b,
-                       per};
+/* mu of the cubics in b, and its derivatives by ln R: with cubic u, mu' = mu u' and mu'' = mu (u'^2 + u''). `x`: ln R. */
+ALWAYS_INLINE static inline VectorLoadedFriction friction_by_cubic(const Vector2 u[4], Vector2 b, Vector2 per) {
+    const Vector2 bent = 2.0 * u[2], steep = 3.0 * u[3];
+    return (VectorLoadedFriction){
+        .value = vector2_exp(u[0] + b * (u[1] + b * (u[2] + b * u[3]))),
+        .power = (u[1] + b * (bent + b * steep)) * per,
+        .bend = (bent + b * (steep + steep)) * per * per,
+    };
 }
 
-NOINLINE VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
-    const LoadCubic cubic = cubic_at(u, k, l, q);
-    const Vector2 mu = vector2_exp(cubic.value);
-    return (VectorLoadPower){mu, mu * cubic.power, false};
+NOINLINE VectorLoadedFriction friction_on_cubics(const double u[2][4], const FrictionPatch *const patch[2], Vector2 q) {
+    const VectorLoadPower x = log_of_load(q);
+    const Vector2 from = {patch[0]->from[0], patch[1]->from[0]}, per = {patch[0]->per[0], patch[1]->per[0]};
+    const Vector2 low = {patch[0]->low[0], patch[1]->low[0]}, high = {patch[0]->high[0], patch[1]->high[0]};
+    const Vector2 b = vector2_min(vector2_max((x.value - from) * per, low), high);
+    Vector2 both[4];
+    for (int m = 0; m < 4; m++) both[m] = (Vector2){u[0][m], u[1][m]};
+    return friction_by_cubic(both, b, x.by_log_load * per);
 }
 
 void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]) {
@@ -109,25 +109,34 @@ void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, doub
     }
 }
 
-NOINLINE VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span,
-                                                const FrictionPiece *piece, Vector2 v, Vector2 q) {
-    const Vector2 low = {-0.25, -0.25}, high = {1.25, 1.25};
-    const Vector2 t = vector2_min(vector2_max((v - piece->lower) * piece->per_width, low), high);
-    Vector2 u[4], slope[4]; /* of b^m, and its derivative by t */
-    for (int m = 0; m < 4; m++) {
-        const Vector2 *c = patch->c[m];
-        u[m] = slope[m] = c[5];
-        for (int n = 4; n > 0; n--) {
-            u[m] = u[m] * t + c[n];
-            slope[m] = slope[m] * t + u[m];
+/* The logarithm comes first: the compiler then loads the coefficients where they are used. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const FrictionPiece *piece, Vector2 v, Vector2 q,
+                                       bool with_slope) {
+    const VectorLoadPower x = log_of_load(q);
+    const Vector2 b = vector2_min(vector2_max((x.value - patch->from) * patch->per, patch->low), patch->high);
+    const Vector2 t = vector2_min(vector2_max((v - piece->lower) * piece->per_width, (Vector2){-0.25, -0.25}),
+                                  (Vector2){1.25, 1.25});
+    Vector2 u[4], by_t = {0.0, 0.0}; /* u: of b^m */
+    if (with_slope) {
+        for (int m = 3; m >= 0; m--) {
+            const Vector2 *c = patch->c[m];
+            Vector2 slope = u[m] = c[5];
+            for (int n = 4; n > 0; n--) {
+                u[m] = u[m] * t + c[n];
+                slope = slope * t + u[m];
+            }
+            u[m] = u[m] * t + c[0];
+            by_t = by_t * b + slope;
         }
-        u[m] = u[m] * t + c[0];
+    } else {
+        for (int m = 3; m >= 0; m--) {
+            u[m] = patch->c[m][5];
+            for (int n = 4; n >= 0; n--) u[m] = u[m] * t + patch->c[m][n];
+        }
     }
-    const LoadCubic cubic = cubic_at(u, span, span, q);
-    const Vector2 b = cubic.b, mu = vector2_exp(cubic.value);
-    const Vector2 by_speed = slope[0] + b * (slope[1] + b * (slope[2] + b * slope[3]));
-    return (VectorLoadedFriction){mu, mu * by_speed * piece->per_width, cubic.power,
-                                  (2.0 * u[2] + 6.0 * b * u[3]) * cubic.per * cubic.per};
+    VectorLoadedFriction mu = friction_by_cubic(u, b, x.by_log_load * patch->per);
+    if (with_slope) mu.by_speed = mu.value * by_t * piece->per_width;
+    return mu;
 }
 
 /* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */

@@ -158,13 +158,13 @@ typedef struct {
     Vector2 value, by_speed, power, bend;
 } VectorLoadedFriction;
 
-/* Of a table on its patch, at two speeds and reactions; q = R/R_1 >= 0. */
-VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span, const FrictionPiece *piece,
-                                       Vector2 v, Vector2 q);
+/* Of a table on its patch, at two speeds and reactions; q = R/R_1 >= 0. Without `with_slope` by_speed is 0. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const FrictionPiece *piece, Vector2 v, Vector2 q,
+                                       bool with_slope);
 
-/* ln mu at one speed, as a cubic in b; mu of two cubics, in their spans k and l, and its derivative by ln R. */
+/* ln mu at one speed, as a cubic in b; mu of two cubics on their patches. by_speed is 0. */
 void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]);
-VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q);
+VectorLoadedFriction friction_on_cubics(const double u[2][4], const FrictionPatch *const patch[2], Vector2 q);
 
 /* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
  * Without a table: */

@@ -324,7 +324,9 @@ enum { LOBATTO_SWEEPS = 8 };
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2, LOBATTO_LOAD_GUESSES = 2 /* of the loads at the start */ };
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
+/* Iterations for the loads at the start: with a power of the load; with tables alone, whose curve is then followed. */
+enum { LOBATTO_LOAD_GUESSES = 2, LOBATTO_TABLE_GUESSES = 1 };
 static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
