@@ -10,25 +10,40 @@
 /* ---- the start ---- */
 
 /* mu at the contacts whose tables have loads. Takes the patches. */
-NOINLINE static VectorLoadedFriction take_patches(LobattoSystem *s, const Geometry *g, Vector2 x) {
+NOINLINE static void take_patches(LobattoSystem *s, const Geometry *g, const double x[2], FrictionStart *out) {
     const FrictionConstants *law = s->slip->law;
     const FrictionPatch *patch[2] = {NULL, NULL};
-    double u[2][4];
-    Vector2 q;
+    const FrictionPiece *piece[2] = {NULL, NULL};
+    double v[2], q[2], R[2];
     for (int i = 0; i < 2; i++) {
-        const FrictionTable *table = law[i].loaded ? law[i].loaded : law[1 - i].loaded;
         const int of = law[i].loaded ? i : 1 - i;
-        const double R = fabs(x[of]) * cam_length(g, of) / s->slip->params->contacts;
-        s->span[of] = friction_table_span(table, R);
+        const FrictionTable *table = law[of].loaded;
+        R[i] = fabs(x[of]) * cam_length(g, of);
+        q[i] = R[i] * s->law[of]->per_load[0];
+        s->span[of] = friction_table_span(table, q[i] * table->load[1]);
         s->patch[of] = patch[i] = friction_table_patch(table, s->piece[of], s->span[of]);
-        friction_cubic(patch[i], s->piece[of], s->omega * s->slip->direction * cam_sliding(g, of), u[i]);
-        q[i] = R / table->load[1];
+        piece[i] = s->piece[of];
+        v[i] = s->omega * s->slip->direction * cam_sliding(g, of);
     }
-    return friction_on_cubics(u, patch, q);
+    friction_start(patch, piece, v, q, out);
+    s->share_to_load = INFINITY;
+    for (int i = 0; i < 2; i++) {
+        const Vector2 none = {0.0, 0.0};
+        const bool is_far_from_level = q[i] * (1.0 - VECTOR2_NEAR) > LEVEL_LOG_FROM * (1.0 + VECTOR2_NEAR);
+        s->near[i] = (FrictionNear){none + (is_far_from_level ? R[i] : 0.0), none + out->b[i], none + out->log_mu[i],
+                                    none + out->mu.value[i], s->law[i]->per_load};
+    }
 }
 
-static inline bool has_loaded_tables(const LobattoSystem *s) {
-    return s->has_tables && (s->slip->law[0].loaded || s->slip->law[1].loaded);
+/* Is a load, `ratio` times that of `start`, beyond those of its patch? With ln r <= r - 1 and ln r >= (r - 1)/r, rather
+ * yes than no. */
+static inline bool leaves_patches(const LobattoSystem *s, const FrictionStart *start, const double ratio[2]) {
+    bool leaves = false;
+    for (int i = 0; i < 2; i++) {
+        const double change = start->per[i] * (ratio[i] - 1.0);
+        leaves |= s->law[i]->has_patches && (change > start->above[i] || change < start->below[i] * ratio[i]);
+    }
+    return leaves;
 }
 
 /* mu at another load over mu, to second order in the change: with L = ln mu, R mu' = mu L' and
@@ -55,10 +70,11 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
         dry[i] = value[i] - viscous[i];
     }
     const Vector2 exponent = {s->law[0]->load_exponent[0], s->law[1]->load_exponent[0]};
-    const bool has_tables = has_loaded_tables(s), has_powers = exponent[0] != 0.0 || exponent[1] != 0.0;
+    const bool has_tables = lobatto_has_patches(s), has_powers = exponent[0] != 0.0 || exponent[1] != 0.0;
     const int guesses = has_powers ? LOBATTO_LOAD_GUESSES : LOBATTO_TABLE_GUESSES;
-    VectorLoadedFriction tables = {.value = exponent};
-    double before[2] = {0.0, 0.0};
+    FrictionStart tables;
+    double before[2] = {1.0, 1.0}, ratio[2] = {1.0, 1.0};
+    s->load_square[0] = s->load_square[1] = (Vector2){0.0, 0.0};
     for (int n = 0;; n++) { /* at most LOBATTO_LOAD_GUESSES + 1 turns */
         ContactFactors f;
         double load = axial;
@@ -78,7 +94,10 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
         }
         x[0] = (f.rn[1] * load - f.d[1] * moment) / f.delta;
         x[1] = (f.rn[0] * load + f.d[0] * moment) / f.delta;
-        if (n == guesses) break;
+        if (n >= guesses) {
+            for (int i = 0; i < 2; i++) ratio[i] = x[i] / before[i];
+            if (n == LOBATTO_LOAD_GUESSES || !leaves_patches(s, &tables, ratio)) break;
+        }
         if (has_powers) {
             const Vector2 q = {fabs(x[0]) * cam_length(g, 0) * s->law[0]->per_load[0],
                                fabs(x[1]) * cam_length(g, 1) * s->law[1]->per_load[0]};
@@ -89,24 +108,49 @@ NOINLINE void lobatto_loads_guess(LobattoSystem *s, const Geometry *g, const Gro
             }
         }
         if (!has_tables) continue;
-        tables = take_patches(s, g, (Vector2){x[0], x[1]});
+        take_patches(s, g, x, &tables);
         for (int i = 0; i < 2; i++) {
             if (!slip->law[i].loaded) continue;
-            const double friction = s->law[i]->sign[0] * tables.value[i];
+            const double friction = s->law[i]->sign[0] * tables.mu.value[i];
             power[i] = friction / dry[i];
-            more[i] = friction * tables.power[i];
+            more[i] = friction * tables.mu.power[i];
             before[i] = x[i];
         }
     }
     for (int i = 0; i < 2; i++) {
-        if (has_tables && slip->law[i].loaded) power[i] *= follow_load(&tables, i, x[i] / before[i] - 1.0);
+        if (has_tables && slip->law[i].loaded) power[i] *= follow_load(&tables.mu, i, ratio[i] - 1.0);
         kinetic[i] = (kinetic[i] - viscous[i]) * power[i] + viscous[i];
         value[i] = dry[i] * power[i] + viscous[i];
         for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = (Vector2){x[i], x[i]};
     }
 }
 
+/* ---- the first iterate ---- */
+
+/* x_i on the parabola through the start, the middle and the end. df_i/domega of a table on the line through the middle
+ * and the end: at the start the slope has no effect on the step. */
+void lobatto_loads_place(LobattoSystem *s, const NodePair *n) {
+    for (int i = 0; i < 2; i++) {
+        const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
+        const double end = n->dfriction_domega[i][1], rise = 2.0 * (end - n->dfriction_domega[i][0]);
+        for (int k = 0; k < LOBATTO_HALVES; k++) {
+            const Vector2 node = LOBATTO.node.half[k];
+            s->pair[k].x[i] = parabola_at(&x, node);
+            if (s->law[i]->has_patches) s->pair[k].dfriction_domega[i] = end + rise * (node - 1.0);
+        }
+        s->load_square[i] = (Vector2){0.0, 0.0};
+    }
+    s->keeps_slopes = true;
+}
+
 /* ---- a sweep ---- */
+
+double lobatto_loads_error(LobattoSystem *s) {
+    const Vector2 largest = vector2_max((Vector2){s->load_square[0][0], s->load_square[1][0]},
+                                        (Vector2){s->load_square[0][1], s->load_square[1][1]});
+    s->load_square[0] = s->load_square[1] = (Vector2){0.0, 0.0};
+    return LOBATTO_LOAD_SHARE * max_of(largest[0], largest[1] * sqrt(largest[1]));
+}
 
 /* N, R_i of all contacts, from the x_i of the sweep before. */
 static inline Vector2 total_reaction(const LobattoSystem *s, const NodePair *n, int i) {
@@ -131,18 +175,22 @@ static inline void linearise_power(const LobattoSystem *s, int i, NodePair *n) {
     n->bend[i] = power.is_power ? -(0.5 + 0.5 * exponent) * n->rest[i] : none;
 }
 
+/* Without a power of the load F is a line. */
+NOINLINE static void linearise_beside_table(const LobattoSystem *s, int i, NodePair *n) {
+    linearise_power(s, i, n);
+    n->is_bent[i] |= s->law[i]->load_exponent[0] == 0.0;
+}
+
 /* With f = e^L, L over ln R of slope p and second derivative w: f' = f (1 + p) and x F'' = f (p + p^2 + w). The sweeps
  * after the first keep df_i/domega: it serves to predict the change by the next one. */
 NOINLINE static void linearise_tables(const LobattoSystem *s, NodePair *n) {
     for (int i = 0; i < 2; i++) {
-        const FrictionTable *table = s->slip->law[i].loaded;
-        if (!table) {
-            linearise_power(s, i, n);
+        if (!s->law[i]->has_patches) {
+            linearise_beside_table(s, i, n);
             continue;
         }
-        const Vector2 q = total_reaction(s, n, i) / (s->slip->params->contacts * table->load[1]);
-        const VectorLoadedFriction mu =
-            friction_on_patch(s->patch[i], s->piece[i], n->omega * n->sliding[i], q, !s->keeps_slopes);
+        const VectorLoadedFriction mu = friction_on_patch(
+            s->patch[i], s->piece[i], &s->near[i], n->omega * n->sliding[i], total_reaction(s, n, i), !s->keeps_slopes);
         const Vector2 value = s->law[i]->sign * mu.value, more = value * mu.power, force = value * n->x[i];
         n->friction[i] = value + more;
         if (!s->keeps_slopes) n->dfriction_domega[i] = s->law[i]->sign * mu.by_speed * n->sliding[i];
@@ -153,7 +201,7 @@ NOINLINE static void linearise_tables(const LobattoSystem *s, NodePair *n) {
 }
 
 NOINLINE void lobatto_loads_linearise(LobattoSystem *s, NodePair *n) {
-    if (has_loaded_tables(s)) {
+    if (lobatto_has_patches(s)) {
         linearise_tables(s, n);
         return;
     }
@@ -168,13 +216,12 @@ static inline Vector2 torque_by_friction(const LobattoSystem *s, const NodePair 
            f->q * (torque[1] - torque[0]);
 }
 
-NOINLINE Vector2 lobatto_loads_find(LobattoSystem *s, Vector2 omega, Vector2 alpha, NodePair *n) {
+Vector2 lobatto_loads_find(LobattoSystem *s, Vector2 omega, Vector2 alpha, const LoadShift *shift, NodePair *n) {
     const SlipMode *slip = s->slip;
     const InertiaParams *in = &slip->params->inertia;
     const VectorContactFactors *f = &n->factors;
-    const LoadShift shift = lobatto_load_shift(slip, n);
     const Vector2 inverse = 1.0 / f->delta, inertia = 1.0 / n->mass;
-    Vector2 axial = n->force + n->damper + shift.axial, moment = shift.moment;
+    Vector2 axial = n->force + n->damper + shift->axial, moment = shift->moment;
     if (slip->follower_has_inertia) {
         axial += in->follower_mass * (n->dz_dtheta * alpha + n->d2z_dtheta2 * omega * omega);
         moment += in->follower * (n->dpsi_dtheta[0] * alpha + n->d2gamma_dtheta2 * omega * omega);
@@ -186,9 +233,8 @@ NOINLINE Vector2 lobatto_loads_find(LobattoSystem *s, Vector2 omega, Vector2 alp
         const Vector2 change = x[i] - n->x[i];
         Vector2 square = change * change / (n->x[i] * n->x[i] + DBL_MIN);
         square = (Vector2){square[0] < 0.1 ? square[0] : 0.1, square[1] < 0.1 ? square[1] : 0.1};
-        const double most = square[0] > square[1] ? square[0] : square[1];
-        const double error = LOBATTO_LOAD_SHARE * (n->is_bent[i] ? most * sqrt(most) : most);
-        s->load_error = error > s->load_error ? error : s->load_error;
+        Vector2 *largest = &s->load_square[n->is_bent[i]];
+        *largest = vector2_max(square, *largest);
         bent[i] = n->bend[i] * square;
         n->rest[i] += bent[i];
         n->x[i] = x[i];

@@ -67,9 +67,9 @@ struct FrictionTable {
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
     FrictionPatch *patch; /* only with more than one load: loads + 1 of the first piece, then of the next */
     void *patches;        /* owned: the memory of the patches */
-    double at_rest;  /* mu(0+), at the middle one of the loads */
-    double falls_at; /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
-    char path[];     /* of the file */
+    double at_rest;       /* mu(0+), at the middle one of the loads */
+    double falls_at;      /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
+    char path[];          /* of the file */
 };
 
 typedef struct {

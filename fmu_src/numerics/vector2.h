@@ -3,13 +3,14 @@
 #define DUALCAM_VECTOR2_H
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 
-/* The largest |u| of vector2_exp_small() */
-static const double VECTOR2_SMALL = 0.125;
+/* The largest |u| of vector2_exp_small(), the largest |s| of vector2_log_ratio() */
+static const double VECTOR2_SMALL = 0.125, VECTOR2_NEAR = 0.0625;
 
 /* Of each half; where a number is NaN, the y of that half. */
 static inline Vector2 vector2_min(Vector2 x, Vector2 y) {
@@ -22,6 +23,12 @@ static inline Vector2 vector2_max(Vector2 x, Vector2 y) {
 
 static inline Vector2 vector2_abs(Vector2 x) {
     return (Vector2){fabs(x[0]), fabs(x[1])};
+}
+
+/* False for NaN. */
+static inline bool vector2_is_within(Vector2 x, double limit) {
+    const Vector2 size = vector2_abs(x);
+    return size[0] <= limit && size[1] <= limit;
 }
 
 /* exp(u) for |u| <= 1/8, to 1e-14: (s + u)/(s - u) with s = u coth(u/2), an even function, by its series. */
@@ -52,6 +59,13 @@ static inline Vector2 vector2_exp(Vector2 u) {
     Vector2 power;
     memcpy(&power, &bits, sizeof power);
     return vector2_exp_near_0((u - n * log2_high) - n * log2_low) * power;
+}
+
+/* log((1 + s)/(1 - s)) = 2 artanh(s) for |s| <= 1/16, to some roundings, by its series. */
+static inline Vector2 vector2_log_ratio(Vector2 s) {
+    const Vector2 z = s * s;
+    const Vector2 low = 2.0 / 3.0 + z * (2.0 / 5.0 + z * (2.0 / 7.0 + z * (2.0 / 9.0 + z * (2.0 / 11.0))));
+    return (s + s) + s * z * low;
 }
 
 /* log(x), x > 0 and normal, to some roundings: x = 2^n m with m from sqrt(1/2) to sqrt(2), and the series of
