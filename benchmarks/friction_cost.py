@@ -38,7 +38,10 @@ SEGMENT = "segment_apply"  # is called once for each collocation step
 # of a table: the piece at the start, the values at the nodes, the way to the next samples
 SAMPLES_OF_SPEED = ("start_on_tables", "find_friction_by_tables", "approach_samples", "aim_at_samples")
 # of a table over the load: besides, the values under the reactions
-SAMPLES_OF_LOAD = ("take_patches", "friction_on_cubics", "linearise_tables", "friction_on_patch")
+SAMPLES_OF_LOAD = (
+    *("take_patches", "friction_start", "place_at", "exp_of"),
+    *("linearise_tables", "linearise_beside_table", "friction_on_patch"),
+)
 TABLE = SAMPLES_OF_SPEED + SAMPLES_OF_LOAD
 KINETIC, PEAK, STRIBECK, VISCOUS = 0.14, 1.5, 0.01, 0.1  # 1, 1, m/s, s/m
 LOAD_EXPONENT = 0.3

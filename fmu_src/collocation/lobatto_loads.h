@@ -15,11 +15,17 @@
 void lobatto_loads_guess(LobattoSystem *system, const Geometry *geometry, const GrooveBend *bend, double z,
                          double value[2], double kinetic[2]);
 
+/* x_i at the nodes from those at the start and, in the pair, in the middle and at the end of the step. */
+void lobatto_loads_place(LobattoSystem *system, const NodePair *pair);
+
 /* Turns f_i at R_ref into the tangent coefficients f'_i under the loads x_i of the sweep before. */
 void lobatto_loads_linearise(LobattoSystem *system, NodePair *pair);
 
-/* x_i under the forces of the lines with alpha, and the part of the damping rate that is due to friction. Returns alpha
- * with the forces of the curves. */
-Vector2 lobatto_loads_find(LobattoSystem *system, Vector2 omega, Vector2 alpha, NodePair *pair);
+/* x_i under the forces of the lines with alpha, and the part of the damping rate that is due to friction. `shift`: of
+ * the lines. Returns alpha with the forces of the curves. */
+Vector2 lobatto_loads_find(LobattoSystem *system, Vector2 omega, Vector2 alpha, const LoadShift *shift, NodePair *pair);
+
+/* Relative error of a force by the changes of x_i since the last call. */
+double lobatto_loads_error(LobattoSystem *system);
 
 #endif

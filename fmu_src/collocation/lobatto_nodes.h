@@ -19,7 +19,8 @@ typedef struct {
     Vector2 friction[2], dfriction_domega[2]; /* f_i, s/rad */
     /* Only where friction depends on the load; friction[] then holds the tangent coefficients f'_i (loaded_contacts.h): */
     Vector2 x[2], rest[2];    /* N/m, x_i and f'_i x_i - f_i x_i */
-    Vector2 curve[2];         /* x_i F''/(2 (F' - f)), of the friction force F */
+    Vector2 bend[2];          /* N/m, -x_i^2 F''/2, of the friction force F */
+    bool is_bent[2];          /* bend[] holds all that F has of second order */
     Vector2 friction_damping; /* 1/s, its part of the damping rate, as the first sweep found it */
 } NodePair;
 
@@ -42,21 +43,33 @@ typedef struct {
     double theta, omega, h;       /* rad, rad/s at the start; s */
     /* Only where friction varies: */
     const FrictionNearby *law[2]; /* times sigma e_i */
-    bool has_tables;              /* of friction, at a contact */
+    FrictionSource source;
     /* Only where there is such a table; of a contact without one, the same as of the other contact: */
     const FrictionPiece *piece[2];
     const FrictionPatch *patch[2]; /* of a contact whose table has loads, else NULL */
     size_t span[2];                /* the loads of the patch */
-    Vector2 lowest, highest;       /* m/s, the sliding speeds up to which the step may use the pieces */
+    FrictionNear near[2];          /* only of a contact with a patch */
+    double share_to_load; /* only with patches: of a rejected step, until a load of a table; infinity: not for that */
+    Vector2 lowest, highest; /* m/s, the sliding speeds up to which the step may use the pieces */
+    bool keeps_slopes;       /* the nodes hold df_i/domega of the tables whose loads count */
     EndSpeed end_speed;
     LobattoValues tau, F_ext;
     LobattoValues dtheta, speed; /* rad, rad/s: theta_i - theta_0, omega_i */
     LobattoValues y;             /* alpha_i in rad/s^2, or without inertia omega_i in rad/s */
-    double load_error; /* only where friction depends on the load: relative error of a force by the change of x_i in a
-                          sweep */
-    double end_shift;  /* rad, dtheta at the end less the dtheta at which the balance was taken last */
+    Vector2 load_square[2]; /* only where friction depends on the load: the largest square of a relative change of x_i
+                               in a sweep, of both halves; [1]: of forces whose second order is known */
+    double end_shift;       /* rad, dtheta at the end less the dtheta at which the balance was taken last */
     NodePair pair[LOBATTO_HALVES];
 } LobattoSystem;
+
+/* Friction tables, at a contact; with loads. */
+static inline bool lobatto_has_tables(const LobattoSystem *system) {
+    return system->source != FRICTION_BY_LAWS;
+}
+
+static inline bool lobatto_has_patches(const LobattoSystem *system) {
+    return system->source == FRICTION_ON_PATCHES || system->source == FRICTION_ON_PATCH;
+}
 
 /* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
 typedef struct {

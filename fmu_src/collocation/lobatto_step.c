@@ -9,6 +9,7 @@
 #include "collocation/lobatto_system.h"
 #include "collocation/step_energy.h"
 #include "elementary/elementary.h"
+#include "numerics/bernstein.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
 
@@ -131,19 +132,36 @@ COMPACT static bool stays_beside(const FrictionFall *fall, const LobattoValues *
     return stays;
 }
 
-/* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? */
-COMPACT static bool stays_on_patch(const LobattoSystem *s, int i, LobattoRange reaction, double from) {
+/* The share of the step after which the cubic through the values passes `to`, up or down; else infinity. */
+static double share_until(const LobattoValues *v, double to, bool up) {
+    const LobattoValues c = lobatto_combine(LOBATTO.bernstein, v);
+    Bernstein missing = {.degree = LOBATTO_END};
+    for (int k = 0; k < LOBATTO_NODES; k++) missing.c[k] = up ? to - c.at[k] : c.at[k] - to;
+    return bernstein_descent(&missing);
+}
+
+/* Does the reaction stay between the loads of its patch, or pass one no farther than a step may? If not, a shorter step
+ * can end at that load. */
+COMPACT static bool stays_on_patch(LobattoSystem *s, int i, const LobattoValues *total) {
     const FrictionTable *table = s->slip->law[i].loaded;
+    const double per = s->slip->flank[i] / (double)s->slip->params->contacts;
+    LobattoValues reaction;
+    for (int k = 0; k < LOBATTO_HALVES; k++) reaction.half[k] = per * total->half[k];
+    const LobattoRange range = lobatto_range(&reaction);
+    const double from = reaction.at[0];
     const KnotCell cell = friction_table_cell(table->load, table->loads, s->span[i]);
-    const bool up = reaction.high - from > from - reaction.low;
+    const bool up = range.high - from > from - range.low;
     const KnotSteps step = knot_steps(&cell, &cell, s->slip->law[i].fall.overshoot, (Vector2){from, from}, up);
-    return reaction.high - from <= (up ? step.longest : step.back)[0] &&
-           from - reaction.low <= (up ? step.back : step.longest)[0];
+    const bool stays = up ? range.high - from <= step.longest[0] : from - range.low <= step.longest[0];
+    const double aim = knot_aim(&step, 0);
+    if (!stays) s->share_to_load = min_of(s->share_to_load, share_until(&reaction, up ? from + aim : from - aim, up));
+    return stays && (up ? from - range.low : range.high - from) <= step.back[0];
 }
 
 /* Nearly all steps stay well inside. */
-static bool stays_on_patches(const LobattoSystem *s, const NodeLoads *loads) {
+static bool stays_on_patches(LobattoSystem *s, const NodeLoads *loads) {
     const double per = 1.0 / s->slip->params->contacts;
+    bool stays = true;
     for (int i = 0; i < 2; i++) {
         const FrictionTable *table = s->slip->law[i].loaded;
         if (!table) continue;
@@ -154,9 +172,9 @@ static bool stays_on_patches(const LobattoSystem *s, const NodeLoads *loads) {
         const double lower = table->load[k], upper = k < table->loads ? table->load[k + 1] : INFINITY;
         const bool inside =
             size.low >= lower && size.high <= upper && size.high - size.low <= 0.5 * FRICTION_SPAN * (upper - lower);
-        if (!inside && !stays_on_patch(s, i, size, fabs(loads->reaction[i].at[0]) * per)) return false;
+        stays &= inside || stays_on_patch(s, i, &loads->reaction[i]);
     }
-    return true;
+    return stays;
 }
 
 /* Does no reaction pass the load below which friction levels off? Nearly all steps lie above that load. */
@@ -219,7 +237,7 @@ static void find_peaks(const LobattoSystem *s, const NodeLoads *loads, const Pea
 
 /* True if the step is accurate enough and if no event lies in it. The answer does not depend on whether a ledger is
  * kept. */
-static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, LobattoStep *out) {
+static bool is_accepted(LobattoSystem *s, const LobattoStart *from, LobattoStep *out) {
     const SlipMode *slip = s->slip;
     const bool moves =
         lobatto_keeps_sign(&s->speed, slip->direction) && slip->direction * s->dtheta.at[LOBATTO_END] < from->to_stop;
@@ -231,7 +249,7 @@ static bool is_accepted(const LobattoSystem *s, const LobattoStart *from, Lobatt
     if (has_wear(slip->params)) find_wear(s, &loads);
     if (has_friction(slip->params) && !(stays_on_flanks(s, &loads) && stays_on_spring_flanks(s))) return false;
     if (slip->friction_varies && slip->friction_is_loaded &&
-        !(stays_beside_level(s, &loads) && (!s->has_tables || stays_on_patches(s, &loads))))
+        !(stays_beside_level(s, &loads) && (!lobatto_has_patches(s) || stays_on_patches(s, &loads))))
         return false;
     if (!keeps_energy(s, &loads.booking, &out->energy_gained)) return false;
     out->booking = loads.booking;
@@ -303,7 +321,8 @@ NOINLINE static void start_on_tables(LobattoSystem *s, double omega, StartFricti
     const Vector2 v = tabled_sliding(s, out) * omega;
     s->piece[0] = s->piece[1] = friction_table_piece(law[0].table, v[0]);
     if (law[0].table != law[1].table) s->piece[1] = friction_table_piece(law[1].table, v[1]);
-    const Vector2 mu = friction_on_pieces(s->piece[0], s->piece[1], v);
+    const Vector2 mu = s->source == FRICTION_ON_PATCHES ? (Vector2){s->piece[0]->mu[0], s->piece[1]->mu[0]}
+                                                        : friction_on_pieces(s->piece[0], s->piece[1], v);
     for (int i = 0; i < 2; i++)
         if (s->law[i]->has_table) out->value[i] = out->kinetic[i] = s->law[i]->sign[0] * mu[i];
 }
@@ -325,7 +344,7 @@ static StartFriction start_friction(LobattoSystem *s, const LobattoStart *from) 
         if (!falls) out.kinetic[i] = out.value[i];
         out.falls = out.falls || falls;
     }
-    if (s->has_tables) start_on_tables(s, from->omega, &out);
+    if (lobatto_has_tables(s)) start_on_tables(s, from->omega, &out);
     return out;
 }
 
@@ -420,18 +439,29 @@ NOINLINE static double begin_varying(LobattoSystem *s, const LobattoStart *from)
     const double rhs = guess_rhs(s->slip, from, friction.value, &bend);
     if (friction.falls) s->h *= share_in_fall(s, from, &friction, &bend, rhs);
     if (s->slip->direction * rhs < 0.0) s->h *= share_to_fall(s, &friction, from->omega, rhs);
-    if (s->has_tables) approach_samples(s, &friction, from->omega, rhs);
+    if (lobatto_has_tables(s)) approach_samples(s, &friction, from->omega, rhs);
     return rhs;
 }
 
-/* Solves the step to a breakpoint or the end of s->h seconds. Where friction varies, a part of the step may be accurate
- * where the whole is not. */
+/* The share of a rejected step that may be accepted; infinity: none. Where friction varies, a part of the step may be
+ * accurate where the whole is not. */
+static double share_left(LobattoSystem *s, bool was_accurate) {
+    if (!s->slip->friction_varies) return INFINITY;
+    if (!was_accurate) return 0.5;
+    if (!lobatto_has_patches(s)) return INFINITY;
+    const double share = s->share_to_load;
+    s->share_to_load = INFINITY;
+    return share;
+}
+
+/* Solves the step to a breakpoint or the end of s->h seconds. */
 static bool solve_longest(LobattoSystem *s, double rhs, const LobattoStart *from, double longest, LobattoStep *out) {
     for (int n = 0;; n++) { /* at most LOBATTO_HALVINGS + 1 turns */
         out->accurate = false;
         if (solve_to_breakpoint(s, rhs) && s->h > 0.0 && s->h <= longest && is_accepted(s, from, out)) return true;
-        if (out->accurate || n == LOBATTO_HALVINGS || !s->slip->friction_varies) return false;
-        s->h = longest = 0.5 * min_of(s->h, longest);
+        const double share = n < LOBATTO_HALVINGS ? share_left(s, out->accurate) : INFINITY;
+        if (!(share > 0.0 && share < 1.0)) return false;
+        s->h = longest = share * min_of(s->h, longest);
         s->end_speed.given = false;
     }
 }

@@ -74,7 +74,7 @@ static inline void set_law(LobattoSystem *s) {
     const SlipMode *slip = s->slip;
     s->end_speed.given = false;
     for (int i = 0; i < 2; i++) s->law[i] = &slip->law[i].near[friction_sign_index(slip->direction * slip->flank[i])];
-    s->has_tables = s->law[0]->has_table || s->law[1]->has_table;
+    s->source = s->law[0]->source;
 }
 
 void lobatto_system_begin(LobattoSystem *s, const SlipMode *slip) {
@@ -105,12 +105,12 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
         const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
         const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         n->sliding[i] = sliding;
-        if (s->has_tables) continue;
+        if (s->source != FRICTION_BY_LAWS) continue;
         const VectorFriction f = friction_by_law(s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
     }
-    if (s->has_tables) find_friction_by_tables(s, n);
+    if (s->source > FRICTION_ON_PATCHES) find_friction_by_tables(s, n);
 }
 
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {
@@ -203,12 +203,13 @@ static inline Vector2 inertial_rhs(LobattoSystem *s, Vector2 tau, Vector2 omega,
         n->damping_rate = (b * f->delta + f->p * n->dz_dtheta * resistance + 2.0 * swirl) / n->mass;
     }
     const bool loaded = varies && slip->friction_is_loaded;
+    LoadShift shift;
     if (loaded) {
-        const LoadShift shift = lobatto_load_shift(slip, n);
+        shift = lobatto_load_shift(slip, n);
         net += f->delta * shift.torque - f->p * shift.axial - f->q * shift.moment;
     }
     Vector2 alpha = net / n->mass;
-    if (loaded) alpha = lobatto_loads_find(s, omega, alpha, n);
+    if (loaded) alpha = lobatto_loads_find(s, omega, alpha, &shift, n);
     if (varies) {
         if (first && !loaded) n->friction_damping = friction_damping(s, tau - b * omega, omega, alpha, n);
         n->damping_rate = s->is_resisted ? n->damping_rate + n->friction_damping : n->friction_damping;
@@ -245,7 +246,6 @@ NOINLINE static void evaluate_varying(LobattoSystem *s, int k, bool first) {
 
 /* The balances at the nodes. Friction varies with inertia only. */
 ALWAYS_INLINE static inline void evaluate(LobattoSystem *s, bool varies, bool first) {
-    if (varies) s->load_error = 0.0;
     for (int k = 0; k < LOBATTO_HALVES; k++) {
         NodePair *n = &s->pair[k];
         if (varies) {
@@ -404,6 +404,7 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     const double h = s->h, rhs = s->y.at[0];
     const Vector2 c = {0.5, 1.0}, t = h * c;
     NodePair *n = &s->pair[1];
+    s->keeps_slopes = false;
     s->speed.half[1] = s->omega + rhs * t;
     s->dtheta.half[1] = t * (s->omega + 0.5 * rhs * t);
     if (!s->slip->inputs_are_constant) {
@@ -423,10 +424,7 @@ NOINLINE static Parabola guess_parabola(LobattoSystem *s) {
     }
     const Parabola p = parabola_through(rhs, alpha);
     place_on_parabola(s, &p);
-    for (int i = 0; s->slip->friction_is_loaded && i < 2; i++) {
-        const Parabola x = parabola_through(s->pair[0].x[i][0], n->x[i]);
-        for (int k = 0; k < LOBATTO_HALVES; k++) s->pair[k].x[i] = parabola_at(&x, LOBATTO.node.half[k]);
-    }
+    if (s->slip->friction_is_loaded) lobatto_loads_place(s, n);
     return p;
 }
 
@@ -470,7 +468,7 @@ ALWAYS_INLINE static inline bool solve_with(LobattoSystem *s, const EndAngle *en
         const double slowed = varies && end_speed < speed ? end_speed : speed;
         const double allowed = varies ? LOBATTO_LAST_SHARE / LOBATTO_SWEEP_SHARE * share : share;
         bool converged = (varies || n > 0) && lobatto_largest(lobatto_range(&next)) <= allowed * slowed / per_y;
-        if (varies && slip->friction_is_loaded) converged &= s->load_error <= share;
+        if (varies && slip->friction_is_loaded) converged &= lobatto_loads_error(s) <= share;
         for (int k = 0; k < LOBATTO_HALVES && (varies || !converged); k++) s->y.half[k] += next.half[k];
         place_nodes(s, varies);
         if (end->given) missed = aim_at_end(s, end);

@@ -72,35 +72,33 @@ NOINLINE VectorLoadPower friction_load_power(Vector2 exponent, Vector2 q) {
     return out;
 }
 
-/* ln q as level_log() has it, and q times its derivative. */
-static inline VectorLoadPower log_of_load(Vector2 q) {
-    if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM)
-        return (VectorLoadPower){vector2_log(q), (Vector2){1.0, 1.0}, true};
-    const Dual a = level_log(q[0]), b = level_log(q[1]);
-    return (VectorLoadPower){(Vector2){a.value, b.value}, q * (Vector2){a.slope, b.slope}, false};
-}
-
-/* The cubic in b, and b; the first derivative by ln R. */
+/* b at the load, before its limits, and its derivative by ln R. */
 typedef struct {
-    Vector2 value, power, b, per;
-} LoadCubic;
+    Vector2 b, per;
+} LoadPlace;
 
-ALWAYS_INLINE static inline LoadCubic cubic_at(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
-    const Vector2 from = {k->from, l->from}, width = {k->per, l->per}, low = {k->low, l->low},
-                  high = {k->high, l->high};
-    const VectorLoadPower x = log_of_load(q);
-    const Vector2 b = vector2_min(vector2_max((x.value - from) * width, low), high), per = x.by_log_load * width;
-    return (LoadCubic){u[0] + b * (u[1] + b * (u[2] + b * u[3])), (u[1] + b * (2.0 * u[2] + b * (3.0 * u[3]))) * per, b,
-                       per};
+NOINLINE static LoadPlace place_at(Vector2 from, Vector2 per, Vector2 q) {
+    if (q[0] >= LEVEL_LOG_FROM && q[1] >= LEVEL_LOG_FROM) return (LoadPlace){(vector2_log(q) - from) * per, per};
+    const Dual x = level_log(q[0]), y = level_log(q[1]);
+    return (LoadPlace){((Vector2){x.value, y.value} - from) * per, q * (Vector2){x.slope, y.slope} * per};
 }
 
-NOINLINE VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q) {
-    const LoadCubic cubic = cubic_at(u, k, l, q);
-    const Vector2 mu = vector2_exp(cubic.value);
-    return (VectorLoadPower){mu, mu * cubic.power, false};
+NOINLINE static Vector2 exp_of(Vector2 u) {
+    return vector2_exp(u);
 }
 
-void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]) {
+/* Of the cubic u in b: ln mu, and its derivatives by ln R. */
+ALWAYS_INLINE static inline VectorLoadedFriction cubic_at(const Vector2 u[4], Vector2 b, Vector2 per) {
+    const Vector2 bent = 2.0 * u[2], steep = 3.0 * u[3];
+    return (VectorLoadedFriction){
+        .value = u[0] + b * (u[1] + b * (u[2] + b * u[3])),
+        .power = (u[1] + b * (bent + b * steep)) * per,
+        .bend = (bent + b * (steep + steep)) * per * per,
+    };
+}
+
+/* ln mu at one speed, as a cubic in b. */
+static inline void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]) {
     const double t = (v - piece->cell.lower) * piece->per_width[0];
     for (int m = 0; m < 4; m++) {
         const Vector2 *c = patch->c[m];
@@ -109,25 +107,57 @@ void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, doub
     }
 }
 
-NOINLINE VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span,
-                                                const FrictionPiece *piece, Vector2 v, Vector2 q) {
-    const Vector2 low = {-0.25, -0.25}, high = {1.25, 1.25};
-    const Vector2 t = vector2_min(vector2_max((v - piece->lower) * piece->per_width, low), high);
-    Vector2 u[4], slope[4]; /* of b^m, and its derivative by t */
-    for (int m = 0; m < 4; m++) {
-        const Vector2 *c = patch->c[m];
-        u[m] = slope[m] = c[5];
-        for (int n = 4; n > 0; n--) {
-            u[m] = u[m] * t + c[n];
-            slope[m] = slope[m] * t + u[m];
+NOINLINE void friction_start(const FrictionPatch *const patch[2], const FrictionPiece *const piece[2],
+                             const double v[2], const double q[2], FrictionStart *out) {
+    const Vector2 from = {patch[0]->from[0], patch[1]->from[0]}, per = {patch[0]->per[0], patch[1]->per[0]};
+    const Vector2 low = {patch[0]->low[0], patch[1]->low[0]}, high = {patch[0]->high[0], patch[1]->high[0]};
+    double cubic[2][4];
+    Vector2 u[4];
+    for (int i = 0; i < 2; i++) friction_cubic(patch[i], piece[i], v[i], cubic[i]);
+    for (int m = 0; m < 4; m++) u[m] = (Vector2){cubic[0][m], cubic[1][m]};
+    const LoadPlace at = place_at(from, per, (Vector2){q[0], q[1]});
+    out->b = vector2_min(vector2_max(at.b, low), high);
+    out->above = high - 0.25 - out->b;
+    out->below = low + 0.25 - out->b;
+    out->per = at.per;
+    out->mu = cubic_at(u, out->b, at.per);
+    out->log_mu = out->mu.value;
+    out->mu.value = exp_of(out->log_mu);
+}
+
+/* The load comes first: the compiler then reads the coefficients where they are used. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const FrictionPiece *piece, const FrictionNear *near,
+                                       Vector2 v, Vector2 R, bool with_slope) {
+    const Vector2 ratio = (R - near->R) / (R + near->R);
+    LoadPlace at = {near->b, patch->per};
+    if (vector2_is_within(ratio, VECTOR2_NEAR)) at.b += patch->per * vector2_log_ratio(ratio);
+    else at = place_at(patch->from, patch->per, R * near->per_load);
+    const Vector2 b = vector2_min(vector2_max(at.b, patch->low), patch->high);
+    const Vector2 t =
+        vector2_min(vector2_max((v - piece->lower) * piece->per_width, (Vector2){-0.25, -0.25}), (Vector2){1.25, 1.25});
+    Vector2 u[4], by_t = {0.0, 0.0}; /* u: of b^m */
+    if (with_slope) {
+        for (int m = 3; m >= 0; m--) {
+            const Vector2 *c = patch->c[m];
+            Vector2 slope = u[m] = c[5];
+            for (int n = 4; n > 0; n--) {
+                u[m] = u[m] * t + c[n];
+                slope = slope * t + u[m];
+            }
+            u[m] = u[m] * t + c[0];
+            by_t = by_t * b + slope;
         }
-        u[m] = u[m] * t + c[0];
+    } else {
+        for (int m = 3; m >= 0; m--) {
+            u[m] = patch->c[m][5];
+            for (int n = 4; n >= 0; n--) u[m] = u[m] * t + patch->c[m][n];
+        }
     }
-    const LoadCubic cubic = cubic_at(u, span, span, q);
-    const Vector2 b = cubic.b, mu = vector2_exp(cubic.value);
-    const Vector2 by_speed = slope[0] + b * (slope[1] + b * (slope[2] + b * slope[3]));
-    return (VectorLoadedFriction){mu, mu * by_speed * piece->per_width, cubic.power,
-                                  (2.0 * u[2] + 6.0 * b * u[3]) * cubic.per * cubic.per};
+    VectorLoadedFriction mu = cubic_at(u, b, at.per);
+    const Vector2 change = mu.value - near->log_mu;
+    mu.value = vector2_is_within(change, OF_TWO_EXP_SMALL) ? near->mu * vector2_exp_small(change) : exp_of(mu.value);
+    if (with_slope) mu.by_speed = mu.value * by_t * piece->per_width;
+    return mu;
 }
 
 /* FRICTION_OVERSHOOT tolerance^(3/8), by roots: nearly the third root. */
@@ -154,6 +184,13 @@ static bool has_loads(const FrictionTable *table) {
     return table != NULL && table->loads > 1;
 }
 
+static FrictionSource source_of(const Params *p) {
+    const FrictionTable *a = p->cam[0].law.table, *b = p->cam[1].law.table;
+    if (!a && !b) return FRICTION_BY_LAWS;
+    if (has_loads(a) && has_loads(b)) return FRICTION_ON_PATCHES;
+    return has_loads(a) || has_loads(b) ? FRICTION_ON_PATCH : FRICTION_ON_PIECES;
+}
+
 COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
     const CamParams *cam = &p->cam[i];
     const FrictionParams *law = &cam->law;
@@ -164,7 +201,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .viscous = none + (law->table ? 0.0 : sign * law->viscous),
         .excess = none + sign * excess,
         .minus_by_v = none - 1.0 / law->stribeck_velocity,
-        .per_load = none + 1.0 / (p->contacts * law->load),
+        .per_load = none + 1.0 / (p->contacts * (has_loads(law->table) ? law->table->load[1] : law->load)),
         .load_exponent = none + (friction_depends_on_load(cam) && !law->table ? law->load_exponent : 0.0),
         .radius = none + cam->radius,
         .radius2 = none + cam->radius * cam->radius,
@@ -173,6 +210,7 @@ COMPACT static FrictionNearby nearby_of(const Params *p, int i, double sign) {
         .is_gauss = law->stribeck_exponent == 2,
         .has_table = law->table != NULL,
         .has_patches = has_loads(law->table),
+        .source = source_of(p),
     };
 }
 

@@ -88,17 +88,22 @@ static inline bool friction_is_resolved(const FrictionFall *fall, double v, doub
     return v - low <= allowed && (v >= fall->end || high - v <= allowed);
 }
 
+/* What both contacts have friction from: laws; tables with loads, at both contacts or at one; tables without loads. */
+typedef enum { FRICTION_BY_LAWS, FRICTION_ON_PATCHES, FRICTION_ON_PATCH, FRICTION_ON_PIECES } FrictionSource;
+
 /* The law of a contact as a step evaluates it again and again: its constants, in both halves of a vector. */
 typedef struct {
-    Vector2 kinetic, viscous;        /* mu_k; s/m, mu_v */
-    Vector2 excess, minus_by_v;      /* mu_k (peak - 1); s/m, -1/v_s */
-    Vector2 per_load, load_exponent; /* 1/N, 1/(n R_ref); nu, 0 where the law does not depend on the load */
-    Vector2 radius, radius2;         /* m, m^2: r and r^2 */
-    double gone;                     /* m/s, above which the excess is below all rounding */
-    Vector2 sign;                    /* of all values */
-    bool is_gauss;                   /* the Stribeck exponent is 2 */
+    Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
+    Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
+    Vector2 per_load,
+        load_exponent;       /* 1/N, 1/(n R_ref) or 1/(n R_1); nu, 0 where the law does not depend on the load */
+    Vector2 radius, radius2; /* m, m^2: r and r^2 */
+    double gone;             /* m/s, above which the excess is below all rounding */
+    Vector2 sign;            /* of all values */
+    bool is_gauss;           /* the Stribeck exponent is 2 */
     bool has_table;
     bool has_patches; /* the table has loads */
+    FrictionSource source;
 } FrictionNearby;
 
 /* What the parameters of a contact imply for every step where friction varies. */
@@ -158,13 +163,27 @@ typedef struct {
     Vector2 value, by_speed, power, bend;
 } VectorLoadedFriction;
 
-/* Of a table on its patch, at two speeds and reactions; q = R/R_1 >= 0. */
-VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const LoadSpan *span, const FrictionPiece *piece,
-                                       Vector2 v, Vector2 q);
+/* Both contacts at the start of a step on patches: mu, which by_speed lacks; b, its derivative by ln R, and how far up
+ * and down (below 0) the patch goes on. */
+typedef struct {
+    VectorLoadedFriction mu;
+    Vector2 log_mu, b, per, above, below;
+} FrictionStart;
 
-/* ln mu at one speed, as a cubic in b; mu of two cubics, in their spans k and l, and its derivative by ln R. */
-void friction_cubic(const FrictionPatch *patch, const FrictionPiece *piece, double v, double u[4]);
-VectorLoadPower friction_on_cubics(const Vector2 u[4], const LoadSpan *k, const LoadSpan *l, Vector2 q);
+/* One contact there: what is near to it has logarithm and exponential by short series. R: N, of all contacts, 0 where
+ * nothing counts as near. */
+typedef struct {
+    Vector2 R, b, log_mu, mu;
+    Vector2 per_load; /* 1/N, 1/(n R_1) */
+} FrictionNear;
+
+/* Of tables on their patches, at a speed and a load of each contact; q = R/R_1 >= 0. */
+void friction_start(const FrictionPatch *const patch[2], const FrictionPiece *const piece[2], const double v[2],
+                    const double q[2], FrictionStart *start);
+
+/* Of a table on its patch, at two speeds and two reactions R >= 0 of all contacts. by_speed only `with_slope`. */
+VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const FrictionPiece *piece, const FrictionNear *near,
+                                       Vector2 v, Vector2 R, bool with_slope);
 
 /* friction_at() at two speeds, times the sign, to some roundings; the derivative by the speed only for speeds >= 0.
  * Without a table: */

@@ -47,15 +47,12 @@ typedef struct {
 } FrictionPiece;
 
 /* ln mu on one piece of the speed from one load to the next: sum_m b^m sum_n c[m][n] t^n with b = (ln R/R_1 - from) per.
- * Below the first load and beyond the last one c[2] = c[3] = 0 and per = 1. */
+ * Below the first load and beyond the last one c[2] = c[3] = 0 and per = 1. An iteration may look at b from `low` to
+ * `high`. */
 typedef struct {
     Vector2 c[4][6];
+    Vector2 from, per, low, high;
 } FrictionPatch;
-
-/* Of the patches between two loads. An iteration may look at b from `low` to `high`. */
-typedef struct {
-    double from, per, low, high;
-} LoadSpan;
 
 struct FrictionTable {
     size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
@@ -70,10 +67,9 @@ struct FrictionTable {
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
     FrictionPatch *patch; /* only with more than one load: loads + 1 of the first piece, then of the next */
     void *patches;        /* owned: the memory of the patches */
-    LoadSpan span[FRICTION_LOADS_MAX + 1];
-    double at_rest;  /* mu(0+), at the middle one of the loads */
-    double falls_at; /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
-    char path[];     /* of the file */
+    double at_rest;       /* mu(0+), at the middle one of the loads */
+    double falls_at;      /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
+    char path[];          /* of the file */
 };
 
 typedef struct {

@@ -229,25 +229,23 @@ static void fill_outer_patch(const FrictionTable *table, bool is_last, size_t j,
 
 static void fill_patch(FrictionTable *table, size_t k, size_t j) {
     double c[4][6] = {{0.0}};
+    const double *x = table->log_load;
     const bool is_inner = k > 0 && k < table->loads;
-    if (is_inner) fill_inner_patch(table, k - 1, j, 1.0 / table->span[k].per, c);
+    const double width = is_inner ? x[k] - x[k - 1] : 1.0;
+    if (is_inner) fill_inner_patch(table, k - 1, j, width, c);
     else fill_outer_patch(table, k > 0, j, c);
     FrictionPatch *patch = &table->patch[j * (table->loads + 1) + k];
+    patch->from = both(x[k > 0 ? k - 1 : 0] - x[0]);
+    patch->per = both(1.0 / width);
+    patch->low = both(k > 0 ? -0.25 : -INFINITY);
+    patch->high = both(is_inner ? 1.25 : k > 0 ? INFINITY : 0.25);
     for (int m = 0; m < 4; m++)
         for (int n = 0; n < 6; n++) patch->c[m][n] = both(c[m][n]);
 }
 
 static void fill_patches(FrictionTable *table) {
-    const double *x = table->log_load;
-    for (size_t k = 0; k <= table->loads; k++) {
-        const bool is_inner = k > 0 && k < table->loads;
-        table->span[k] =
-            (LoadSpan){x[k > 0 ? k - 1 : 0] - x[0], is_inner ? 1.0 / (x[k] - x[k - 1]) : 1.0, k > 0 ? -0.25 : -INFINITY,
-                       is_inner ? 1.25
-                       : k > 0  ? INFINITY
-                                : 0.25};
+    for (size_t k = 0; k <= table->loads; k++)
         for (size_t j = 0; j <= table->count; j++) fill_patch(table, k, j);
-    }
 }
 
 /* The load may change mu by a power between -FRICTION_LOAD_POWER and that: as the load exponent of the analytic law. */

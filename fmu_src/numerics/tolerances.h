@@ -140,19 +140,7 @@ static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6
                     STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
 
-/* Friction that depends on the load. LOADED_SHARE_GAINED: part of the change made by which the next one must fall, else
- * less of the next is made, at least LOADED_LEAST_SHARE. LOADED_SEARCH_RANGE, _FACTOR, _SAMPLES: from the load without
- * friction down and up, in factors; LOADED_FAR_SAMPLES: beside a level groove, up to 1e12. LEVEL_LOG_FROM: share of R_ref
- * below which friction levels off, so that a contact may change its flank; LOADED_LEAST_FORCE: N, no load; LOADED_NO_TORQUE:
- * share of a_i in n_i that passes on no torque; LOADED_REST_SAMPLES: of the band's edge while F_ext varies;
- * LOADED_EDGE_SAMPLES: in a step. */
-enum { LOADED_ITERATIONS = 25, LOADED_REST_SAMPLES = 32, LOADED_REST_GOLDEN_STEPS = 20, LOADED_EDGE_SAMPLES = 16 };
-enum { LOADED_SEARCH_SAMPLES = 59, LOADED_FAR_SAMPLES = 89 };
-static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_LEAST_FORCE = 1e-12,
-                    LOADED_SHARE_GAINED = 0.25, LOADED_LEAST_SHARE = 0.02, LOADED_SEARCH_RANGE = 1e6,
-                    LOADED_SEARCH_FACTOR = 1.6, LEVEL_LOG_FROM = 0.01, LOADED_NO_TORQUE = 1e-6,
-                    LOADED_REST_CHANGE = 1e-6, /* share of the time to another reason of wedging */
-    RADAU_LOADED_STRICT = 10.0;                /* of the error estimate */
+#include "numerics/load_tolerances.h"
 
 /* ---- closed_form ---- */
 
@@ -328,7 +316,9 @@ enum { LOBATTO_SWEEPS = 8 };
 /* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
  * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
  * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2, LOBATTO_LOAD_GUESSES = 2 /* of the loads at the start */ };
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
+/* Iterations for the loads at the start: with a power of the load; with tables alone, whose curve is then followed. */
+enum { LOBATTO_LOAD_GUESSES = 2, LOBATTO_TABLE_GUESSES = 1 };
 static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the

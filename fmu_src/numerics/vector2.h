@@ -5,10 +5,14 @@
 #include "elementary/of_two_table.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
+
+/* The largest |s| of vector2_log_ratio() */
+static const double VECTOR2_NEAR = 0.0625;
 
 /* Of each half; where a number is NaN, the y of that half. */
 static inline Vector2 vector2_min(Vector2 x, Vector2 y) {
@@ -21,6 +25,12 @@ static inline Vector2 vector2_max(Vector2 x, Vector2 y) {
 
 static inline Vector2 vector2_abs(Vector2 x) {
     return (Vector2){fabs(x[0]), fabs(x[1])};
+}
+
+/* False for NaN. */
+static inline bool vector2_is_within(Vector2 x, double limit) {
+    const Vector2 size = vector2_abs(x);
+    return size[0] <= limit && size[1] <= limit;
 }
 
 /* exp(u) for |u| <= OF_TWO_EXP_SMALL, to one unit in the last place: 1 + 2 u/(u coth(u/2) - u). */
@@ -45,6 +55,13 @@ static inline Vector2 vector2_exp(Vector2 u) {
     const double *k = OF_TWO_EXP_SERIES;
     const Vector2 c = x - z * (k[0] + z * (k[1] + z * (k[2] + z * (k[3] + z * k[4]))));
     return (1.0 - ((low - x * c / (2.0 - c)) - high)) * power;
+}
+
+/* log((1 + s)/(1 - s)) = 2 artanh(s) for |s| <= VECTOR2_NEAR, to some roundings, by its series. */
+static inline Vector2 vector2_log_ratio(Vector2 s) {
+    const Vector2 z = s * s;
+    const Vector2 low = 2.0 / 3.0 + z * (2.0 / 5.0 + z * (2.0 / 7.0 + z * (2.0 / 9.0 + z * (2.0 / 11.0))));
+    return (s + s) + s * z * low;
 }
 
 /* log(x), x > 0 and normal, to one unit in the last place. With x = 2^n (1 + f), 1 + f from sqrt(1/2) to sqrt(2), and
