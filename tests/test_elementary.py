@@ -36,7 +36,7 @@ def functions(core):
         f"double shim_{function}(double x) {{ return {function}((Vector2){{x, 1.0}})[0]; }}\n"
         for function in VECTORS.values()
     )
-    library = core(["elementary/elementary", "numerics/vector2"], [], code)
+    library = core(["elementary/elementary", "elementary/vector2"], [], code)
     names = {name: f"elementary_{name}" for name in EXACT if name not in ("sin", "cos")}
     names |= {name: f"shim_{name}" for name in ("sin", "cos", "max", "min")}
     names |= {name: f"shim_{function}" for name, function in VECTORS.items()}

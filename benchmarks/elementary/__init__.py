@@ -9,8 +9,8 @@ each function, and wherever an error is above 0.8 ulp, 60 digits give the error 
 1e-9 ulp. The published error is that of 60 digits. Costs: instructions of a call by callgrind, and
 processor time, over arguments from 0.01 to 6.
 
-The functions "of two" are those of numerics/vector2.h, for the friction of both cams at once; both columns of
-costs hold two values. "small exp" is for arguments up to 0.1; its costs do not depend on the argument.
+The functions "of two" are those of elementary/vector2.h, for the friction of both cams at once; both columns
+of costs hold two values. "small exp" is for arguments up to 0.1; its costs do not depend on the argument.
 
 Then callgrind counts which of the functions the steps of the FMU call (shares.py).
 """

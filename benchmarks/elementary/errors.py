@@ -26,7 +26,7 @@ EXACT: dict[str, Callable[..., mpmath.mpf]] = {  # in the order of reference.c
     "cbrt": lambda x: MP.sign(x) * MP.cbrt(abs(x)),
     "atan2": MP.atan2,
 }
-OF_TWO = {"exp of two": "exp", "small exp of two": "exp", "log of two": "log"}  # numerics/vector2.h
+OF_TWO = {"exp of two": "exp", "small exp of two": "exp", "log of two": "log"}  # elementary/vector2.h
 LIKE_X = ("expm1", "log1p", "sin", "tan", "atan")  # f(x) = x + ... near 0
 TERMS, WORDS = 31, 22
 

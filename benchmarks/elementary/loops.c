@@ -11,7 +11,7 @@
 #include <time.h>
 
 #include "elementary/elementary.h"
-#include "numerics/vector2.h"
+#include "elementary/vector2.h"
 
 #define EXPORT __attribute__((visibility("default"), noinline))
 

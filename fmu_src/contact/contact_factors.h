@@ -14,9 +14,9 @@
 #ifndef DUALCAM_CONTACT_FACTORS_H
 #define DUALCAM_CONTACT_FACTORS_H
 
+#include "elementary/vector2.h"
 #include "numerics/dual.h"
 #include "numerics/jet.h"
-#include "numerics/vector2.h"
 
 /* ---- numbers ---- */
 

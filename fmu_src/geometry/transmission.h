@@ -16,11 +16,11 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "elementary/vector2.h"
 #include "geometry/groove.h"
 #include "model/fault.h"
 #include "model/params.h"
 #include "numerics/chebyshev.h"
-#include "numerics/vector2.h"
 
 enum { TRANSMISSION_DEGREE = CHEBYSHEV_DEGREE };
 _Static_assert(TRANSMISSION_DEGREE % 2 == 0, "piece_at pairs an even part with an odd one that is one shorter");

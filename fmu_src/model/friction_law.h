@@ -17,12 +17,12 @@
 #ifndef DUALCAM_FRICTION_LAW_H
 #define DUALCAM_FRICTION_LAW_H
 
+#include "elementary/vector2.h"
 #include "model/friction_table.h"
 #include "model/known.h"
 #include "model/params.h"
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
-#include "numerics/vector2.h"
 #include "platform/attributes.h"
 
 /* Does the coefficient depend on the sliding speed? */

@@ -21,7 +21,7 @@
 #include "model/params.h"
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
-#include "numerics/vector2.h"
+#include "elementary/vector2.h"
 #include "platform/attributes.h"
 
 enum { FRICTION_LOADS_MAX = 16, FRICTION_BUCKETS = 128, FRICTION_BUCKET_BITS = 3 /* 8 buckets in each octave */ };

@@ -12,8 +12,8 @@
 #include <stdbool.h>
 
 #include "elementary/elementary.h"
+#include "elementary/vector2.h"
 #include "numerics/bernstein.h"
-#include "numerics/vector2.h"
 
 enum { LOBATTO_NODES = 4, LOBATTO_END = LOBATTO_NODES - 1, LOBATTO_HALVES = 2 };
 
