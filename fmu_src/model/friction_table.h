@@ -18,10 +18,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "elementary/vector2.h"
 #include "model/params.h"
 #include "numerics/jet.h"
 #include "numerics/tolerances.h"
-#include "elementary/vector2.h"
 #include "platform/attributes.h"
 
 enum { FRICTION_LOADS_MAX = 16, FRICTION_BUCKETS = 128, FRICTION_BUCKET_BITS = 3 /* 8 buckets in each octave */ };
