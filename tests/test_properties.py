@@ -473,7 +473,7 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
         if not mechanism.is_loaded and wedges(parameters, a, mu, tau, force):
             return True
     # without any force the pin wedges as under the smallest one, of either sign
-    loads = [force] if force else [1.0, -1.0]
+    loads = [force] if force else [1.0, -1.0, 1e-12, -1e-12]
     # slopes are known to 1e-13 of the steeper one: where contacts lock, and at the end of a dwell, where one
     # contact carries nothing and wedges as soon as the other groove rises, that decides
     known = 1e-13 * max(a)

@@ -84,3 +84,29 @@ def test_speed_under_quadratic_damping_alone(make_model, exponent, tau):
         assert fmu.get("omega") == pytest.approx(omega, rel=1e-9)
     assert fmu.get("theta") == pytest.approx(0.03 * omega, rel=1e-9)
     assert fmu.get("energy.heat_damper") == pytest.approx(SQUARE * (LIFT * omega) ** 3 * 0.03, rel=1e-8)
+
+
+def test_a_motion_keeps_its_flanks_while_the_axial_load_passes_zero(make_model):
+    """Several speeds balance the torque there, each with its own flanks. Steps of any length follow one."""
+    p = {
+        **{
+            "cam1.radius": 0.013,
+            "cam1.lead_angle": 0.27,
+            "cam1.friction": 0.09,
+            "cam1.friction_viscous": 1.0,
+        },
+        **{"cam2.radius": 0.02, "cam2.lead_angle": 1.12, "cam2.friction": 0.017},
+        **{"cam2.friction_viscous": 0.019, "spring.preload": 1.0, "spring.stiffness": 0.0},
+        **{"spring.stiffness2": 9.7e5, "inertia.shaft": 0.0, "damper.c_load": 0.0, "damper.q_load": 1.17},
+    }
+    h, steep, found = 2.2e-6, -1.5e12, []
+    for pieces in (1, 16, 64):
+        fmu = make_model(models["DualCamForward"]).start(p | {"tau": 4.5e-3, "F_ext": 1.0})
+        for k in range(pieces):
+            t = h * k / pieces
+            fmu.set({"F_ext": 1.0 + steep * t * t / 2.0})
+            fmu.set_derivatives({"F_ext": [steep * t, steep]})
+            fmu.step(h / pieces)
+        found.append(fmu.get("theta"))
+    assert found[0] > 1e-4
+    assert found == pytest.approx([found[0]] * 3, rel=1e-8)

@@ -127,37 +127,17 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-/* Without inertia: does the motion go on along its pair of flanks? */
-static bool goes_on(const Mechanism *m, LinearSlipMode *built) {
-    const int direction = direction_of(m->state.mode), present = slip_index(direction, m->state.flank);
-    const Candidate candidate = candidate_building(m, present, built);
-    return candidate.stable && direction * candidate.omega > 0.0 && agrees(m, present, &candidate, true);
-}
-
-/* Without inertia the band tells whether rest is possible, and so can a motion be: under an axial load that locks the
- * contacts at rest, while the damper presses the pin onto the other flanks. */
-static bool goes_on_beside_rest(const Mechanism *m, LinearSlipMode *built) {
-    if (!is_slip(m->state.mode) || has_inertia(&m->params)) return false;
-    const BandFactors f = stick_edges(m, stick_axial_load(m));
-    const bool loads = m->state.mode == MODE_LOADING;
-    const bool at_stop = loads ? m->state.theta.hi >= m->params.stop.upper : m->state.theta.hi <= m->params.stop.lower;
-    return !at_stop && isinf(loads ? f.load : f.release) && goes_on(m, built);
-}
-
 /* Without inertia, where friction grows with the speed, several pairs of flanks can balance the torque, each at its own
- * speed, while the axial load passes zero. */
+ * speed, while the axial load passes zero. The motion goes on along its pair as long as this pair agrees. */
 static bool keeps_flanks(const Mechanism *m, int direction, LinearSlipMode *built) {
-    const bool several = !has_inertia(&m->params) && any_friction_varies(&m->params);
-    return several && m->state.mode == slip_mode(direction) && goes_on(m, built);
-}
-
-static Decision present_slip(const Mechanism *m) {
-    return (Decision){.mode = m->state.mode, .slip_index = present_slip_index(m)};
+    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params) || !any_friction_varies(&m->params))
+        return false;
+    const Candidate candidate = candidate_building(m, present_slip_index(m), built);
+    return candidate.stable && direction * candidate.omega > 0.0 && agrees(m, present_slip_index(m), &candidate, true);
 }
 
 static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     const int direction = stick_direction_beyond_band(m);
-    if (direction == 0 && goes_on_beside_rest(m, built)) return present_slip(m);
     if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
     if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
         return (Decision){.mode = MODE_UPPER_STOP, .slip_index = -1};
@@ -165,7 +145,8 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
         return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
     /* The loads of a slip that begins later do not tell the flanks now. */
     if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
-    if (keeps_flanks(m, direction, built)) return present_slip(m);
+    if (keeps_flanks(m, direction, built))
+        return (Decision){.mode = m->state.mode, .slip_index = present_slip_index(m)};
     const int index = find_slip_mode(m, direction, FROM_REST, built);
     /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
     if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};

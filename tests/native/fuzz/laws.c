@@ -58,7 +58,7 @@ static double allowed_error(Run *run, double h) {
 }
 
 static void check_stops(Run *run) {
-    if (MODEL_BUILT != MODEL_FORWARD) return;
+    if (MODEL_BUILT != MODEL_FORWARD || run->forged) return;
     const double theta = get(run, VR_THETA);
     REQUIRE(run, theta >= get(run, VR_STOP_LOWER) && theta <= get(run, VR_STOP_UPPER));
 }

@@ -86,7 +86,7 @@ void read_state(Bytes in) {
         change_number(&in, bytes, size);
     set_checksum(bytes, size);
     run.in = in;
-    run.wild = true;
+    run.wild = run.forged = true;
     use_forged_state(&run, bytes, size);
     free(bytes);
     REQUIRE(&run, call_free_state(&run, &state));

@@ -40,6 +40,7 @@ typedef struct {
     double time;      /* s, that of the FMU */
     double tolerance; /* relative */
     bool wild;        /* numbers of no plausible size have been set, so energies may have lost their digits */
+    bool forged;      /* a forged state acts: its numbers are not compared with one another (fmu_state.c) */
     bool inside;      /* inside a step, called by the FMU */
     bool event;       /* the latest step of co-simulation asks for event mode */
     bool logs;        /* errors are logged */
