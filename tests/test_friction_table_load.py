@@ -114,6 +114,25 @@ def test_slip(make_model, scenes, tolerance):
             assert abs(fmu.get("energy.residual")) <= 10 * tolerance * 2
 
 
+@pytest.mark.parametrize("seed", [2, 11])
+def test_slip_past_the_loads(make_model, tmp_path, seed):
+    """The reactions pass two loads of the table. At the start of some steps, mu at the middle load gives a
+    first guess of the reactions beyond the next load."""
+    speeds, loads = [0.0, 0.03, 0.08, 0.14, 0.3], [27.0, 79.0, 200.0]
+    path = write(
+        tmp_path / "law.csv", speeds, loads, drawn(np.random.default_rng(seed), speeds, loads, power=-0.4)
+    )
+    p = both(path) | {"initial.theta": 0.2, "initial.omega": 4.0, "inertia.follower_mass": 0.5}
+    torques, tolerance = [10.0, 12.0, 14.0, 16.0, 18.0, 20.0], 1e-8
+    points = simulate(p, [Interval(0.003, tau) for tau in torques])
+    fmu, reactions = make_model(FORWARD).start(p | {"tau": torques[0]}, tolerance=tolerance), []
+    for tau, point in zip(torques, points, strict=True):
+        fmu.step(0.003, tau=tau)
+        assert abs(fmu.get("omega") - point.omega) <= 2 * tolerance * abs(point.omega)
+        reactions.append(fmu.get("cam1.reaction"))
+    assert min(reactions) < loads[1] and max(reactions) > loads[2]
+
+
 @pytest.mark.parametrize("omega", [0.3, 4.0, -1.0])
 def test_directional_derivatives(make_model, table, omega):
     values = both(table) | {"inertia.follower_mass": 1.0, "cam2.radius": 0.025}
