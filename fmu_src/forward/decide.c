@@ -4,9 +4,11 @@
 
 #include "forward/stick.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* ---- does a slip mode agree with itself? ---- */
 
+COMPACT_BEGIN
 /* From rest the net torque must point in the direction of the slip, or be zero; a rate has decided then. */
 static bool starts(const Candidate *candidate, int direction) {
     return direction * candidate->net >= -candidate->tie * candidate->net_size;
@@ -120,6 +122,7 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
     if (unstable >= 0) return unstable;
     return before >= 0 ? before : overflowing;
 }
+COMPACT_END
 
 /* ---- the decision ---- */
 
@@ -153,6 +156,7 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
     return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
+COMPACT_BEGIN
 /* Where the load of a contact passes zero, both of its flanks give the same loads and the same acceleration: the motion
  * goes on without a jump if the contact changes its flank and the other contact does not. A contact without load suits
  * either flank, and takes the one that the axial load presses. The index of this slip mode, or -1 where a load that is
@@ -174,6 +178,7 @@ static int slip_across_zero(const Mechanism *m, int present, const Candidate *ca
     }
     return slip_index(direction, flank);
 }
+COMPACT_END
 
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */

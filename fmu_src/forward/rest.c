@@ -25,6 +25,7 @@ bool wedge_holds(const Mechanism *m) {
     return m->state.mode == MODE_WEDGED && has_inertia(&m->params) && stick_direction_beyond_band(m) != 0;
 }
 
+COMPACT_BEGIN
 /* The conditions of one slip mode at rest. False if friction jams this mode, or depends on the load: its conditions are no
  * polynomials of tau and F_0. */
 static bool conditions_of(const Mechanism *m, int index, Conditions *c) {
@@ -179,6 +180,7 @@ double wedge_agreement(const Mechanism *m) {
     }
     return largest;
 }
+COMPACT_END
 
 /* ---- segments ---- */
 

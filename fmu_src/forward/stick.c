@@ -137,6 +137,7 @@ int stick_direction_beyond_band(const Mechanism *m) {
     return is_beyond(m, f.release, f.release_rate, F_0, -1.0) ? -1 : 0;
 }
 
+COMPACT_BEGIN
 bool stick_excess_grows(const Mechanism *m, int direction) {
     const double F_0 = stick_axial_load(m);
     const BandFactors f = stick_edges(m, side_of(m, F_0));
@@ -163,6 +164,7 @@ Mode stick_mode(const Mechanism *m) {
     if (isinf(f.load) && is_beyond(m, frictionless_factor, frictionless_factor, F_0, 1.0)) return MODE_WEDGED;
     return MODE_STICK;
 }
+COMPACT_END
 
 /* Is the mechanism wedged above the frictionless torque z' F_0? At that torque, to rounding, the infinite edge
  * decides. */

@@ -4,6 +4,7 @@
 
 #include "elementary/elementary.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* De Casteljau's algorithm. */
 double bernstein_value(const Bernstein *p, double x) {
@@ -111,6 +112,7 @@ double bernstein_descent(const Bernstein *p) {
     return descent(&q, 0);
 }
 
+COMPACT_BEGIN
 /* The sign of the first (step 1) or last (step -1) coefficient that is not zero, or 0. */
 static int outer_sign(const Bernstein *p, int step) {
     for (int i = step > 0 ? 0 : p->degree; i >= 0 && i <= p->degree; i += step) /* at most BERNSTEIN_MAX + 1 turns */
@@ -153,6 +155,8 @@ Bernstein bernstein_derivative(const Bernstein *p) {
     return d;
 }
 
+COMPACT_END
+
 /* The largest of 17 samples, or the maximum of |p| beside this sample, where the derivative of p is zero. */
 double bernstein_peak(const Bernstein *p) {
     enum { SAMPLES = 16 };
@@ -184,6 +188,7 @@ Bernstein bernstein_of_taylor(const double u[4], double t_end) {
     };
 }
 
+COMPACT_BEGIN
 /* The sign of the first derivative of u that is not zero: u moves that way at first. */
 static int first_direction(const double u[4]) {
     for (int k = 1; k <= 3; k++)
@@ -233,3 +238,4 @@ int taylor_leaving_sign(const double u[4], double width) {
     }
     return direction;
 }
+COMPACT_END
