@@ -29,7 +29,7 @@ NOINLINE static void take_patches(LobattoSystem *s, const Geometry *g, const dou
     s->share_to_load = INFINITY;
     for (int i = 0; i < 2; i++) {
         const Vector2 none = {0.0, 0.0};
-        const bool is_far_from_level = q[i] * (1.0 - VECTOR2_NEAR) > LEVEL_LOG_FROM * (1.0 + VECTOR2_NEAR);
+        const bool is_far_from_level = q[i] * (1.0 - OF_TWO_LOG_NEAR) > LEVEL_LOG_FROM * (1.0 + OF_TWO_LOG_NEAR);
         s->near[i] = (FrictionNear){none + (is_far_from_level ? R[i] : 0.0), none + out->b[i], none + out->log_mu[i],
                                     none + out->mu.value[i], s->law[i]->per_load};
     }

@@ -103,16 +103,15 @@ static double kinetic_energy(const SlipMode *slip, const Balance *b) {
     return kinetic_energy_of(&slip->params->inertia, b->dz_dtheta, b->dpsi_dtheta[0], b->omega);
 }
 
-static EnergyBalance energy_balance_of(const SlipMode *slip, const RadauStep *step) {
+static EnergyEnds energy_ends_of(const SlipMode *slip, const RadauStep *step) {
     const Balance *start = &step->start, *end = radau_step_end(step);
-    const EnergyEnds ends = {
+    return (EnergyEnds){
         .z = {start->z, end->z},
         .kinetic = {kinetic_energy(slip, start), kinetic_energy(slip, end)},
         .spring_force = start->force - start->F_ext,
         .tau = end->tau,
         .angle_noise = step->angle_noise,
     };
-    return step_energy_balance(slip, &step->booking, &ends);
 }
 
 /* Where friction depends on the load: the error of the heat at each contact, relative to `size`, J. The energy balance
@@ -174,10 +173,12 @@ bool radau_step_solve(const SlipMode *slip, const Balance *start, double h, int 
     step->start = *start;
     if (!(slip->regime == REGIME_RATE_INDEPENDENT ? follow_edge(&s, step) : integrate(&s, step))) return false;
     step->booking = booking_of(slip, step);
-    const EnergyBalance energy = energy_balance_of(slip, step);
+    const EnergyEnds ends = energy_ends_of(slip, step);
+    const EnergyBalance energy = step_energy_balance(slip, &step->booking, &ends);
     step->energy_gained = energy.gained;
     step->energy_error = energy.error;
-    if (slip->friction_is_loaded) step->error = max_of(step->error, heat_error(slip, step, energy.passed));
+    if (slip->friction_is_loaded)
+        step->error = max_of(step->error, heat_error(slip, step, step_energy_size(slip, &step->booking, &ends)));
     return true;
 }
 

@@ -19,9 +19,11 @@ typedef struct {
 typedef struct {
     double gained; /* J, what the step has added to the stored energy out of nothing: the residual of the balance */
     double error;  /* the residual over the residual that the tolerance allows: the step is good up to 1 */
-    double passed; /* J, work, heat and change of energies in the step, by their sizes, and the kinetic energy */
 } EnergyBalance;
 
 EnergyBalance step_energy_balance(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
+
+/* J, above 0: work, heat and change of the spring energy in the step, by their sizes, and the kinetic energy at the end. */
+double step_energy_size(const SlipMode *slip, const Booking *booking, const EnergyEnds *ends);
 
 #endif

@@ -11,9 +11,6 @@
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 
-/* The largest |s| of vector2_log_ratio() */
-static const double VECTOR2_NEAR = 0.0625;
-
 /* Of each half; where a number is NaN, the y of that half. */
 static inline Vector2 vector2_min(Vector2 x, Vector2 y) {
     return (Vector2){x[0] < y[0] ? x[0] : y[0], x[1] < y[1] ? x[1] : y[1]};
@@ -57,11 +54,11 @@ static inline Vector2 vector2_exp(Vector2 u) {
     return (1.0 - ((low - x * c / (2.0 - c)) - high)) * power;
 }
 
-/* log((1 + s)/(1 - s)) = 2 artanh(s) for |s| <= VECTOR2_NEAR, to some roundings, by its series. */
+/* log((1 + s)/(1 - s)) = 2 artanh(s) for |s| <= OF_TWO_LOG_NEAR, to one unit in the last place. */
 static inline Vector2 vector2_log_ratio(Vector2 s) {
     const Vector2 z = s * s;
-    const Vector2 low = 2.0 / 3.0 + z * (2.0 / 5.0 + z * (2.0 / 7.0 + z * (2.0 / 9.0 + z * (2.0 / 11.0))));
-    return (s + s) + s * z * low;
+    const double *k = OF_TWO_LOG_NEAR_SERIES;
+    return (s + s) + s * z * (k[0] + z * (k[1] + z * (k[2] + z * k[3])));
 }
 
 /* log(x), x > 0 and normal, to one unit in the last place. With x = 2^n (1 + f), 1 + f from sqrt(1/2) to sqrt(2), and

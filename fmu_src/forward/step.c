@@ -130,12 +130,20 @@ static bool goes_beyond_loss(Mechanism *m, const Segment *segment) {
     return lost && leave_lost_flanks(m);
 }
 
+/* Before rest or a jam. */
+NOINLINE static void note_rest(Mechanism *m, StepRun *run, const Segment *segment) {
+    const bool at_rest = segment->kind == SEGMENT_JAM && segment->duration == 0.0 && m->state.omega.hi == 0.0;
+    run->jams_on = run->jammed_at_rest && at_rest;
+    run->jammed_at_rest = at_rest;
+    /* The length of a step that ran into a jam says nothing about the motion that begins after the rest. */
+    if (m->model.friction_is_loaded) m->cache.proposal = (StepProposal){INFINITY, 0};
+}
+
 /* Applies the segment, handles its event and updates the run. Returns false if the visitor stops the step. */
 static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     StepVisitor *visitor = run->visitor;
     SegmentPast past;
     past.mode = m->state.mode;
-    const double omega = m->state.omega.hi;
     if (visitor != NULL) past.inputs = m->inputs;
     segment_apply(m, segment);
     past.omega = m->state.omega.hi;
@@ -150,12 +158,6 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     run->segments += counts;
     work_add(&run->work, WORK_OF_SEGMENT);
     run->jams += segment->kind == SEGMENT_JAM;
-    const bool at_rest = segment->kind == SEGMENT_JAM && segment->duration == 0.0 && omega == 0.0;
-    run->jams_on = run->jammed_at_rest && at_rest;
-    run->jammed_at_rest = at_rest;
-    /* The length of a step that ran into a jam says nothing about the motion that begins after the rest. */
-    if (m->model.friction_is_loaded && (segment->kind == SEGMENT_JAM || segment->kind == SEGMENT_REST))
-        m->cache.proposal = (StepProposal){INFINITY, 0};
     return visitor == NULL || visitor->after_segment(visitor, m, segment, &past);
 }
 
@@ -194,6 +196,8 @@ NOINLINE static Outcome make_segments(Mechanism *m, StepRun *run) {
         }
         if (goes_beyond_loss(m, &segment) && !propose_segment(m, run->left, &location, &segment))
             return OUTCOME_NOT_FINITE;
+        if (segment.kind == SEGMENT_JAM || segment.kind == SEGMENT_REST) note_rest(m, run, &segment);
+        else run->jammed_at_rest = false;
         if (!carry_out(m, run, &segment)) return OUTCOME_STOPPED;
     }
 }

@@ -130,7 +130,7 @@ VectorLoadedFriction friction_on_patch(const FrictionPatch *patch, const Frictio
                                        Vector2 v, Vector2 R, bool with_slope) {
     const Vector2 ratio = (R - near->R) / (R + near->R);
     LoadPlace at = {near->b, patch->per};
-    if (vector2_is_within(ratio, VECTOR2_NEAR)) at.b += patch->per * vector2_log_ratio(ratio);
+    if (vector2_is_within(ratio, OF_TWO_LOG_NEAR)) at.b += patch->per * vector2_log_ratio(ratio);
     else at = place_at(patch->from, patch->per, R * near->per_load);
     const Vector2 b = vector2_min(vector2_max(at.b, patch->low), patch->high);
     const Vector2 t =
