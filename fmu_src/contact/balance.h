@@ -42,6 +42,7 @@ typedef struct {
     double friction[2];    /* f_i = sigma e_i mu_i */
     double axial[2];       /* 1/m, dx_i/dA */
     double x[2];           /* N/m */
+    double tangent_delta;  /* m^3, Delta with the tangent factors, only where friction depends on the load */
 } Balance;
 
 /* The balance at time t after `inputs`. Without inertia `omega` is not used: the balance finds the speed. */
