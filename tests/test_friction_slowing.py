@@ -60,6 +60,29 @@ SCENES = {
         17,
         1e-3,
     ),
+    # the tangent Delta passes zero too, at 0.525 rad/s; the inertia stays above zero
+    "the tangent Delta passes zero": (
+        both(
+            lead_angle=(0.9335, 0.7032),
+            friction=(0.1788, 0.1864),
+            friction_peak=(2.926, 2.402),
+            stribeck_velocity=(0.01693, 0.05243),
+            stribeck_exponent=(2, 2),
+            friction_viscous=(0.0, 0.1),
+            friction_load_exponent=(-0.2567, -0.1706),
+            friction_load=(36702.0, 316.6),
+        )
+        | {
+            "inertia.shaft": 3.383e-4,
+            "inertia.follower_mass": 1.0,
+            "spring.stiffness": 6627.0,
+            "initial.theta": 0.73533,
+            "initial.omega": 6.0719,
+        },
+        Interval(0.027188, 0.69054),
+        7,
+        1e-6,
+    ),
     "samples of a table": (
         both(lead_angle=(0.95, 0.6))
         | {

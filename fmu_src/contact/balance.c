@@ -313,9 +313,9 @@ COMPACT static RightHandSide rhs_of_loaded(const SlipMode *slip, SlipCoefficient
         .by_theta = by.alpha_by[0],
         .by_omega = by.alpha_by[1],
         .by_time = (f->delta * in->tau_rate - f->p * in->F_ext_rate) * inverse,
-        .resistance = fabs(by.inertia),
-        .possible = k->loaded.possible && by.inertia * f->delta > 0.0,
-        .stable = true,
+        .resistance = by.inertia,
+        .possible = k->loaded.possible && (by.inertia > 0.0 || by.inertia * f->delta > 0.0),
+        .stable = by.inertia * f->delta > 0.0,
     };
 }
 
@@ -398,7 +398,6 @@ void balance_at(const SlipMode *slip, double theta, double omega, double t, Bala
     for (int i = 0; slip->friction_varies && slip->friction_is_loaded && i < 2; i++) {
         out->axial[i] = k->loaded.tangent.rn[1 - i] / k->loaded.tangent.delta;
         out->x[i] = k->loaded.x[i];
-        out->tangent_delta = k->loaded.tangent.delta;
     }
     for (int i = 0; i < 2; i++)
         out->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;

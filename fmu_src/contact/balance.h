@@ -23,9 +23,11 @@ typedef struct {
     double by_theta, by_omega; /* its partial derivatives; by_omega only if inertial */
     double by_time;
     double net;        /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
-    double resistance; /* inertial: |Delta| times the effective inertia; rate-independent: dE/dtheta, N.m/rad */
-    bool possible;     /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion */
-    bool stable;       /* more torque gives more motion */
+    double resistance; /* inertial: |Delta| times the effective inertia, where friction depends on the load
+                          LoadedMotionResponse.inertia; rate-independent: dE/dtheta, N.m/rad */
+    bool possible; /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion; where
+                          friction depends on the load LoadedMotionResponse.inertia > 0 suffices */
+    bool stable;   /* more torque gives more motion */
 } RightHandSide;
 
 /* The balance and all that enters it. */
@@ -42,7 +44,6 @@ typedef struct {
     double friction[2];    /* f_i = sigma e_i mu_i */
     double axial[2];       /* 1/m, dx_i/dA */
     double x[2];           /* N/m */
-    double tangent_delta;  /* m^3, Delta with the tangent factors, only where friction depends on the load */
 } Balance;
 
 /* The balance at time t after `inputs`. Without inertia `omega` is not used: the balance finds the speed. */

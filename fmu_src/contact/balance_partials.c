@@ -170,7 +170,6 @@ void balance_set_motion(const SlipMode *slip, double theta, double omega, double
         b->friction[i] = slip_friction(slip, k, i);
         b->axial[i] = loaded ? tangent->rn[1 - i] / tangent->delta : f->rn[1 - i].value / f->delta.value;
         if (loaded) b->x[i] = k->loaded.x[i];
-        if (loaded) b->tangent_delta = tangent->delta;
         b->length2[i] = p->cam[i].radius * p->cam[i].radius + k->slope[i].value * k->slope[i].value;
     }
 }

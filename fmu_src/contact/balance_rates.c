@@ -77,7 +77,8 @@ static double rhs_size(const SlipMode *slip, const SlipCoefficients *k, const Ba
     const double by_speed = (fabs(f->p.value) * inertia->follower_mass * fabs(k->d2z_dtheta2.value) +
                              fabs(f->q.value) * inertia->follower * fabs(k->d2gamma_dtheta2.value)) *
                             (balance->omega * balance->omega);
-    return (fabs(f->delta.value) * size->torque + fabs(f->p.value) * size->force + by_speed) / balance->rhs.resistance;
+    return (fabs(f->delta.value) * size->torque + fabs(f->p.value) * size->force + by_speed) /
+           fabs(balance->rhs.resistance);
 }
 
 static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance,

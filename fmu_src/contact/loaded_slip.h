@@ -10,8 +10,8 @@
  * inertia under F_0 and the damper's force at the speed omega, and the factors with their derivatives. */
 void loaded_slip_set(const SlipMode *slip, double omega, double z, const InputValues *in, SlipCoefficients *k);
 
-/* With inertia: alpha follows from the balance with the tangent factors. Delta is not among them: it can pass zero while
- * reactions and alpha stay finite, since both reactions change with the loads. */
+/* With inertia: alpha follows from the balance with the tangent factors. While the inertia stays above zero, Delta and
+ * the tangent Delta can pass zero with finite reactions (docs/mechanism.md, section 9, "Motion"). */
 typedef struct {
     double alpha_by[2]; /* 1/s^2 and 1/s: by theta and by omega */
     double inertia;     /* kg.m^5: J Delta + m z' P + I gamma' Q with the tangent factors */
