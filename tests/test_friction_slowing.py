@@ -36,6 +36,53 @@ SCENES = {
         3,
         1e-8,
     ),
+    # Delta of the friction coefficients passes zero at 0.024 rad/s. Both reactions change with the load and
+    # stay finite: this is no jam
+    "Delta passes zero": (
+        both(
+            lead_angle=(0.955, 0.798),
+            friction=(0.1095, 0.1836),
+            friction_peak=(1.745, 2.168),
+            stribeck_velocity=(1.78e-3, 0.01204),
+            stribeck_exponent=(1, 2),
+            friction_viscous=(0.1, 0.1),
+            friction_load_exponent=(-0.271, -0.287),
+            friction_load=(59382.0, 1715.0),
+        )
+        | {
+            "inertia.shaft": 1.105e-5,
+            "inertia.follower_mass": 1.0,
+            "spring.stiffness": 667.5,
+            "initial.theta": 0.43375,
+            "initial.omega": 0.0366,
+        },
+        Interval(2.698e-4, 5.957),
+        17,
+        1e-3,
+    ),
+    # the tangent Delta passes zero too, at 0.525 rad/s; the inertia stays above zero
+    "the tangent Delta passes zero": (
+        both(
+            lead_angle=(0.9335, 0.7032),
+            friction=(0.1788, 0.1864),
+            friction_peak=(2.926, 2.402),
+            stribeck_velocity=(0.01693, 0.05243),
+            stribeck_exponent=(2, 2),
+            friction_viscous=(0.0, 0.1),
+            friction_load_exponent=(-0.2567, -0.1706),
+            friction_load=(36702.0, 316.6),
+        )
+        | {
+            "inertia.shaft": 3.383e-4,
+            "inertia.follower_mass": 1.0,
+            "spring.stiffness": 6627.0,
+            "initial.theta": 0.73533,
+            "initial.omega": 6.0719,
+        },
+        Interval(0.027188, 0.69054),
+        7,
+        1e-6,
+    ),
     "samples of a table": (
         both(lead_angle=(0.95, 0.6))
         | {

@@ -49,9 +49,9 @@ static ContactFactors factors_of(const SlipMode *slip, const Balance *b) {
     return f;
 }
 
-/* Delta, m^3 */
+/* Delta, m^3. Where friction depends on the load, reactions grow without bound at a zero of the inertia instead. */
 static double jam_determinant(const SlipMode *slip, const Balance *b) {
-    return factors_of(slip, b).delta;
+    return slip->friction_is_loaded ? b->rhs.resistance : factors_of(slip, b).delta;
 }
 
 /* A, N: with a mass from the reactions that balance A. */

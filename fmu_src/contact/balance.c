@@ -297,30 +297,37 @@ static double rhs_by_friction(const SlipMode *slip, const SlipCoefficients *k, d
     return residual_change(slip, k, &k->dfactors_domega, &terms);
 }
 
-/* Where friction depends on the load, alpha and F_ext change the factors too. */
-COMPACT static void finish_loaded(const SlipMode *slip, const SlipCoefficients *k, double z, const InputValues *in,
-                                  double omega, double inertia, RightHandSide *rhs) {
-    const MotionTerms terms = terms_of(slip, k, z, in, omega, rhs->value);
-    const double felt = loaded_slip_inertia(slip, k, &terms), share = inertia / felt;
-    rhs->size *= fabs(share);
-    rhs->by_theta *= share;
-    rhs->by_omega *= share;
-    rhs->by_time = (k->factors.delta.value * in->tau_rate - loaded_slip_lever(slip, k, &terms) * in->F_ext_rate) / felt;
-    rhs->resistance = fabs(felt);
-    rhs->possible = k->loaded.possible && felt * k->factors.delta.value > 0.0;
+/* With inertia, where friction depends on the load. */
+COMPACT static RightHandSide rhs_of_loaded(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
+                                           double omega) {
+    loaded_slip_set(slip, omega, z, in, k);
+    const ContactFactors *f = &k->loaded.tangent;
+    const LoadedMotionResponse by = loaded_slip_motion(slip, k, z, omega);
+    const double inverse = 1.0 / by.inertia;
+    const double torque = fabs(in->tau) + fabs(slip->params->shaft.damping * omega);
+    const double load = fabs(spring_force(&slip->params->spring, z)) + fabs(in->F_ext) +
+                        fabs(slip_damper_force(slip, k->dz_dtheta.value * omega));
+    return (RightHandSide){
+        .value = k->loaded.alpha,
+        .size = (fabs(f->delta) * torque + fabs(f->p) * load) * fabs(inverse),
+        .by_theta = by.alpha_by[0],
+        .by_omega = by.alpha_by[1],
+        .by_time = (f->delta * in->tau_rate - f->p * in->F_ext_rate) * inverse,
+        .resistance = by.inertia,
+        .possible = k->loaded.possible && (by.inertia > 0.0 || by.inertia * f->delta > 0.0),
+        .stable = by.inertia * f->delta > 0.0,
+    };
 }
 
 /* Without inertia the coefficients are set to the speed found. */
 NOINLINE static RightHandSide rhs_of_varying(const SlipMode *slip, SlipCoefficients *k, double z, const InputValues *in,
                                              double omega) {
     if (slip->regime == REGIME_VISCOUS) return rhs_of_viscous_friction(slip, k, z, in);
+    if (slip->friction_is_loaded && slip->regime == REGIME_INERTIAL) return rhs_of_loaded(slip, k, z, in, omega);
     if (slip->friction_is_loaded) loaded_slip_set(slip, omega, z, in, k);
     RightHandSide rhs = rhs_of_coefficients(slip, k, z, in, omega);
-    if (slip->regime == REGIME_INERTIAL) {
-        const double inertia = slip_inertia(slip, k).value;
-        rhs.by_omega += rhs_by_friction(slip, k, z, in, omega, rhs.value) / inertia;
-        if (slip->friction_is_loaded) finish_loaded(slip, k, z, in, omega, inertia, &rhs);
-    }
+    if (slip->regime == REGIME_INERTIAL)
+        rhs.by_omega += rhs_by_friction(slip, k, z, in, omega, rhs.value) / slip_inertia(slip, k).value;
     return rhs;
 }
 

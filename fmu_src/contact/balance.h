@@ -23,9 +23,11 @@ typedef struct {
     double by_theta, by_omega; /* its partial derivatives; by_omega only if inertial */
     double by_time;
     double net;        /* N.m, rate-independent only: tau - rho F_0, torque beyond the edge */
-    double resistance; /* inertial: |Delta| times the effective inertia; rate-independent: dE/dtheta, N.m/rad */
-    bool possible;     /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion */
-    bool stable;       /* more torque gives more motion */
+    double resistance; /* inertial: |Delta| times the effective inertia, where friction depends on the load
+                          LoadedMotionResponse.inertia; rate-independent: dE/dtheta, N.m/rad */
+    bool possible; /* Delta != 0 and, if inertial, a positive effective inertia: else friction jams the motion; where
+                          friction depends on the load LoadedMotionResponse.inertia > 0 suffices */
+    bool stable;   /* more torque gives more motion */
 } RightHandSide;
 
 /* The balance and all that enters it. */

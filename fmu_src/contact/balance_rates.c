@@ -77,7 +77,8 @@ static double rhs_size(const SlipMode *slip, const SlipCoefficients *k, const Ba
     const double by_speed = (fabs(f->p.value) * inertia->follower_mass * fabs(k->d2z_dtheta2.value) +
                              fabs(f->q.value) * inertia->follower * fabs(k->d2gamma_dtheta2.value)) *
                             (balance->omega * balance->omega);
-    return (fabs(f->delta.value) * size->torque + fabs(f->p.value) * size->force + by_speed) / balance->rhs.resistance;
+    return (fabs(f->delta.value) * size->torque + fabs(f->p.value) * size->force + by_speed) /
+           fabs(balance->rhs.resistance);
 }
 
 static Sizes sizes_of(const SlipMode *slip, const SlipCoefficients *k, const Balance *balance,
@@ -159,12 +160,27 @@ static double holding_lever(const SlipMode *slip, const SlipCoefficients *k, con
     return at_rest.factors.p.value / at_rest.factors.delta.value;
 }
 
+/* Reactions round as the balance with the tangent factors does (loaded_slip.h). */
+static void use_tangents(SlipCoefficients *k) {
+    const ContactFactors *tangent = &k->loaded.tangent;
+    DualContactFactors *f = &k->factors;
+    for (int i = 0; i < 2; i++) {
+        f->rn[i].value = tangent->rn[i];
+        f->d[i].value = tangent->d[i];
+    }
+    f->delta.value = tangent->delta;
+    f->p.value = tangent->p;
+    f->q.value = tangent->q;
+}
+
 void balance_rates(const SlipMode *slip, const Balance *balance, double t, BalanceRates *out) {
     SlipCoefficients storage;
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, balance->theta, balance->omega, &storage, &z);
     const LoadedMotion motion = balance_loaded_motion(balance, z);
     if (slip->friction_is_loaded) loaded_slip_set_under(slip, &motion, &storage);
+    const double lever = holding_lever(slip, k, balance);
+    if (slip->friction_is_loaded && slip->regime == REGIME_INERTIAL) use_tangents(&storage);
     const DualContactFactors *f = &k->factors;
     const InputValues in = slip_inputs_at(slip, t);
     const MotionRates rates = motion_rates_of(slip, k, &in, balance);
@@ -173,7 +189,7 @@ void balance_rates(const SlipMode *slip, const Balance *balance, double t, Balan
     *out = (BalanceRates){
         .rhs = rates.rhs,
         .rhs_size = size.rhs,
-        .net = balance->tau - shaft_torque - holding_lever(slip, k, balance) * balance->force,
+        .net = balance->tau - shaft_torque - lever * balance->force,
         .net_size = size.torque + p_size(slip, k) / fabs(f->delta.value) * size.force,
     };
     for (int i = 0; i < 2; i++) contact_rates(slip, k, balance, &rates, &size, i, out);

@@ -218,15 +218,23 @@ NOINLINE void loaded_contacts_moving(const LoadedPin *pin, const LoadTerms *load
 /* ---- changes to first order ---- */
 
 /* At constant x_i the changes of f_i and a_i change the forces, which the changes of x_i balance. */
-COMPACT LoadResponse loaded_contacts_response(const LoadedPin *pin, const LoadedContacts *c, const LoadChange *change) {
-    double axial = change->axial, torque[2];
-    LoadResponse response;
+COMPACT LoadTerms loaded_contacts_unbalanced(const LoadedPin *pin, const LoadedContacts *c, const LoadChange *change) {
+    LoadTerms left = {.axial = change->axial};
+    double torque[2];
     for (int i = 0; i < 2; i++) {
         const double r = pin->params->cam[i].radius;
-        axial += c->x[i] * (pin->slope[i] * change->friction[i] + c->friction[i] * change->slope[i]);
+        left.axial += c->x[i] * (pin->slope[i] * change->friction[i] + c->friction[i] * change->slope[i]);
         torque[i] = c->x[i] * r * (change->slope[i] + r * change->friction[i]);
     }
-    solve_linear(&c->tangent, axial, change->moment - (torque[1] - torque[0]), response.x);
+    left.moment = change->moment - (torque[1] - torque[0]);
+    left.torque = -torque[1];
+    return left;
+}
+
+COMPACT LoadResponse loaded_contacts_response(const LoadedPin *pin, const LoadedContacts *c, const LoadChange *change) {
+    const LoadTerms left = loaded_contacts_unbalanced(pin, c, change);
+    LoadResponse response;
+    solve_linear(&c->tangent, left.axial, left.moment, response.x);
     for (int i = 0; i < 2; i++) {
         const double by_x = sign_on(pin, i) * (c->x[i] < 0.0 ? -1.0 : 1.0) * c->mu[i].by_load;
         response.friction[i] = change->friction[i] + by_x * loaded_pin_reaction(pin, i) * response.x[i];

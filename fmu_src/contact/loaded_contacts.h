@@ -56,6 +56,9 @@ typedef struct {
     double friction[2], slope[2];
 } LoadChange;
 
+/* What the changes leave to x_i and alpha to balance: of T, A and W. */
+LoadTerms loaded_contacts_unbalanced(const LoadedPin *pin, const LoadedContacts *contacts, const LoadChange *change);
+
 /* The changes of x_i and, R_i included, of f_i. */
 typedef struct {
     double x[2], friction[2];

@@ -100,6 +100,25 @@ COMPACT static void load_steps(const SlipMode *slip, const SlipCoefficients *k, 
     step[1].moment = 2.0 * I * k->d2gamma_dtheta2.value * omega;
 }
 
+COMPACT LoadedMotionResponse loaded_slip_motion(const SlipMode *slip, const SlipCoefficients *k, double z,
+                                                double omega) {
+    const InertiaParams *in = &slip->params->inertia;
+    const ContactFactors *f = &k->loaded.tangent;
+    const LoadedPin pin = pin_of(slip, omega, k);
+    LoadStep step[2];
+    load_steps(slip, k, z, omega, k->loaded.alpha, step);
+    LoadedMotionResponse out = {.inertia = in->shaft * f->delta + in->follower_mass * k->dz_dtheta.value * f->p +
+                                           in->follower * k->dpsi_dtheta[0].value * f->q};
+    for (int n = 0; n < 2; n++) {
+        LoadChange change = {.axial = step[n].axial, .moment = step[n].moment};
+        add_own_changes(slip, &pin, k, omega, step[n].theta, step[n].omega, &change);
+        const LoadTerms left = loaded_contacts_unbalanced(&pin, &k->loaded, &change);
+        const double torque = left.torque - step[n].omega * slip->params->shaft.damping;
+        out.alpha_by[n] = (f->delta * torque - f->p * left.axial - f->q * left.moment) / out.inertia;
+    }
+    return out;
+}
+
 /* The factors and their derivatives, from k->loaded. */
 COMPACT static void set_factors(const SlipMode *slip, double z, double omega, double alpha, SlipCoefficients *k) {
     const CamParams *cam = slip->params->cam;
@@ -142,8 +161,12 @@ COMPACT void loaded_slip_set(const SlipMode *slip, double omega, double z, const
     find_loads(slip, k, spring + in->F_ext + damper, omega, &loads, &by_alpha);
     loads.size = fabs(spring) + fabs(in->F_ext) + fabs(damper);
     loads.torque = in->tau - p->shaft.damping * omega;
-    if (slip->regime == REGIME_INERTIAL) loaded_contacts_moving(&pin, &loads, &by_alpha, &k->loaded);
-    else loaded_contacts_under(&pin, &loads, &k->loaded);
+    if (slip->regime == REGIME_INERTIAL) {
+        loaded_contacts_moving(&pin, &loads, &by_alpha, &k->loaded);
+        for (int i = 0; i < 2; i++) k->friction[i] = k->loaded.friction[i];
+        return;
+    }
+    loaded_contacts_under(&pin, &loads, &k->loaded);
     set_factors(slip, z, omega, k->loaded.alpha, k);
 }
 

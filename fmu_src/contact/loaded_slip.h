@@ -6,9 +6,19 @@
 
 #include "contact/residual.h"
 
-/* Sets the friction of the coefficients at theta: with inertia together with alpha, without inertia under F_0 and the
- * damper's force at the speed omega. Derivatives of the factors hold at constant alpha. */
+/* Sets the friction of the coefficients at theta: with inertia together with alpha and without the factors, without
+ * inertia under F_0 and the damper's force at the speed omega, and the factors with their derivatives. */
 void loaded_slip_set(const SlipMode *slip, double omega, double z, const InputValues *in, SlipCoefficients *k);
+
+/* With inertia: alpha follows from the balance with the tangent factors. While the inertia stays above zero, Delta and
+ * the tangent Delta can pass zero with finite reactions (docs/mechanism.md, section 9, "Motion"). */
+typedef struct {
+    double alpha_by[2]; /* 1/s^2 and 1/s: by theta and by omega */
+    double inertia;     /* kg.m^5: J Delta + m z' P + I gamma' Q with the tangent factors */
+} LoadedMotionResponse;
+
+/* The coefficients are those of loaded_slip_set(). */
+LoadedMotionResponse loaded_slip_motion(const SlipMode *slip, const SlipCoefficients *k, double z, double omega);
 
 /* A motion, and the forces that act on the follower. */
 typedef struct {
