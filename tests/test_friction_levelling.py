@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from driver import models
 from reference import STICK
+from scipy.optimize import brentq
 
 FORWARD, INVERSE = models["DualCamForward"], models["DualCamInverse"]
 LEVEL, R_REF = 0.01, 5000.0  # of R_ref; N, so large that the spring's force rounds none of the small loads
@@ -101,17 +102,18 @@ def test_band_edge_of_equal_contacts(make_model, nu, sigma):
 
 @pytest.mark.parametrize("nu", EXPONENTS)
 def test_without_load_the_edge_is_that_of_coulomb(make_model, nu):
-    """rho takes mu(0) = mu_k (0.01 exp(-25/24))^nu. With nu = -0.9 the contacts lock: no release."""
+    """rho takes mu(0) = mu_k (0.01 exp(-25/24))^nu. With nu = -0.9 two contacts with mu(0) lock. Their friction
+    falls as the torque grows: where 1 - mu tan(lead) passes zero, slip begins."""
     mu = KINETIC * (LEVEL * math.exp(-25 / 24)) ** nu
     coulomb = {f"cam{i}.friction": mu for i in (1, 2)} | {
         f"cam{i}.friction_load_exponent": 0.0 for i in (1, 2)
     }
     small = 1e-8 * R_REF
     fmu = at_rest(make_model, nu, small)
-    if (
-        mu * math.tan(LEAD) >= 1.0
-    ):  # two contacts with kappa < 0 jam, which the FMU refuses for the whole range
-        assert fmu.get("torque_load") == math.inf
+    if mu * math.tan(LEAD) >= 1.0:
+        unlocked = R_REF * (KINETIC * math.tan(LEAD)) ** (-1 / nu)  # N, where mu tan(lead) = 1
+        reaction = brentq(lambda R: edge_of(nu, R, 1)[0] - small, unlocked, 2 * unlocked, rtol=1e-15)
+        assert fmu.get("torque_load") == pytest.approx(edge_of(nu, reaction, 1)[1], rel=1e-11)
         return
     other = make_model(FORWARD).start(EQUAL | coulomb | NO_SPRING | {"F_ext": small})
     for name in ("torque_load", "torque_release"):
