@@ -67,6 +67,7 @@ REASONS = {
     "jam when loading": '"the contacts jam when loading at theta = ..."',
     "nothing resists": '"nothing resists the motion on a dwell"',
     "jam and let go": '"the contacts jam and let go without end"',
+    "too many evaluations": '"the step needs too many evaluations of the motion"',
     "too many segments": '"the step needs too many segments"',
     "both grooves are level": '"both grooves are level at theta = ..."',
     "elliptical groove": '"the elliptical groove ... ends at psi = ..., reached at theta = ..."',
