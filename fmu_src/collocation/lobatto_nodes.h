@@ -71,6 +71,11 @@ static inline bool lobatto_has_patches(const LobattoSystem *system) {
     return system->source == FRICTION_ON_PATCHES || system->source == FRICTION_ON_PATCH;
 }
 
+/* A contact has a table, and a contact has no table with loads. */
+static inline bool lobatto_has_pieces(const LobattoSystem *system) {
+    return system->source > FRICTION_ON_PATCHES;
+}
+
 /* Where friction depends on the load: what the rests add to A, W and T of the balance with the factors of f'_i. */
 typedef struct {
     Vector2 axial, moment, torque;

@@ -105,12 +105,12 @@ ALWAYS_INLINE static inline void find_friction(const LobattoSystem *s, Vector2 o
         const Vector2 length2 = s->law[i]->radius2 + n->slope[i] * n->slope[i];
         const Vector2 sliding = sigma * n->dpsi_dtheta[i] * (Vector2){sqrt(length2[0]), sqrt(length2[1])};
         n->sliding[i] = sliding;
-        if (s->source != FRICTION_BY_LAWS) continue;
+        if (lobatto_has_tables(s)) continue;
         const VectorFriction f = friction_by_law(s->law[i], omega * sliding);
         n->friction[i] = f.value;
         n->dfriction_domega[i] = f.by_speed * sliding;
     }
-    if (s->source > FRICTION_ON_PATCHES) find_friction_by_tables(s, n);
+    if (lobatto_has_pieces(s)) find_friction_by_tables(s, n);
 }
 
 static inline void set_varying_factors(const LobattoSystem *s, int i, NodePair *n) {

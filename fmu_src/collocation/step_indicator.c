@@ -196,27 +196,14 @@ COMPACT static double inside_loaded_band(const void *context, double x) {
     return -torque_beyond(slip, slope, spring_force(&slip->params->spring, z) + in.F_ext, in.tau);
 }
 
-/* The first place of the step, as a share of it, at which the torque is found inside the band, by samples; where a sample
- * exceeds its neighbours, the largest value in between counts too. */
+/* The first place of the step, as a share of it, at which the torque is found inside the band. */
 COLD static double loaded_edge_crossing(const SlipMode *slip, const RadauStep *step) {
-    double angle[RADAU_MAX + 1] = {0.0}, x[3] = {0.0, 0.0, 0.0}, f[3] = {-INFINITY, -INFINITY, 0.0};
+    double angle[RADAU_MAX + 1] = {0.0};
     for (int j = 0; j < step->method->stages; j++) angle[j + 1] = step->node_dtheta[j];
     const LoadedEdge edge = {slip, step, radau_polynomial(step->method, angle)};
-    f[2] = min_of(-torque_beyond_edge(slip, &step->start), 0.0);
-    for (int k = 1; k <= LOADED_EDGE_SAMPLES; k++) {
-        for (int j = 0; j < 2; j++) { /* the latest three samples */
-            x[j] = x[j + 1];
-            f[j] = f[j + 1];
-        }
-        x[2] = k / (double)LOADED_EDGE_SAMPLES;
-        f[2] = inside_loaded_band(&edge, x[2]);
-        if (f[2] > 0.0) return x[2];
-        if (!(f[1] < 0.0 && f[1] > f[0] && f[1] > f[2])) continue;
-        const GoldenSectionMaximum top =
-            golden_section_maximum(inside_loaded_band, &edge, x[0], x[2], LOADED_REST_GOLDEN_STEPS);
-        if (top.value > 0.0) return top.x;
-    }
-    return INFINITY;
+    return golden_section_first_positive(inside_loaded_band, &edge, -torque_beyond_edge(slip, &step->start), 1.0,
+                                         LOADED_EDGE_SAMPLES, LOADED_GOLDEN_STEPS)
+        .x;
 }
 
 /* Delta passes zero where the axial load does, with finite reactions; or the step has stepped over the infinite

@@ -102,13 +102,11 @@ COMPACT static void load_steps(const SlipMode *slip, const SlipCoefficients *k, 
 
 COMPACT LoadedMotionResponse loaded_slip_motion(const SlipMode *slip, const SlipCoefficients *k, double z,
                                                 double omega) {
-    const InertiaParams *in = &slip->params->inertia;
     const ContactFactors *f = &k->loaded.tangent;
     const LoadedPin pin = pin_of(slip, omega, k);
     LoadStep step[2];
     load_steps(slip, k, z, omega, k->loaded.alpha, step);
-    LoadedMotionResponse out = {.inertia = in->shaft * f->delta + in->follower_mass * k->dz_dtheta.value * f->p +
-                                           in->follower * k->dpsi_dtheta[0].value * f->q};
+    LoadedMotionResponse out = {.inertia = slip_inertia_with(slip, k, f)};
     for (int n = 0; n < 2; n++) {
         LoadChange change = {.axial = step[n].axial, .moment = step[n].moment};
         add_own_changes(slip, &pin, k, omega, step[n].theta, step[n].omega, &change);

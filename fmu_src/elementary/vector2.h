@@ -2,12 +2,12 @@
 #ifndef DUALCAM_VECTOR2_H
 #define DUALCAM_VECTOR2_H
 
-#include "elementary/of_two_table.h"
-
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
+
+#include "elementary/of_two_table.h"
 
 typedef double Vector2 __attribute__((vector_size(2 * sizeof(double))));
 

@@ -53,14 +53,9 @@ static double inertia_rate(const SlipMode *slip, const Balance *now, double *ine
     double z;
     const SlipCoefficients *k = slip_coefficients_at(slip, now->theta, now->omega, &storage, &z);
     const Dual d = slip_inertia(slip, k);
-    const double rate = d.slope * now->omega;
+    const double by_omega = slip->friction_varies ? slip_inertia_with(slip, k, &k->dfactors_domega) : 0.0;
     *inertia = d.value;
-    if (!slip->friction_varies) return rate;
-    const InertiaParams *in = &slip->params->inertia;
-    const ContactFactors *by_omega = &k->dfactors_domega;
-    const double dp_domega = by_omega->rn[0] * k->factors.rn[1].value + k->factors.rn[0].value * by_omega->rn[1];
-    return rate + now->alpha * (in->shaft * by_omega->delta + dp_domega * in->follower_mass * k->dz_dtheta.value +
-                                by_omega->q * in->follower * k->dpsi_dtheta[0].value);
+    return d.slope * now->omega + by_omega * now->alpha;
 }
 
 /* The time to the zero of D is |D/(dD/dt)| to first order. In this time theta changes by less than its rounding, and the

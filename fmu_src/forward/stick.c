@@ -288,24 +288,12 @@ COLD static double loaded_exit(const LoadedRest *rest, double a, double f_a, dou
     return min_of(t, b);
 }
 
-/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. Where a sample
- * exceeds its neighbours, the largest excess in between counts too. */
+/* First time in (0, t_end] at which the torque leaves the rest interval on the side of `sign`, or infinity. */
 COLD static double loaded_time_beyond(const LoadedRest *rest, double t_end) {
-    double t[3] = {0.0, 0.0, 0.0}, f[3] = {-INFINITY, -INFINITY, min_of(loaded_excess(rest, 0.0), 0.0)};
-    for (int k = 1; k <= LOADED_REST_SAMPLES; k++) {
-        for (int j = 0; j < 2; j++) { /* the latest three samples */
-            t[j] = t[j + 1];
-            f[j] = f[j + 1];
-        }
-        t[2] = t_end * k / (int)LOADED_REST_SAMPLES;
-        f[2] = loaded_excess(rest, t[2]);
-        if (f[2] > 0.0) return loaded_exit(rest, t[1], f[1], t[2], f[2]);
-        if (!(f[1] < 0.0 && f[1] > f[0] && f[1] > f[2])) continue;
-        const GoldenSectionMaximum top =
-            golden_section_maximum(loaded_excess, rest, t[0], t[2], LOADED_REST_GOLDEN_STEPS);
-        if (top.value > 0.0) return loaded_exit(rest, t[0], f[0], top.x, top.value);
-    }
-    return INFINITY;
+    const FirstPositive exit = golden_section_first_positive(loaded_excess, rest, loaded_excess(rest, 0.0), t_end,
+                                                             LOADED_REST_SAMPLES, LOADED_GOLDEN_STEPS);
+    if (isinf(exit.x)) return INFINITY;
+    return loaded_exit(rest, exit.before, exit.f_before, exit.x, exit.value);
 }
 
 /* Time until the torque has left the rest interval by `ties` ties, or F_0 changes its sign. There the band is

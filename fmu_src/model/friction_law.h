@@ -88,19 +88,20 @@ static inline bool friction_is_resolved(const FrictionFall *fall, double v, doub
     return v - low <= allowed && (v >= fall->end || high - v <= allowed);
 }
 
-/* What both contacts have friction from: laws; tables with loads, at both contacts or at one; tables without loads. */
+/* What both contacts have friction from: laws; tables with loads, at both contacts or at one; tables without loads. The
+ * order counts: the last two need the pieces of a table, or a law, without loads. */
 typedef enum { FRICTION_BY_LAWS, FRICTION_ON_PATCHES, FRICTION_ON_PATCH, FRICTION_ON_PIECES } FrictionSource;
 
 /* The law of a contact as a step evaluates it again and again: its constants, in both halves of a vector. */
 typedef struct {
     Vector2 kinetic, viscous;   /* mu_k; s/m, mu_v */
     Vector2 excess, minus_by_v; /* mu_k (peak - 1); s/m, -1/v_s */
-    Vector2 per_load,
-        load_exponent;       /* 1/N, 1/(n R_ref) or 1/(n R_1); nu, 0 where the law does not depend on the load */
-    Vector2 radius, radius2; /* m, m^2: r and r^2 */
-    double gone;             /* m/s, above which the excess is below all rounding */
-    Vector2 sign;            /* of all values */
-    bool is_gauss;           /* the Stribeck exponent is 2 */
+    Vector2 per_load;           /* 1/N, 1/(n R_ref), or 1/(n R_1) of a table with loads */
+    Vector2 load_exponent;      /* nu, 0 where the law does not depend on the load */
+    Vector2 radius, radius2;    /* m, m^2: r and r^2 */
+    double gone;                /* m/s, above which the excess is below all rounding */
+    Vector2 sign;               /* of all values */
+    bool is_gauss;              /* the Stribeck exponent is 2 */
     bool has_table;
     bool has_patches; /* the table has loads */
     FrictionSource source;

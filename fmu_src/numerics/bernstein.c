@@ -148,14 +148,13 @@ static int collect_crossings(const Bernstein *p, double from, double width, int 
 int bernstein_crossings(const Bernstein *p, double x[BERNSTEIN_MAX]) {
     return collect_crossings(p, 0.0, 1.0, 0, x, 0);
 }
+COMPACT_END
 
 Bernstein bernstein_derivative(const Bernstein *p) {
     Bernstein d = {.degree = p->degree > 0 ? p->degree - 1 : 0};
     for (int i = 0; i < p->degree; i++) d.c[i] = p->degree * (p->c[i + 1] - p->c[i]);
     return d;
 }
-
-COMPACT_END
 
 /* The largest of 17 samples, or the maximum of |p| beside this sample, where the derivative of p is zero. */
 double bernstein_peak(const Bernstein *p) {

@@ -26,7 +26,7 @@ static const double LOADED_SEARCH_RANGE = 1e6, LOADED_SEARCH_FACTOR = 1.6;
 
 /* Samples of the band's edge in a step, and at rest while F_ext varies. At rest the edge is followed to another reason of
  * wedging up to LOADED_REST_CHANGE of the time. */
-enum { LOADED_EDGE_SAMPLES = 16, LOADED_REST_SAMPLES = 32, LOADED_REST_GOLDEN_STEPS = 20 };
+enum { LOADED_EDGE_SAMPLES = 16, LOADED_REST_SAMPLES = 32, LOADED_GOLDEN_STEPS = 20 };
 static const double LOADED_REST_CHANGE = 1e-6;
 
 /* Factor on the error estimate of a Radau step. */

@@ -8,6 +8,8 @@
 
 #include <float.h>
 
+#include "numerics/load_tolerances.h"
+
 /* ---- numerics ---- */
 
 /* bernstein */
@@ -139,8 +141,6 @@ static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6
                     STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
                     STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
-
-#include "numerics/load_tolerances.h"
 
 /* ---- closed_form ---- */
 
