@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import gzip
 import json
-import signal
 import tempfile
 from collections.abc import Callable
 from itertools import count
@@ -23,7 +22,6 @@ from general_scenes import (
     LARGEST_ERROR,
     MEASURED,
     MOST_EVENTS,
-    PATIENCE,
     PROBE,
     STILL,
     Scene,
@@ -31,6 +29,7 @@ from general_scenes import (
     differences,
     from_json,
     nudged,
+    patience,
     regime,
     scales,
     to_json,
@@ -46,30 +45,23 @@ SEED = 18
 def candidate(number: int, loaded: bool = False) -> tuple[Scene, Tables] | None:
     """Scene `number` with its tables, or None if the scene is not fit for a test. A loaded scene has
     inertia."""
-
-    def give_up(*_: object) -> None:
-        raise TimeoutError
-
     with tempfile.TemporaryDirectory() as folder:
         rng = np.random.default_rng([SEED, number])
-        signal.signal(signal.SIGPROF, give_up)
-        signal.setitimer(signal.ITIMER_PROF, PATIENCE)
         try:
-            drawn = random_friction_scene(rng, number, folder, loaded)
-            if drawn is None:
-                return None
-            params, intervals = drawn
-            if loaded and regime(params) != "inertial":
-                return None
-            points = simulate(params, intervals)
-            if points[-1].events > MOST_EVENTS:
-                return None
-            others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
-            apart = simulate(*nudged(params, intervals, rng, PROBE))
+            with patience():
+                drawn = random_friction_scene(rng, number, folder, loaded)
+                if drawn is None:
+                    return None
+                params, intervals = drawn
+                if loaded and regime(params) != "inertial":
+                    return None
+                points = simulate(params, intervals)
+                if points[-1].events > MOST_EVENTS:
+                    return None
+                others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
+                apart = simulate(*nudged(params, intervals, rng, PROBE))
         except (Refused, ArithmeticError, ValueError, TypeError, TimeoutError):
             return None
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
         tables = {n: read_table(p) for n, p in params.items() if n.endswith(".table") and p}
     doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
     same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]

@@ -18,6 +18,7 @@ import signal
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import astuple, dataclass, replace
 from itertools import count
 from multiprocessing import Pool
@@ -127,27 +128,35 @@ def differences(points: Sequence[Point], others: Sequence[Point]) -> dict[str, f
     return found
 
 
-def candidate(number: int) -> tuple[Scene, Tables] | None:
-    """Scene `number` with its tables, or None if the scene is not fit for a test."""
+@contextmanager
+def patience() -> Iterator[None]:
+    """TimeoutError after PATIENCE seconds of processor time."""
 
     def give_up(*_: object) -> None:
         raise TimeoutError
 
+    signal.signal(signal.SIGPROF, give_up)
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+
+
+def candidate(number: int) -> tuple[Scene, Tables] | None:
+    """Scene `number` with its tables, or None if the scene is not fit for a test."""
     with tempfile.TemporaryDirectory() as folder:
         rng = np.random.default_rng([20, number])
         params, intervals = random_general_scene(rng, folder)
-        signal.signal(signal.SIGPROF, give_up)
-        signal.setitimer(signal.ITIMER_PROF, PATIENCE)
         try:
-            points = simulate(params, intervals)
-            if points[-1].events > MOST_EVENTS:
-                return None
-            others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
-            apart = simulate(*nudged(params, intervals, rng, PROBE))
+            with patience():
+                points = simulate(params, intervals)
+                if points[-1].events > MOST_EVENTS:
+                    return None
+                others = simulate(*nudged(params, intervals, rng), rtol=3e-13)
+                apart = simulate(*nudged(params, intervals, rng, PROBE))
         except (Refused, ArithmeticError, ValueError, TimeoutError):
             return None
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
         doubts = {doubt for p in (*points, *others) for doubt in p.doubts}
         same = [(p.mode, p.events) for p in points] == [(p.mode, p.events) for p in others]
         error, size = differences(points, others), scales(points)
