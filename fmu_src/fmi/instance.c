@@ -11,6 +11,7 @@
 #include "numerics/tolerances.h"
 #include "platform/arithmetic.h"
 #include "platform/attributes.h"
+#include "platform/memory.h"
 
 enum { MESSAGE_SIZE = 1024 };
 
@@ -127,7 +128,7 @@ Instance *instance_new(const InstanceRequest *request, const Log *log) {
         return refuse_instance(log, request->name, "%s: %s %s: allowed is only %s", request->function,
                                request->guid_name, request->guid == NULL ? "= NULL" : "is not that of this FMU",
                                guid.text);
-    Instance *instance = calloc(1, sizeof *instance);
+    Instance *instance = memory_new(sizeof *instance);
     if (instance != NULL) instance->name = copy_of(request->name);
     if (instance == NULL || instance->name == NULL ||
         !(request->location != NULL ? resources_directory(request->location, &instance->resources)
@@ -148,7 +149,7 @@ void instance_free(Instance *instance) {
     model_free(&instance->values.model);
     free(instance->name);
     free(instance->resources);
-    free(instance);
+    memory_free(instance);
 }
 
 void instance_reset(Instance *instance) {

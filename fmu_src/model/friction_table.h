@@ -56,17 +56,15 @@ typedef struct {
 
 struct FrictionTable {
     size_t count, loads;                   /* of the last speed, the first being 0; number of loads */
-    FrictionPiece *piece;                  /* count + 1 of the first load, then of the next */
+    FrictionPiece *piece;                  /* owned: count + 1 of the first load, then of the next */
     const FrictionPiece *middle;           /* the first one of the middle one of the loads */
-    void *pieces;                          /* owned: the memory of the pieces */
     double *speed;                         /* owned: m/s, count + 1 of them */
     int64_t octave;                        /* of the first bucket: a speed's exponent and first bits of its mantissa */
     uint16_t bucket[FRICTION_BUCKETS + 1]; /* the sample below the first speed of the bucket */
     double load[FRICTION_LOADS_MAX + 1];   /* N: 0, then the loads */
     double log_load[FRICTION_LOADS_MAX];
     double bend[FRICTION_LOADS_MAX][FRICTION_LOADS_MAX]; /* second derivative of the spline at load k, per u_l */
-    FrictionPatch *patch; /* only with more than one load: loads + 1 of the first piece, then of the next */
-    void *patches;        /* owned: the memory of the patches */
+    FrictionPatch *patch; /* owned; only with more than one load: loads + 1 of the first piece, then of the next */
     double at_rest;       /* mu(0+), at the middle one of the loads */
     double falls_at;      /* m/s, the first sample with a smaller mu than the sample before; NAN: none */
     char path[];          /* of the file */

@@ -1,7 +1,6 @@
 #include "model/friction_table_load.h"
 
 #include <math.h>
-#include <stdalign.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +11,7 @@
 #include "model/sampled_curve.h"
 #include "numerics/tolerances.h"
 #include "platform/attributes.h"
+#include "platform/memory.h"
 
 COMPACT_BEGIN
 
@@ -290,16 +290,10 @@ static bool fill(FrictionTable *table, FrictionSamples *s) {
 
 static void free_table(FrictionTable *table) {
     if (!table) return;
-    free(table->pieces);
-    free(table->patches);
+    memory_free(table->piece);
+    memory_free(table->patch);
     free(table->speed);
     free(table);
-}
-
-/* Vectors stand at multiples of their size, as not all of malloc() does. */
-static void *first_vector(void *memory) {
-    const uintptr_t size = alignof(Vector2), begin = (uintptr_t)memory;
-    return (char *)memory + (size - begin % size) % size;
 }
 
 /* NULL with the reason in the fault of `csv`. */
@@ -311,15 +305,13 @@ static FrictionTable *build(const CsvFile *csv, FrictionSamples *s) {
         *table = (FrictionTable){
             .count = count,
             .loads = s->loads,
-            .pieces = malloc(s->count * sizeof(FrictionPiece) + alignof(Vector2) - 1),
-            .patches = malloc((s->loads > 1 ? (s->count + s->speeds) * sizeof(FrictionPatch) : 0) + alignof(Vector2)),
+            .piece = memory_new(s->count * sizeof(FrictionPiece)),
+            .patch = memory_new(s->loads > 1 ? (s->count + s->speeds) * sizeof(FrictionPatch) : 0),
             .speed = malloc(s->speeds * sizeof(double)),
             .falls_at = NAN,
         };
         memcpy(table->path, csv->path, size);
-        table->piece = first_vector(table->pieces);
-        table->patch = first_vector(table->patches);
-        if (table->pieces && table->patches && table->speed && fill(table, s)) return table;
+        if (table->piece && table->patch && table->speed && fill(table, s)) return table;
     }
     free_table(table);
     csv_refuse(csv, "no curve through these points: the speeds must not be so close that slopes overflow, nor the "
