@@ -294,9 +294,10 @@ def test_both_versions_have_the_same_variables(model):
     }
 
 
-def test_the_page_about_reliability_is_that_of_the_results():
+def test_the_pages_about_reliability_are_those_of_the_results():
     script = load(DOCS / "tools" / "reliability_page.py")
-    assert script.page() == (DOCS / "reliability.md").read_text(encoding="utf-8")
+    for name, text in script.PAGES.items():
+        assert text() == (DOCS / name).read_text(encoding="utf-8")
 
 
 def test_build_draws_the_pictures_and_the_page():

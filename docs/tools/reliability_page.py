@@ -1,4 +1,4 @@
-"""Writes docs/reliability.md from the results of the commands that the page names.
+"""Writes docs/reliability.md and docs/elementary-functions.md from the results of the commands they name.
 
 python docs/tools/reliability_page.py
 """
@@ -10,10 +10,10 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs/reliability.md"
 RESULTS = ROOT / "benchmarks/results"
 CORPUS = ROOT / "tests/fuzz_corpus"
 
@@ -22,9 +22,10 @@ Rows = list[dict[str, str]]
 HEAD = """\
 # How reliable are the FMUs?
 
-Read this page before you put an FMU into a process that must not fail. Each section says what was tried, what
-came out, and which command tries it again. `docs/tools/reliability_page.py` writes this page from the results
-of these commands. What is known to be wrong stands in [limits.md](limits.md).
+Read this page to decide whether the FMUs may run in your process, and whether their numbers can be trusted.
+The first section has the answers, the others say what was tried, what came out, and which command tries it
+again. `docs/tools/reliability_page.py` writes this page from their results. Each measurement names its
+commit; `git log COMMIT.. -- fmu_src` lists what has changed in the C code since then.
 """
 
 
@@ -62,7 +63,7 @@ def states() -> str:
         "version",
         "functions or groups of them",
         "cells",
-        "cells that allow more than the standard",
+        "cells where the FMU answers and the standard asks for a refusal",
     )
     return f"""\
 ## Calls in every state
@@ -75,12 +76,55 @@ Command: `./build.sh test tests/fmi2 tests/fmi3`.
 {table(columns, rows)}"""
 
 
-def scenes() -> str:
-    """Rows of the stress table at random, from its page."""
+@dataclass
+class Outcome:
+    """Of one row of the stress table."""
+
+    varied: str
+    runs: int
+    judged: int
+    wrong: int
+
+
+def outcomes() -> list[Outcome]:
     text = (ROOT / "docs/stress.md").read_text(encoding="utf-8")
-    found = re.findall(r"^\| (.*?) \| (\d+) \| (\d+) \|.*\| ([^|]*) \|$", text, re.M)
-    runs, judged = (sum(int(row[k]) for row in found) for k in (1, 2))
-    wrong = sum(int(n) for row in found for n in re.findall(r"\*\*(\d+) wrong\*\*", row[3]))
+    lines = next(part for part in text.split("\n\n") if part.startswith("| varied | runs |")).splitlines()
+    rows = [line.strip("| ").split(" | ") for line in lines[2:]]
+    return [Outcome(row[0], int(row[1]), int(row[2]), int(row[4])) for row in rows]
+
+
+def verdict() -> str:
+    laws = {
+        "everything at random": "Coulomb friction",
+        "everything and friction laws": "friction by speed",
+        "load laws at": "friction by load",
+    }
+    of_random = [(words, row) for key, words in laws.items() for row in outcomes() if key in row.varied]
+    counts = ", ".join(f"{row.wrong} of {row.runs:,} ({words})" for words, row in of_random)
+    builds = read("trajectory_hash")
+    equal = sum(row["scenes_that_differ"] == "0" for row in builds)
+    return f"""\
+## Answers
+
+- **Do the numbers follow from the equations?** Yes, to the bounds of [accuracy.md](accuracy.md) in ordinary
+  scenes. Of extreme random scenes a few are wrong: {counts}.
+- **Do the equations describe a real cam?** Not shown. No hardware was measured for this project. The paper
+  behind it compares its model with a bench: [paper.md](paper.md). Clearance of the grooves, an elastic pin
+  and heat are not in the FMUs: [limits.md](limits.md#of-the-model).
+- **What is known to be wrong?** [limits.md](limits.md#found-by-random-scenes) and
+  [stress.md](stress.md#wrong).
+- **Can an FMU end or block my process?** No way is known. Each step ends after a bounded number of
+  operations. A fault of the host gives a message: [hosts.md](hosts.md).
+- **Are the numbers the same elsewhere?** {equal} of {len(builds)} builds for Linux, Windows and WebAssembly
+  give equal bits. The binaries for macOS were never run.
+- **Do the tests notice a mistake in the code?** Most: [test-strength.md](test-strength.md) counts.
+"""
+
+
+def scenes() -> str:
+    """The stress table, in a sentence."""
+    rows = outcomes()
+    runs, judged, wrong = (sum(getattr(row, name) for row in rows) for name in ("runs", "judged", "wrong"))
     return f"""\
 ## Scenes
 
@@ -96,13 +140,13 @@ def fuzzing() -> str:
     return f"""\
 ## Fuzzing
 
-libFuzzer drives both interfaces of both FMI versions with random calls, values and sizes, and the readers of
-tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the target
-checks: no NaN under OK, the time lands, no energy from nothing, a refused call changes nothing, a restored
-state repeats its step bit for bit, a reset instance equals a new one. The corpus has {len(files)} inputs,
-{size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and `./build.sh fuzz` for
-mechanisms, extreme values, design files and plans. Long runs of `./build.sh fuzz` still find mechanisms whose
-results are wrong: [limits.md](limits.md#found-by-random-scenes).
+libFuzzer drives both interfaces of both FMI versions with random calls, values and sizes, and the readers
+of tables and of saved states. Sanitizers watch addresses and undefined behaviour. After each call the
+target checks: no NaN under OK, each step ends at its time, no energy from nothing, a refused call changes
+nothing, a restored state repeats its step bit for bit, a reset instance equals a new one. The corpus has
+{len(files)} inputs, {size // 1000} kB; the suite plays them all. Commands: `./build.sh fuzz calls`, and
+`./build.sh fuzz` for mechanisms, extreme values, design files and plans. Long runs of `./build.sh fuzz`
+still find mechanisms whose results are wrong: [limits.md](limits.md#found-by-random-scenes).
 """
 
 
@@ -143,50 +187,10 @@ def hashes() -> str:
 ## Platforms
 
 One hash of every bit of all outputs, of both FMUs, over {rows[0]["scenes"]} scenes. The core has its own exp,
-sin and so on ([architecture.md](architecture.md)), and no compiler may fuse operations.
+sin and so on ([elementary-functions.md](elementary-functions.md)), and no compiler may fuse operations.
 Command: `./build.sh hash`.
 
 {table(["platform", "compiler", "hash", "scenes that differ"], lines)}
-{measured(rows)}"""
-
-
-def elementary() -> str:
-    rows, steps = read("elementary"), read("elementary_shares")
-    if not rows or not steps:
-        return ""
-    compared = [row for row in rows if row["arguments"]]
-    lines = [
-        [
-            row["function"],
-            row["greatest_error_ulp"],
-            *(f"{row[key]} / {row[f'{key}_library']}" for key in ("instructions", "ns")),
-            row["instructions_library_not_fused"],
-        ]
-        for row in rows
-    ]
-    fewest = min(int(float(row["arguments"])) for row in compared)
-    greatest = max(float(row["greatest_error_ulp"]) for row in compared)
-    share = max(float(row["share_percent"]) for row in steps)
-    return f"""\
-## Elementary functions
-
-The core has its own functions, for equal bits on every platform. The greatest error is {greatest:.2f} units
-in the last place (ulp). It was looked for at {fewest:,} arguments or more of each function, random and
-hard ones. Double-double arithmetic gives the errors. Sixty digits confirm them at 10,000 arguments of each
-function, and wherever an error is above 0.8 ulp.
-
-Instructions and ns are those of a call: own / C library. The own functions fuse no operations. The C library
-of this machine may fuse multiplication and addition; the last column has its instructions without that. The
-functions "of two" are for the friction of both cams at once, and their costs are those of two values. "small
-exp" takes arguments up to 0.1.
-
-Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
-In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,
-those "of two" apart. So vectors over the instances of a fleet would gain nothing. sin and cos share one
-vector register.
-Command: `./build.sh elementary`.
-
-{table(["function", "error, ulp", "instructions", "ns", "C library, not fused"], lines)}
 {measured(rows)}"""
 
 
@@ -260,15 +264,60 @@ Sources:
 """
 
 
+def elementary_functions() -> str:
+    """The page of its own about exp, sin and so on."""
+    rows, steps = read("elementary"), read("elementary_shares")
+    compared = [row for row in rows if row["arguments"]]
+    lines = [
+        [
+            row["function"],
+            row["greatest_error_ulp"],
+            *(f"{row[key]} / {row[f'{key}_library']}" for key in ("instructions", "ns")),
+            row["instructions_library_not_fused"],
+        ]
+        for row in rows
+    ]
+    fewest = min(int(float(row["arguments"])) for row in compared)
+    greatest = max(float(row["greatest_error_ulp"]) for row in compared)
+    share = max(float(row["share_percent"]) for row in steps)
+    return f"""\
+# Elementary functions of the core
+
+Read this page if you want to know how exact and how fast exp, log, sin and so on of the FMUs are. The C
+core has functions of its own, so that all platforms give equal bits
+([reliability.md](reliability.md#platforms)). `docs/tools/reliability_page.py` writes this page.
+
+The greatest error is {greatest:.2f} units in the last place (ulp). It was looked for at {fewest:,}
+arguments or more of each function, random and hard ones. Double-double arithmetic gives the errors. Sixty
+digits confirm them at 10,000 arguments of each function, and wherever an error is above 0.8 ulp.
+
+Instructions and ns are those of a call: own / C library. The own functions fuse no operations. The C library
+of this machine may fuse multiplication and addition; the last column has its instructions without that. The
+functions "of two" are for the friction of both cams at once, and their costs are those of two values. "small
+exp" takes arguments up to 0.1.
+
+Steps call all of these functions but tan, which the start of a run calls. No step calls sin or cos alone.
+In {len(steps)} scenes with steps of 1 ms, at most {share:.1f} % of the instructions are in these functions,
+those "of two" apart. sin and cos share one vector register.
+Command: `./build.sh elementary`.
+
+{table(["function", "error, ulp", "instructions", "ns", "C library, not fused"], lines)}
+{measured(rows)}"""
+
+
 def page() -> str:
-    parts = [HEAD, states(), scenes(), fuzzing(), FAULTS, endurance(), hashes(), elementary(), strength()]
+    parts = [HEAD, verdict(), scenes(), hashes(), endurance(), FAULTS, states(), fuzzing(), strength()]
     parts += [STATIC, peers()]
     return "\n".join(part for part in parts if part)
 
 
+PAGES = {"reliability.md": page, "elementary-functions.md": elementary_functions}
+
+
 def main() -> None:
-    PAGE.write_text(page(), encoding="utf-8")
-    print(f"written: {PAGE}")
+    for name, text in PAGES.items():
+        (ROOT / "docs" / name).write_text(text(), encoding="utf-8")
+        print(f"written: docs/{name}")
 
 
 if __name__ == "__main__":
