@@ -87,11 +87,21 @@ static Candidate closed_form_candidate(const Mechanism *m, const LinearSlipMode 
 
 /* ---- in grooves of any shape ---- */
 
+/* s, in which neither the motion nor the grooves change much. At rest on a dwell without load nothing but the torque sets
+ * the motion: the time scale is infinite, and the angle alone limits the look ahead. */
+static double look_ahead(const SlipMode *slip, const Balance *now, const Candidate *candidate) {
+    const double angle = 2.0 * CANDIDATE_LOOK_AHEAD / slip->piece->scale; /* a share of the width of the piece */
+    const double by_alpha = sqrt(2.0 * angle / fabs(candidate->alpha));
+    const double by_jerk = elementary_cbrt(6.0 * angle / fabs(candidate->jerk));
+    const double by_time = CANDIDATE_LOOK_AHEAD * min_of(1.0, radau_step_time_scale(slip, now));
+    return min_of(min_of(by_time, angle / fabs(candidate->omega)), min_of(by_alpha, by_jerk));
+}
+
 /* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the value of x_i a little
  * later decides; this value takes the place of the second derivative. What the acceleration then has beyond the present
  * alpha and jerk has grown at least like t^2: the speed gains a third of it, and a damper's load follows that speed. */
 static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
-    const double dt = CANDIDATE_LOOK_AHEAD * min_of(1.0, radau_step_time_scale(slip, now));
+    const double dt = look_ahead(slip, now, candidate);
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
     const double theta =
         now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));

@@ -376,7 +376,7 @@ static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
 
 /* CANDIDATE_STEADY: s, a rate that changes a reaction by less than its rounding in this time counts as zero. Where neither
  * a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the motion's time
- * scale, and after at most 1e-3 s. */
+ * scale and of a piece of the grooves, and after at most 1e-3 s. */
 static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3;
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
