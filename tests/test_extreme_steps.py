@@ -34,3 +34,19 @@ def test_a_torque_beyond_the_band_moves_the_cam_or_is_refused(make_model, inerti
     fmu.set({"tau": float(f"1e{exponent}")})
     status = fmu.call("fmi2DoStep", 0.0, 1e-3, 1)
     assert status != 0 or fmu.get("theta") > 0.0
+
+
+@pytest.mark.parametrize(
+    ("identifier", "inputs"),
+    [("DualCamForward", {"tau": 3.0}), ("DualCamInverse", {"theta": 0.3, "omega": 2.0, "alpha": 50.0})],
+)
+def test_a_step_below_the_rounding_of_the_time_is_made_whole(make_model, identifier, inputs):
+    """The time is one double and stands still. Motion and energies are those of the step, bit for bit."""
+    scenes = []
+    for time in (0.0, 1e150):
+        fmu = make_model(models[identifier]).start(time=time)
+        fmu.step(1e-3, **inputs)
+        scenes.append(fmu.everything())
+    assert [float.fromhex(scene.pop("time")) for scene in scenes] == [1e-3, 1e150]
+    assert scenes[0] == scenes[1]
+    assert float.fromhex(scenes[0]["energy.work_in"]) > 0.0

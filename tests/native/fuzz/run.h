@@ -21,7 +21,7 @@ enum { LONGEST_MESSAGE = 1200, SLOTS = 2, MAX_REFERENCES = 8 };
 /* The energies that a step turns over, for the check that their sum is kept. */
 typedef struct {
     bool known; /* those of the latest communication point */
-    double turned_over, force;
+    double turned_over, force, rounding;
     double flow[16];
 } Account;
 
