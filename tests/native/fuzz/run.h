@@ -38,6 +38,7 @@ typedef struct {
     Use use;
     unsigned options; /* of the instance, see call_instantiate() */
     double time;      /* s, that of the FMU */
+    double begin;     /* s, of the latest step, as the master gave it: it may differ from the FMU's by rounding */
     double tolerance; /* relative */
     bool wild;        /* numbers of no plausible size have been set, so energies may have lost their digits */
     bool forged;      /* a forged state acts: its numbers are not compared with one another (fmu_state.c) */
