@@ -34,3 +34,39 @@ def test_a_torque_beyond_the_band_moves_the_cam_or_is_refused(make_model, inerti
     fmu.set({"tau": float(f"1e{exponent}")})
     status = fmu.call("fmi2DoStep", 0.0, 1e-3, 1)
     assert status != 0 or fmu.get("theta") > 0.0
+
+
+@pytest.mark.parametrize(
+    ("identifier", "inputs"),
+    [("DualCamForward", {"tau": 3.0}), ("DualCamInverse", {"theta": 0.3, "omega": 2.0, "alpha": 50.0})],
+)
+def test_a_step_below_the_rounding_of_the_time_is_made_whole(make_model, identifier, inputs):
+    """The time is one double and stands still. Motion and energies are those of the step, bit for bit."""
+    scenes = []
+    for time in (0.0, 1e150):
+        fmu = make_model(models[identifier]).start(time=time)
+        fmu.step(1e-3, **inputs)
+        scenes.append(fmu.everything())
+    assert [float.fromhex(scene.pop("time")) for scene in scenes] == [1e-3, 1e150]
+    assert scenes[0] == scenes[1]
+    assert float.fromhex(scenes[0]["energy.work_in"]) > 0.0
+
+
+def test_a_swing_far_beyond_the_stops_keeps_the_digits_of_the_tolerance_or_is_refused(make_model):
+    """The place in a step is known to 2^-52, and theta to that share of dtheta/ds = omega h. Without friction
+    and inertia the work between the stops is the change of the spring's energy, whatever the motion is."""
+    z_per_rad, preload, stiffness, tolerance, upper = 0.01, 50.0, 50e3, 1e-9, 1.3963
+    free = {"cam1.friction": 0.0, "cam2.friction": 0.0, "inertia.shaft": 0.0}
+    most = tolerance * upper / 2.0**-52  # rad per step
+    z = 0.3 * z_per_rad
+    energy = preload * z + 0.5 * stiffness * z * z
+    torque = (preload + stiffness * upper * z_per_rad) * z_per_rad  # the largest
+    for speed in (0.9 * most, -0.9 * most):
+        fmu = make_model(models["DualCamInverse"]).start(free, tolerance=tolerance)
+        fmu.step(1.0, theta=0.3, omega=speed)
+        assert fmu.get("energy.work_in") == pytest.approx(energy, abs=tolerance * torque * upper)
+    for h, omega in ((1.0, 1.1 * most), (1e150, -0.0131)):
+        fmu = make_model(models["DualCamInverse"]).start(free, tolerance=tolerance)
+        fmu.set({"theta": 0.3, "omega": omega})
+        words = ("theta = 0.3", f"omega = {omega!r}", "rad per step", "a shorter step")
+        fmu.refused("fmi2DoStep", 0.0, h, 1, mentions=words)

@@ -17,6 +17,12 @@ def test_this_repository(check):
     assert not found, "\n" + "\n".join(found)
 
 
+def test_messages_print_the_shortest_digits():
+    """By shortest_decimal() of fault.h: 17 digits show 0.1 as 0.10000000000000001."""
+    files = sorted((ROOT / "fmu_src").rglob("*.[ch]"))
+    assert [file.name for file in files if "%.17g" in file.read_text(encoding="utf-8")] == []
+
+
 # ---- small trees ----
 
 

@@ -43,6 +43,7 @@ from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, re
 from dualcam.study.execution import AHEAD, DIED
 from dualcam.study.runner import Runner
 from dualcam.study.store import RECORD
+from dualcam.study.study import _progress
 
 NULL = ROOT / "build/NullFmu.fmu"
 BALANCE = ["spring", "kinetic", "heat_cam1", "heat_cam2", "heat_damper", "heat_shaft", "heat_stop"]
@@ -355,17 +356,36 @@ def test_a_controller_that_fails_concerns_its_run_alone():
     assert np.all(np.isfinite(block.values[:7]))
 
 
-def test_progress_tells_rate_and_time_left(tmp_path):
+def progress_line(now, made):
+    """What the progress shows in the end, without colours, after `made`, where `now()` is the clock."""
     from rich.console import Console
 
     text = io.StringIO()
-    console = Console(file=text, force_terminal=True, width=120)
-    study(STARTS, closed(slow, 0.1, 0.02), ["theta"]).run_to_files(
-        tmp_path, 0, runs_per_file=1, console=console
-    )
-    said = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text.getvalue())
-    assert re.search(r"[3-7] of 10 runs, 0 failed [\d.,]+ runs/s 0:00:0\d", said)
-    assert "10 of 10 runs, 0 failed" in said
+    made(Console(file=text, force_terminal=True, width=120, get_time=now))
+    return re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text.getvalue()).rstrip().splitlines()[-1]
+
+
+def test_progress_tells_rate_and_time_left():
+    """By a clock of the test: of 10 runs 2 are there before, and each of the next takes half a second."""
+    seconds = [100.0]
+
+    def five_runs(console):
+        with _progress(console, 10, 2) as advance:
+            for run in range(5):
+                seconds[0] += 0.5
+                advance(1, int(run == 3))
+
+    line = progress_line(lambda: seconds[0], five_runs)
+    assert "7 of 10 runs, 1 failed 2 runs/s 0:00:02" in line  # 3 runs are left: 1.5 s, shown as 2 s
+
+
+def test_a_study_shows_its_progress(tmp_path):
+    def whole(console):
+        study(STARTS, closed(proportional), ["theta"]).run_to_files(
+            tmp_path, 0, runs_per_file=1, console=console
+        )
+
+    assert "10 of 10 runs, 0 failed" in progress_line(time.monotonic, whole)
 
 
 # ---- folders, processes, interruptions ----

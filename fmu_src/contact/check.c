@@ -49,17 +49,17 @@ bool check_falling_friction(const Params *p, const char *cause, const char *reme
         const FrictionTable *table = p->cam[i].law.table;
         if (table && !isnan(table->falls_at)) {
             snprintf(fault->text, sizeof fault->text,
-                     "cam%d.friction_table = \"%.*s\" falls to v_m_s = %.17g, %s: friction that falls with the sliding "
+                     "cam%d.friction_table = \"%.*s\" falls to v_m_s = %s, %s: friction that falls with the sliding "
                      "speed would make the angle jump; allowed is a table that does not fall, or %s",
-                     i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->falls_at, cause, remedy);
+                     i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, shortest_decimal(table->falls_at).text,
+                     cause, remedy);
             return false;
         }
         if (table || !(p->cam[i].law.peak > 1.0 && p->cam[i].friction > 0.0)) continue;
-        snprintf(
-            fault->text, sizeof fault->text,
-            "cam%d.friction_peak = %.17g %s: friction that falls with the sliding speed would make the angle jump; "
-            "allowed is cam%d.friction_peak = 1, or %s",
-            i + 1, p->cam[i].law.peak, cause, i + 1, remedy);
+        snprintf(fault->text, sizeof fault->text,
+                 "cam%d.friction_peak = %s %s: friction that falls with the sliding speed would make the angle jump; "
+                 "allowed is cam%d.friction_peak = 1, or %s",
+                 i + 1, shortest_decimal(p->cam[i].law.peak).text, cause, i + 1, remedy);
         return false;
     }
     return true;
@@ -85,7 +85,7 @@ bool check_loaded_friction(const Params *p, const char *remedy, Fault *fault) {
         if (law->table)
             snprintf(cause, sizeof cause, "friction_table = \"%.*s\"", csv_quoted(law->table->path, QUOTED_PATH),
                      law->table->path);
-        else snprintf(cause, sizeof cause, "friction_load_exponent = %.17g", law->load_exponent);
+        else snprintf(cause, sizeof cause, "friction_load_exponent = %s", shortest_decimal(law->load_exponent).text);
         snprintf(fault->text, sizeof fault->text,
                  "cam%d.%s without inertia: where damping takes the load off the contact, friction grows "
                  "and the reaction would jump; allowed is friction that does not fall with the load, no damping "
@@ -103,9 +103,10 @@ bool check_limited_speed(const Params *p, const char *remedy, Fault *fault) {
         const FrictionTable *table = p->cam[i].law.table;
         if (!table) continue;
         snprintf(fault->text, sizeof fault->text,
-                 "cam%d.friction_table = \"%.*s\" without inertia and damping: friction is constant from v_m_s = %.17g "
+                 "cam%d.friction_table = \"%.*s\" without inertia and damping: friction is constant from v_m_s = %s "
                  "on, so nothing limits the speed; allowed is shaft.damping > 0, a damper in both directions, or %s",
-                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path, table->speed[table->count], remedy);
+                 i + 1, csv_quoted(table->path, QUOTED_PATH), table->path,
+                 shortest_decimal(table->speed[table->count]).text, remedy);
         return false;
     }
     return true;
@@ -172,17 +173,22 @@ COMPACT_BEGIN
 
 /* Of a helix the parameter, as `cam1.lead_angle = 1.5`; of other grooves the lead angle at this slope. */
 static void name_lead(char text[80], const Params *p, int i, double slope) {
-    if (p->cam[i].profile == PROFILE_HELIX) snprintf(text, 80, "cam%d.lead_angle = %.17g", i + 1, p->cam[i].lead_angle);
-    else snprintf(text, 80, "lead angle %.17g of cam%d there", elementary_atan(slope / p->cam[i].radius), i + 1);
+    if (p->cam[i].profile == PROFILE_HELIX)
+        snprintf(text, 80, "cam%d.lead_angle = %s", i + 1, shortest_decimal(p->cam[i].lead_angle).text);
+    else
+        snprintf(text, 80, "lead angle %s of cam%d there",
+                 shortest_decimal(elementary_atan(slope / p->cam[i].radius)).text, i + 1);
 }
 
 static void name_friction(char text[100], const CamParams *cam, int i) {
     const FrictionParams *law = &cam->law;
-    if (law->table) snprintf(text, 100, "cam%d.friction_table with mu = %.17g at rest", i + 1, law->table->at_rest);
-    else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %.17g", i + 1, cam->friction);
+    if (law->table)
+        snprintf(text, 100, "cam%d.friction_table with mu = %s at rest", i + 1,
+                 shortest_decimal(law->table->at_rest).text);
+    else if (law->peak == 1.0) snprintf(text, 100, "cam%d.friction = %s", i + 1, shortest_decimal(cam->friction).text);
     else
-        snprintf(text, 100, "cam%d.friction = %.17g times cam%d.friction_peak = %.17g at rest", i + 1, cam->friction,
-                 i + 1, law->peak);
+        snprintf(text, 100, "cam%d.friction = %s times cam%d.friction_peak = %s at rest", i + 1,
+                 shortest_decimal(cam->friction).text, i + 1, shortest_decimal(law->peak).text);
 }
 
 static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece *piece, double theta) {
@@ -192,13 +198,13 @@ static void describe_jam(Fault *fault, const Params *p, const TransmissionPiece 
     char friction[2][100], load[120] = "";
     for (int i = 0; i < 2; i++) name_friction(friction[i], &p->cam[i], i);
     if (p->cam[0].law.load_exponent != 0.0 || p->cam[1].law.load_exponent != 0.0)
-        snprintf(load, sizeof load, ", cam1.friction_load_exponent = %.17g, cam2.friction_load_exponent = %.17g",
-                 p->cam[0].law.load_exponent, p->cam[1].law.load_exponent);
-    snprintf(
-        fault->text, sizeof fault->text,
-        "the contacts jam when loading at theta = %.17g: %s and %s with %s and %s%s; kappa_1 + kappa_2 must be > 0 "
-        "from stop.lower to stop.upper",
-        theta, lead[0], lead[1], friction[0], friction[1], load);
+        snprintf(load, sizeof load, ", cam1.friction_load_exponent = %s, cam2.friction_load_exponent = %s",
+                 shortest_decimal(p->cam[0].law.load_exponent).text,
+                 shortest_decimal(p->cam[1].law.load_exponent).text);
+    snprintf(fault->text, sizeof fault->text,
+             "the contacts jam when loading at theta = %s: %s and %s with %s and %s%s; kappa_1 + kappa_2 must be > 0 "
+             "from stop.lower to stop.upper",
+             shortest_decimal(theta).text, lead[0], lead[1], friction[0], friction[1], load);
 }
 
 bool check_jam(const Params *p, const Transmission *transmission, Fault *fault) {

@@ -74,8 +74,8 @@ COLD static bool check_energy(const Mechanism *m, Fault *fault) {
     if (fabs(energy) <= LARGEST_ENERGY) return true;
     const InitialParams *initial = &m->params.initial;
     snprintf(fault->text, sizeof fault->text,
-             "initial.theta = %g, initial.omega = %g: spring and masses hold %g J; allowed are at most %g J",
-             initial->theta, initial->omega, energy, LARGEST_ENERGY);
+             "initial.theta = %s, initial.omega = %s: spring and masses hold %g J; allowed are at most %g J",
+             shortest_decimal(initial->theta).text, shortest_decimal(initial->omega).text, energy, LARGEST_ENERGY);
     return false;
 }
 

@@ -44,9 +44,10 @@ bool ode_rates(const Mechanism *m, double rate[ODE_STATES], Fault *fault) {
         return true;
     }
     snprintf(fault->text, sizeof fault->text,
-             "theta = %.17g, omega = %.17g, tau = %.17g: friction jams the motion; allowed is a geometry in which the "
+             "theta = %s, omega = %s, tau = %s: friction jams the motion; allowed is a geometry in which the "
              "inertia felt is positive",
-             m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0]);
+             shortest_decimal(m->state.theta.hi).text, shortest_decimal(m->state.omega.hi).text,
+             shortest_decimal(m->inputs.tau[0]).text);
     return false;
 }
 

@@ -231,11 +231,12 @@ static const char *reason_of(const Mechanism *m, Outcome outcome) {
 /* Describes why a step of h seconds is refused; undo() has brought `m` back to the start of the step. */
 static void describe_failure(Fault *fault, const Mechanism *m, double h, const char *reason) {
     snprintf(fault->text, sizeof fault->text,
-             "step of %.17g s at theta = %.17g, omega = %.17g, tau = %.17g: %s; allowed are finite values and "
+             "step of %s s at theta = %s, omega = %s, tau = %s: %s; allowed are finite values and "
              "at most %d segments, %d jams and %d evaluations of the motion; any %d segments in a row must advance %g "
              "of the step",
-             h, m->state.theta.hi, m->state.omega.hi, m->inputs.tau[0], reason, most_segments(m),
-             (int)MAX_JAMS_PER_STEP, (int)MAX_WORK, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
+             shortest_decimal(h).text, shortest_decimal(m->state.theta.hi).text,
+             shortest_decimal(m->state.omega.hi).text, shortest_decimal(m->inputs.tau[0]).text, reason,
+             most_segments(m), (int)MAX_JAMS_PER_STEP, (int)MAX_WORK, (int)STALL_GUARD_SEGMENTS, STALL_GUARD_PROGRESS);
 }
 
 /* Do the inputs stay finite in the step? */
@@ -244,9 +245,10 @@ COMPACT static bool check_inputs(const Inputs *in, double h, Fault *fault) {
     if (torque && input_stays_finite(in->F_ext, h)) return true;
     const double *u = torque ? in->F_ext : in->tau;
     snprintf(fault->text, sizeof fault->text,
-             "step of %.17g s: %s = %g with the derivatives %g, %g, %g is not finite at its end; allowed are finite "
+             "step of %s s: %s = %s with the derivatives %s, %s, %s is not finite at its end; allowed are finite "
              "values",
-             h, torque ? "F_ext" : "tau", u[0], u[1], u[2], u[3]);
+             shortest_decimal(h).text, torque ? "F_ext" : "tau", shortest_decimal(u[0]).text,
+             shortest_decimal(u[1]).text, shortest_decimal(u[2]).text, shortest_decimal(u[3]).text);
     return false;
 }
 

@@ -29,9 +29,9 @@ static bool build_ellipse(Groove *groove, const CamParams *cam, int number, Faul
         groove->C0 * groove->C0 / (1.0 + groove->S0) - ELLIPSE_VERTICAL; /* of S, from S0 to a vertical groove */
     if (!(margin >= 0.0)) {
         snprintf(fault->text, sizeof fault->text,
-                 "cam%d.lead_angle = %.17g: the elliptical groove of cam %d would start vertical: "
+                 "cam%d.lead_angle = %s: the elliptical groove of cam %d would start vertical: "
                  "S0 = sin(atan(ellipse_a/ellipse_b tan(lead_angle))) must be < 1",
-                 number, cam->lead_angle, number);
+                 number, shortest_decimal(cam->lead_angle).text, number);
         return false;
     }
     const double level = -groove->S0 / groove->rate, vertical = margin / groove->rate; /* psi where S is 0, 1 */

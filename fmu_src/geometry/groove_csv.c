@@ -11,11 +11,11 @@ static const char *const HEADER = "psi_rad,z_m";
 
 static bool is_in_order(const CsvFile *csv, Sample before, Sample sample) {
     if (!(sample.psi > before.psi))
-        return csv_refuse(csv, "line %zu: psi_rad = %.17g must be > %.17g, that of the line before", csv->line,
-                          sample.psi, before.psi);
+        return csv_refuse(csv, "line %zu: psi_rad = %s must be > %s, that of the line before", csv->line,
+                          shortest_decimal(sample.psi).text, shortest_decimal(before.psi).text);
     if (!(sample.z >= before.z))
-        return csv_refuse(csv, "line %zu: z_m = %.17g must be >= %.17g, that of the line before", csv->line, sample.z,
-                          before.z);
+        return csv_refuse(csv, "line %zu: z_m = %s must be >= %s, that of the line before", csv->line,
+                          shortest_decimal(sample.z).text, shortest_decimal(before.z).text);
     return true;
 }
 
@@ -39,8 +39,8 @@ static bool check_whole(const CsvFile *csv, const Samples *samples) {
         return csv_refuse(csv, "%zu points, but there must be at least %d", samples->count, SAMPLES_MIN);
     const double first = samples->sample[0].psi, last = samples->sample[samples->count - 1].psi;
     if (!(first <= 0.0 && last >= 0.0))
-        return csv_refuse(csv, "psi_rad goes from %.17g to %.17g, but it must include 0, from where z counts", first,
-                          last);
+        return csv_refuse(csv, "psi_rad goes from %s to %s, but it must include 0, from where z counts",
+                          shortest_decimal(first).text, shortest_decimal(last).text);
     return true;
 }
 

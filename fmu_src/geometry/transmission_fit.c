@@ -44,9 +44,10 @@ NOINLINE static PinPosition position_at(Fit *fit, double theta) {
 
 static bool refuse_pieces(const Fit *fit) {
     snprintf(fit->fault->text, sizeof fit->fault->text,
-             "stop.lower = %.17g, stop.upper = %.17g: describing the grooves in between takes more than %zu "
+             "stop.lower = %s, stop.upper = %s: describing the grooves in between takes more than %zu "
              "polynomials or more memory than there is: the range must be smaller",
-             fit->transmission->lower, fit->transmission->upper, fit->limit);
+             shortest_decimal(fit->transmission->lower).text, shortest_decimal(fit->transmission->upper).text,
+             fit->limit);
     return false;
 }
 

@@ -99,11 +99,10 @@ bool elastic_shaft_advance(const Inverse *m, const ImposedMotion *motion, double
     if (m->params.ledger) step.cam.quadrature = &step.quadrature;
     if (has_wear(&m->params)) step.cam.sliding = &step.sliding;
     if (!follow_motion(&step, motion)) {
-        snprintf(
-            fault->text, sizeof fault->text,
-            "theta = %.17g: cam 2 cannot pass the angle %.17g rad, where the contacts wedge; allowed is motion that "
-            "ends before this angle",
-            next->theta, step.quadrature.bad);
+        snprintf(fault->text, sizeof fault->text,
+                 "theta = %s: cam 2 cannot pass the angle %s rad, where the contacts wedge; allowed is motion that "
+                 "ends before this angle",
+                 shortest_decimal(next->theta).text, shortest_decimal(step.quadrature.bad).text);
         return false;
     }
     const double fastest = fabs(imposed_omega(motion, bernstein_peak(&motion->dtheta_ds)));

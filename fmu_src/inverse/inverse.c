@@ -35,11 +35,10 @@ void inverse_free(Inverse *m) {
 
 /* The search for the place of cam 2 has spent its work. */
 static bool describe_start(const Inverse *m, Fault *fault) {
-    snprintf(
-        fault->text, sizeof fault->text,
-        "theta = %.17g, F_ext = %.17g: cam 2 finds no place at the end of the shaft; allowed are %d evaluations of "
-        "the motion",
-        m->inputs.theta[0], m->inputs.F_ext[0], (int)MAX_WORK);
+    snprintf(fault->text, sizeof fault->text,
+             "theta = %s, F_ext = %s: cam 2 finds no place at the end of the shaft; allowed are %d evaluations of "
+             "the motion",
+             shortest_decimal(m->inputs.theta[0]).text, shortest_decimal(m->inputs.F_ext[0]).text, (int)MAX_WORK);
     return false;
 }
 
@@ -103,11 +102,11 @@ static bool check_motion(const Inverse *m, const ImposedMotion *motion, double h
     if (is_finite(motion))
         return inverse_reaches(m, motion->theta.c[0], fault) &&
                inverse_reaches(m, motion->theta.c[motion->theta.degree], fault);
-    snprintf(
-        fault->text, sizeof fault->text,
-        "the motion to theta = %.17g, omega = %.17g within %.17g s is not finite; allowed are inputs that make finite "
-        "theta, omega, alpha and F_ext",
-        m->inputs.theta[0], m->inputs.omega[0], h);
+    snprintf(fault->text, sizeof fault->text,
+             "the motion to theta = %s, omega = %s within %s s is not finite; allowed are inputs that make finite "
+             "theta, omega, alpha and F_ext",
+             shortest_decimal(m->inputs.theta[0]).text, shortest_decimal(m->inputs.omega[0]).text,
+             shortest_decimal(h).text);
     return false;
 }
 
@@ -115,11 +114,10 @@ static bool check_ledger(const Ledger *l, double h, double theta, Fault *fault) 
     const double sum =
         l->work_in.hi + l->work_ext.hi + l->heat_cam[0].hi + l->heat_cam[1].hi + l->heat_damper.hi + l->heat_shaft.hi;
     if (isfinite(sum)) return true;
-    snprintf(
-        fault->text, sizeof fault->text,
-        "step of %.17g s to theta = %.17g: energy.work_in or another account is not finite; allowed is motion with "
-        "finite energy",
-        h, theta);
+    snprintf(fault->text, sizeof fault->text,
+             "step of %s s to theta = %s: energy.work_in or another account is not finite; allowed is motion with "
+             "finite energy",
+             shortest_decimal(h).text, shortest_decimal(theta).text);
     return false;
 }
 
@@ -139,8 +137,8 @@ static bool follow_within_limit(Inverse *m, const ImposedMotion *motion, bool re
     m->work = NULL;
     if (!work_is_spent(&work)) return done;
     snprintf(fault->text, sizeof fault->text,
-             "step of %.17g s to theta = %.17g needs too many evaluations of the motion; allowed are %d", motion->h,
-             m->inputs.theta[0], (int)MAX_WORK);
+             "step of %s s to theta = %s needs too many evaluations of the motion; allowed are %d",
+             shortest_decimal(motion->h).text, shortest_decimal(m->inputs.theta[0]).text, (int)MAX_WORK);
     return false;
 }
 

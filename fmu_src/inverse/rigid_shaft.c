@@ -60,10 +60,10 @@ double rigid_shaft_kinetic_energy(const Params *p, const ContactStatics *statics
 }
 
 void rigid_shaft_describe_wedge(Fault *fault, const OperatingPoint *at) {
-    snprintf(
-        fault->text, sizeof fault->text,
-        "theta = %.17g, omega = %.17g, alpha = %.17g, F_ext = %.17g: the contacts wedge, no torque brings about this "
-        "motion in the %s direction; allowed is motion in which each contact bears on the flank that its reaction "
-        "presses on, as with a smaller alpha or less friction",
-        at->theta, at->omega, at->alpha, at->F_ext, at->direction > 0 ? "loading" : "releasing");
+    snprintf(fault->text, sizeof fault->text,
+             "theta = %s, omega = %s, alpha = %s, F_ext = %s: the contacts wedge, no torque brings about this "
+             "motion in the %s direction; allowed is motion in which each contact bears on the flank that its reaction "
+             "presses on, as with a smaller alpha or less friction",
+             shortest_decimal(at->theta).text, shortest_decimal(at->omega).text, shortest_decimal(at->alpha).text,
+             shortest_decimal(at->F_ext).text, at->direction > 0 ? "loading" : "releasing");
 }

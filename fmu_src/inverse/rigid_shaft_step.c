@@ -1,11 +1,15 @@
 #include "inverse/rigid_shaft_step.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 
+#include "elementary/elementary.h"
 #include "inverse/rigid_shaft.h"
 #include "inverse/step_booking.h"
 #include "numerics/root.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* A part of the motion in one direction, on one piece of the transmission. */
 typedef struct {
@@ -204,8 +208,38 @@ static bool go_to_begin_of_motion(RigidStep *step) {
     return done;
 }
 
+/* ---- swings beyond the stops ---- */
+
+/* rad per step, the largest coefficient: |dtheta/ds| is nowhere larger. */
+static double fastest_of(const ImposedMotion *motion) {
+    const Bernstein *dtheta_ds = &motion->dtheta_ds;
+    double fastest = 0.0;
+    for (int k = 0; k <= dtheta_ds->degree; k++) fastest = max_of(fastest, fabs(dtheta_ds->c[k]));
+    return fastest;
+}
+
+/* rad per step. The place s in the step is known to a rounding of 1, so that theta is known to this share of dtheta/ds.
+ * Between two angles inside the stops a motion may swing far beyond the stops. The motion then passes the angles
+ * between the stops so fast that theta, and with it the energies, can have fewer digits than the tolerance. */
+static double fastest_allowed(const Params *p) {
+    return p->tolerance * (p->stop.upper - p->stop.lower) / DBL_EPSILON;
+}
+
+COMPACT static void describe_swing(const Inverse *m, const ImposedMotion *motion, double omega, Fault *fault) {
+    snprintf(fault->text, sizeof fault->text,
+             "step of %s s to theta = %s, omega = %s: the imposed motion swings beyond the stops at up to %.3g rad per "
+             "step, too fast for the tolerance; allowed are %.3g rad per step, as with a shorter step or a smaller "
+             "omega",
+             shortest_decimal(motion->h).text, shortest_decimal(motion->theta.c[motion->theta.degree]).text,
+             shortest_decimal(omega).text, fastest_of(motion), fastest_allowed(&m->params));
+}
+
 bool rigid_shaft_advance(const Inverse *m, const ImposedMotion *motion, double omega, InverseState *next,
                          Fault *fault) {
+    if (fastest_of(motion) > fastest_allowed(&m->params)) {
+        describe_swing(m, motion, omega, fault);
+        return false;
+    }
     const Ledger before = next->ledger;
     RigidStep step = {.part = {.m = m, .motion = motion}, .next = next, .fault = fault};
     step.quadrature = step_booking_begin(m, &next->ledger);

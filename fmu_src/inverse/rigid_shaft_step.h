@@ -7,7 +7,7 @@
 
 /* Carries `next`, the state at the start, along the motion, which ends at the speed `omega`. Between two angles inside
  * the stops a cubic may overshoot a stop: there cam 2 is held at the stop. False, with the reason, if the contacts
- * wedge during the motion. */
+ * wedge during the motion, or if the motion swings too far beyond the stops to be known to the tolerance. */
 bool rigid_shaft_advance(const Inverse *m, const ImposedMotion *motion, double omega, InverseState *next, Fault *fault);
 
 #endif

@@ -32,9 +32,9 @@ typedef struct {
 static bool check_mu(const CsvFile *csv, double mu) {
     return (mu > 0.0 && mu <= FRICTION_MAX) ||
            csv_refuse(csv,
-                      "line %zu: mu = %.17g must be > 0 and <= %g; without friction leave out the table and set the "
+                      "line %zu: mu = %s must be > 0 and <= %g; without friction leave out the table and set the "
                       "friction to 0",
-                      csv->line, mu, FRICTION_MAX);
+                      csv->line, shortest_decimal(mu).text, FRICTION_MAX);
 }
 
 /* Begins the samples of another load. */
@@ -42,12 +42,13 @@ static bool begin_load(const CsvFile *csv, FrictionSamples *s) {
     const FrictionSample *sample = &s->sample[s->count];
     if (s->count == 0 && sample->v != 0.0)
         return csv_refuse(csv,
-                          "line %zu: v_m_s = %.17g must be 0 in the first line of numbers, which holds the static "
+                          "line %zu: v_m_s = %s must be 0 in the first line of numbers, which holds the static "
                           "coefficient",
-                          csv->line, sample->v);
+                          csv->line, shortest_decimal(sample->v).text);
     const double before = s->count > 0 ? sample[-1].R : 0.0;
     if (sample->R < before || (s->count > 0 && sample->R == before))
-        return csv_refuse(csv, "line %zu: R_N = %.17g must be > %.17g, the load before", csv->line, sample->R, before);
+        return csv_refuse(csv, "line %zu: R_N = %s must be > %s, the load before", csv->line,
+                          shortest_decimal(sample->R).text, shortest_decimal(before).text);
     if (s->loads == FRICTION_LOADS_MAX)
         return csv_refuse(csv, "line %zu: too many loads, at most %d are allowed", csv->line, FRICTION_LOADS_MAX);
     s->loads++;
@@ -58,22 +59,23 @@ static bool begin_load(const CsvFile *csv, FrictionSamples *s) {
 static bool check_speed(const CsvFile *csv, const FrictionSamples *s) {
     const FrictionSample *sample = &s->sample[s->count];
     if (sample->R != sample[-1].R)
-        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load begins with v_m_s = 0 and has all speeds",
-                          csv->line, sample->R, sample[-1].R);
+        return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load begins with v_m_s = 0 and has all speeds",
+                          csv->line, shortest_decimal(sample->R).text, shortest_decimal(sample[-1].R).text);
     if (!(sample->v > sample[-1].v))
-        return csv_refuse(csv, "line %zu: v_m_s = %.17g must be > %.17g, that of the line before", csv->line, sample->v,
-                          sample[-1].v);
+        return csv_refuse(csv, "line %zu: v_m_s = %s must be > %s, that of the line before", csv->line,
+                          shortest_decimal(sample->v).text, shortest_decimal(sample[-1].v).text);
     const double same = s->loads > 1 ? s->sample[s->count % s->speeds].v : sample->v;
     return sample->v == same ||
-           csv_refuse(csv, "line %zu: v_m_s = %.17g must be %.17g, the speed that the first load has there", csv->line,
-                      sample->v, same);
+           csv_refuse(csv, "line %zu: v_m_s = %s must be %s, the speed that the first load has there", csv->line,
+                      shortest_decimal(sample->v).text, shortest_decimal(same).text);
 }
 
 static bool add_sample(const CsvFile *csv, FrictionSamples *s) {
     const bool begins = s->count == 0 || (s->sample[s->count].R > 0.0 && s->sample[s->count].v == 0.0);
     if (begins && s->loads == 1 && s->count < FRICTION_SAMPLES_MIN)
-        return csv_refuse(csv, "line %zu: R_N = %.17g must be %.17g: a load has all its speeds, at least %d, in turn",
-                          csv->line, s->sample[s->count].R, s->sample[0].R, FRICTION_SAMPLES_MIN);
+        return csv_refuse(csv, "line %zu: R_N = %s must be %s: a load has all its speeds, at least %d, in turn",
+                          csv->line, shortest_decimal(s->sample[s->count].R).text,
+                          shortest_decimal(s->sample[0].R).text, FRICTION_SAMPLES_MIN);
     if (begins && s->loads == 1) s->speeds = s->count;
     const bool whole = s->loads == 0 || s->speeds == 0 || s->count % s->speeds == 0;
     if (s->loads > 0 && s->speeds > 0 && begins != whole)
@@ -107,7 +109,8 @@ static bool read_samples(CsvFile *csv, FrictionSamples *s) {
             return csv_refuse(csv, "the table is too long: at most %d points are allowed", FRICTION_SAMPLES_MAX);
         if (!csv_row(csv, 2 + with_loads, form[with_loads], value)) return false;
         const double mu = value[1 + with_loads], R = with_loads ? value[1] : 0.0;
-        if (with_loads && !(R > 0.0)) return csv_refuse(csv, "line %zu: R_N = %.17g must be > 0", csv->line, R);
+        if (with_loads && !(R > 0.0))
+            return csv_refuse(csv, "line %zu: R_N = %s must be > 0", csv->line, shortest_decimal(R).text);
         s->sample[s->count] = (FrictionSample){value[0], R, mu, elementary_log(mu)};
         if (!add_sample(csv, s)) return false;
     }
@@ -255,9 +258,10 @@ static bool check_powers(const CsvFile *csv, const FrictionSamples *s) {
         const double power = (b->log_mu - a->log_mu) / elementary_log(b->R / a->R);
         if (!(fabs(power) <= FRICTION_LOAD_POWER))
             return csv_refuse(csv,
-                              "at v_m_s = %.17g mu goes with the power %.3g of the load from R_N = %.17g to %.17g: "
+                              "at v_m_s = %s mu goes with the power %.3g of the load from R_N = %s to %s: "
                               "allowed are powers from %g to %g",
-                              a->v, power, a->R, b->R, -FRICTION_LOAD_POWER, FRICTION_LOAD_POWER);
+                              shortest_decimal(a->v).text, power, shortest_decimal(a->R).text,
+                              shortest_decimal(b->R).text, -FRICTION_LOAD_POWER, FRICTION_LOAD_POWER);
     }
     return true;
 }

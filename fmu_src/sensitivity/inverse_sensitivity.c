@@ -82,9 +82,9 @@ bool inverse_torque_partials(const Inverse *m, Partials *out, Fault *fault) {
     elastic_shaft_present(m, &shaft);
     if (elastic_partials(m, &shaft, &x, out)) return true;
     snprintf(fault->text, sizeof fault->text,
-             "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %.17g, as at the latest "
+             "tau has no partial derivatives where cam 2 is wedged: allowed is theta = %s, as at the latest "
              "communication point",
-             m->state.theta);
+             shortest_decimal(m->state.theta).text);
     return false;
 }
 
@@ -97,8 +97,8 @@ static bool elastic_axial_partials(const Inverse *m, int order, Partials *out, F
         return true;
     }
     snprintf(fault->text, sizeof fault->text,
-             "%s has no partial derivatives with shaft.stiffness = %.17g: allowed is shaft.stiffness = 0",
-             order == 0 ? "z of a wedged cam 2" : "v", m->params.shaft.stiffness);
+             "%s has no partial derivatives with shaft.stiffness = %s: allowed is shaft.stiffness = 0",
+             order == 0 ? "z of a wedged cam 2" : "v", shortest_decimal(m->params.shaft.stiffness).text);
     return false;
 }
 

@@ -183,6 +183,7 @@ bool call_deserialize(Run *run, const void *bytes, size_t size, void **state) {
 bool call_step(Run *run, double t, double h) {
     fmi3Boolean event = false, terminate = false, early = false;
     double reached = 0.0;
+    run->begin = t;
     const Guard guard = guard_begin(run);
     if (!guard_end(run, guard, is_ok(fmi3DoStep(run->c, t, h, false, &event, &terminate, &early, &reached))))
         return false;

@@ -33,10 +33,16 @@ static bool handle_events(Run *run) {
     return call_enter_events(run) && call_update_states(run) && call_leave_events(run);
 }
 
+/* s, the length of a step that may have returned early. The time is one double: the step is longer than the difference
+ * of both times by up to a rounding of the time, and at large times this difference is 0. */
+static double length_of_step(const Run *run, double before, double h) {
+    return fmin(h, run->time - before + DBL_EPSILON * fabs(run->time));
+}
+
 static bool step(Run *run, double h) {
     const double before = run->time;
     if (!call_step(run, before, h)) return false;
-    check_energies(run, run->time - before);
+    check_energies(run, length_of_step(run, before, h));
     return !run->event || run->use != USE_HYBRID || handle_events(run);
 }
 
@@ -149,7 +155,7 @@ static void set_any(Run *run) {
 static void step_by_any(Run *run) {
     const double t = take_byte(&run->in) < 200 ? run->time : take_any_number(&run->in);
     const double h = take_any_number(&run->in);
-    if (call_step(run, t, h)) check_energies(run, h);
+    if (call_step(run, t, h)) check_energies(run, length_of_step(run, t, h));
 }
 
 static void differentiate(Run *run) {

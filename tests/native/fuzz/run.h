@@ -21,7 +21,7 @@ enum { LONGEST_MESSAGE = 1200, SLOTS = 2, MAX_REFERENCES = 8 };
 /* The energies that a step turns over, for the check that their sum is kept. */
 typedef struct {
     bool known; /* those of the latest communication point */
-    double turned_over, force;
+    double turned_over, force, rounding;
     double flow[16];
 } Account;
 
@@ -38,6 +38,7 @@ typedef struct {
     Use use;
     unsigned options; /* of the instance, see call_instantiate() */
     double time;      /* s, that of the FMU */
+    double begin;     /* s, of the latest step, as the master gave it: it may differ from the FMU's by rounding */
     double tolerance; /* relative */
     bool wild;        /* numbers of no plausible size have been set, so energies may have lost their digits */
     bool forged;      /* a forged state acts: its numbers are not compared with one another (fmu_state.c) */

@@ -31,7 +31,7 @@ void intermediate_update(fmi3InstanceEnvironment environment, fmi3Float64 time, 
     double value[1] = {((int)take_byte(&run->in) - 128) / 8.0};
     const unsigned vr = take_below(&run->in, 6), choice = take_byte(&run->in);
     run->inside = true;
-    REQUIRE(run, run->wild || time >= run->time);
+    REQUIRE(run, run->wild || time >= run->begin);
     if (set_requested) call_set_reals(run, &vr, 1, value);
     if (get_allowed) call_get_reals(run, &vr, 1, value);
     if (choice >= 200) call_out_of_order(run);
