@@ -76,6 +76,30 @@ def test_motion_under_load_laws_does_not_depend_on_cuts(name, libraries, tmp_pat
         assert trace.read[-1]["events"] == whole.read[-1]["events"]
 
 
+RARE = {
+    "another pair of flanks goes on with the motion": 106,
+    "another pair of flanks is an unstable balance": 176,
+    "friction at rest serves in motion without inertia and dampers": 229,
+    "contacts wedge for another reason": 260,
+    "no torque is left at rest": 266,
+    "no part of a refused Lobatto step is worth a trial": 279,
+    "the torque comes back into the stick band inside a step": 299,
+    "rest ends where an edge becomes infinite": 344,
+}
+
+
+@pytest.mark.parametrize("name", RARE)
+def test_rare_ways_under_load_laws_do_not_depend_on_cuts(name, libraries, tmp_path):
+    """Of 350 random scenes, one to ten take such a way through the C code."""
+    verdict = judge(random_load(Tables(tmp_path), RARE[name]), libraries)
+    assert verdict.judged and not verdict.problems
+
+
+def test_grooves_of_too_many_polynomials_are_refused(libraries, tmp_path):
+    trace = drive(libraries[False], random_load(Tables(tmp_path), 329))
+    assert "describing the grooves in between takes more than" in trace.refusal and not trace.problems
+
+
 def test_changed_data_stay_within_their_limits():
     """Else the changed scene is refused, and nothing seems to amplify what changed."""
     rng, scene = np.random.default_rng(3), {"stop.restitution": 1.0, "cam1.radius": 0.02}
