@@ -86,6 +86,15 @@ def test_relative_to_the_resources(make_model, tmp_path):
     assert fmu.get("cam1.friction_coefficient") == 0.2
 
 
+@pytest.mark.parametrize("omega", [0.0, 1.0])
+def test_speeds_close_to_the_least_number(make_model, tmp_path, omega):
+    """The samples lie in the last octaves above zero, and the coefficient is the same at all of them."""
+    (tmp_path / "t.csv").write_text("v_m_s,mu\n0,0.2\n1e-305,0.2\n2e-305,0.2\n")
+    values = {"cam1.friction_table": str(tmp_path / "t.csv"), "initial.omega": omega}
+    fmu = make_model(FORWARD).start(values)
+    assert abs(fmu.get("cam1.friction_coefficient")) == 0.2
+
+
 IMPOSSIBLE = {
     "falls without inertia": (
         FORWARD,

@@ -76,6 +76,36 @@ def test_motion_under_load_laws_does_not_depend_on_cuts(name, libraries, tmp_pat
         assert trace.read[-1]["events"] == whole.read[-1]["events"]
 
 
+RARE = {
+    "another pair of flanks goes on with the motion": (random_load, 106),
+    "another pair of flanks is an unstable balance": (random_load, 176),
+    "friction at rest serves in motion without inertia and dampers": (random_load, 229),
+    "contacts wedge for another reason": (random_load, 260),
+    "no torque is left at rest": (random_load, 266),
+    "no part of a refused Lobatto step is worth a trial": (random_load, 279),
+    "the torque comes back into the stick band inside a step": (random_load, 299),
+    "rest ends where an edge becomes infinite": (random_load, 344),
+    "contacts let go within a step": (random_law, 8),
+    "the edge that a motion meets is infinite": (random_law, 130),
+    "the step past a zero is not solved": (random_law, 143),
+    "rest inside the band under friction that grows with the speed": (random_law, 192),
+    "contacts wedge inside the band on a dwell": (random_scene, 259),
+}
+
+
+@pytest.mark.parametrize("name", RARE)
+def test_rare_ways_do_not_depend_on_cuts(name, libraries, tmp_path):
+    """Of 1400 random scenes, one to eleven take such a way through the C code."""
+    make, number = RARE[name]
+    verdict = judge(make(Tables(tmp_path), number), libraries)
+    assert verdict.judged and not verdict.problems
+
+
+def test_grooves_of_too_many_polynomials_are_refused(libraries, tmp_path):
+    trace = drive(libraries[False], random_load(Tables(tmp_path), 329))
+    assert "describing the grooves in between takes more than" in trace.refusal and not trace.problems
+
+
 def test_changed_data_stay_within_their_limits():
     """Else the changed scene is refused, and nothing seems to amplify what changed."""
     rng, scene = np.random.default_rng(3), {"stop.restitution": 1.0, "cam1.radius": 0.02}

@@ -128,6 +128,17 @@ def test_jam_inside_the_stop_range(fmu):
     fmu.step(1e-3, tau=1.0)
 
 
+def test_samples_reach_a_stop_but_for_rounding(fmu, tmp_path):
+    """Both cams turn by the same angle, so that samples up to psi = 1 reach theta = 2 rad."""
+    path = tmp_path / "straight.csv"
+    psi = np.linspace(-0.25, 1.0, 6)
+    write_table(path, psi, 0.02 * psi)
+    values = {f"cam{i}.{n}": v for i in (1, 2) for n, v in (("profile", TABLE), ("table", str(path)))}
+    fmu.start(values | {"stop.upper": 2.0 + 2e-12})
+    fmu.ok("fmi2Reset")
+    start_refused(fmu, values | {"stop.upper": 2.0 + 4e-12}, "the samples must reach as far as the stops")
+
+
 def test_pin_that_nothing_fixes(fmu, tmp_path):
     """Both slopes zero: at psi = 0 of two tables that begin flat; both helices level."""
     path = tmp_path / "flat.csv"
