@@ -443,6 +443,27 @@ def test_a_groove_is_found_from_the_folder_of_its_design_file(design, folder, ca
     assert load == pytest.approx([5.0] * len(load), rel=1e-6)
 
 
+def test_a_groove_that_cannot_work_is_called_so(design, capsys):
+    """The findings are those of `dualcam check` with the printed lines in the design file; the lead angle is
+    the slope of the samples."""
+    words = ("design", "my.toml", "--torque", "500", "-o", "groove.csv", "--force")
+    said = spoken(capsys, *words).out
+    psi, z = np.loadtxt("groove.csv", delimiter=",", skiprows=1).T
+    steepest = np.degrees(np.arctan((np.diff(z) / np.diff(psi)).max() / 0.02))
+    shown = said.partition("lead angle ")[2].split()
+    assert float(shown[2]) == pytest.approx(steepest, abs=0.2) and shown[3] == "deg"
+    assert "does not work: `dualcam check` finds" in said.splitlines()[-1]
+    found = answer(capsys, *words)
+    text = design.read_text(encoding="utf-8")
+    for cam in ("cam1", "cam2"):
+        text = text.replace(f"[{cam}]", f'[{cam}]\nprofile = "table"\ntable = "groove.csv"')
+    design.write_text(text.replace('profile = "helix"', ""), encoding="utf-8")
+    checked = answer(capsys, "check", "my.toml", code=1)
+    assert not found["good"] and len(found["findings"]) == len(checked["findings"]) > 0
+    for key in ("severity", "kind", "key", "change", "nearest"):
+        assert [one[key] for one in found["findings"]] == [one[key] for one in checked["findings"]]
+
+
 @pytest.mark.parametrize(
     "words, mention",
     [

@@ -424,8 +424,9 @@ def test_a_table_that_the_component_does_not_hold_is_refused(content, descriptio
         run.set_int32([vr["cam1.profile"]], [3])
         run.set_string([vr["cam1.table"]], ["other.csv"])
         run.enter_initialization_mode(None, 0.0, None)
-        with pytest.raises(Refused, match=r'cam1.table = "other.csv": this file cannot be opened'):
+        with pytest.raises(Refused, match=r'cam1.table = "other.csv": this file cannot be opened') as refused:
             run.exit_initialization_mode()
+        assert "absolute" not in str(refused.value)  # a component has no other files
 
 
 @pytest.mark.parametrize("size", [0, 1, 65536, 300_000])

@@ -458,7 +458,8 @@ BAD = {
     "negative preload": (lambda t: 1.0, Spring(-1, 1e4), "loading", {}, "preload.*allowed"),
     "not a number": (lambda t: np.where(t < 1, 1.0, np.nan), LINEAR, "loading", {}, "torque nan.*allowed"),
     "jump": (lambda t: 1.0 + (t > 0.7), LINEAR, "loading", {"groove2": HELIX}, r"0\.[67].*continuous"),
-    "short samples": (([0, 0.2, 0.5, 1], [1, 1, 1, 1]), LINEAR, "loading", {}, "cover"),
+    "short samples": (([0, 0.2, 0.5, 1], [1, 1, 1, 1]), LINEAR, "loading", {},
+                      r"to 1 rad \(0 to 57.2958 deg\): .* cover 0 to upper = 1.3963 rad \(80.0021 deg\)"),
     "few samples": (([0, 2], [1, 1]), LINEAR, "loading", {}, "n >= 4"),
     "samples not numbers": (([0, 1, 2, 3], [1, 1, 1, math.nan]), LINEAR, "loading", {}, "finite"),
     "direction": (lambda t: 1.0, LINEAR, "up", {}, "allowed are loading, releasing"),
@@ -485,6 +486,16 @@ def test_what_cannot_be(name):
     torque, spring, direction, options, message = BAD[name]
     with pytest.raises(DesignError, match=message):
         synthesize(torque, UPPER, spring, direction=direction, **options)
+
+
+def test_samples_that_end_at_the_rounded_angle_are_continued():
+    """80 deg is 3.7e-5 rad less than 1.3963 rad. The continued samples are those of the straight line."""
+    angles = np.radians([0.0, 20.0, 40.0, 60.0, 80.0])
+    assert angles[-1] < UPPER
+    given, line = (
+        synthesize(torque, UPPER, LINEAR) for torque in ((angles, 1.0 + angles), lambda t: 1.0 + t)
+    )
+    assert given.table.z == pytest.approx(line.table.z, rel=1e-12, abs=1e-16)
 
 
 def test_limits_in_a_message_are_the_limits():

@@ -455,7 +455,8 @@ def test_table_path_refused(library, tmp_path):
     assert 'cam2.table = "": ' in groove_refusal(library, cam(TABLE))
     assert "must" in groove_refusal(library, cam(TABLE))
     assert "must be absolute" in groove_refusal(library, cam(TABLE, table="t.csv"))
-    assert "cannot be opened" in groove_refusal(library, cam(TABLE, table="none.csv"), resources)
+    said = groove_refusal(library, cam(TABLE, table="none.csv"), resources)
+    assert "cannot be opened" in said and f'resources, "{tmp_path}": give an absolute path' in said
     assert "must be a readable" in groove_refusal(library, cam(TABLE, table=tmp_path))
     assert "must be a readable" in groove_refusal(library, cam(TABLE, table="/dev/zero"))
     with (tmp_path / "large.csv").open("wb") as large:
@@ -463,6 +464,8 @@ def test_table_path_refused(library, tmp_path):
     assert "too large" in groove_refusal(library, cam(TABLE, table=tmp_path / "large.csv"))
     text = groove_refusal(library, cam(TABLE, table="\u00e9" * 400), resources)
     assert "must" in text and text.count("\u00e9") == 60
+    said = groove_refusal(library, cam(TABLE, table="n" * 400), b"/" + b"r" * 4000)
+    assert "r" * 119 + '": give an absolute path' in said and "r" * 120 not in said
     assert "cam2.profile = 4" in groove_refusal(library, cam(4))
 
 

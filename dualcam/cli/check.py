@@ -38,8 +38,7 @@ def command(design_file: Path, as_json: bool) -> int:
 def _tell(verdict: Verdict, file: Path, friction_note: str) -> None:
     for note in verdict.notes:
         say(f"- {note}")
-    for finding in verdict.findings:
-        say(f"{MARKS[finding.severity]} {finding.severity}: {finding}")
+    tell_findings(verdict)
     if verdict.numbers is not None:
         for line in verdict.numbers.lines():
             say(f"  {line}")
@@ -48,18 +47,25 @@ def _tell(verdict: Verdict, file: Path, friction_note: str) -> None:
     say(f"{file}: {_conclusion(verdict)}")
 
 
+def tell_findings(verdict: Verdict) -> None:
+    """One line for each finding, with its mark."""
+    for finding in verdict.findings:
+        say(f"{MARKS[finding.severity]} {finding.severity}: {finding}")
+
+
 def _conclusion(verdict: Verdict) -> str:
     strange, warnings = len(verdict.strange_units), len(verdict.warnings)
     units = "1 value looks like another unit" if strange == 1 else f"{strange} values look like other units"
     if verdict.good and strange:
         return f"the FMU starts, but {units}: see the warnings."
     if verdict.good:
-        more = f", {_count(warnings, 'warning')}" if warnings else ""
+        more = f", {count(warnings, 'warning')}" if warnings else ""
         return f"the design works, the FMU starts{more}."
     starts = "starts" if verdict.starts else "does not start"
     first = f" Check the units first: {units}." if strange else ""
-    return f"the design does not work, {_count(len(verdict.errors), 'error')}. The FMU {starts}.{first}"
+    return f"the design does not work, {count(len(verdict.errors), 'error')}. The FMU {starts}.{first}"
 
 
-def _count(number: int, what: str) -> str:
+def count(number: int, what: str) -> str:
+    """Such as "1 error" or "2 errors"."""
     return f"{number} {what}{'s' if number != 1 else ''}"

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from dualcam.cli.check import count, tell_findings
 from dualcam.cli.groove_export import GrooveExport, export_options
 from dualcam.cli.options import as_json, design_file, example, open_design, output_file
 from dualcam.cli.output import print_json, refuse_to_overwrite, say
 from dualcam.errors import DesignError
 
 if TYPE_CHECKING:
+    from dualcam.checking import Verdict
     from dualcam.design import Design
     from dualcam.design_file import DesignFile
+    from dualcam.model_description import Scalar
 
 NUMBER_FIRST = re.compile(r"\s*[+-]?[.,]?\d")
 GROOVE2 = ("equal", "given")
@@ -68,7 +73,9 @@ def command(
     """Find the groove that makes a wanted torque, all friction included; or cut grooves.
 
     With --torque: spring, friction, radius and the upper stop are those of the design file. The command
-    writes the table of the groove and prints the lines that put the table into the design file.
+    writes the table of the groove and prints the lines that put the table into the design file. Then the
+    command prints what `dualcam check` finds in the design with this groove; findings do not change the exit
+    code.
 
     With --export: the command writes the path of the pin and the flanks of both grooves for a workshop. The
     grooves are those of the design file, or those for the wanted torque.
@@ -93,8 +100,11 @@ def command(
     if found is not None and output is not None:
         found.table.write(output)
     cams = (1,) if groove2 == "given" else (1, 2)
+    verdict = None if found is None else _verdict(design, found, cams, output)
     if as_json:
         designed = {} if found is None else _facts(found, output, cams)
+        if verdict is not None:
+            designed |= {"good": verdict.good, "findings": [one.as_dict() for one in verdict.findings]}
         print_json({**designed, "files": files} if exported.files else designed)
         return
     if found is not None:
@@ -103,6 +113,34 @@ def command(
         _say_how_to_use(output, design_file, cams)
     if files:
         exported.say_written(design, mechanism)
+    if verdict is not None:
+        _tell(verdict, design_file)
+
+
+def _verdict(design: DesignFile, found: Design, cams: tuple[int, ...], written: Path | None) -> Verdict:
+    """Of `dualcam check` on the design with the new groove. The warnings of the file have been shown."""
+    from dualcam.checking import check_design
+
+    with TemporaryDirectory() as folder:
+        table = Path(folder) / "groove.csv" if written is None else written.resolve()
+        if written is None:
+            found.table.write(table)
+        groove: dict[str, Scalar] = {"profile": 3, "table": str(table)}
+        new = {f"cam{cam}.{key}": value for cam in cams for key, value in groove.items()}
+        verdict = check_design(replace(design, parameters=design.parameters | new))
+    others = tuple(one for one in verdict.findings if one not in design.warnings)
+    return replace(verdict, findings=others)
+
+
+def _tell(verdict: Verdict, design_file: Path) -> None:
+    if not verdict.findings and verdict.good:
+        say(f"{design_file} with this groove works: `dualcam check` finds nothing")
+        return
+    tell_findings(verdict)
+    works = "works" if verdict.good else "does not work"
+    numbers = [(len(verdict.errors), "error"), (len(verdict.warnings), "warning")]
+    counted = " and ".join(count(number, what) for number, what in numbers if number)
+    say(f"{design_file} with this groove {works}: `dualcam check` finds {counted}")
 
 
 def _facts(found: Design, table: Path | None, cams: tuple[int, ...]) -> dict[str, Any]:

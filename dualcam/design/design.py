@@ -103,12 +103,14 @@ class Design:
             "frictionless": "without friction",
         }
         first = self.table.psi[0], self.table.psi[-1]
+        slope = self.table.at(np.linspace(*first, POINTS)).slope
+        lead = np.degrees(np.arctan(slope / self.table.radius))
         return "\n".join(
             [
                 f"wanted torque {verb[self.direction]}: {span(self.wanted(theta))} N.m from theta = 0 to"
                 f" {self.mechanism.upper:.4g} rad, obtained to {self.largest_error:.1g}",
                 f"groove: {len(self.table.psi)} samples, psi {first[0]:.4g} to {first[1]:.4g} rad, z 0 to"
-                f" {self.table.z[-1]:.4g} m",
+                f" {self.table.z[-1]:.4g} m, lead angle {span(lead)} deg",
                 str(self.torque_band()),
             ]
         )

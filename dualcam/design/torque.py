@@ -14,6 +14,7 @@ from dualcam.design.statics import Array, DesignError
 
 Torque = Callable[[Array], Array]  # N.m, at theta [rad], of the shape of theta
 WantedTorque = float | Torque | tuple[ArrayLike, ArrayLike]
+ROUNDED = 1e-4  # rad: samples may end this much before the range, as 80 deg and 1.3963 rad differ by 4e-5
 
 
 def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
@@ -23,7 +24,8 @@ def wanted_torque(torque: WantedTorque, angles: Array) -> Torque:
     ----------
     torque : float, function or tuple of two array_like
         A number: the same torque [N.m] at each angle. A function of theta [rad], for arrays or for one angle
-        at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins.
+        at a time. Samples (theta, torque) [rad, N.m] of shape (n,), n >= 4, which a cubic spline joins. The
+        spline continues samples that end up to 1e-4 rad before the range, as rounded angles do.
     angles : ndarray, shape (m,)
         Angles [rad] of the range, from 0 to its end, at which a function is tried.
 
@@ -99,9 +101,10 @@ def _spline(angle: Array, value: Array, upper: float) -> Torque:
         raise DesignError("torque: samples must be two arrays of shape (n,), n >= 4, of increasing theta")
     if not (np.isfinite(angle).all() and np.isfinite(value).all()):
         raise DesignError("torque: samples must be finite numbers")
-    if angle[0] > 0.0 or angle[-1] < upper:
+    if angle[0] > ROUNDED or angle[-1] < upper - ROUNDED:
+        low, high, end = (f"{math.degrees(rad):.6g}" for rad in (angle[0], angle[-1], upper))
         raise DesignError(
-            f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad: allowed are samples that cover 0 to"
-            f" upper = {upper:g} rad"
+            f"torque: samples from {angle[0]:g} to {angle[-1]:g} rad ({low} to {high} deg): allowed are"
+            f" samples that cover 0 to upper = {upper:g} rad ({end} deg)"
         )
     return CubicSpline(angle, value)

@@ -42,19 +42,10 @@ bool csv_refuse(const CsvFile *csv, const char *format, ...) {
 
 /* ---- the file ---- */
 
-static FILE *open_absolute(const CsvFile *csv, const char *path) {
-    FILE *file = platform_open(path);
-    if (!file) csv_refuse(csv, "this file cannot be opened: it must be a readable CSV file");
-    return file;
-}
+static const char UNREADABLE[] = "this file cannot be opened: it must be a readable CSV file";
 
 /* A relative path never starts from the current directory: the host application owns and may change this directory. */
-static FILE *open_table(const CsvFile *csv, const char *resources) {
-    if (platform_is_absolute(csv->path)) return open_absolute(csv, csv->path);
-    if (!resources) {
-        csv_refuse(csv, "the path must be absolute, because the FMU's resources directory is not known");
-        return NULL;
-    }
+static FILE *open_in_resources(const CsvFile *csv, const char *resources) {
     const size_t size = strlen(resources) + strlen(csv->path) + 2;
     char *joined = malloc(size);
     if (!joined) {
@@ -62,8 +53,23 @@ static FILE *open_table(const CsvFile *csv, const char *resources) {
         return NULL;
     }
     snprintf(joined, size, "%s/%s", resources, csv->path);
-    FILE *file = open_absolute(csv, joined);
+    FILE *file = platform_open(joined);
     free(joined);
+    if (!file)
+        csv_refuse(csv, "%s. A relative path starts from the FMU's resources, \"%.*s\"%s", UNREADABLE,
+                   csv_quoted(resources, QUOTED_PATH), resources,
+                   PLATFORM_HAS_OTHER_FILES ? ": give an absolute path for a file elsewhere" : "");
+    return file;
+}
+
+static FILE *open_table(const CsvFile *csv, const char *resources) {
+    const bool is_absolute = platform_is_absolute(csv->path);
+    if (!is_absolute && resources) return open_in_resources(csv, resources);
+    FILE *file = is_absolute ? platform_open(csv->path) : NULL;
+    if (!file)
+        csv_refuse(csv, "%s",
+                   is_absolute ? UNREADABLE
+                               : "the path must be absolute, because the FMU's resources directory is not known");
     return file;
 }
 
