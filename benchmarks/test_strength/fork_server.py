@@ -33,7 +33,7 @@ import hypothesis
 import pytest
 from _pytest.runner import runtestprotocol
 
-from benchmarks.test_strength.schedule import Item, Schedule
+from benchmarks.test_strength.schedule import Item, Schedule, function_of
 from benchmarks.test_strength.switch import ACTIVE, DIFFERS_BIT, REACHED, SYMBOL
 
 JOB = "DUALCAM_MUTANTS_JOB"
@@ -174,8 +174,9 @@ def run_child(number: int, items: Sequence[Item], job: Schedule, session: pytest
     begun: set[str] = set()
     for k, item in enumerate(items):
         status.write_text(item.nodeid)
-        longest = SLOWER * job.usual_seconds(item, item.location[0] not in begun) + PATIENCE
-        begun.add(item.location[0])
+        function = function_of(item.nodeid)
+        longest = SLOWER * job.usual_seconds(item, function not in begun) + PATIENCE
+        begun.add(function)
         signal.setitimer(signal.ITIMER_PROF, longest)
         signal.setitimer(signal.ITIMER_REAL, WAITING + longest / SHARE)
         if not passes(items, k):

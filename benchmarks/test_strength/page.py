@@ -53,6 +53,8 @@ of energy and with the law of friction, not with earlier results of the FMU.
 
 Equivalent mutants and those of cost were judged by hand. Such a mutant meets {judged:g} s of the tests in
 which the mistake makes a difference, the most promising ones first; any other mutant meets all of them.
+`python -m benchmarks.test_strength.judged` plays random scenes with such mutants, and lists results that
+differ from those without the mistake.
 """
 
 

@@ -92,10 +92,11 @@ class Schedule:
         limit = min(self.limit, self.judged_limit) if number in self.judged else self.limit
         return self.within_limit([item for *_, item in order], limit)
 
-    def usual_seconds(self, item: Item, first_of_file: bool) -> float:
-        """Without a mutant. The first test of a file also makes the fixtures of the file: another one had
-        made them when the times were noted, within the time of the longest test of the file."""
-        if not first_of_file:
+    def usual_seconds(self, item: Item, first_of_function: bool) -> float:
+        """Without a mutant. The first test of a function also makes the fixtures of the file that this
+        function uses: another one had made them when the times were noted, within the time of the longest
+        test of the file."""
+        if not first_of_function:
             return self.seconds[item.nodeid]
         begin = item.location[0] + "::"
         return max(seconds for test, seconds in self.seconds.items() if test.startswith(begin))

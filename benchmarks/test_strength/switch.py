@@ -17,7 +17,7 @@ from pathlib import Path
 from benchmarks.test_strength.sites import Site
 
 ACTIVE, REACHED = "DUALCAM_MUTANT", "DUALCAM_REACHED"
-SYMBOL = "mutant_active"
+SYMBOL, MARKS = "mutant_active", "mutant_reached"
 HEADER = "platform/mutant_switch.h"
 LINES_BEFORE = 1  # of the #include in each changed file
 REACHED_BIT, DIFFERS_BIT = 1, 2  # of a mark
