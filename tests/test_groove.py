@@ -115,6 +115,7 @@ class Transmission(Structure):
         ("piece", POINTER(TransmissionPiece)),
         ("straight", c_bool),
         ("slope_size", c_double),
+        ("steepest", c_double * 2),
         ("z_size", c_double),
     ]
 

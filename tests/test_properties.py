@@ -308,12 +308,17 @@ def curve(fmu: Driver, torque_unit: float, h, taus, forces, part=(0.0, 1.0)) -> 
     return status
 
 
+def slopes(fmu: Driver, grooves) -> list[float]:
+    """m/rad, of both grooves where the FMU stands."""
+    gamma, theta = fmu.get("gamma"), fmu.get("theta")
+    angles = zip(grooves, (gamma, theta - gamma), strict=True)
+    return [g.derivatives(x, Grooves._index(g, x))[1] for g, x in angles]
+
+
 def inertia_felt(fmu: Driver, parameters, grooves) -> float:
     """kg.m^2, twice the kinetic energy per omega^2 where the FMU stands. The follower turns at most as far as
     cam 2."""
-    gamma, theta = fmu.get("gamma"), fmu.get("theta")
-    angles = zip(grooves, (gamma, theta - gamma), strict=True)
-    a1, a2 = (g.derivatives(x, Grooves._index(g, x))[1] for g, x in angles)
+    a1, a2 = slopes(fmu, grooves)
     lift = a1 * a2 / (a1 + a2)
     J, m, inertia = (parameters[f"inertia.{name}"] for name in ("shaft", "follower_mass", "follower"))
     return J + m * lift * lift + inertia
@@ -504,6 +509,21 @@ def test_general_rest_is_one_that_friction_allows(make, scratch, scene, curves, 
 # that dies away, contacts about to change flanks) what that makes of it. Mechanisms that a millionth of a
 # nudge moves by more than this share are left out, for there cuts have no say.
 NUDGE, STEADY = 1e-7, 1e-4
+# A torque within this share of the terms of its balance is on the edge of the stick band: a tie is rest
+# (tests/test_cuts_of_general_grooves.py). What such a torque does to the speed is rounding.
+TIE = 2e-12
+
+
+def rounding_of_speed(fmu: Driver, parameters, grooves, torque_unit: float, one) -> float:
+    """rad/s: the speed that a tie of the torques gives the inertia within the interval `one`."""
+    h, taus, forces = one
+    felt, z = inertia_felt(fmu, parameters, grooves), fmu.get("z")
+    if not felt:
+        return 0.0
+    a1, a2 = slopes(fmu, grooves)
+    k = [parameters[f"spring.{name}"] for name in ("preload", "stiffness", "stiffness2", "stiffness3")]
+    force = math.fsum(abs(c * z**i) for i, c in enumerate(k)) + math.fsum(map(abs, forces))
+    return TIE * (torque_unit * math.fsum(map(abs, taus)) + a1 * a2 / (a1 + a2) * force) * h / felt
 
 
 @GENERAL_FIXTURE
@@ -514,7 +534,10 @@ def test_general_answer_does_not_depend_on_cuts(make, scratch, scene, curves, cu
     torque_unit = unit_of_torque(runs[0], LEAST)
     places = [0.0, *sorted(cuts), 1.0]
     largest = {"theta": max(map(abs, (parameters["stop.lower"], parameters["stop.upper"])))}
+    grooves = [groove_of(parameters, i) for i in (1, 2)]
+    rounding = {"theta": 0.0, "omega": 0.0}
     for one in curves:
+        rounding["omega"] += rounding_of_speed(runs[0], parameters, grooves, torque_unit, one)
         for fmu, parts in zip(runs, ([(0.0, 1.0)], list(pairwise(places)), [(0.0, 1.0)]), strict=True):
             for part in parts:
                 assume(curve(fmu, torque_unit, *one, part) == OK)
@@ -526,7 +549,7 @@ def test_general_answer_does_not_depend_on_cuts(make, scratch, scene, curves, cu
             moved = abs(other[name] - whole[name])
             assume(moved <= STEADY * size)
             # ten times what the nudge did is another hundred times the tolerance
-            assert abs(cut[name] - whole[name]) <= 10 * TOLERANCE * size + 10 * moved
+            assert abs(cut[name] - whole[name]) <= 10 * TOLERANCE * size + 10 * moved + rounding[name]
 
 
 def nudged(parameters):

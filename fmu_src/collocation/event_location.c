@@ -61,13 +61,15 @@ static bool keep_in_bracket(const Bracket *bracket, double full, double t, doubl
 }
 
 /* Shortens the step so that it ends on the crossing at the share x of the step. The edge of the stick band is bisected:
- * its rate is not known. */
+ * its rate is not known. So is a reaction that is a difference of far larger terms, whose rate is rounding: Newton's
+ * method then creeps. */
 static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator indicator, double x, RadauStep *step) {
     const RadauStep whole = *step;
     SlipMode slip = *limits->slip;
     slip.to_rounding = indicator != STEP_BREAKPOINT && indicator != STEP_JAM;
     const int stages = whole.method->stages;
-    Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) < 0.0};
+    const double allowance = step_indicator_allowance(limits, indicator, &whole);
+    Bracket bracket = {0.0, whole.h, step_indicator_at_end(limits, indicator, &whole) + allowance < 0.0};
     bool blocked = false;
     double t = first_length(limits, indicator, x, &whole);
     for (int n = 0; n < LOCATION_ITERATIONS && !work_is_spent(slip.work); n++) {
@@ -77,10 +79,11 @@ static CrossingResult end_on_crossing(const SegmentLimits *limits, StepIndicator
             t = 0.5 * (bracket.left + t);
             continue;
         }
-        const double f = step_indicator_at_end(limits, indicator, step);
+        const double f = step_indicator_at_end(limits, indicator, step) + allowance;
         if (is_reached(limits, indicator, f)) return CROSSING_REACHED;
         narrow(&bracket, t, f);
-        const bool bisects = indicator == STEP_BAND_EDGE || indicator == STEP_JAM;
+        const bool bisects =
+            indicator == STEP_BAND_EDGE || indicator == STEP_JAM || (n >= LOCATION_NEWTON && bracket.closed);
         const IndicatorRate slope =
             bisects ? (IndicatorRate){-1.0, 0.0} : step_indicator_rate(limits, indicator, radau_step_end(step), t);
         if (fabs(f) <= slope.rounding) return CROSSING_REACHED;

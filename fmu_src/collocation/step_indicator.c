@@ -16,7 +16,8 @@ NOINLINE static double torque_beyond(const SlipMode *slip, const double slope[2]
     const Geometry g = cam_geometry(slip->params->cam, slope);
     const BandFactors band = contact_band_under(slip->params, &g, fabs(force), slip->work);
     const bool loads = (slip->direction > 0) == (force >= 0.0);
-    return slip->direction * (tau - (loads ? band.load : band.release) * force);
+    const double edge = min_of(max_of(loads ? band.load : band.release, -LINEAR_STEEPEST_EDGE), LINEAR_STEEPEST_EDGE);
+    return slip->direction * (tau - edge * force);
 }
 
 static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
@@ -29,6 +30,17 @@ static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
 /* True if the damper's load is on the flanks that the spring presses on. */
 static bool is_on_spring_flanks(const SlipMode *slip, const Balance *start) {
     return slip->flank[0] * start->force > 0.0 && slip->flank[1] * start->force > 0.0;
+}
+
+/* True if friction locks a contact that bears on the flank of its direction, n_i = a_i + f_i r_i < 0. The edge of the
+ * stick band is then that of another pair of flanks. */
+COMPACT static bool is_locked(const SlipMode *slip, const Balance *b) {
+    bool locked = false;
+    for (int i = 0; i < 2; i++) {
+        const double r = slip->params->cam[i].radius, f = b->friction[i];
+        locked |= f < 0.0 && b->length2[i] < r * r * (1.0 + f * f); /* a_i < |f_i| r_i */
+    }
+    return locked;
 }
 
 /* True if the edge of the stick band is another torque than the one at which this slip mode has no speed. */
@@ -71,8 +83,8 @@ SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, doub
     };
     if (limits.has_jam) limits.jam_sign = jam_determinant(slip, start) < 0.0 ? -1.0 : 1.0;
     if (slip->regime == REGIME_VISCOUS && limits.has_friction) {
-        limits.may_have_edge = is_on_spring_flanks(slip, start);
-        limits.has_band_edge = !limits.may_have_edge && differs_from_edge(slip, start);
+        limits.has_band_edge = !is_on_spring_flanks(slip, start) && differs_from_edge(slip, start);
+        limits.may_have_edge = !limits.has_band_edge;
     }
     return limits;
 }
@@ -114,7 +126,7 @@ IndicatorRate step_indicator_rate(const SegmentLimits *limits, StepIndicator ind
 /* ---- crossings ---- */
 
 /* A smaller |value| of the indicator is rounding. */
-static double rounding_of(const SegmentLimits *limits, StepIndicator indicator, const Balance *start) {
+COMPACT static double rounding_of(const SegmentLimits *limits, StepIndicator indicator, const Balance *start) {
     if (!step_indicator_is_flank(indicator)) return 0.0;
     BalanceRates rates;
     balance_rates(limits->slip, start, 0.0, &rates);
@@ -148,6 +160,12 @@ static bool starts_rising(StepIndicator indicator, double start) {
     return start == 0.0 && indicator != STEP_TO_STOP && indicator != STEP_BREAKPOINT;
 }
 
+COMPACT double step_indicator_allowance(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
+    if (!step_indicator_is_flank(indicator) || value_at(limits, indicator, step, -1) > 0.0) return 0.0;
+    const double coarse = limits->slip->friction_varies ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
+    return CROSSING_ALLOWANCE * coarse * rounding_of(limits, indicator, &step->start);
+}
+
 /* Share of the step at which the indicator crosses zero, CROSSING_UNRESOLVED, or infinity. */
 static double polynomial_crossing(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step,
                                   RadauValues v) {
@@ -157,7 +175,8 @@ static double polynomial_crossing(const SegmentLimits *limits, StepIndicator ind
     p.c[0] = p.c[1] = 0.0;
     x = bernstein_descent(&p);
     if (!(x < CROSSING_AT_ONCE)) return x;
-    if (!(v.value[step->method->stages] < 0.0)) return INFINITY;
+    if (!(v.value[step->method->stages] < -step_indicator_allowance(limits, indicator, step))) return INFINITY;
+    if (step_indicator_is_flank(indicator)) return CROSSING_AT_ONCE;
     return indicator == STEP_SPEED ? x : CROSSING_UNRESOLVED;
 }
 
@@ -171,7 +190,7 @@ static inline double crossing_of(const SegmentLimits *limits, StepIndicator indi
 COMPACT static bool reaches_band_edge(const SegmentLimits *limits, const RadauStep *step) {
     bool reaches = limits->has_band_edge;
     for (int j = 0; limits->may_have_edge && j < step->method->stages; j++)
-        reaches |= !is_on_spring_flanks(limits->slip, &step->node[j]);
+        reaches |= !is_on_spring_flanks(limits->slip, &step->node[j]) || is_locked(limits->slip, &step->node[j]);
     return reaches;
 }
 

@@ -32,13 +32,18 @@ typedef struct {
     double to_stop;        /* rad, to the end stop */
     Breakpoint breakpoint; /* ahead */
     bool has_band_edge;    /* viscous, with the damper's load on other flanks than the spring's */
-    bool may_have_edge;    /* viscous: has_band_edge once F_0 has changed its sign */
+    bool may_have_edge;    /* viscous: has_band_edge once F_0 has changed its sign, or a contact locks */
     bool has_friction;     /* else it does not matter on which flank a contact bears */
     bool has_jam;          /* friction varies, and the mechanism has inertia */
     double jam_sign;       /* of Delta at the start */
 } SegmentLimits;
 
 SegmentLimits segment_limits_of(const SlipMode *slip, const Balance *start, double to_stop);
+
+/* A reaction that counts as zero at the start can be on the wrong side of zero there, by rounding: the mode decision takes
+ * either flank. The indicator plus this allowance, N/m, then begins above zero; 0 for all other indicators. A flank is
+ * left where the indicator is below zero by this much, which the decision sees. */
+double step_indicator_allowance(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step);
 
 /* The indicator at the end of the step. */
 double step_indicator_at_end(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step);

@@ -97,29 +97,62 @@ static double look_ahead(const SlipMode *slip, const Balance *now, const Candida
     return min_of(min_of(by_time, angle / fabs(candidate->omega)), min_of(by_alpha, by_jerk));
 }
 
-/* Inputs can begin as slowly as t^3. Where neither x_i nor its rate tells the flank, the value of x_i a little
- * later decides; this value takes the place of the second derivative. What the acceleration then has beyond the present
- * alpha and jerk has grown at least like t^2: the speed gains a third of it, and a damper's load follows that speed. */
-static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
-    const double dt = look_ahead(slip, now, candidate);
+/* x_i after dt, as far as the present alpha and jerk tell. What the acceleration then has beyond them has grown at least
+ * like t^2: the speed gains a third of it, and a damper's load follows that speed. False beyond the piece of the
+ * transmission, whose polynomials end there. */
+COMPACT static bool contacts_after(const SlipMode *slip, const Balance *now, const Candidate *candidate, double dt,
+                                   double x[2]) {
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
     const double theta =
         now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));
+    if (!(theta >= slip->piece->lower && theta <= slip->piece->upper)) return false;
     Balance later;
     balance_at(slip, theta, omega, dt, &later);
     if (slip->regime == REGIME_INERTIAL) {
         const double gained = later.alpha - (candidate->alpha + dt * candidate->jerk);
         balance_at(slip, theta, omega + dt / 3.0 * gained, dt, &later);
     }
+    for (int i = 0; i < 2; i++) x[i] = later.x[i];
+    return isfinite(x[0]) && isfinite(x[1]);
+}
+
+static bool is_visible(double x, double size) {
+    return fabs(x) > REACTION_ZERO_SHARE * size;
+}
+
+/* A rate that cannot lift x_i out of its rounding within dt does not tell the flank, if x_i has left on the other side
+ * by then. */
+COMPACT static void drop_faint_rate(Candidate *candidate, int i, double dt) {
+    ContactLoad *c = &candidate->contact[i];
+    const bool against = c->rate * c->second < 0.0 && is_visible(c->second, candidate->size[i].value);
+    if (against && !is_visible(c->rate * dt, candidate->size[i].value)) c->rate = 0.0;
+}
+
+/* Inputs can begin as slowly as t^3, and loads change their sign soon after. Where neither x_i nor its rate tells the
+ * flank, the value of x_i a little later decides, at the shortest of some times at which x_i exceeds its rounding. This
+ * value takes the place of the second derivative. */
+COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *now, Candidate *candidate) {
+    double dt = look_ahead(slip, now, candidate), visible_at[2] = {0.0, 0.0};
+    bool visible = true;
+    for (int n = 0; n < CANDIDATE_LOOKS && visible; n++, dt *= CANDIDATE_LOOK_SHORTER) {
+        double x[2];
+        if (!contacts_after(slip, now, candidate, dt, x)) continue;
+        visible = false;
+        for (int i = 0; i < 2; i++) {
+            if (!is_visible(x[i], candidate->size[i].value)) continue;
+            visible = true;
+            candidate->contact[i].second = x[i];
+            visible_at[i] = dt;
+        }
+    }
     for (int i = 0; i < 2; i++) {
-        candidate->contact[i].second = later.x[i];
+        drop_faint_rate(candidate, i, visible_at[i]);
         candidate->size[i].second = candidate->size[i].value;
     }
 }
 
 static bool is_undecided(const Candidate *candidate, int i) {
-    return fabs(candidate->contact[i].value) <= REACTION_ZERO_SHARE * candidate->size[i].value &&
-           fabs(candidate->contact[i].rate) <= REACTION_ZERO_SHARE * candidate->size[i].rate;
+    return !is_visible(candidate->contact[i].value, candidate->size[i].value);
 }
 
 /* The rounding of theta changes x_i however small the load is: through the spring, and where the grooves bend sharply

@@ -52,8 +52,9 @@ static int load_sign(const Mechanism *m, int direction) {
     const double v = has_inertia(&m->params) ? m->configuration.geometry.dz_dtheta * m->state.omega.hi : 0.0;
     const double force = stick_axial_load(m) + damper_force(&m->params.damper, direction, v);
     if (fabs(force) > stick_tie(m) * stick_axial_size(m)) return sign_of(force);
-    const int coming = sign_of(m->inputs.F_ext[1]);
-    return coming != 0 ? coming : (m->params.spring.stiffness != 0.0 ? direction : 1);
+    for (int k = 1; k <= INPUT_ORDER; k++)
+        if (m->inputs.F_ext[k] != 0.0) return sign_of(m->inputs.F_ext[k]);
+    return m->params.spring.stiffness != 0.0 ? direction : 1;
 }
 
 /* Just before a change of flanks a reaction still has the sign of its flank, but counts as zero and falls. The location
@@ -130,13 +131,14 @@ static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
 }
 
-/* Without inertia, where friction grows with the speed, several pairs of flanks can balance the torque, each at its own
- * speed, while the axial load passes zero. The motion goes on along its pair as long as this pair agrees. */
+/* Without inertia several pairs of flanks can balance the torque, each at its own speed: where friction grows with the speed
+ * while the axial load passes zero, or where a contact locks. The motion goes on along its pair as long as this pair
+ * agrees. */
 static bool keeps_flanks(const Mechanism *m, int direction, LinearSlipMode *built) {
-    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params) || !any_friction_varies(&m->params))
-        return false;
+    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params)) return false;
     const Candidate candidate = candidate_building(m, present_slip_index(m), built);
-    return candidate.stable && direction * candidate.omega > 0.0 && agrees(m, present_slip_index(m), &candidate, true);
+    return candidate.regime == REGIME_VISCOUS && candidate.stable && direction * candidate.omega > 0.0 &&
+           agrees(m, present_slip_index(m), &candidate, true);
 }
 
 static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {

@@ -166,6 +166,21 @@ COLD static double loaded_wedge_time(Mechanism *m, double left) {
     return time;
 }
 
+/* The time, s, at most `left`, until the contacts let go or wedge for another reason. Friction that does not depend on the
+ * load has conditions that are polynomials of the time. They know no rounding but that of the present loads: where the
+ * loads grow, a reaction that hinders a pair of flanks can become rounding, and the decision takes this pair. */
+static double wedged_time(Mechanism *m, double left) {
+    if (!m->model.friction_is_loaded) {
+        const double time = wedge_holds(m) ? wedge_time(m, left) : left;
+        if (time < left || !wedge_holds(m)) return time;
+        const Inputs now = m->inputs;
+        const bool lets_go = wedge_sample(m, &now, left).lets_go;
+        m->inputs = now;
+        if (!lets_go) return left;
+    }
+    return loaded_wedge_time(m, left);
+}
+
 double wedge_agreement(const Mechanism *m) {
     const int direction = stick_direction_beyond_band(m);
     double largest = -1.0;
@@ -219,7 +234,5 @@ void rest_propose(Mechanism *m, double left, Segment *segment) {
         return;
     }
     const double time = stick_rest_time(m, left);
-    if (m->state.mode == MODE_WEDGED && m->model.friction_is_loaded)
-        rest_propose_for(m, loaded_wedge_time(m, time), segment);
-    else rest_propose_for(m, wedge_holds(m) ? wedge_time(m, time) : time, segment);
+    rest_propose_for(m, m->state.mode == MODE_WEDGED ? wedged_time(m, time) : time, segment);
 }

@@ -32,6 +32,20 @@ double stick_axial_size(const Mechanism *m) {
     return axial_size(m, m->inputs.F_ext[0]);
 }
 
+/* m/rad, the size of the rounding of an edge factor by that of the slopes. With rho = 1/(kappa_1 + kappa_2) of section 3
+ * of docs/mechanism.md, d rho/d a_i = (1 + f_i^2) (rho/n_i)^2, where rho/n_i is at most about 1, and where groove i is
+ * steep at most about (a_j + mu_j r_j)/a_i: the slope of a steep groove hardly matters, and so does its rounding. */
+COMPACT static double slope_size(const Mechanism *m) {
+    const Geometry *g = &m->configuration.geometry;
+    double size = 0.0;
+    for (int i = 0; i < 2; i++) {
+        const double other = g->slope[1 - i] + g->friction[1 - i] * g->radius[1 - i];
+        const double share = other < g->slope[i] ? other / g->slope[i] : 1.0;
+        size = max_of(size, share * share * m->model.transmission.steepest[i]);
+    }
+    return size;
+}
+
 /* The size of the terms of factor F_0, for a factor of the stick band. The factor vanishes on a dwell and where a contact
  * begins to lock. The factor's rounding does not vanish, and is a share of the largest slope: this share multiplies the
  * terms of the present F_0 alone, for the rounding of the factor times that of z is of second order. */
@@ -39,7 +53,7 @@ static double edge_size(const Mechanism *m, double factor, double F_ext) {
     if (m->model.transmission.straight) return fabs(factor) * axial_size(m, F_ext);
     const double lever = fabs(factor) + m->configuration.geometry.dz_dtheta;
     return lever * axial_size(m, F_ext) +
-           STICK_SLOPE_SHARE * m->model.transmission.slope_size * terms_of_load(m, fabs(m->configuration.z), F_ext);
+           STICK_SLOPE_SHARE * slope_size(m) * terms_of_load(m, fabs(m->configuration.z), F_ext);
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {

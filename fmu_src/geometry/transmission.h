@@ -54,6 +54,7 @@ typedef struct {
     TransmissionPiece *piece; /* owned, in order of theta */
     bool straight;            /* both grooves are helices: one piece with exact constants */
     double slope_size;        /* m/rad, largest |a_i|: the polynomials round by some eps of this value; 0 if straight */
+    double steepest[2];       /* m/rad, largest |a_i| of each cam; 0 for a helix, whose slope is exact */
     double z_size;            /* m, largest |z|, likewise */
 } Transmission;
 

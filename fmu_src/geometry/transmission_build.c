@@ -56,6 +56,9 @@ static void measure_size(Transmission *transmission) {
             const TransmissionPoint point = piece_at(&transmission->piece[k], ends[i]);
             transmission->slope_size =
                 max_of(transmission->slope_size, max_of(fabs(point.slope[0]), fabs(point.slope[1])));
+            for (int j = 0; j < 2; j++)
+                if (transmission->groove[j].profile != PROFILE_HELIX)
+                    transmission->steepest[j] = max_of(transmission->steepest[j], fabs(point.slope[j]));
             transmission->z_size = max_of(transmission->z_size, fabs(point.z));
         }
     }

@@ -90,6 +90,17 @@ static void set_allowed(const Fit *fit, const double steepest[2], const double r
     samples->z_allowed = TRANSMISSION_ERROR * fit->highest + DBL_MIN;
 }
 
+/* On a dwell of a table the slope is 0 at all inner nodes. The knots at its ends are known to a rounding, past which the
+ * slope has begun to rise. The polynomial would carry this rise, some 1e-50 m/rad, all over the dwell, where a contact
+ * that friction locks under a slope > 0 would jam. */
+COMPACT static void level_dwells(NodeSamples *samples) {
+    for (int i = 0; i < 3; i++) {
+        double steepest = 0.0;
+        for (int j = 1; j < N; j++) steepest = max_of(steepest, samples->value[i][j]);
+        if (steepest == 0.0) samples->value[i][0] = samples->value[i][N] = 0.0;
+    }
+}
+
 /* False if nothing fixes the pin at a node. */
 static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *samples) {
     double rounding[2] = {0.0, 0.0}, steepest[2] = {fit->params->cam[0].radius, fit->params->cam[1].radius};
@@ -106,6 +117,7 @@ static bool sample_nodes(Fit *fit, const TransmissionPiece *piece, NodeSamples *
         if (j == N / 2) samples->z_middle = position.z;
         if (j == N) samples->z_upper = position.z;
     }
+    level_dwells(samples);
     set_allowed(fit, steepest, rounding, samples);
     return true;
 }

@@ -278,6 +278,9 @@ static const double STEP_LEVEL = 0.01;
  * found the indicator to rise. */
 static const double CROSSING_AT_ONCE = 1e-9;
 
+/* A reaction that the mode decision counts as zero leaves its flank this many times the decision's rounding below zero. */
+static const double CROSSING_ALLOWANCE = 2.0;
+
 /* Share of the largest value of an indicator below which a coefficient of its polynomial is rounding. */
 static const double CROSSING_COEFFICIENT = 1e-14;
 
@@ -294,7 +297,7 @@ static const double LOCATION_BALLISTIC = 1e-3;
  * energy over the energy gained by errors up to which the errors alone have reached the stop. */
 static const double LOCATION_STOP_ROUNDING = 64.0 * DBL_EPSILON, LOCATION_STOP_GAIN = 2.0;
 
-enum { LOCATION_ITERATIONS = 150 }; /* steps tried to reach one crossing */
+enum { LOCATION_ITERATIONS = 150, LOCATION_NEWTON = 30 }; /* steps tried to reach one crossing; before bisection */
 
 /* Past a zero: the first extension as a share of the step's length, and the number of extensions, each four times the
  * one before. */
@@ -376,8 +379,9 @@ static const double CANDIDATE_COARSE = 10.0, CANDIDATE_COARSE_VARYING = 1000.0;
 
 /* CANDIDATE_STEADY: s, a rate that changes a reaction by less than its rounding in this time counts as zero. Where neither
  * a reaction nor its rate tells the flank, the reaction a little later decides: after this share of the motion's time
- * scale and of a piece of the grooves, and after at most 1e-3 s. */
-static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3;
+ * scale and of a piece of the grooves, and after at most 1e-3 s. The next look is shorter by this factor. */
+static const double CANDIDATE_STEADY = 1.0, CANDIDATE_LOOK_AHEAD = 1e-3, CANDIDATE_LOOK_SHORTER = 0.125;
+enum { CANDIDATE_LOOKS = 8 };
 
 /* Rounding of theta, as a share of the largest angle, over REACTION_ZERO_SHARE: a reaction that is smaller than the
  * effect of this rounding counts as zero. */
