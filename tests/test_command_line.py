@@ -20,6 +20,8 @@ from dualcam import DesignError, Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
 from dualcam.cli.main import COMMANDS
 from dualcam.cli.new import TEMPLATES
+from dualcam.cli.output import say_where_it_runs
+from dualcam.platforms import binary_folders
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
 
@@ -141,14 +143,28 @@ def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(d
         design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 0.07", 1), encoding="utf-8"
     )
     for fmi in ("2", "3"):
-        spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi)
+        said = spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi).out
         info = answer(capsys, "info", f"My{fmi}.fmu")
+        assert ("only for " in said) == (len(info["platforms"]) == 1)
         assert (info["model"], info["fmi"][0]) == (f"My{fmi}", fmi)
         start = {variable["name"]: variable["start"] for variable in info["variables"]}
         assert start["cam1.friction"] == 0.07
         with Fmu(f"My{fmi}.fmu") as fmu:
             fmu.start()
             assert fmu.real("cam1.friction") == 0.07
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_for_this_machine_alone_is_called_so(folder, capsys, fmi):
+    own = binary_folders(fmi)[0]
+    for folders in ([own], [own, "x86-beos"]):
+        with zipfile.ZipFile("part.fmu", "w") as part:
+            for name in folders:
+                part.writestr(f"binaries/{name}/Part.so", b"")
+        capsys.readouterr()
+        say_where_it_runs(Path("part.fmu"))
+        said = capsys.readouterr().out
+        assert (f"only for {own}: " in said and "./build.sh all" in said) == (len(folders) == 1)
 
 
 def test_a_simulation_is_that_of_another_master(design, capsys):

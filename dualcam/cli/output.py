@@ -19,6 +19,17 @@ def say(text: str) -> None:
     click.echo(text)
 
 
+def say_where_it_runs(fmu: Path) -> None:
+    """A line where the FMU from which others are made runs on this machine's platform alone."""
+    from dualcam.platforms import folders_of, is_for_this_platform_alone
+
+    if is_for_this_platform_alone(fmu):
+        say(
+            f"only for {', '.join(folders_of(fmu))}: the clone was built for this machine. For Linux, "
+            "Windows and macOS run ./build.sh all in the clone and repeat the command, or use the wheel"
+        )
+
+
 def print_json(content: Mapping[str, Any]) -> None:
     """One JSON object. Numbers that JSON has no word for become null."""
     click.echo(json.dumps(_plain(content), indent=2, allow_nan=False))
