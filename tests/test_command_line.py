@@ -116,6 +116,22 @@ def test_new_replaces_a_file_only_when_told(design, capsys):
 # ---- from a template to an FMU ----
 
 
+def test_what_a_user_wrote_is_kept(design, capsys):
+    """A design file and its tables; a result is replaced."""
+    Path("groove.csv").write_text("psi_rad,z_m\n0,0\n0.3,0.006\n0.6,0.012\n0.8,0.016\n", encoding="utf-8")
+    text = design.read_text(encoding="utf-8").replace('"helix"', '"table"\ntable = "groove.csv"', 1)
+    design.write_text(text.replace('lead_angle = "45 deg"', "", 1), encoding="utf-8")
+    kept = {path: path.read_bytes() for path in Path().iterdir()}
+    for words in (["simulate", "my.toml", "-o", "./groove.csv"], ["band", "my.toml", "-o", "my.toml"]):
+        assert "belongs to the design my.toml" in spoken(capsys, *words, code=1).err
+    Path("fitted.toml").touch()
+    assert "--force" in spoken(capsys, "identify", "no.csv", "my.toml", "-o", "fitted.toml", code=1).err
+    Path("fitted.toml").unlink()
+    assert {path: path.read_bytes() for path in Path().iterdir()} == kept
+    for _ in range(2):
+        spoken(capsys, "band", "my.toml", "-o", "band.csv")
+
+
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_each_template_is_checked_simulated_and_exported(folder, capsys, template):
     spoken(capsys, "new", "my.toml", "--from", template)

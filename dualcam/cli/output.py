@@ -6,11 +6,14 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dualcam.errors import DualcamError
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
 
 MARKS = {"error": "x", "warning": "!"}
 
@@ -58,6 +61,15 @@ def require_folder_of(path: Path) -> None:
         raise DualcamError(
             f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
         )
+
+
+def keep_files_of(design: DesignFile, *outputs: Path | None) -> None:
+    """DualcamError if a result would replace the design file or one of its tables."""
+    keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
+    read = {design.path.resolve(), *(Path(design.value(key)).resolve() for key in keys if design.value(key))}
+    for path in outputs:
+        if path is not None and path.resolve() in read:
+            raise DualcamError(f"{path} belongs to the design {design.path}: give the result another name")
 
 
 def refuse_to_overwrite(path: Path, force: bool) -> None:
