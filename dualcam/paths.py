@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 
 from dualcam.errors import DualcamError
@@ -23,6 +24,14 @@ def page_path_of(path: object, what: str) -> Path:
     if page.suffix.lower() not in (".html", ".htm"):
         raise DualcamError(f"{page}: allowed are names that end in .html")
     return page
+
+
+def near_names(name: str, names: Iterable[str], count: int = 1) -> list[str]:
+    """Those of the names of files that `name` may mean: the stems are alike. An ending that many files share
+    makes no names alike."""
+    stem, known = Path(name).stem, sorted(names)
+    stems = get_close_matches(stem, {Path(one).stem for one in known}, n=count, cutoff=0.6)
+    return get_close_matches(name, [one for one in known if Path(one).stem in stems], n=count, cutoff=0.0)
 
 
 @contextmanager

@@ -58,6 +58,13 @@ def folders_of(path: Path) -> list[str]:
     return sorted({parts[1] for parts in members if parts[0] == "binaries" and len(parts) > 2 and parts[2]})
 
 
+def is_for_this_platform_alone(path: Path) -> bool:
+    """Whether an FMU has binaries for the running Python's platform and for no other, as an FMU of a clone
+    has that was built for its own machine."""
+    own = {*binary_folders(2), *binary_folders(3)}
+    return set(folders_of(path)) <= own
+
+
 def own_binary(path: Path, description: ModelDescription) -> bytes | None:
     """The content of an FMU's library for the running Python's platform; None where the FMU has none."""
     uses = (description.co_simulation, description.model_exchange)

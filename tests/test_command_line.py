@@ -20,6 +20,8 @@ from dualcam import DesignError, Fmu, export_ssp, fmu_path, read_design
 from dualcam.cli import main
 from dualcam.cli.main import COMMANDS
 from dualcam.cli.new import TEMPLATES
+from dualcam.cli.output import say_where_it_runs
+from dualcam.platforms import binary_folders
 
 SCHEMAS = Path(fmpy.__file__).parent / "ssp/schema"
 
@@ -114,6 +116,22 @@ def test_new_replaces_a_file_only_when_told(design, capsys):
 # ---- from a template to an FMU ----
 
 
+def test_what_a_user_wrote_is_kept(design, capsys):
+    """A design file and its tables; a result is replaced."""
+    Path("groove.csv").write_text("psi_rad,z_m\n0,0\n0.3,0.006\n0.6,0.012\n0.8,0.016\n", encoding="utf-8")
+    text = design.read_text(encoding="utf-8").replace('"helix"', '"table"\ntable = "groove.csv"', 1)
+    design.write_text(text.replace('lead_angle = "45 deg"', "", 1), encoding="utf-8")
+    kept = {path: path.read_bytes() for path in Path().iterdir()}
+    for words in (["simulate", "my.toml", "-o", "./groove.csv"], ["band", "my.toml", "-o", "my.toml"]):
+        assert "belongs to the design my.toml" in spoken(capsys, *words, code=1).err
+    Path("fitted.toml").touch()
+    assert "--force" in spoken(capsys, "identify", "no.csv", "my.toml", "-o", "fitted.toml", code=1).err
+    Path("fitted.toml").unlink()
+    assert {path: path.read_bytes() for path in Path().iterdir()} == kept
+    for _ in range(2):
+        spoken(capsys, "band", "my.toml", "-o", "band.csv")
+
+
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_each_template_is_checked_simulated_and_exported(folder, capsys, template):
     spoken(capsys, "new", "my.toml", "--from", template)
@@ -141,14 +159,28 @@ def test_an_exported_fmu_has_the_name_of_its_file_and_the_values_of_the_design(d
         design.read_text(encoding="utf-8").replace("friction = 0.14", "friction = 0.07", 1), encoding="utf-8"
     )
     for fmi in ("2", "3"):
-        spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi)
+        said = spoken(capsys, "export", "my.toml", "-o", f"My{fmi}.fmu", "--fmi", fmi).out
         info = answer(capsys, "info", f"My{fmi}.fmu")
+        assert ("only for " in said) == (len(info["platforms"]) == 1)
         assert (info["model"], info["fmi"][0]) == (f"My{fmi}", fmi)
         start = {variable["name"]: variable["start"] for variable in info["variables"]}
         assert start["cam1.friction"] == 0.07
         with Fmu(f"My{fmi}.fmu") as fmu:
             fmu.start()
             assert fmu.real("cam1.friction") == 0.07
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_for_this_machine_alone_is_called_so(folder, capsys, fmi):
+    own = binary_folders(fmi)[0]
+    for folders in ([own], [own, "x86-beos"]):
+        with zipfile.ZipFile("part.fmu", "w") as part:
+            for name in folders:
+                part.writestr(f"binaries/{name}/Part.so", b"")
+        capsys.readouterr()
+        say_where_it_runs(Path("part.fmu"))
+        said = capsys.readouterr().out
+        assert (f"only for {own}: " in said and "./build.sh all" in said) == (len(folders) == 1)
 
 
 def test_a_simulation_is_that_of_another_master(design, capsys):
@@ -584,11 +616,11 @@ def test_the_verdict_names_values_that_look_like_other_units(design, capsys):
     assert said[-1] == "my.toml: the FMU starts, but 1 value looks like another unit: see the warnings."
     design.write_text("cam1.radius = 18\ncam2.radius = 22\nspring.preload = -1")
     said = spoken(capsys, "check", "my.toml", code=1).out.splitlines()
-    assert said[0].startswith("! warning: line 1: cam1.radius = 18 m: this looks like millimetres")
-    assert said[-1] == (
-        "my.toml: the design does not work, 1 error. The FMU starts. Check the units first: 2 values look"
-        " like other units."
+    assert said[0] == (
+        "Check the units first: 2 values look like other units. The errors below can come from there."
     )
+    assert said[1].startswith("! warning: line 1: cam1.radius = 18 m: this looks like millimetres")
+    assert said[-1] == "my.toml: the design does not work, 1 error. The FMU starts."
 
 
 def test_an_fmu_of_fmi_3_is_simulated_in_steps_of_the_scenario(design, capsys):

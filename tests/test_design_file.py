@@ -231,6 +231,8 @@ def test_mistake_missing_file(tmp_path, refusal):
     (tmp_path / "mine.toml").write_text("")
     with pytest.raises(DesignFileError, match=r"no such file: did you mean mine\.toml\?; `dualcam new"):
         read_design(tmp_path / "mime.toml")
+    with pytest.raises(DesignFileError, match="no such file; `dualcam new"):
+        read_design(tmp_path / "nofile.toml")
     with pytest.raises(DesignFileError, match="this is a folder: give the path of a design file"):
         read_design(tmp_path)
     text = refusal('cam1.profile = "table"\ncam1.table = "nix.csv"')

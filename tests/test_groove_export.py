@@ -185,7 +185,8 @@ def test_a_missing_library_is_named_before_anything_is_written(
     design, capsys, monkeypatch, module, file, mention
 ):
     monkeypatch.setitem(sys.modules, module, None)  # as if it were not installed
-    assert mention in run(capsys, "--export", "g.csv", "--export", file, code=1).err
+    said = run(capsys, "--export", "g.csv", "--export", file, code=1).err
+    assert mention in said and f"--export {file}: " in said and "No file is written" in said
     assert names(design) == set()
     run(capsys, "--export", "g.csv")
 

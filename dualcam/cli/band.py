@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from dualcam.cli.options import FILE, as_json, design_file, example, open_design
-from dualcam.cli.output import print_json, print_table, require_folder_of, say
+from dualcam.cli.output import keep_files_of, print_json, print_table, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.design import TorqueBand
@@ -57,6 +57,7 @@ def command(design_file: Path, output: Path | None, plot: Path | None, points: i
     if plot is not None:
         check_picture(plot)
     design = open_design(design_file)
+    keep_files_of(design, output, plot)
     mechanism = design.mechanism()
     band, fine = torque_band(mechanism, points), torque_band(mechanism, max(points, 361))
     rows, loads = _rows(band), largest_loads(mechanism, design.pin)

@@ -48,22 +48,28 @@ def _tell(verdict: Verdict, file: Path, friction_note: str) -> None:
 
 
 def tell_findings(verdict: Verdict) -> None:
-    """One line for each finding, with its mark."""
+    """One line for each finding, with its mark. Where a value looks like another unit, all errors can come
+    from this value: the first line says so."""
+    if verdict.strange_units and verdict.errors:
+        say(f"Check the units first: {_units(verdict)}. The errors below can come from there.")
     for finding in verdict.findings:
         say(f"{MARKS[finding.severity]} {finding.severity}: {finding}")
 
 
 def _conclusion(verdict: Verdict) -> str:
-    strange, warnings = len(verdict.strange_units), len(verdict.warnings)
-    units = "1 value looks like another unit" if strange == 1 else f"{strange} values look like other units"
-    if verdict.good and strange:
-        return f"the FMU starts, but {units}: see the warnings."
+    warnings = len(verdict.warnings)
+    if verdict.good and verdict.strange_units:
+        return f"the FMU starts, but {_units(verdict)}: see the warnings."
     if verdict.good:
         more = f", {count(warnings, 'warning')}" if warnings else ""
         return f"the design works, the FMU starts{more}."
     starts = "starts" if verdict.starts else "does not start"
-    first = f" Check the units first: {units}." if strange else ""
-    return f"the design does not work, {count(len(verdict.errors), 'error')}. The FMU {starts}.{first}"
+    return f"the design does not work, {count(len(verdict.errors), 'error')}. The FMU {starts}."
+
+
+def _units(verdict: Verdict) -> str:
+    strange = len(verdict.strange_units)
+    return "1 value looks like another unit" if strange == 1 else f"{strange} values look like other units"
 
 
 def count(number: int, what: str) -> str:

@@ -15,7 +15,7 @@ from dualcam.cli.options import (
     output_file,
     refusals_explained,
 )
-from dualcam.cli.output import print_json, require_folder_of, say
+from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
 
 @click.command(
@@ -33,13 +33,16 @@ from dualcam.cli.output import print_json, require_folder_of, say
 def command(design_file: Path, output: Path, fmi: str, model: str | None, as_json: bool) -> None:
     """Make an FMU whose start values are those of the design.
 
-    The FMU holds binaries for Linux, Windows and macOS, the groove tables, the scenario as a file of inputs,
-    a documentation page and the C sources. No compiler is needed. Start values edited in a
+    The FMU holds binaries, the groove tables, the scenario as a file of inputs, a documentation page and the
+    C sources. The binaries are for Linux, Windows and macOS if dualcam comes from the wheel or after
+    `./build.sh all`; after `./build.sh` they are for this machine's system alone, and the command says so. No
+    compiler is needed. Start values edited in a
     modelDescription.xml do nothing by themselves: the binaries hold the start values. Change the design file
     and export again.
     """
     from dualcam.export import export_fmu
     from dualcam.export.scenario import FILE, scenario_for
+    from dualcam.platforms import folders_of
 
     require_folder_of(output)
     design = open_design(design_file)
@@ -47,8 +50,10 @@ def command(design_file: Path, output: Path, fmi: str, model: str | None, as_jso
         written = export_fmu(design, output, int(fmi), model)
     size = written.stat().st_size
     if as_json:
-        print_json({"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size})
+        facts = {"fmu": written, "fmi": int(fmi), "model": model or design.model, "bytes": size}
+        print_json({**facts, "platforms": folders_of(written)})
         return
     say(f"{written} written: FMI {fmi}.0, {model or design.model} dynamics, {size / 1e6:.0f} MB")
+    say_where_it_runs(written)
     if scenario_for(design.scenario, model or design.model):
         say(f"{FILE} in the FMU holds the scenario; documentation/index.html shows how to play the scenario")

@@ -138,7 +138,11 @@ class GrooveExport:
                 if file in seen:
                     raise DesignError(f"{file} is written twice: give each --export another name")
                 seen.add(file)
-            require_libraries(path)
+        for path in self.files:
+            try:
+                require_libraries(path)
+            except DesignError as error:
+                raise DesignError(f"--export {path}: {error}. No file is written") from None
 
     def write(self, design: DesignFile, mechanism: Mechanism) -> tuple[Path, ...]:
         """Write all files. A pin and a depth that are not given are those of the design file."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, print_table, require_folder_of, say
+from dualcam.cli.output import print_json, print_table, refuse_to_overwrite, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.identification import Identification
@@ -51,6 +51,7 @@ DEFAULT = "friction,spring.preload,spring.stiffness"
     metavar="SECONDS",
     help="Window in which the angle is smoothed. Default: that of the least error of prediction.",
 )
+@click.option("--force", is_flag=True, help="Replace an existing design file.")
 @as_json
 def command(
     data: Path,
@@ -61,6 +62,7 @@ def command(
     plot: Path | None,
     motion: str,
     window: float | None,
+    force: bool,
     as_json: bool,
 ) -> None:
     """Fit friction, spring and losses of a design to a recording of time, angle and torque.
@@ -75,7 +77,9 @@ def command(
     from dualcam.paths import page_path_of
     from dualcam.plots import check_picture, save
 
-    for path in (output, report, plot):
+    if output is not None and output.resolve() != design_file.resolve():  # which is refused in any case
+        refuse_to_overwrite(output, force)
+    for path in (report, plot):
         if path is not None:
             require_folder_of(path)
     if report is not None:

@@ -6,17 +6,31 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dualcam.errors import DualcamError
+
+if TYPE_CHECKING:
+    from dualcam.design_file import DesignFile
 
 MARKS = {"error": "x", "warning": "!"}
 
 
 def say(text: str) -> None:
     click.echo(text)
+
+
+def say_where_it_runs(fmu: Path) -> None:
+    """A line where the FMU from which others are made runs on this machine's platform alone."""
+    from dualcam.platforms import folders_of, is_for_this_platform_alone
+
+    if is_for_this_platform_alone(fmu):
+        say(
+            f"only for {', '.join(folders_of(fmu))}: the clone was built for this machine. For Linux, "
+            "Windows and macOS run ./build.sh all in the clone and repeat the command, or use the wheel"
+        )
 
 
 def print_json(content: Mapping[str, Any]) -> None:
@@ -47,6 +61,15 @@ def require_folder_of(path: Path) -> None:
         raise DualcamError(
             f"{path}: the folder {path.parent} does not exist: make the folder, or give another"
         )
+
+
+def keep_files_of(design: DesignFile, *outputs: Path | None) -> None:
+    """DualcamError if a result would replace the design file or one of its tables."""
+    keys = [f"cam{cam}.{table}" for cam in (1, 2) for table in ("table", "friction_table")]
+    read = {design.path.resolve(), *(Path(design.value(key)).resolve() for key in keys if design.value(key))}
+    for path in outputs:
+        if path is not None and path.resolve() in read:
+            raise DualcamError(f"{path} belongs to the design {design.path}: give the result another name")
 
 
 def refuse_to_overwrite(path: Path, force: bool) -> None:

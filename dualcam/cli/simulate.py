@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dualcam.cli.options import FILE, as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, require_folder_of, say
+from dualcam.cli.output import keep_files_of, print_json, require_folder_of, say
 
 if TYPE_CHECKING:
     from dualcam.design_file import DesignFile
@@ -44,6 +44,7 @@ def command(
         if path is not None:
             require_folder_of(path)
     design = open_design(design_file)
+    keep_files_of(design, output, plot)
     names = [name.strip() for name in variables.split(",") if name.strip()]
     if plot is not None:
         _check_plot(plot, names)

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from dualcam.cli.options import as_json, design_file, example, open_design, output_file
-from dualcam.cli.output import print_json, require_folder_of, say
+from dualcam.cli.output import print_json, require_folder_of, say, say_where_it_runs
 
 
 @click.command(epilog=example("dualcam ssp my.toml -o MyCam.ssp"))
@@ -29,11 +29,14 @@ def command(design_file: Path, output: Path, step: float, ports: bool, as_json: 
     torque of the scenario is no part of the package. ecos and libcosim load the package only without
     --ports, FMPy only with --ports.
     """
+    from dualcam.library import fmu_path
     from dualcam.ssp import export_ssp
 
     require_folder_of(output)
-    written = export_ssp(open_design(design_file), output, step, ports=ports)
+    design = open_design(design_file)
+    written = export_ssp(design, output, step, ports=ports)
     if as_json:
         print_json({"ssp": written, "step": step})
         return
     say(f"{written} written: component cam, communication step {step:g} s")
+    say_where_it_runs(fmu_path(design.model))

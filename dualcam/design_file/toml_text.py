@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dualcam.design_file.findings import ERROR, DesignFileError, Finding
+from dualcam.paths import near_names
 
 LARGEST = 4 * 1024 * 1024  # bytes
 DEEPEST = 50  # tables and lists inside one another: readers call themselves for each level
@@ -69,13 +70,11 @@ def read_text(path: Path) -> str:
 
 def _similar(path: Path) -> str:
     """Files in the same folder that could be meant."""
-    from difflib import get_close_matches
-
     try:
         names = [other.name for other in path.parent.iterdir() if other.suffix == ".toml"]
     except OSError:
         return ""
-    close = get_close_matches(path.name, names, n=1)
+    close = near_names(path.name, names)
     return f": did you mean {close[0]}?" if close else ""
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
 from dualcam.errors import DualcamError
 from dualcam.library import source_path
+from dualcam.paths import near_names
 
 
 def missing_file(folder: Path, text: str) -> str | None:
@@ -17,12 +17,12 @@ def missing_file(folder: Path, text: str) -> str | None:
         if path.exists():
             return None
         searched = path.parent.resolve()
-        names = sorted(each.name for each in searched.iterdir()) if searched.is_dir() else None
+        names = [each.name for each in searched.iterdir()] if searched.is_dir() else None
     except (OSError, ValueError) as error:
         return f"the file cannot be read: {error}"
     if names is None:
         return f"there is no folder {searched}"
-    close = get_close_matches(path.name, names, n=2, cutoff=0.6)
+    close = near_names(path.name, names, 2)
     then = f"did you mean {' or '.join(close)}?" if close else "allowed is a path, relative to the plan"
     return f"there is no file {path.name} in the folder {searched}: {then}"
 
