@@ -11,7 +11,6 @@ import pytest
 from driver import models
 from reference.friction import FrictionLaw, LoadedContact
 from reference.parameters import DEFAULTS
-from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 from test_friction_jams import OK, WEDGED, run
 
@@ -172,46 +171,3 @@ def test_a_short_dip_of_the_load_ends_rest(make_model, middle):
     moved, fine = (fmu.get("theta") for fmu in fmus)
     assert moved > 0.0
     assert moved == pytest.approx(fine, rel=1e-6)
-
-
-# ---- motion ----
-
-RELEASED = FREE | cam(1, 0.03, math.atan(0.3), 0.14, 0.5) | cam(2, 0.03, math.atan(0.8), 0.1)
-RELEASED |= dict.fromkeys(("damper.c_load", "damper.c_release", "shaft.damping"), 0.0)
-RELEASED |= {
-    "inertia.shaft": 0.01,
-    "initial.theta": 2.0,
-    "initial.omega": -1.0,
-    "stop.upper": 4.0,
-    "tau": 0.5,
-}
-
-
-@pytest.mark.parametrize("steps", [1, 7])
-def test_a_motion_goes_on_where_the_torque_of_one_contact_does_not_grow(make_model, steps):
-    """While a shaft releases, the axial load grows, and the torque of contact 1 has its maximum at 204 N. The
-    torque of contact 2 grows, so that the balance has one answer. The load is a function of the time alone,
-    and theta and omega are integrals of the torque."""
-    first, second = (contact(RELEASED, i, -1) for i in (1, 2))
-    duration, rate = 0.1, 2000.0
-
-    def torque(time):
-        def missed(reaction):
-            carried = first.axial(reaction) + second.axial(reaction_at(second, first.torque(reaction)))
-            return carried - 200.0 - rate * time
-
-        return first.torque(brentq(missed, 0.0, 380.0, xtol=1e-12, rtol=1e-15))
-
-    def alpha(time):
-        return (RELEASED["tau"] - torque(time)) / RELEASED["inertia.shaft"]
-
-    assert first.torque(370.0) < first.torque(204.0) > first.torque(160.0)
-    gained = quad(alpha, 0.0, duration, epsabs=1e-12)[0]
-    passed = quad(lambda t: (duration - t) * alpha(t), 0.0, duration, epsabs=1e-12)[0]
-    fmu = make_model(FORWARD).start(RELEASED | {"F_ext": 200.0})
-    for k in range(steps):
-        fmu.set({"F_ext": 200.0 + rate * duration * k / steps})
-        fmu.set_derivatives({"F_ext": [rate]})
-        assert fmu.call("fmi2DoStep", duration * k / steps, duration / steps, 1) == OK, fmu.messages[-1].text
-    expected = [2.0 - duration + passed, -1.0 + gained]
-    assert [fmu.get("theta"), fmu.get("omega")] == pytest.approx(expected, rel=1e-9)

@@ -41,11 +41,6 @@ static void solve_linear(const ContactFactors *f, double axial, double moment, d
     x[1] = (f->rn[0] * axial + f->d[0] * moment) * inverse;
 }
 
-/* kg.m^5, the factor of alpha in the balance with these factors */
-static double inertia_of(const ContactFactors *f, const LoadTerms *by_alpha) {
-    return f->delta * by_alpha->torque + f->p * by_alpha->axial + f->q * by_alpha->moment;
-}
-
 /* One iteration; returns the change of x_i, relative to the larger x_i, or 0 where no contact carries anything: there
  * the change is rounding, however often the iteration goes on. */
 COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, const LoadTerms *by_alpha,
@@ -57,7 +52,7 @@ COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, cons
     double moment = loads->moment + (torque[1] - torque[0]);
     if (by_alpha != NULL) {
         const double net = f->delta * (loads->torque + torque[1]) - f->p * axial - f->q * moment;
-        c->alpha = net / inertia_of(f, by_alpha);
+        c->alpha = net / (f->delta * by_alpha->torque + f->p * by_alpha->axial + f->q * by_alpha->moment);
         axial += by_alpha->axial * c->alpha;
         moment += by_alpha->moment * c->alpha;
     }
@@ -72,23 +67,18 @@ COMPACT static double improve(const LoadedPin *pin, const LoadTerms *loads, cons
     return change / max_of(max_of(fabs(x[0]), fabs(x[1])), max_of(fabs(c->x[0]), fabs(c->x[1])));
 }
 
-/* Has the balance one answer? See the head of loaded_contacts.h; with `by_alpha` in motion, else at rest. */
-COMPACT static bool is_single(const LoadedPin *pin, const LoadTerms *by_alpha, const LoadedContacts *c) {
-    const ContactFactors *tangent = &c->tangent;
+/* Has the balance one answer? See the head of loaded_contacts.h. */
+COMPACT static bool is_single(const LoadedPin *pin, const LoadedContacts *c) {
     ContactFactors f;
-    bool two_answers = false; /* of a contact alone, under its torque */
+    bool single = true;
     for (int i = 0; i < 2; i++) {
         const double r = pin->params->cam[i].radius;
         contact_factors_set(&f, i, r, c->friction[i], pin->slope[i]);
-        two_answers |= tangent->rn[i] <= 0.0 && f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i];
+        single &= !(c->tangent.rn[i] <= 0.0 && f.rn[i] > -LOADED_NO_TORQUE * r * pin->slope[i]);
     }
     contact_factors_multiply(&f);
-    const bool grows = tangent->rn[0] > 0.0 && tangent->rn[1] > 0.0 && tangent->delta > 0.0;
-    const bool jams = !grows && !(f.delta * tangent->delta > 0.0);
-    if (by_alpha == NULL) return !two_answers && !jams;
-    const bool settles = pin->slope[0] * tangent->rn[0] + pin->slope[1] * tangent->rn[1] > 0.0;
-    if (inertia_of(tangent, by_alpha) > 0.0) return settles || !two_answers;
-    return !two_answers && !jams;
+    const bool grows = c->tangent.rn[0] > 0.0 && c->tangent.rn[1] > 0.0 && c->tangent.delta > 0.0;
+    return single && (grows || f.delta * c->tangent.delta > 0.0);
 }
 
 /* Improves x_i from those in *c. An iteration whose changes shrink too slowly is damped: with the share s of the change
@@ -108,7 +98,7 @@ COMPACT static void iterate(const LoadedPin *pin, const LoadTerms *loads, const 
             for (int i = 0; i < 2; i++)
                 if (fabs(c->x[i]) * pin->params->cam[i].radius <= LOADED_ZERO * loads->size) c->x[i] = 0.0;
             linearise(pin, reaction, c, rest);
-            c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, by_alpha, c);
+            c->possible = isfinite(c->x[0] + c->x[1] + c->alpha) && is_single(pin, c);
             return;
         }
         const bool slow = change > (1.0 - LOADED_SHARE_GAINED * share) * before;

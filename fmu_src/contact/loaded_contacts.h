@@ -9,10 +9,8 @@
  *
  * One answer. The torque of a contact, r_i n_i x_i, grows with R_i where a_i + f'_i r_i > 0; for e_i sigma = -1 this is
  * s_i > mu_i + R_i dmu_i/dR_i, which is (1 + nu) mu_i - nu mu_v v_i. Where it does not grow and yet n_i > 0, two
- * reactions give the same torque: at rest the contact counts as locked, and the pair of flanks does not move. Where the
- * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams. In motion
- * inertia takes part, and the whole balance is what has one answer: where J Delta' + m z' P' + I gamma' Q' > 0 and
- * a_1 r_1 n'_1 + a_2 r_2 n'_2 > 0 (docs/mechanism.md, section 9, "A contact whose torque falls"). */
+ * reactions give the same torque: the contact counts as locked, and the pair of flanks does not move. Where the
+ * determinant with f'_i has lost the sign of Delta, the load does not grow with the torque: the pair jams. */
 #ifndef DUALCAM_LOADED_CONTACTS_H
 #define DUALCAM_LOADED_CONTACTS_H
 
