@@ -260,6 +260,7 @@ case $command in
         ;;
     wheel)
         install_dependencies '.[build]'
+        build all # pip would be silent for these minutes
         rm -f dist/dualcam-*.whl
         .venv/bin/python -m pip wheel --disable-pip-version-check --no-deps --no-build-isolation --wheel-dir dist .
         say "dist: $(cd dist && ls dualcam-*.whl)"

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -40,7 +41,8 @@ import dualcam
 from dualcam import Fmu
 from dualcam.__main__ import main
 from dualcam.study import History, Plan, Scenario, Vary, plots, read_results, read_study
-from dualcam.study.execution import AHEAD, DIED
+from dualcam.study.execution import AHEAD, DIED, InThisProcess
+from dualcam.study.first_runs import takes_less_than
 from dualcam.study.runner import Runner
 from dualcam.study.store import RECORD
 from dualcam.study.study import _progress
@@ -354,6 +356,25 @@ def test_a_controller_that_fails_concerns_its_run_alone():
     assert set(block.messages) == {7, 8, 9}
     assert block.messages[9] == "controller: RuntimeError: too far"
     assert np.all(np.isfinite(block.values[:7]))
+
+
+def test_short_studies_are_made_in_this_process(tmp_path, monkeypatch):
+    """A worker process costs more than 64 runs. Runs of a controller that sleeps take 0.1 s each. An FMU that
+    is no part of the package could end this process: its runs are made elsewhere."""
+    made = []
+
+    def noted(task, runner, count, scheduler):
+        made.append(count)
+        return InThisProcess(task, runner)
+
+    monkeypatch.setattr("dualcam.study.study.workers_for", noted)
+    study(fmu="forward").run_to_files(tmp_path / "short")
+    study(Plan("latin", DESIGN, runs=4)).run_to_files(tmp_path / "foreign")
+    assert made == [0, min(os.cpu_count(), 4)]
+    one = study(STARTS, closed(slow, 0.1, 0.02), ["theta"], fmu="forward")
+    with closing(Runner(one.job())) as runner:
+        assert not takes_less_than(2.0, runner, one.plan, 1000)
+        assert takes_less_than(2.0, runner, one.plan, 1)
 
 
 def progress_line(now, made):

@@ -40,7 +40,7 @@ PLAN = """fmu = "forward"
 @click.option(
     "--workers",
     type=click.IntRange(0),
-    help="Processes of this machine; 0: in this one. Default: one per core.",
+    help="Processes of this machine; 0: in this one. Default: one per core; 0 if all take less than 2 s.",
 )
 @click.option("--scheduler", help="Address of a Dask scheduler to be used instead, such as tcp://host:8786.")
 @click.option("--format", "file_format", type=click.Choice(FORMATS), help="Of the results.")

@@ -30,7 +30,8 @@ class Settings:
     folder
         The folder, or URL of a store, that gets one folder for each plan.
     workers
-        Processes of this machine; 0: in this one; None: one per core, of an optimisation this one.
+        Processes of this machine; 0: in this one; None: one per core, for short studies and
+        optimisations this one.
     scheduler
         Address of a Dask scheduler to be used instead.
     file_format

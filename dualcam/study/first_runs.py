@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 import warnings
 from collections.abc import Collection, Mapping
 from contextlib import closing
@@ -19,6 +20,7 @@ from dualcam.study.runner import Job, Runner
 from dualcam.study.scenario import Scenario
 from dualcam.study.sound_plan import is_sound_name, names_known, place_of, sound_plan
 
+SAMPLE = 32  # runs by which the time of a study is estimated
 LOOKED_AT = 1000  # runs, for what cannot be known of all
 REST = Scenario(1e-3, step=1e-3)  # in place of a scenario that is refused
 PROFILES = {"cam1.table": "cam1.profile", "cam2.table": "cam2.profile"}
@@ -51,6 +53,18 @@ def check(job: Job, plan: Plan, used: Collection[str] = ()) -> Runner:
         runner.close()
         raise
     return runner
+
+
+def takes_less_than(limit: float, runner: Runner, plan: Plan, left: int) -> bool:
+    """Whether `left` runs take less than `limit` [s] in this process, as a few first runs tell. The very
+    first run takes longer than others: its time counts only where the run is long."""
+    for tried in (1, SAMPLE):
+        begun = time.perf_counter()
+        runner.run(plan.rows(0, min(tried, plan.count)))
+        seconds = time.perf_counter() - begun
+        if seconds > limit / SAMPLE:
+            break
+    return seconds / min(tried, plan.count) * left < limit
 
 
 def unused_tables(variables: Variables, plan: Plan, parameters: Mapping[str, object]) -> list[str]:

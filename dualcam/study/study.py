@@ -17,16 +17,16 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn, TimeR
 from rich.progress import Task as Shown
 from rich.text import Text
 
-from dualcam.library import source_path
+from dualcam.library import MODELS, source_path
 from dualcam.model_description import Scalar
 from dualcam.study.chunk import Task, Written
 from dualcam.study.execution import workers_for
-from dualcam.study.first_runs import check
+from dualcam.study.first_runs import check, takes_less_than
 from dualcam.study.plan import Plan
 from dualcam.study.problem import StudyError
 from dualcam.study.readings import Readings
 from dualcam.study.results import Results, read_results
-from dualcam.study.runner import Job
+from dualcam.study.runner import Job, Runner
 from dualcam.study.scenario import Scenario
 from dualcam.study.store import Store
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 CHUNK_MAX = 10_000  # runs: a third of a second of computing, and a file that is worth opening
 NUMBERS_MAX = 2_000_000  # that the runs of a file are read for: 16 MB
 RUNS_PER_TEXT = 20  # in a file: to read a groove table takes as long as two runs
+START_UP = 2.0  # s: processes have started and imported what they need
 CHUNKS_MIN = 40  # of a small study, so that its progress is seen and its end does not wait for one worker
 
 
@@ -132,7 +133,8 @@ class Study:
             Folder of the results; made if it is missing. Also the URL of a store that fsspec knows, such as
             s3://bucket/folder.
         workers : int, optional
-            Processes of this machine. 0: in this process. None: as many as there are processors.
+            Processes of this machine. 0: in this process. None: as many as there are processors; in this
+            process where all runs of an FMU of this package take less than 2 s.
         scheduler : str or distributed.Client, optional
             A Dask cluster is used instead: address of its scheduler, or a client.
         file_format : {"parquet", "csv"}, optional
@@ -193,9 +195,9 @@ class Study:
             missing = store.missing()
             if console and store.damaged:
                 say(console, f"damaged, made again: {', '.join(store.damaged)}")
-            count = (os.cpu_count() or 1) if workers is None else workers
-            count = min(count, max(1, len(missing)))
             left = sum(len(runs) for runs in missing)
+            wanted = self._processes(runner, left) if workers is None else workers
+            count = min(wanted, max(1, len(missing)))
             with (
                 workers_for(Task(job, store.files()), runner, count, scheduler) as team,
                 closing(team.answers(missing)) as answers,
@@ -206,6 +208,12 @@ class Study:
                     store.accept(missing[place], written)
                     advance(len(missing[place]), written.failed)
                     on_file_written()
+
+    def _processes(self, runner: Runner, left: int) -> int:
+        """0 where the runs take less time in this process than the others take to start. The FMU of another
+        project could end this process, so it gets others in any case."""
+        is_short = self.fmu in MODELS and takes_less_than(START_UP, runner, self.plan, left)
+        return 0 if is_short else os.cpu_count() or 1
 
     def _runs_per_file(self) -> int:
         most = min(CHUNK_MAX, max(1, NUMBERS_MAX // self.readings.width))
