@@ -35,14 +35,15 @@ page. [Reliability](reliability.md) tells what else is tested.
 MUTANTS = """
 ## Mutants
 
-A mutant is the C code with one small mistake. {count} places in the rooms {rooms} are drawn with a fixed seed
-(`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes the mistake.
-All mutants are compiled into one library per FMU. A switch puts one of them in force, so that the library is
-compiled once. A mutant is killed if a test fails, crashes, or takes five times as long as without the mutant.
-A mutant meets only the tests in which its mistake makes a difference: a test that never compares two equal
-numbers cannot tell `<` from `<=`. The tests are those of `benchmarks/test_strength/tests.txt`, {tests} files
-and folders of the suite. They compare with closed forms, with solutions by other programs, with the account
-of energy and with the law of friction, not with earlier results of the FMU.
+A mutant is the C code with one small mistake. {count} places in the code of physics and of FMI are drawn with
+a fixed seed (`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes
+the mistake. All mutants are compiled into one library per FMU, and a switch puts one of them in force. A
+mutant is killed if a test fails, crashes, or takes five times as long as without the mutant. Of the tests
+only those are run in which the mistaken place is reached with another outcome than that of the true code:
+a test that never compares two equal numbers cannot tell `<` from `<=`. The tests are those of
+`benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite. They compare with closed forms,
+with solutions by other programs, with the account of energy and with the law of friction, not with earlier
+results of the FMU.
 
 | verdict | meaning |
 | --- | --- |
@@ -89,20 +90,24 @@ def mutants_part(rows: Sequence[dict[str, str]]) -> str:
     ]
     text = MUTANTS.format(
         count=len(rows),
-        rooms="of physics and of FMI",
         tests=len(mutants.TESTS.read_text().split()),
         judged=mutants.JUDGED_LIMIT,
     )
     text += "\n" + table(["kind", "mistake", *mutants.VERDICTS], lines)
-    share = mutants.share_killed(rows)
-    text += (
-        f"\n**{share:.1f} %** of the mutants that are neither equivalent nor of cost only are killed; the "
+    text += SHARES.format(
+        share=mutants.share_killed(rows), target=mutants.TARGET, **shares_of(counts["all"]), all=len(rows)
     )
-    text += f"target is {mutants.TARGET:g} %. `benchmarks/results/mutants.csv` has each mutant with the test "
-    text += "that kills the mutant. " + measured(rows[0])
-    for verdict, title in (("survives", SURVIVE), ("cost only", COST_ONLY), ("equivalent", EQUIVALENT)):
-        text += title + mutants_table([row for row in rows if row["verdict"] == verdict])
-    return text
+    text += measured(rows[0])
+    return text + SURVIVE + mutants_table([row for row in rows if row["verdict"] == "survives"])
+
+
+def shares_of(counts: Mapping[str, int]) -> dict[str, float]:
+    """%, of killed mutants: of all, and of those that change a result or the cost."""
+    killed, cost = counts["killed"], counts["cost only"]
+    return {
+        "of_all": 100.0 * killed / sum(counts.values()),
+        "with_cost": 100.0 * killed / (killed + cost + counts["survives"]),
+    }
 
 
 def mutants_table(rows: Sequence[dict[str, str]]) -> str:
@@ -113,18 +118,13 @@ def mutants_table(rows: Sequence[dict[str, str]]) -> str:
     return table(["place", "code", "mutant", "reason"], places) if places else "None.\n"
 
 
+SHARES = """
+**{share:.1f} %** of the mutants that are neither equivalent nor of cost only are killed; the target is
+{target:g} %. With the mutants of cost only the share is {with_cost:.1f} %, of all {all} mutants {of_all:.1f} %.
+`benchmarks/results/mutants.csv` has each mutant, with the test that kills it, or with the reason of a verdict
+by hand. """
 SURVIVE = """
 ### Mutants that survive
-
-"""
-COST_ONLY = """
-### Mutants that change only the cost
-
-"""
-EQUIVALENT = """
-### Equivalent mutants
-
-The reasons stand in `benchmarks/test_strength/equivalent.toml`.
 
 """
 BRANCHES = """
