@@ -70,3 +70,22 @@ def test_a_swing_far_beyond_the_stops_keeps_the_digits_of_the_tolerance_or_is_re
         fmu.set({"theta": 0.3, "omega": omega})
         words = ("theta = 0.3", f"omega = {omega!r}", "rad per step", "a shorter step")
         fmu.refused("fmi2DoStep", 0.0, h, 1, mentions=words)
+
+
+@pytest.mark.parametrize("h", [1e15, 1e25, 1e100])
+@pytest.mark.parametrize("curve", [(6, -4, 8), (6, 4, -30), (3, 20, -8), (3, 4, 8), (3, -4, -8), (6, 4, 0)])
+def test_a_cam_that_follows_its_torque_ends_in_the_band_or_at_a_stop_or_is_refused(make_model, h, curve):
+    """In such a step the inertia is below all rounding. The path is that of the edges of the stick band: the cam
+    rests where the torque of the end lies between the edges, or beyond an edge at a stop. No energy is lost."""
+    fmu = make_model(models["DualCamForward"]).start()
+    tau, slope, bend = (float(c) for c in curve)
+    fmu.set({"tau": tau})
+    fmu.set_derivatives({"tau": [slope / h, bend / h / h]})
+    if fmu.call("fmi2DoStep", 0.0, h, 1) != 0:
+        return
+    last, theta = tau + slope + bend / 2, fmu.get("theta")
+    load, release, work = (fmu.get(name) for name in ("torque_load", "torque_release", "energy.work_in"))
+    assert (theta <= 1e-9 or release <= last * (1 + 1e-9)) and (
+        theta >= 1.3963 - 1e-9 or last <= load * (1 + 1e-9)
+    )
+    assert abs(fmu.get("energy.residual")) <= 1e-9 * abs(work)

@@ -134,6 +134,13 @@ static bool turns_at_stop(const SlipMode *slip, const StopAhead *stop, const Rad
     return beyond <= p->tolerance * largest && kinetic <= LOCATION_STOP_GAIN * gained;
 }
 
+/* A step with a turn at the stop ends beyond the stop no farther than that. In a slow motion the speed is as small, and
+ * the acceleration is rounding: such a motion goes on beyond the stop. */
+static bool ends_at_stop(const SegmentLimits *limits, const RadauStep *step) {
+    const Params *p = limits->slip->params;
+    return step_indicator_at_end(limits, STEP_TO_STOP, step) >= -p->tolerance * largest_angle(p);
+}
+
 /* ---- the first event ---- */
 
 static bool must_step_past(const SegmentLimits *limits, StepIndicator indicator) {
@@ -171,7 +178,9 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
         if (result == CROSSING_REACHED && must_step_past(limits, first)) step_past_zero(limits, first, step);
         *solved = step->h;
         if (result == CROSSING_BLOCKED) return false;
-        if (result == CROSSING_REACHED && !(first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step))) {
+        const bool turns =
+            first == STEP_TO_STOP && turns_at_stop(limits->slip, stop, step) && ends_at_stop(limits, &before);
+        if (result == CROSSING_REACHED && !turns) {
             location->kind = step_indicator_event(first);
             location->at_breakpoint = first == STEP_BREAKPOINT;
         } else {
