@@ -160,8 +160,10 @@ static bool starts_rising(StepIndicator indicator, double start) {
     return start == 0.0 && indicator != STEP_TO_STOP && indicator != STEP_BREAKPOINT;
 }
 
+/* Where friction depends on the load, several answers of the balance can lie within the allowance. */
 COMPACT double step_indicator_allowance(const SegmentLimits *limits, StepIndicator indicator, const RadauStep *step) {
-    if (!step_indicator_is_flank(indicator) || value_at(limits, indicator, step, -1) > 0.0) return 0.0;
+    if (limits->slip->friction_is_loaded || !step_indicator_is_flank(indicator)) return 0.0;
+    if (value_at(limits, indicator, step, -1) > 0.0) return 0.0;
     const double coarse = limits->slip->friction_varies ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
     return CROSSING_ALLOWANCE * coarse * rounding_of(limits, indicator, &step->start);
 }
