@@ -53,7 +53,7 @@ usage: ./build.sh [command] [arguments]
            and of the aarch64 binary (qemu) beside Linux x86-64
   compare  DIRECTORY build, then compare these FMUs with those of another build, bit for bit (two minutes; --quick:
            15 seconds), benchmarks.compare_builds
-  stress   build, then run benchmarks.stress (five minutes), which writes docs/stress.md; arguments go to it
+  stress   build, then run benchmarks.stress (a quarter of an hour), which writes docs/stress.md; arguments go to it
   paper    build, then write docs/paper.md and its pictures (seconds), case_studies/paper
   figures  draw the figures of docs/mechanism.md, docs/architecture.md and docs/design-quantities.md, write
            docs/variables.md and the keys of docs/design-file.md and docs/study-plan.md (seconds);
