@@ -75,8 +75,9 @@ def test_a_swing_far_beyond_the_stops_keeps_the_digits_of_the_tolerance_or_is_re
 @pytest.mark.parametrize("h", [1e15, 1e25, 1e100])
 @pytest.mark.parametrize("curve", [(6, -4, 8), (6, 4, -30), (3, 20, -8), (3, 4, 8), (3, -4, -8), (6, 4, 0)])
 def test_a_cam_that_follows_its_torque_ends_in_the_band_or_at_a_stop_or_is_refused(make_model, h, curve):
-    """In such a step the inertia is below all rounding. The path is that of the edges of the stick band: the cam
-    rests where the torque of the end lies between the edges, or beyond an edge at a stop. No energy is lost."""
+    """In such a step the inertia is below all rounding. The path is that of the edges of the stick band: the
+    cam rests where the torque of the end lies between the edges, or beyond an edge at a stop. No energy is
+    lost."""
     fmu = make_model(models["DualCamForward"]).start()
     tau, slope, bend = (float(c) for c in curve)
     fmu.set({"tau": tau})

@@ -76,7 +76,8 @@ def cell(text: str) -> str:
 
 def measured(row: Mapping[str, str]) -> str:
     core = f"C sources with the hash {row['core']}, " if row.get("core") else ""
-    return f"Measured on {row['date']}, {core}{row['machine']}, {row['versions']}.\n"
+    since = f"`git log {row['commit']}.. -- fmu_src` lists what has changed in the C code since then"
+    return f"Measured on {row['date']}, {core}{row['machine']}, {row['versions']}. {since}.\n"
 
 
 def mutants_part(rows: Sequence[dict[str, str]]) -> str:
@@ -120,7 +121,8 @@ def mutants_table(rows: Sequence[dict[str, str]]) -> str:
 
 SHARES = """
 **{share:.1f} %** of the mutants that are neither equivalent nor of cost only are killed; the target is
-{target:g} %. With the mutants of cost only the share is {with_cost:.1f} %, of all {all} mutants {of_all:.1f} %.
+{target:g} %. With the mutants of cost only the share is {with_cost:.1f} %, of all {all} mutants
+{of_all:.1f} %.
 `benchmarks/results/mutants.csv` has each mutant, with the test that kills it, or with the reason of a verdict
 by hand. """
 SURVIVE = """
