@@ -28,7 +28,9 @@ usage: ./build.sh [command] [arguments]
   test     build, then run the tests; arguments go to pytest; without arguments the build is for all platforms
   fuzz     build, then look for mechanisms and inputs that break a law, and for texts that break a reader (minutes);
            arguments go to pytest. `fuzz calls`: libFuzzer calls the C code of both standards in any order (eight
-           minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach
+           minutes; --minutes N for each of four programs); `fuzz calls --coverage`: the code that its inputs reach.
+           `fuzz cuts`: counts random scenes whose answer depends on how an interval is cut into steps (ten minutes;
+           --minutes N), into benchmarks/results/cut_scan.csv
   bench    build, then run cost, loop, skipping, worst, growth, precision (about seven minutes), which writes benchmarks/results/ and
            docs/performance.md; --quick: few rounds, into build/quick; names of some of them: these only
   cost     build, then run benchmarks.step_cost (half a minute): the cost of a step, and its limit
@@ -193,6 +195,8 @@ case $command in
     fuzz)
         if [ "${1-}" = calls ]; then
             run_program '.[test,fuzz]' tests/native/fuzz/run.py "${@:2}"
+        elif [ "${1-}" = cuts ]; then
+            run_program '.[test]' -m benchmarks.cut_scan "${@:2}"
         fi
         run_program '.[test]' -m pytest tests/test_properties.py tests/test_reader_mutations.py \
             tests/test_extreme_values.py --hypothesis-profile long -o faulthandler_timeout=0 "$@"

@@ -4,14 +4,27 @@
 """
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
+from cut_dependence import Outcome, Scene, judge
 from driver import ERROR, OK, VARIABLES, Driver
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
-from law_strategies import decades, friction_laws, or_zero
+from random_scenes import (
+    CURVES,
+    CUTS,
+    EXTREME,
+    GENERAL,
+    LEAST,
+    PARAMETERS,
+    STEPS,
+    curve,
+    general_with_laws,
+    inertia_felt,
+    step,
+    unit_of_torque,
+)
 from reference import (
     DOUBLE,
     LOADING,
@@ -19,12 +32,10 @@ from reference import (
     RELEASING,
     STICK,
     UPPER_STOP,
-    Grooves,
     Mechanism,
     Refused,
     Slip,
     groove_of,
-    write_table,
 )
 
 FIXTURE = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -40,151 +51,15 @@ FLOWS = [*HEATS, "energy.work_in", "energy.work_ext", "energy.spring", "energy.k
 REALS = [v.name for v in VARIABLES.values() if v.type == "Real"]
 
 
-def signed(strategy):
-    return st.tuples(strategy, st.sampled_from([-1.0, 1.0])).map(lambda pair: pair[0] * pair[1])
-
-
-ANGLES = st.one_of(st.floats(0.01, 1.5), decades(-6, 0), decades(-6, -1).map(lambda x: math.pi / 2 - x))
-PARAMETERS = st.fixed_dictionaries(
-    {
-        "cam1.radius": decades(-3, 0),
-        "cam2.radius": decades(-3, 0),
-        "cam1.lead_angle": ANGLES,
-        "cam2.lead_angle": ANGLES,
-        "cam1.friction": or_zero(decades(-3, 0.3)),
-        "cam2.friction": or_zero(decades(-3, 0.3)),
-        "spring.preload": or_zero(signed(decades(-3, 4))),
-        "spring.stiffness": or_zero(decades(-2, 8)),
-        "damper.c_load": or_zero(decades(-3, 7)),
-        "damper.c_release": or_zero(decades(-3, 7)),
-        "inertia.shaft": or_zero(decades(-9, 3)),
-        "inertia.follower_mass": or_zero(decades(-6, 3)),
-        "inertia.follower": or_zero(decades(-9, 1)),
-        "shaft.damping": or_zero(decades(-6, 3)),
-        "stop.lower": or_zero(decades(-2, 1).map(lambda x: -x)),
-        "stop.upper": decades(-2, 1),
-        "stop.restitution": st.floats(0.0, 0.98),
-        "initial.omega": or_zero(signed(decades(-2, 2))),
-    }
-)
-
-
-# What grooves of any shape and nonlinear elements add. An ellipse is drawn by where it starts, S0 in (0,
-# 1), and how far it gets, so that hardly any is left before a stop; a table by the rises between its
-# points, some of them 0.
-SHAPES = st.fixed_dictionaries(
-    {
-        "profile": st.sampled_from([1, 2, 2, 3, 3]),
-        "start": st.floats(0.02, 0.98),
-        "reach": st.floats(1.01, 30.0),
-        "curvature": st.sampled_from([-1, 1]),
-        "rises": st.lists(or_zero(decades(-3, 0)), min_size=3, max_size=9),
-    }
-)
-NONLINEAR = st.fixed_dictionaries(
-    {
-        "spring.stiffness2": or_zero(signed(decades(2, 7))),
-        "spring.stiffness3": or_zero(signed(decades(3, 9))),
-        "damper.q_load": or_zero(decades(0, 6)),
-        "damper.q_release": or_zero(decades(0, 6)),
-    }
-)
-
-
-def grooved(parameters, shapes, folder):
-    """`parameters` with these grooves."""
-    found = dict(parameters)
-    most = max(parameters["stop.upper"], -parameters["stop.lower"])
-    for i, shape in enumerate(shapes, start=1):
-        cam, radius = f"cam{i}.", parameters[f"cam{i}.radius"]
-        found[cam + "profile"], lead = shape["profile"], parameters[f"cam{i}.lead_angle"]
-        if shape["profile"] == 2:
-            S0, kappa = shape["start"], shape["curvature"]
-            room = min(S0, 1.0 - S0) if parameters["stop.lower"] < 0 else S0 if kappa < 0 else 1.0 - S0
-            a = shape["reach"] * radius * most / room
-            b = a * math.tan(lead) * math.sqrt(1.0 - S0 * S0) / S0  # sin(atan(a/b tan lead)) = S0
-            sizes = {cam + "ellipse_a": a, cam + "ellipse_b": b}
-            assume(all(1e-6 <= size <= 1e3 for size in sizes.values()))
-            found |= sizes | {cam + "ellipse_curvature": kappa}
-        if shape["profile"] == 3:
-            low, count = 1.01 * min(parameters["stop.lower"], 0.0), len(shape["rises"])
-            step = (1.01 * parameters["stop.upper"] - low) / count
-            z = [radius * math.tan(lead) * step * math.fsum(shape["rises"][:k]) for k in range(count + 1)]
-            path = folder / f"groove{i}.csv"
-            write_table(path, [low + k * step for k in range(count)] + [1.01 * parameters["stop.upper"]], z)
-            found[cam + "table"] = str(path)
-    return found
-
-
-# Sizes that belong to one machine: with all the decades of PARAMETERS a step may hold as many mode changes
-# as are allowed, which takes seconds where motion is integrated. The long profile takes those too.
-MODERATE = st.fixed_dictionaries(
-    {
-        **{f"cam{i}.radius": decades(-2.3, -1) for i in (1, 2)},
-        **{f"cam{i}.lead_angle": st.floats(0.1, 1.4) for i in (1, 2)},
-        **{f"cam{i}.friction": or_zero(decades(-2, -0.3)) for i in (1, 2)},
-        "spring.preload": or_zero(signed(decades(0, 3))),
-        "spring.stiffness": or_zero(decades(2, 5)),
-        "damper.c_load": or_zero(decades(0, 4)),
-        "damper.c_release": or_zero(decades(0, 4)),
-        "inertia.shaft": or_zero(decades(-4, 0)),
-        "inertia.follower_mass": or_zero(decades(-2, 1)),
-        "inertia.follower": or_zero(decades(-5, -2)),
-        "shaft.damping": or_zero(decades(-3, 0)),
-        "stop.lower": or_zero(decades(-1, 0.3).map(lambda x: -x)),
-        "stop.upper": decades(-1, 0.5),
-        "stop.restitution": st.floats(0.0, 0.8),
-        "initial.omega": or_zero(signed(decades(-1, 1.3))),
-    }
-)
-LONG = settings.default.max_examples > 1000
-GENERAL = st.tuples(
-    st.one_of(MODERATE, PARAMETERS) if LONG else MODERATE, st.tuples(SHAPES, SHAPES), NONLINEAR
-)
-LEAST = 1e-6  # N.m: a T_load below is the rounding of F_0 = 0
+# With all the decades of PARAMETERS a step may hold as many mode changes as are allowed, which takes seconds
+# where motion is integrated.
+SCENES = EXTREME if settings.default.max_examples > 1000 else GENERAL
 GENERAL_FIXTURE = settings(FIXTURE, max_examples=max(1, settings.default.max_examples // 3))
-
-
-def nothing_resists(parameters, shapes) -> bool:
-    """In a dwell neither spring nor damper of the follower resists, and the unloaded spring presses no
-    contact: without inertia and damping of the shaft there is no speed that the torque would ask for. The
-    FMU should snap on, as it does from a dwell that is loaded; it may look for minutes for where to, which
-    is a fault of its own that would hide all others here. Take this out when that is mended."""
-    acting = ("inertia.shaft", "inertia.follower_mass", "inertia.follower", "shaft.damping", "spring.preload")
-    dwells = any(shape["profile"] == 3 and 0.0 in shape["rises"] for shape in shapes)
-    return dwells and not any(parameters[name] for name in acting)
-
-
-def general(scene, folder):
-    """Parameters of a scene drawn from GENERAL."""
-    linear, shapes, nonlinear = scene
-    assume(not nothing_resists(linear, shapes))
-    return grooved(linear | nonlinear, shapes, folder)
-
-
-def general_with_laws(data, scene, folder):
-    """As general(), in every second scene with friction laws."""
-    parameters = general(scene, folder)
-    if not data.draw(st.booleans(), label="friction laws"):
-        return parameters
-    return parameters | data.draw(friction_laws(parameters, folder), label="laws")
 
 
 @pytest.fixture(scope="module")
 def scratch(tmp_path_factory):
     return tmp_path_factory.mktemp("grooves")
-
-
-TORQUES = or_zero(signed(decades(-1, 1.5)))  # in units of T_load at the start
-FORCES = or_zero(signed(decades(-1, 4)))
-STEPS = st.lists(
-    st.tuples(decades(-6, 1), TORQUES, TORQUES, FORCES, FORCES), min_size=1, max_size=12
-)  # h, tau, its rate, F_ext, its rate
-CURVES = st.lists(
-    st.tuples(decades(-5, 0), *[st.lists(kind, min_size=1, max_size=4) for kind in (TORQUES, FORCES)]),
-    min_size=1,
-    max_size=6,
-)  # h; what the derivatives of tau and of F_ext, of orders 0, 1, ... amount to over h
 
 
 def started(make, parameters) -> Driver:
@@ -194,21 +69,6 @@ def started(make, parameters) -> Driver:
     fmu.ok("fmi2EnterInitializationMode")
     assume(fmu.call("fmi2ExitInitializationMode") == OK)
     return fmu
-
-
-def unit_of_torque(fmu: Driver, least: float = 0.0) -> float:
-    torque = abs(fmu.get("torque_load"))
-    return torque if least < torque < math.inf else 1.0
-
-
-def step(fmu: Driver, torque_unit: float, h, tau, tau_rate, force, force_rate) -> int:
-    fmu.set({"tau": tau * torque_unit, "F_ext": force})
-    if tau_rate or force_rate:
-        fmu.set_rates(tau=tau_rate * torque_unit, F_ext=force_rate)
-    status = fmu.call("fmi2DoStep", fmu.time, h, 1)
-    if status == OK:
-        fmu.time += h
-    return status
 
 
 def refused_for_a_reason(fmu: Driver) -> bool:
@@ -289,43 +149,8 @@ def test_energy_is_conserved_and_nothing_is_nan(make, parameters, steps):
         assert min(values[name] for name in HEATS) >= -1e-9 * turned_over - rounding - NOTHING
 
 
-def curve(fmu: Driver, torque_unit: float, h, taus, forces, part=(0.0, 1.0)) -> int:
-    """That part of a step of h."""
-    start, end = part[0] * h, part[1] * h
-    inputs = {}
-    for name, shares, unit in (("tau", taus, torque_unit), ("F_ext", forces, 1.0)):
-        u = [unit * share / h**k for k, share in enumerate(shares)]
-        inputs[name] = [
-            sum(u[k + j] * start**j / math.factorial(j) for j in range(len(u) - k)) for k in range(len(u))
-        ]
-    fmu.set({name: u[0] for name, u in inputs.items()})
-    rates = {name: u[1:] for name, u in inputs.items() if u[1:]}
-    if rates:
-        fmu.set_derivatives(rates)
-    status = fmu.call("fmi2DoStep", fmu.time, end - start, 1)
-    if status == OK:
-        fmu.time += end - start
-    return status
-
-
-def slopes(fmu: Driver, grooves) -> list[float]:
-    """m/rad, of both grooves where the FMU stands."""
-    gamma, theta = fmu.get("gamma"), fmu.get("theta")
-    angles = zip(grooves, (gamma, theta - gamma), strict=True)
-    return [g.derivatives(x, Grooves._index(g, x))[1] for g, x in angles]
-
-
-def inertia_felt(fmu: Driver, parameters, grooves) -> float:
-    """kg.m^2, twice the kinetic energy per omega^2 where the FMU stands. The follower turns at most as far as
-    cam 2."""
-    a1, a2 = slopes(fmu, grooves)
-    lift = a1 * a2 / (a1 + a2)
-    J, m, inertia = (parameters[f"inertia.{name}"] for name in ("shaft", "follower_mass", "follower"))
-    return J + m * lift * lift + inertia
-
-
 @GENERAL_FIXTURE
-@given(GENERAL, CURVES, st.data())
+@given(SCENES, CURVES, st.data())
 def test_general_energy_is_conserved_and_nothing_is_nan(make, scratch, scene, curves, data):
     """As above, with grooves of any shape, nonlinear springs and dampers, curved inputs; no heat falls."""
     parameters = general_with_laws(data, scene, scratch)
@@ -492,7 +317,7 @@ def rests(fmu: Driver, mechanism, parameters) -> bool:
 
 
 @GENERAL_FIXTURE
-@given(GENERAL, CURVES, st.data())
+@given(SCENES, CURVES, st.data())
 def test_general_rest_is_one_that_friction_allows(make, scratch, scene, curves, data):
     parameters = general_with_laws(data, scene, scratch)
     fmu = started(make, parameters)
@@ -505,57 +330,11 @@ def test_general_rest_is_one_that_friction_allows(make, scratch, scene, curves, 
             assert rests(fmu, mechanism, parameters)
 
 
-# What cutting may change: ten times the tolerance, and where a switch is close by (a stop grazed, a speed
-# that dies away, contacts about to change flanks) what that makes of it. Mechanisms that a millionth of a
-# nudge moves by more than this share are left out, for there cuts have no say.
-NUDGE, STEADY = 1e-7, 1e-4
-# A torque within this share of the terms of its balance is on the edge of the stick band: a tie is rest
-# (tests/test_cuts_of_general_grooves.py). What such a torque does to the speed is rounding.
-TIE = 2e-12
-
-
-def rounding_of_speed(fmu: Driver, parameters, grooves, torque_unit: float, one) -> float:
-    """rad/s: the speed that a tie of the torques gives the inertia within the interval `one`."""
-    h, taus, forces = one
-    felt, z = inertia_felt(fmu, parameters, grooves), fmu.get("z")
-    if not felt:
-        return 0.0
-    a1, a2 = slopes(fmu, grooves)
-    k = [parameters[f"spring.{name}"] for name in ("preload", "stiffness", "stiffness2", "stiffness3")]
-    force = math.fsum(abs(c * z**i) for i, c in enumerate(k)) + math.fsum(map(abs, forces))
-    return TIE * (torque_unit * math.fsum(map(abs, taus)) + a1 * a2 / (a1 + a2) * force) * h / felt
-
-
 @GENERAL_FIXTURE
-@given(GENERAL, CURVES, st.lists(st.floats(0.01, 0.99), min_size=1, max_size=4, unique=True), st.data())
+@given(SCENES, CURVES, CUTS, st.data())
 def test_general_answer_does_not_depend_on_cuts(make, scratch, scene, curves, cuts, data):
-    parameters = general_with_laws(data, scene, scratch)
-    runs = [started(make, values) for values in (parameters, parameters, nudged(parameters))]
-    torque_unit = unit_of_torque(runs[0], LEAST)
-    places = [0.0, *sorted(cuts), 1.0]
-    largest = {"theta": max(map(abs, (parameters["stop.lower"], parameters["stop.upper"])))}
-    grooves = [groove_of(parameters, i) for i in (1, 2)]
-    rounding = {"theta": 0.0, "omega": 0.0}
-    for one in curves:
-        rounding["omega"] += rounding_of_speed(runs[0], parameters, grooves, torque_unit, one)
-        for fmu, parts in zip(runs, ([(0.0, 1.0)], list(pairwise(places)), [(0.0, 1.0)]), strict=True):
-            for part in parts:
-                assume(curve(fmu, torque_unit, *one, part) == OK)
-        whole, cut, other = ({name: fmu.get(name) for name in ("theta", "omega")} for fmu in runs)
-        speed = max(fmu.get("peak.omega") for fmu in runs)
-        # without inertia and damping theta snaps on: the speed there is infinite
-        largest["omega"] = speed if 0.0 < speed < math.inf else max(1e-300, abs(whole["omega"]))
-        for name, size in largest.items():
-            moved = abs(other[name] - whole[name])
-            assume(moved <= STEADY * size)
-            # ten times what the nudge did is another hundred times the tolerance
-            assert abs(cut[name] - whole[name]) <= 10 * TOLERANCE * size + 10 * moved + rounding[name]
-
-
-def nudged(parameters):
-    """The same, all forces and inertias a little larger."""
-    words = ("preload", "stiffness", "damper", "inertia", "damping")
-    return {n: v * (1.0 + NUDGE) if any(word in n for word in words) else v for n, v in parameters.items()}
+    verdict = judge(make, Scene(general_with_laws(data, scene, scratch), curves, sorted(cuts)))
+    assert verdict.outcome is not Outcome.DEPENDS, verdict.text
 
 
 def check_that_it_repeats(fmu: Driver, go_on, first, second) -> None:
@@ -575,7 +354,7 @@ def check_that_it_repeats(fmu: Driver, go_on, first, second) -> None:
 
 
 @GENERAL_FIXTURE
-@given(GENERAL, CURVES, CURVES, st.data())
+@given(SCENES, CURVES, CURVES, st.data())
 def test_a_restored_general_run_repeats_bit_for_bit(make, scratch, scene, first, second, data):
     fmu = started(make, general_with_laws(data, scene, scratch))
     torque_unit = unit_of_torque(fmu, LEAST)

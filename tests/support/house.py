@@ -77,6 +77,7 @@ TESTS_OF_BENCHMARKS = tuple(
         "benchmarks",
         "compare_builds",
         "coupling",
+        "cut_scan",
         "elementary",
         "own_plant",
         "performance",
