@@ -11,10 +11,12 @@ pytest.importorskip("tree_sitter_c", reason="needs the extra `strength`")
 
 from benchmarks.stress.scene import COMPARED, Scene, Trace
 from benchmarks.test_strength import (
+    children,
     choice,
     coverage,
     decisions,
     judged,
+    judgements,
     mutants,
     schedule,
     sites,
@@ -202,7 +204,7 @@ def test_results_of_other_sources_do_not_count(tmp_path, monkeypatch):
     monkeypatch.setattr(mutants, "RUN", tmp_path)
     (tmp_path / "status").mkdir()
     for number, core in {1: before, 2: after}.items():
-        ended = {"end": "fails", "test": "good.py::test", "core": core}
+        ended = {"end": "fails", "test": "good.py::test", "core": core, "confirmed": True}
         (tmp_path / "status" / str(number)).write_text(json.dumps(ended))
     places = dict(enumerate(sites_of_text(tmp_path, CODE)[:3], 1))
     found = mutants.ends(mutants.Copy(tmp_path, places, after))
@@ -273,20 +275,96 @@ def test_the_choice_is_the_same_each_time_and_takes_kinds_in_turn():
 
 
 def test_each_judged_mutant_is_a_place_of_the_code():
-    judged, signatures = mutants.judged(), {}
+    judged, signatures = judgements.listed(), {}
     for path in sorted(CORE.rglob("*.h")) if any(key[2] == "arguments" for key in judged) else ():
         signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
     paths = named(judged)
     for path in paths:
         signatures |= sites.signatures_of(sites.parse(path.read_bytes()))
-    known = {
-        s.identity
-        for path in paths
-        for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)
-    }
-    assert not set(judged) - known, "places that are gone: remove them from equivalent.toml"
-    assert all(len(reason) > 20 for _, reason in judged.values())
-    assert {verdict for verdict, _ in judged.values()} <= set(mutants.VERDICTS)
+    known = [s for path in paths for s in sites.sites_of(path, path.relative_to(CORE).as_posix(), signatures)]
+    assert judgements.without_place(judged, known) == [], (
+        "places that are gone: remove them from equivalent.toml"
+    )
+    assert all(len(judgement.reason) > 20 for judgement in judged.values())
+    assert {judgement.verdict for judgement in judged.values()} <= set(mutants.VERDICTS)
+
+
+def test_a_verdict_by_hand_holds_only_for_the_code_that_was_judged(tmp_path):
+    """`nth` counts equal mistakes: an edit of the function moves the number to another place."""
+
+    def place(text):
+        wanted = ("model/small.c", "work", "sign", "-power(a, b)", "power(a, b)", "1")
+        (site,) = (s for s in sites_of_text(tmp_path, text) if s.identity == wanted)
+        return site
+
+    site = place(CODE)
+    verdict = judgements.Judgement("if (a < b && !(b > 10.0)) return -power(a, b);", "cost only", "as it is")
+    known = {site.identity: verdict}
+    assert judgements.judgement_of(site, known) is verdict
+    assert judgements.without_place(known, [site]) == []
+    moved = place("\n/* a comment */\n" + CODE)
+    assert moved.line == site.line + 2 and judgements.judgement_of(moved, known) is verdict
+    edited = place(CODE.replace("b > 10.0", "b > 11.0"))
+    assert judgements.judgement_of(edited, known) is None
+    (text,) = judgements.without_place(known, [edited])
+    assert "model/small.c work() sign 1: `-power(a, b)` -> `power(a, b)`" in text and "b > 11.0" in text
+    (text,) = judgements.without_place(known, [])
+    assert "there is no such place" in text
+    row = dict(zip(judgements.IDENTITY, site.identity, strict=True)) | {"mutant": "7", "verdict": "killed"}
+    assert judgements.refuted(known, [row]) == ["7: model/small.c work() is judged: cost only"]
+    assert judgements.refuted(known, [row | {"verdict": "cost only"}]) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="children are forked")
+def test_an_end_by_time_counts_once_it_has_happened_again(tmp_path, monkeypatch):
+    """Mutant 1 took long once, by its fixtures. Mutant 2 takes long. Mutant 3 fails. The test that mutant 4
+    fails does so without a mutant, too, if no other test has run before."""
+
+    class Item:
+        def __init__(self, name):
+            self.nodeid, self.location = name, (name.partition("::")[0],)
+
+    names = {number: ("model/a.c", "f") for number in (1, 2, 3, 4)}
+    job = schedule.Schedule([1, 2, 3, 4], names, {}, tmp_path / "reach", tmp_path, 10.0, 1, "core")
+    items = [Item(f"good.py::{name}") for name in ("slow", "sound", "lonely")]
+    job.seconds = {item.nodeid: 0.5 for item in items}
+    killers = {1: ("time", items[0]), 2: ("time", items[0]), 3: ("fails", items[1]), 4: ("fails", items[2])}
+    for number, (end, item) in killers.items():
+        children.note_kill(number, end, item.nodeid, [], 1.0, job)
+    alone, limits = {"good.py::slow": 3.0, "good.py::sound": 0.1, "good.py::lonely": 0.1}, {}
+    monkeypatch.setattr(children, "tell", lambda node, text: None)
+    monkeypatch.setattr(children, "in_child", lambda run, number, items, *rest: items[0].nodeid)
+    monkeypatch.setattr(
+        children,
+        "read_controls",
+        lambda made, job: (
+            {name: alone[name] for name in made.values()},
+            [name for name in made.values() if "lonely" in name],
+        ),
+    )
+
+    def happens_again(number, item, usual, job, session):
+        limits[number] = job.longer_limit(usual)
+        return {1: "survives", 2: "time"}[number]
+
+    monkeypatch.setattr(children, "happens_again", happens_again)
+    assert [children.is_confirmed(number, items, job, None) for number in killers] == [
+        False,
+        True,
+        True,
+        False,
+    ]
+    assert limits == {1: 68.0, 2: 68.0}  # 4 (5 * 3 s + 2 s)
+    assert children.read_status(1, job)["passed"] == ["good.py::slow"]
+    assert job.seconds["good.py::slow"] == 3.0
+    assert job.failed == ["good.py::lonely"]
+    places = dict(enumerate(sites_of_text(tmp_path, CODE)[:4], 1))
+    (tmp_path / "status").mkdir()
+    for number in names:
+        (tmp_path / str(number)).replace(tmp_path / "status" / str(number))
+    monkeypatch.setattr(mutants, "RUN", tmp_path)
+    found = mutants.ends(mutants.Copy(tmp_path, places, "core"))
+    assert found == {2: ("time", "good.py::slow"), 3: ("fails", "good.py::sound")}
 
 
 def test_each_explained_branch_is_a_branch_of_the_code():

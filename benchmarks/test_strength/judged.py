@@ -37,7 +37,7 @@ from benchmarks.stress.drive import drive
 from benchmarks.stress.judges import change_of_fmu, largest_error, sizes_of
 from benchmarks.stress.mechanisms import Tables
 from benchmarks.stress.scene import COMPARED, DEFAULT_TOLERANCE, Params, Scene, Trace
-from benchmarks.test_strength import mutants, switch, tree
+from benchmarks.test_strength import judgements, mutants, switch, tree
 
 ROWS = ("laws", "loads", "dampers", "restitution", "stops", "tolerances", "fuzz", "fuzz_laws", "fuzz_loads")
 COUNT = 600
@@ -197,8 +197,9 @@ def drawn(count: int, folder: Path) -> list[Scene]:
 
 def judged_numbers(places: mutants.Copy) -> dict[int, str]:
     """The mutants of equivalent.toml and their verdicts."""
-    known = mutants.judged()
-    return {n: known[site.identity][0] for n, site in places.places.items() if site.identity in known}
+    known = judgements.listed()
+    found = {n: judgements.judgement_of(site, known) for n, site in places.places.items()}
+    return {n: judgement.verdict for n, judgement in found.items() if judgement is not None}
 
 
 def main(words: Sequence[str] | None = None) -> int:

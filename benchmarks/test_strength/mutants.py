@@ -5,13 +5,13 @@
 400 places of physics and FMI layer are drawn (choice.py): an operator of arithmetic, a comparison, a logical
 operator, a constant, a sign, a statement left out, a condition negated, two arguments of one type swapped.
 All mutants are compiled into the FMUs of a copy of the repository at once, each behind a switch (switch.py).
-The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes five times
-as long. equivalent.toml names mutants that no test can notice, and mutants that change only the cost, with
-the reason. Such a mutant meets the most promising tests for some seconds, any other one all tests. What came
-of each mutant is kept in build/test_strength, with the hash of the C sources. `--again` continues a run that
-was interrupted; if the C sources have changed, it runs all mutants of today's. `--survivors` lets the
-survivors meet tests that are new or changed. `--report` judges again. The CSV file is written once all
-mutants have run.
+The tests run in that copy (fork_server.py). A mutant is killed if a test fails, crashes or takes much longer;
+children.py confirms each such end. equivalent.toml names mutants that no test can notice, and mutants that
+change only the cost, with the reason; verdicts whose code has changed are listed. Such a mutant meets the
+most promising tests for some seconds, any other one all tests. What came of each mutant is kept in
+build/test_strength, with the hash of the C sources. `--again` continues a run that was interrupted; if the C
+sources have changed, it runs all mutants of today's. `--survivors` lets the survivors meet tests that are new
+or changed. `--report` judges again. The CSV file is written once all mutants have run.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ import re
 import shutil
 import sys
 import time
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,21 +30,19 @@ from pathlib import Path
 from benchmarks.harness import results
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.repository import ROOT
-from benchmarks.test_strength import choice, switch, tree
+from benchmarks.test_strength import choice, judgements, switch, tree
+from benchmarks.test_strength.judgements import IDENTITY, VERDICTS
 from benchmarks.test_strength.sites import Site
 
 COUNT, SEED = 400, 1
 LIMIT = 1000.0  # s of tests for one mutant: all tests
 JUDGED_LIMIT = 15.0  # s of tests for one mutant of which a reason tells that no test can notice it
 TARGET = 95.0  # % of the mutants that change a result
-IDENTITY = ("file", "function", "kind", "original", "mutated", "nth")  # of a mutant's place
-EQUIVALENT = Path(__file__).with_name("equivalent.toml")
 ROUNDS = 20  # of drawing again for places where the compiler refuses the mistake
 # Quick tests of the FMUs and of the core: statics, accuracy, ledger, inclusion, states, derivatives, files.
 TESTS = Path(__file__).with_name("tests.txt")
 RUN = tree.TREES / "mutants-run"
 PLACES = tree.TREES / "places.json"
-VERDICTS = ("killed", "equivalent", "cost only", "survives")
 
 Row = dict[str, str]
 
@@ -125,8 +122,8 @@ def hints_of(places: Mapping[int, Site], output: Path) -> dict[int, str]:
 
 
 def job_of(options: Options, copy: Copy, numbers: Sequence[int]) -> dict[str, object]:
-    known = judged()
-    verdicts = {number: known.get(site.identity, ("survives", ""))[0] for number, site in copy.places.items()}
+    known = judgements.listed()
+    found = {number: judgements.judgement_of(site, known) for number, site in copy.places.items()}
     return {
         "numbers": list(numbers),
         "names": {number: (site.file, site.function) for number, site in copy.places.items()},
@@ -134,7 +131,7 @@ def job_of(options: Options, copy: Copy, numbers: Sequence[int]) -> dict[str, ob
         "reach": str(RUN / "reach.json"),
         "status": str(RUN / "status"),
         "limit": options.limit,
-        "judged": [number for number, verdict in verdicts.items() if verdict != "survives"],
+        "judged": [number for number, one in found.items() if one is not None and one.verdict != "survives"],
         "judged_limit": options.judged_limit,
         "processes": options.processes,
         "core": copy.core,
@@ -156,13 +153,14 @@ def play(options: Options, copy: Copy, numbers: Sequence[int]) -> None:
 
 
 def ends(copy: Copy) -> dict[int, tuple[str, str]]:
-    """What came of the tests of each mutant that has been run with this core, and the last test."""
+    """What came of the tests of each mutant that has been run with this core, and the last test. An end that
+    is not confirmed does not count (children.py)."""
     found = {}
     for number in copy.places:
         path = RUN / "status" / str(number)
         if path.exists():
             read = json.loads(path.read_text())
-            if read["core"] == copy.core:
+            if read["core"] == copy.core and read.get("confirmed"):
                 found[number] = (read["end"], read["test"])
     return found
 
@@ -195,7 +193,7 @@ def forget(changed: Sequence[str]) -> None:
 
     path = RUN / "reach.json"
     known = json.loads(path.read_text())
-    for name in ("seconds", "reached"):
+    for name in ("seconds", "alone", "reached"):
         known[name] = {test: value for test, value in known[name].items() if kept(test)}
     known["failed"] = [test for test in known["failed"] if kept(test)]
     path.write_text(json.dumps(known))
@@ -209,22 +207,14 @@ def forget(changed: Sequence[str]) -> None:
 # ---- the judgement ----
 
 
-def judged() -> dict[tuple[str, ...], tuple[str, str]]:
-    """The verdict "equivalent" or "cost only" and its reason, by the identity of the mutant's place."""
-    listed = tomllib.loads(EQUIVALENT.read_text())["mutant"]
-    judgements = {}
-    for entry in listed:
-        identity = tuple(str(entry.get(name, 1)) for name in IDENTITY)
-        judgements[identity] = entry.get("verdict", "equivalent"), entry["reason"]
-    return judgements
-
-
 def rows_of(copy: Copy, found: Mapping[int, tuple[str, str]]) -> list[Row]:
-    known = judged()
+    known = judgements.listed()
     rows = []
     for number, (end, test) in sorted(found.items()):
         site = copy.places[number]
-        verdict, reason = known.get(site.identity, ("survives", ""))
+        judgement = judgements.judgement_of(site, known)
+        verdict = judgement.verdict if judgement is not None else "survives"
+        reason = judgement.reason if judgement is not None else ""
         if end != "survives":
             verdict = "killed"
         place = {"file": site.file, "line": str(site.line), "function": site.function}
@@ -256,6 +246,11 @@ def report(rows: Sequence[Row], seconds: float, console: results.Console) -> Non
             place = f"{row['mutant']}: {row['file']}:{row['line']} {row['function']}()"
             mistake = f"{row['kind']}: {row['original']} -> {row['mutated']} ({row['test']})"
             results.say(console, f"{place} {mistake}")
+    known = judgements.listed()
+    for text in judgements.refuted(known, rows):
+        results.say(console, f"a test kills a mutant of equivalent.toml: {text}")
+    for text in judgements.without_place(known, choice.all_sites(ROOT / "fmu_src")):
+        results.say(console, f"equivalent.toml judges code that is gone: {text}")
     share = share_killed(rows)
     met = "met" if share >= TARGET else "MISSED"
     results.say(console, f"killed: {share:.1f} % (target {TARGET:g} % {met}), {seconds:.0f} s")

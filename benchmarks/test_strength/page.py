@@ -38,9 +38,11 @@ MUTANTS = """
 A mutant is the C code with one small mistake. {count} places in the code of physics and of FMI are drawn with
 a fixed seed (`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes
 the mistake. All mutants are compiled into one library per FMU, and a switch puts one of them in force. A
-mutant is killed if a test fails, crashes, or takes five times as long as without the mutant. Of the tests
-only those are run in which the mistaken place is reached with another outcome than that of the true code:
-a test that never compares two equal numbers cannot tell `<` from `<=`. The tests are those of
+mutant is killed if a test fails, crashes, or takes five times the processor time that it takes without the
+mutant, and 2 s more. An end counts only if the same test passes alone without the mutant. An end by time must
+happen again, with no other test beside it and four times this limit. Of the tests only those are run in
+which the mistaken place is reached with another outcome than that of the true code: a test that never
+compares two equal numbers cannot tell `<` from `<=`. The tests are those of
 `benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite. They compare with closed forms,
 with solutions by other programs, with the account of energy and with the law of friction, not with earlier
 results of the FMU.
@@ -52,8 +54,10 @@ results of the FMU.
 | cost only | the mistake changes iterations or segments, and results only within their tolerance |
 | survives | the mistake can change a result, and no test notices |
 
-Equivalent mutants and those of cost were judged by hand. Such a mutant meets {judged:g} s of the tests in
-which the mistake makes a difference, the most promising ones first; any other mutant meets all of them.
+Equivalent mutants and those of cost were judged by hand (`benchmarks/test_strength/equivalent.toml`). A
+verdict names the text of its line, and the run lists verdicts whose code has changed. A mutant with such a
+verdict meets {judged:g} s of the tests in which the mistake makes a difference, the most promising ones
+first; any other mutant meets all of them.
 `python -m benchmarks.test_strength.judged` plays random scenes with such mutants, and lists results that
 differ from those without the mistake.
 """

@@ -11,6 +11,8 @@ from typing import Any
 
 Item = Any  # pytest.Item, whose parts for a second run are not typed
 OVERHEAD = 0.01  # s of a test beside its own work
+SLOWER, PATIENCE = 5.0, 2.0  # a test of a mutant may take so many times the processor time, and s on top
+LONGER = 4.0  # times this limit, where an end by time is to happen again
 # How much a killed mutant raises the hope that the same test kills another mutant of the same place.
 HOPE = {"function": 8.0, "file": 3.0, "room": 1.0}
 
@@ -36,12 +38,13 @@ class Schedule:
     judged_limit: float = 0.0  # s of tests for one of them
     seconds: dict[str, float] = field(default_factory=dict)
     reached: dict[str, list[int]] = field(default_factory=dict)  # where the mistake makes a difference
+    alone: dict[str, float] = field(default_factory=dict)  # s in a process of its own, with all fixtures
     touched: list[int] = field(default_factory=list)  # places that any test reaches
     failed: list[str] = field(default_factory=list)
     kills: dict[str, Counter[str]] = field(default_factory=dict)  # by function, file or room: tests
     slow: dict[str, float] = field(default_factory=dict)  # s that a test function has taken to fail
 
-    KEPT = ("seconds", "reached", "touched", "failed")
+    KEPT = ("seconds", "alone", "reached", "touched", "failed")
 
     def save(self) -> None:
         self.reach.write_text(json.dumps({name: getattr(self, name) for name in self.KEPT}))
@@ -91,6 +94,19 @@ class Schedule:
         order.sort(key=lambda entry: (entry[0] != 0.0, entry[:2]))
         limit = min(self.limit, self.judged_limit) if number in self.judged else self.limit
         return self.within_limit([item for *_, item in order], limit)
+
+    def limits_of(self, tests: Sequence[Item]) -> list[float]:
+        """s of the processor that each test may take, if they run in this order."""
+        begun: set[str] = set()
+        limits = []
+        for item in tests:
+            function = function_of(item.nodeid)
+            limits.append(SLOWER * self.usual_seconds(item, function not in begun) + PATIENCE)
+            begun.add(function)
+        return limits
+
+    def longer_limit(self, alone: float) -> float:
+        return LONGER * (SLOWER * alone + PATIENCE)
 
     def usual_seconds(self, item: Item, first_of_function: bool) -> float:
         """Without a mutant. The first test of a function also makes the fixtures of the file that this

@@ -54,6 +54,7 @@ class Site:
     mutated: str
     nth: int
     statement: bool  # is a statement, not an expression
+    text: str = ""  # the whole line at which the place begins
 
     @property
     def identity(self) -> tuple[str, str, str, str, str, str]:
@@ -217,6 +218,7 @@ def is_constant(node: Node) -> bool:
 def sites_of(path: Path, name: str, signatures: Signatures) -> list[Site]:
     """All places of a file, in the order of the text."""
     found: list[Site] = []
+    lines = path.read_text().split("\n")
     counted: dict[tuple[str, ...], int] = {}
 
     def add(node: Node, function: str, kind: str, mutated: str, statement: bool) -> None:
@@ -224,7 +226,8 @@ def sites_of(path: Path, name: str, signatures: Signatures) -> list[Site]:
         key = (function, kind, original, flat)
         counted[key] = counted.get(key, 0) + 1
         place = (node.start_byte, node.end_byte, node.start_point[0] + 1)
-        found.append(Site(name, function, kind, *place, original, flat, counted[key], statement))
+        text = " ".join(lines[node.start_point[0]].split())
+        found.append(Site(name, function, kind, *place, original, flat, counted[key], statement, text))
 
     for definition in below(parse(path.read_bytes())):
         body = field(definition, "body")
