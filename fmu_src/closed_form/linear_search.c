@@ -152,6 +152,20 @@ static double half_periods_to_skip(const LinearIndicator *indicator, const Indic
     return floor(max_of(clear, 0.0) / osc->half_period);
 }
 
+/* End of the interval after `a` in which the rate is monotone: the next zero of the second derivative. */
+static double next_monotone_rate_end(const Oscillator *osc, const IndicatorSample *a) {
+    return a->t + oscillator_zero(osc, a->second, a->third);
+}
+
+/* End of the first interval in which the rate is monotone. Where damping is strong, the slow part of the motion is lost
+ * in the rounding of the derivatives at the start, and so is a zero of the second derivative. The interval ends at the
+ * latest where the fast part has decayed. */
+static double first_monotone_rate_end(const Oscillator *osc, const IndicatorSample *start) {
+    const double fast = osc->separation > 0.0 ? 0.5 * osc->decay2 + osc->frequency : 0.0; /* 1/s */
+    const double faded = fast > 0.0 ? LINEAR_FAST_DECAY / fast : INFINITY;
+    return min_of(next_monotone_rate_end(osc, start), faded);
+}
+
 /* Searches one half period after the other. After the first minimum, half periods that hold no crossing are skipped.
  * Where the minima stay just above zero for very many periods, the search ends with the work of the step. */
 double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
@@ -159,7 +173,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
     if (has_constant_inputs(&indicator->segment->start)) return crossing_at_constant_inputs(indicator, t_end);
     const Oscillator *osc = oscillator_of_indicator(indicator);
     IndicatorSample a = linear_indicator_at_start(indicator);
-    double next = oscillator_zero(osc, a.second, a.third);
+    double next = first_monotone_rate_end(osc, &a);
     for (int interval = 1; !work_is_spent(indicator->segment->work); interval++) { /* at most MAX_WORK turns */
         const IndicatorSample b = linear_indicator_at(indicator, min_of(next, t_end));
         const double t = crossing_if_rate_monotone(indicator, &a, &b);
@@ -175,7 +189,7 @@ double linear_search_crossing(const LinearIndicator *indicator, double t_end) {
             }
         }
         if (next + osc->half_period == next) return INFINITY; /* the rounding of time hides the vibration */
-        next += osc->half_period;
+        next = osc->separation > 0.0 && interval == 1 ? next_monotone_rate_end(osc, &a) : next + osc->half_period;
     }
     return INFINITY;
 }

@@ -169,6 +169,9 @@ static const double LINEAR_DECAYED = 1e-12;
 /* Share of the rate at the start of an interval below which the rate has died away, so that its sign is rounding. */
 static const double LINEAR_DECAYED_RATE = 1e-13;
 
+/* Exponent at which the fast part of an overdamped motion has decayed below the rounding of its start. */
+static const double LINEAR_FAST_DECAY = 40.0;
+
 /* Share of the torques whose sum is M alpha below which M alpha is rounding: 45 times the unit roundoff. */
 static const double LINEAR_TORQUE_ROUNDING = 1e-14;
 
