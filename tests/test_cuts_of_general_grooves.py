@@ -246,6 +246,16 @@ def test_a_load_that_falls_to_zero_at_a_dwell_jams_nothing(make_model, ends, dis
     assert fmu.get("omega") == pytest.approx(speed + torque * h / 0.003, rel=NEAR)
 
 
+@pytest.mark.parametrize("place", [math.nextafter(KNOT, 0.0), KNOT, math.nextafter(KNOT, 1.0)])
+def test_contacts_at_the_end_of_a_dwell_let_a_torque_go_back(make_model, ends, place):
+    """Past the dwell a locked contact holds each torque that pulls back. On the dwell it bears no load, and
+    J alpha = tau: rounding of the angle must not tell the one side from the other."""
+    h, torque = 0.01, -0.05
+    fmu = make_model(FORWARD).start(ends | {"initial.theta": place})
+    run(fmu, h, [], tau=[torque], F_ext=[26.0])
+    assert fmu.get("omega") == pytest.approx(torque * h / 0.003, rel=NEAR)
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene['cause']}-{scene['scene']}")
 def test_scenes_do_not_depend_on_cuts(make_model, tmp_path, scene):
     """Angle, mode and speed agree to ten times the tolerance, of the larger stop and of the fastest speed."""

@@ -64,10 +64,22 @@ double stick_torque_size(const Mechanism *m, double factor) {
     return fabs(m->inputs.tau[0]) + edge_size(m, factor, m->inputs.F_ext[0]);
 }
 
+/* The grooves, where a slope that is rounding counts as level: contacts that jam at the end of a dwell rest there to
+ * rounding, and a locked contact holds a torque on the one side only. */
+COMPACT static Geometry resting_geometry(const Mechanism *m) {
+    const Geometry *here = &m->configuration.geometry;
+    Geometry g = *here;
+    bool rises[2];
+    for (int i = 0; i < 2; i++) rises[i] = here->slope[i] > DBL_EPSILON * m->model.transmission.steepest[i];
+    for (int i = 0; i < 2; i++)
+        if (!rises[i] && rises[1 - i]) g.slope[i] = 0.0;
+    return g;
+}
+
 BandFactors stick_band(const Mechanism *m) {
-    if (m->model.friction_is_loaded)
-        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)), m->work);
-    return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
+    if (m->model.transmission.straight && !m->model.friction_is_loaded) return m->configuration.band;
+    const Geometry g = resting_geometry(m);
+    return contact_band_under(&m->params, &g, fabs(stick_axial_load(m)), m->work);
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
