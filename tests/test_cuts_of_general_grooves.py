@@ -230,7 +230,7 @@ def test_contacts_that_jam_at_the_end_of_a_dwell_rest_there(make_model, ends, cu
 
 @pytest.mark.parametrize("cuts", CUTS)
 def test_contacts_at_the_end_of_a_dwell_hold_a_torque_that_begins_slowly(make_model, ends, cuts):
-    """The torque begins with its second derivative. So the angle begins with t^4, and the jamming load with t^8."""
+    """The torque begins with its second derivative, the angle with t^4, and the jamming load with t^8."""
     fmu = make_model(FORWARD).start(ends | {"initial.theta": KNOT})
     run(fmu, 1e-3, cuts, tau=[0.0, 0.0, 8e5], F_ext=[-26.0])
     assert (fmu.get("mode"), fmu.get("omega")) == (WEDGED, 0.0)
