@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from driver import FORWARD, OK
-from reference import LOADING, STICK, write_table
+from reference import LOADING, STICK, WEDGED, write_table
 
 CUTS = [[], [0.3], [0.01, 0.2, 0.45, 0.99], list(np.arange(1, 50) / 50)]
 NEAR = 1e-9  # the default tolerance
@@ -171,6 +171,89 @@ def test_a_torque_within_a_tie_of_its_balance_is_rest(make_model, level, ties):
     if abs(ties) < 1.0:
         assert fmu.get("omega") == 0.0
     assert fmu.get("omega") == pytest.approx(excess * h / 1e-3, abs=TIE * 2.0 * balance * h / 1e-3)
+
+
+def test_a_load_that_grows_on_a_level_place_moves_nothing(make_model, tmp_path):
+    """The groove of cam 2 is level at its beginning, where the mechanism rests at its lower stop. The axial
+    load passes no torque to cam 2 there, T = rho F_0 with rho = 0: a pull that grows moves nothing."""
+    path = tmp_path / "begins_level.csv"
+    psi = [k * 0.12367910474118893 for k in range(7)]
+    write_table(path, psi, [0.0, 2.7e-5, 2.7e-5, 2.7e-5, 3.295e-3, 3.316e-3, 3.401e-3])
+    parameters = {
+        "cam2.profile": 3,
+        "cam2.table": str(path),
+        "cam1.friction": 0.0137,
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "inertia.shaft": 0.008,
+        "stop.upper": 0.7,
+    }
+    for cuts in CUTS:
+        fmu = make_model(FORWARD).start(parameters)
+        run(fmu, 0.009, cuts, tau=[0.0], F_ext=[117.0, -9e5])
+        assert (fmu.get("theta"), fmu.get("omega")) == (0.0, 0.0)
+
+
+KNOT = 0.1  # rad, where the dwell of cam 2 ends
+
+
+@pytest.fixture(scope="module")
+def ends(tmp_path_factory):
+    """A dwell of cam 2 up to KNOT, and a shaft with inertia alone. On the dwell the pin stands still in cam
+    1, whose contact is locked and bears no load: J alpha = tau. Past the dwell a pull F < 0 bears on cam 2,
+    x_2 < 0, and passes the torque a_2 x_2 < 0 to contact 1. While loading neither flank of contact 1 takes
+    the torque: n_1 = a_1 + e mu r_1 is positive on e = 1 and asks for x_1 < 0, and is negative on e = -1 and
+    asks for x_1 > 0. So the contacts jam at KNOT. While releasing flank e = -1 takes the torque."""
+    path = tmp_path_factory.mktemp("ends") / "groove.csv"
+    write_table(path, [k * KNOT for k in range(4)], [0.0, 0.0, 2e-4, 6e-4])
+    return {
+        "cam1.lead_angle": 0.37,
+        "cam1.friction": 0.5,
+        "cam2.profile": 3,
+        "cam2.table": str(path),
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "spring.stiffness": 0.0,
+        "inertia.shaft": 0.003,
+        "stop.upper": 0.25,
+    }
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_contacts_that_jam_at_the_end_of_a_dwell_rest_there(make_model, ends, cuts):
+    """The angle of rest has all digits, however the step before has come to the end of the dwell."""
+    fmu = make_model(FORWARD).start(ends | {"initial.omega": 1.6})
+    run(fmu, 0.1, cuts, tau=[0.05], F_ext=[-26.0])
+    assert (fmu.get("mode"), fmu.get("omega")) == (WEDGED, 0.0)
+    assert fmu.get("theta") == pytest.approx(KNOT, rel=NEAR)
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_contacts_at_the_end_of_a_dwell_hold_a_torque_that_begins_slowly(make_model, ends, cuts):
+    """The torque begins with its second derivative, the angle with t^4, and the jamming load with t^8."""
+    fmu = make_model(FORWARD).start(ends | {"initial.theta": KNOT})
+    run(fmu, 1e-3, cuts, tau=[0.0, 0.0, 8e5], F_ext=[-26.0])
+    assert (fmu.get("mode"), fmu.get("omega")) == (WEDGED, 0.0)
+    assert fmu.get("theta") == pytest.approx(KNOT, rel=NEAR)
+
+
+@pytest.mark.parametrize("distance", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
+def test_a_load_that_falls_to_zero_at_a_dwell_jams_nothing(make_model, ends, distance):
+    """The motion enters the dwell from the side on which contact 1 bears: J alpha = tau from there on."""
+    h, torque, speed = 0.01, 0.05, -5.0
+    fmu = make_model(FORWARD).start(ends | {"initial.theta": KNOT + distance, "initial.omega": speed})
+    run(fmu, h, [], tau=[torque], F_ext=[-26.0])
+    assert fmu.get("omega") == pytest.approx(speed + torque * h / 0.003, rel=NEAR)
+
+
+@pytest.mark.parametrize("place", [math.nextafter(KNOT, 0.0), KNOT, math.nextafter(KNOT, 1.0)])
+def test_contacts_at_the_end_of_a_dwell_let_a_torque_go_back(make_model, ends, place):
+    """Past the dwell a locked contact holds each torque that pulls back. On the dwell it bears no load, and
+    J alpha = tau: rounding of the angle must not tell the one side from the other."""
+    h, torque = 0.01, -0.05
+    fmu = make_model(FORWARD).start(ends | {"initial.theta": place})
+    run(fmu, h, [], tau=[torque], F_ext=[26.0])
+    assert fmu.get("omega") == pytest.approx(torque * h / 0.003, rel=NEAR)
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: f"{scene['cause']}-{scene['scene']}")

@@ -8,6 +8,7 @@
 #include "collocation/step_indicator.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- a step that ends on a crossing ---- */
 
@@ -192,6 +193,35 @@ static bool end_on_first_event(const SegmentLimits *limits, const StopAhead *sto
     return true;
 }
 
+/* Does friction act on each contact that has a friction coefficient, by more than rounding? */
+COMPACT static bool friction_acts(const SlipMode *slip, const Balance *b) {
+    const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
+    bool acts = true;
+    for (int i = 0; i < 2; i++) acts &= b->friction[i] == 0.0 || balance_is_firm(slip, i, b->x[i], b->axial[i], load);
+    return acts;
+}
+
+/* A contact without load, as on a dwell, can jam where the next piece of the transmission begins. The mechanism then stays
+ * where it jams, so the angle needs all digits there: the step ends on the breakpoint, to rounding. */
+COMPACT static void end_on_breakpoint(const SegmentLimits *limits, EventLocation *location) {
+    const SlipMode *slip = limits->slip;
+    const RadauStep landed = location->step;
+    const bool at_breakpoint = location->at_breakpoint || location->aimed_at_breakpoint;
+    if (!at_breakpoint || location->kind != EVENT_NONE || slip->regime != REGIME_INERTIAL) return;
+    if (friction_acts(slip, radau_step_end(&landed))) return;
+    for (int n = 0; n < LOCATION_TO_BREAKPOINT; n++) {
+        const RadauStep *step = &location->step;
+        const double beyond = slip->direction * step->dtheta - limits->breakpoint.distance;
+        const double h = step->h - beyond / (slip->direction * radau_step_end(step)->omega);
+        if (n == 0 && !(beyond > 0.0 && beyond <= 2.0 * limits->breakpoint.overshoot)) return;
+        if (!(h > 0.0 && h < landed.h) ||
+            !radau_step_solve(slip, &landed.start, h, landed.method->stages, &location->step)) {
+            location->step = landed;
+            return;
+        }
+    }
+}
+
 /* A step to a breakpoint, or to a sample of a friction table, says little about the length of the next step: the
  * earlier proposal stays. */
 static void propose_next(const StepProposal *first, double to_breakpoint, EventLocation *location) {
@@ -214,7 +244,10 @@ bool event_location_find(const SlipMode *slip, const Balance *start, const StopA
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;
         propose_next(first, to_breakpoint, location);
-        if (end_on_first_event(&limits, stop, location, &solved)) return true;
+        if (end_on_first_event(&limits, stop, location, &solved)) {
+            end_on_breakpoint(&limits, location);
+            return true;
+        }
         length = LOCATION_SHORTENING * solved;
     } while (length > shortest && !work_is_spent(slip->work));
     return false;

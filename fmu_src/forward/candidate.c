@@ -97,20 +97,25 @@ static double look_ahead(const SlipMode *slip, const Balance *now, const Candida
     return min_of(min_of(by_time, angle / fabs(candidate->omega)), min_of(by_alpha, by_jerk));
 }
 
+/* The balance after dt at the angle theta. False beyond the piece of the transmission, whose polynomials end there. */
+static bool balance_after(const SlipMode *slip, double theta, double omega, double dt, Balance *later) {
+    if (!(theta >= slip->piece->lower && theta <= slip->piece->upper)) return false;
+    balance_at(slip, theta, omega, dt, later);
+    return true;
+}
+
 /* x_i after dt, as far as the present alpha and jerk tell. What the acceleration then has beyond them has grown at least
- * like t^2: the speed gains a third of it, and a damper's load follows that speed. False beyond the piece of the
- * transmission, whose polynomials end there. */
+ * like t^2: the speed gains a third of it, which a damper's load follows, and the angle a twelfth. */
 COMPACT static bool contacts_after(const SlipMode *slip, const Balance *now, const Candidate *candidate, double dt,
                                    double x[2]) {
     const double omega = candidate->omega + dt * (candidate->alpha + dt / 2.0 * candidate->jerk);
     const double theta =
         now->theta + dt * (candidate->omega + dt / 2.0 * (candidate->alpha + dt / 3.0 * candidate->jerk));
-    if (!(theta >= slip->piece->lower && theta <= slip->piece->upper)) return false;
     Balance later;
-    balance_at(slip, theta, omega, dt, &later);
+    if (!balance_after(slip, theta, omega, dt, &later)) return false;
     if (slip->regime == REGIME_INERTIAL) {
-        const double gained = later.alpha - (candidate->alpha + dt * candidate->jerk);
-        balance_at(slip, theta, omega + dt / 3.0 * gained, dt, &later);
+        const double gained = dt * (later.alpha - (candidate->alpha + dt * candidate->jerk));
+        if (!balance_after(slip, theta + dt / 12.0 * gained, omega + gained / 3.0, dt, &later)) return false;
     }
     for (int i = 0; i < 2; i++) x[i] = later.x[i];
     return isfinite(x[0]) && isfinite(x[1]);
@@ -147,6 +152,7 @@ COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *no
     }
     for (int i = 0; i < 2; i++) {
         drop_faint_rate(candidate, i, visible_at[i]);
+        candidate->unseen[i] &= visible_at[i] == 0.0;
         candidate->size[i].second = candidate->size[i].value;
     }
 }
@@ -195,6 +201,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         candidate.size[i].value += noise;
         candidate.size[i].rate += candidate.size[i].value / CANDIDATE_STEADY;
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
+        candidate.unseen[i] = !slip.friction_is_loaded && !is_visible(now.x[i], coarse * rates.size[i]);
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
     return candidate;

@@ -86,6 +86,17 @@ static bool vanish_together(int index, const Candidate *candidate) {
     return false;
 }
 
+/* Toward a dwell the load of a locked contact falls to zero and stays zero: its rate, which no later load confirms, does
+ * not jam the contacts. True if each reaction agrees with its flank, or is rounding and stays so. */
+static bool is_unloaded(int index, const Candidate *candidate) {
+    int flank[2];
+    slip_flanks(index, flank);
+    bool unloaded = candidate->possible;
+    for (int i = 0; i < 2; i++)
+        unloaded &= candidate->unseen[i] || flank_agrees(candidate, slip_direction(index), flank[i], i);
+    return unloaded;
+}
+
 /* Do the reactions leave the range of numbers? Then no comparison with them means anything. */
 static bool overflows(const Candidate *candidate) {
     bool finite = isfinite(candidate->net);
@@ -104,8 +115,9 @@ typedef enum {
 } SearchStart;
 
 /* The index of the slip mode whose flanks agree, or -1. Where none does, from a motion one that is just before a change
- * of flanks, or one that leaves the range of numbers: the step is then refused in this mode. *built receives the
- * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
+ * of flanks or without loads, or one that leaves the range of numbers: the step is then refused in this mode. *built
+ * receives the coefficients of the last candidate that had none in the model; mostly this is the slip mode that is
+ * found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int unstable = -1, before = -1, overflowing = -1;
@@ -115,6 +127,8 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         const int index = slip_index(direction, flank);
         const Candidate candidate = candidate_building(m, index, built);
         if (from == FROM_MOTION && before < 0 && vanish_together(index, &candidate)) before = index;
+        const bool unloaded = from != FROM_REST && is_unloaded(index, &candidate);
+        if (unloaded && (before < 0 || (from == FROM_FLANKS && index == present_slip_index(m)))) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
         if (candidate.stable) return index;

@@ -46,24 +46,40 @@ COMPACT static double slope_size(const Mechanism *m) {
     return size;
 }
 
-/* The size of the terms of factor F_0, for a factor of the stick band. The factor vanishes on a dwell and where a contact
- * begins to lock. The factor's rounding does not vanish, and is a share of the largest slope: this share multiplies the
- * terms of the present F_0 alone, for the rounding of the factor times that of z is of second order. */
+/* m/rad, the terms of an edge factor that do not vanish with the factor, as on a dwell and where a contact begins to lock:
+ * its rounding is a share of the largest slope. */
+static double slope_terms(const Mechanism *m) {
+    return m->model.transmission.straight ? 0.0 : STICK_SLOPE_SHARE * slope_size(m);
+}
+
+/* The size of the terms of factor F_0, for a factor of the stick band. The terms of the slopes multiply those of the present
+ * F_0 alone, for the rounding of the factor times that of z is of second order. */
 static double edge_size(const Mechanism *m, double factor, double F_ext) {
     if (m->model.transmission.straight) return fabs(factor) * axial_size(m, F_ext);
     const double lever = fabs(factor) + m->configuration.geometry.dz_dtheta;
-    return lever * axial_size(m, F_ext) +
-           STICK_SLOPE_SHARE * slope_size(m) * terms_of_load(m, fabs(m->configuration.z), F_ext);
+    return lever * axial_size(m, F_ext) + slope_terms(m) * terms_of_load(m, fabs(m->configuration.z), F_ext);
 }
 
 double stick_torque_size(const Mechanism *m, double factor) {
     return fabs(m->inputs.tau[0]) + edge_size(m, factor, m->inputs.F_ext[0]);
 }
 
+/* The grooves, where a slope that is rounding counts as level: contacts that jam at the end of a dwell rest there to
+ * rounding, and a locked contact holds a torque on the one side only. */
+COMPACT static Geometry resting_geometry(const Mechanism *m) {
+    const Geometry *here = &m->configuration.geometry;
+    Geometry g = *here;
+    bool rises[2];
+    for (int i = 0; i < 2; i++) rises[i] = here->slope[i] > DBL_EPSILON * m->model.transmission.steepest[i];
+    for (int i = 0; i < 2; i++)
+        if (!rises[i] && rises[1 - i]) g.slope[i] = 0.0;
+    return g;
+}
+
 BandFactors stick_band(const Mechanism *m) {
-    if (m->model.friction_is_loaded)
-        return contact_band_under(&m->params, &m->configuration.geometry, fabs(stick_axial_load(m)), m->work);
-    return m->model.transmission.straight ? m->configuration.band : contact_band(&m->configuration.geometry);
+    if (m->model.transmission.straight && !m->model.friction_is_loaded) return m->configuration.band;
+    const Geometry g = resting_geometry(m);
+    return contact_band_under(&m->params, &g, fabs(stick_axial_load(m)), m->work);
 }
 
 /* For F_0 < 0 the pins bear on the other flanks: the edges change places. */
@@ -119,13 +135,14 @@ static double side_of(const Mechanism *m, double F_0) {
     return coming != 0 ? coming : F_0;
 }
 
-/* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding. Where
- * friction depends on the load, the second derivative of E is left out: it counts only if the first one of F_0 is
- * zero as well. */
-static double excess_rate(const Mechanism *m, double factor, int k) {
+/* k-th time derivative of tau - E(F_0) at rest, with `factor` dE/dF_0. Zero if both terms cancel to rounding, or are no
+ * more than the rounding of the factor: on a level groove the load passes no torque. Where friction depends on the load,
+ * the second derivative of E is left out: it counts only if the first one of F_0 is zero as well. */
+COMPACT static double excess_rate(const Mechanism *m, double factor, int k) {
     const double cancelled = m->model.closed_form ? 0.0 : STICK_RATE_CANCELLED;
     const double tau = m->inputs.tau[k], load = stick_edge(factor, m->inputs.F_ext[k]);
-    return fabs(tau - load) <= cancelled * (fabs(tau) + fabs(load)) ? 0.0 : tau - load;
+    const double rounding = stick_tie(m) * slope_terms(m) * fabs(m->inputs.F_ext[k]);
+    return fabs(tau - load) <= cancelled * (fabs(tau) + fabs(load)) + rounding ? 0.0 : tau - load;
 }
 
 /* tau - factor F_0, for a finite factor; `rate`: the derivative of the edge factor F_0 by F_0 */
