@@ -209,6 +209,9 @@ static const double RADAU_BEYOND_PIECE = 0.05;
 /* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. */
 static const double RADAU_ERROR_SAFETY = 10.0;
 
+/* Stiffness per stage at which a step begins to lose the digits of its order 2s - 1. */
+static const double RADAU_STIFF_PER_STAGE = 1.7;
+
 /* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
 static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
 
