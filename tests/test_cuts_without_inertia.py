@@ -10,6 +10,8 @@ import pytest
 from driver import FORWARD
 from pin_equations import Pin, edge, ellipse, helix, polynomial, spring_force
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from test_cuts_of_general_grooves import CUTS, run
 
 NEAR = 1e-9  # the default tolerance
 
@@ -83,3 +85,41 @@ def test_the_speed_in_a_stiff_step_with_inertia(make_model):
     fmu.step(h)
     assert fmu.get("theta") == pytest.approx(way.y[0, -1], rel=NEAR)
     assert fmu.get("omega") == pytest.approx(way.y[1, -1], rel=10.0 * NEAR)
+
+
+# ---- several pairs of flanks ----
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_motion_begins_at_the_slowest_of_several_speeds(make_model, cuts):
+    """An axial pull moves cam 2. Its friction mu = mu_v v locks the flat groove just above 0.014 rad/s, where
+    the torque passes zero. Two pairs of flanks agree: one with that speed, n_2 = a_2 - mu r_2 near zero, and
+    one with a speed of 1e8 rad/s, at which the damper carries the pull. A mechanism with hardly any inertia
+    reaches the slow one first. tau = r_1 r_2 n_1 n_2 F/Delta (docs/mechanism.md, section 3)."""
+    steep, flat = helix(0.05, 1.5706), ellipse(0.0012, 3e-6, 7.5, 5e-6, 1)
+    h, preload, pull, square, viscous = 3.5e-4, 834.0, -1702.0, 6400.0, 0.18
+    parameters = Pin(steep, flat).values | {
+        "cam1.friction": 0.0,
+        "cam2.friction": 0.0,
+        "cam2.friction_viscous": viscous,
+        "spring.preload": preload,
+        "spring.stiffness": 0.0,
+        "damper.c_load": 0.0,
+        "damper.q_load": square,
+        "inertia.shaft": 0.0,
+        "stop.lower": -6.8,
+        "stop.upper": 0.64,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    torque = 8e-7
+    run(fmu, h, cuts, tau=[0.0, 0.0, torque / h**2], F_ext=[pull])
+
+    def left(omega):  # gamma = 0 to all digits, so that phi = theta
+        (r1, r2), (a1, a2) = (steep.radius, flat.radius), (steep.slope(0.0), flat.slope(fmu.get("theta")))
+        lift, turn = a1 * a2 / (a1 + a2), a1 / (a1 + a2)
+        friction = -viscous * omega * turn * math.hypot(r2, a2)  # f_2 = sigma e_2 mu_2
+        n2, d2 = a2 + friction * r2, r2 - friction * a2
+        load = preload + pull + square * (lift * omega) ** 2
+        return 0.5 * torque - load * r1 * r2 * a1 * n2 / (r2 * r1 * n2 + r1 * d2 * a1)
+
+    assert fmu.get("omega") == pytest.approx(brentq(left, 0.01, 0.02, xtol=1e-16), rel=10.0 * NEAR)

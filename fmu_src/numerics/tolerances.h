@@ -206,11 +206,9 @@ static const double RADAU_TANGENT_STIFFNESS = 0.3;
 /* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
 static const double RADAU_BEYOND_PIECE = 0.05;
 
-/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. */
-static const double RADAU_ERROR_SAFETY = 10.0;
-
-/* Stiffness per stage at which a step begins to lose the digits of its order 2s - 1. */
-static const double RADAU_STIFF_PER_STAGE = 1.7;
+/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. Stiffness per
+ * stage at which a step begins to lose the digits of its order 2s - 1. */
+static const double RADAU_ERROR_SAFETY = 10.0, RADAU_STIFF_PER_STAGE = 1.7;
 
 /* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
 static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
@@ -391,8 +389,9 @@ enum { CANDIDATE_LOOKS = 8 };
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
 
 /* Two reactions vanish together if the one falls to zero within this many times the time in which the other counts as
- * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. */
-static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12;
+ * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. A pair of flanks
+ * is slower than another one if its speed is below this share of the other. */
+static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12, SLOWER = 1.0 - 1e-9;
 
 /* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
  * rounding. */
