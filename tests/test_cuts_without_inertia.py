@@ -123,3 +123,27 @@ def test_a_motion_begins_at_the_slowest_of_several_speeds(make_model, cuts):
         return 0.5 * torque - load * r1 * r2 * a1 * n2 / (r2 * r1 * n2 + r1 * d2 * a1)
 
     assert fmu.get("omega") == pytest.approx(brentq(left, 0.01, 0.02, xtol=1e-16), rel=10.0 * NEAR)
+
+
+# ---- contacts without load ----
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_force_pulls_the_follower_against_its_damper_while_no_contact_bears_a_load(make_model, cuts):
+    """Without torque and inertia the contacts stay without load: F_ext = f t against q v^2, so that
+    z = -2/3 sqrt(f/q) t^(3/2). The reactions are rounding, which grows with F_ext and tells no flank."""
+    h, rate, square = 1e-4, 10.0, 2.0
+    parameters = PIN.values | {
+        "cam1.friction": 0.06,
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "spring.stiffness": 0.0,
+        "damper.c_release": 0.0,
+        "damper.q_release": square,
+        "inertia.shaft": 0.0,
+        "stop.lower": -0.1,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    run(fmu, h, cuts, tau=[0.0], F_ext=[0.0, rate])
+    assert fmu.get("z") == pytest.approx(-2.0 / 3.0 * math.sqrt(rate / square * h**3), rel=NEAR)
+    assert fmu.get("energy.heat_cam1") <= NEAR * fmu.get("energy.heat_damper")
