@@ -54,10 +54,10 @@ typedef struct {
 
 /* Of P, which vanishes on a dwell or where a contact begins to lock. */
 static double p_size(const SlipMode *slip, const SlipCoefficients *k) {
-    const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->slope_size;
     double size = 1.0;
     for (int i = 0; i < 2; i++) {
         const CamParams *cam = &slip->params->cam[i];
+        const double rounded = TRANSMISSION_TERM_SHARE * slip->transmission->steepest[i];
         size *= cam->radius * (k->slope[i].value + fabs(slip_friction(slip, k, i)) * cam->radius + rounded);
     }
     return size;
@@ -119,7 +119,7 @@ static void contact_rates(const SlipMode *slip, const SlipCoefficients *k, const
     const int other = 1 - i;
     const double omega = balance->omega, inverse = 1.0 / fabs(f->delta.value);
     const Dual rn = f->rn[other], signed_d = dual_scale(i == 0 ? -1.0 : 1.0, f->d[other]);
-    const double rounded = slip->params->cam[other].radius * slip->transmission->slope_size;
+    const double rounded = slip->params->cam[other].radius * slip->transmission->steepest[other];
     double rn_size = fabs(rn.value) + rounded;
     const double rn_rate_size = fabs(rn.slope) + rounded * slip->piece->scale;
     if (slip->friction_varies) rn_size += rn_terms(slip, k, other);

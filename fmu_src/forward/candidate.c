@@ -144,7 +144,8 @@ COMPACT static void extrapolate_contacts(const SlipMode *slip, const Balance *no
         if (!contacts_after(slip, now, candidate, dt, x)) continue;
         visible = false;
         for (int i = 0; i < 2; i++) {
-            if (!is_visible(x[i], candidate->size[i].value)) continue;
+            /* The terms of x_i grow as well, and their rounding with them. */
+            if (!is_visible(x[i], candidate->size[i].value + dt * candidate->size[i].rate)) continue;
             visible = true;
             candidate->contact[i].second = x[i];
             visible_at[i] = dt;

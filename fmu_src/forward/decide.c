@@ -114,13 +114,16 @@ typedef enum {
     FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
 } SearchStart;
 
-/* The index of the slip mode whose flanks agree, or -1. Where none does, from a motion one that is just before a change
- * of flanks or without loads, or one that leaves the range of numbers: the step is then refused in this mode. *built
- * receives the coefficients of the last candidate that had none in the model; mostly this is the slip mode that is
- * found. */
+/* The index of the slip mode whose flanks agree, or -1. Without inertia each pair of flanks that agrees has a speed of its
+ * own. The slowest comes first: a mechanism with hardly any inertia, accelerated from rest by the torque that is left,
+ * reaches it first (A. N. Tikhonov's theorem on systems with a small parameter). Where none agrees, from a motion one that
+ * is just before a change of flanks or without loads, or one that leaves the range of numbers: the step is then refused in
+ * this mode. *built receives the coefficients of the last candidate that had none in the model; mostly this is the slip
+ * mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
-    int unstable = -1, before = -1, overflowing = -1;
+    int unstable = -1, before = -1, overflowing = -1, slowest = -1;
+    double least = INFINITY;
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
@@ -131,9 +134,14 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         if (unloaded && (before < 0 || (from == FROM_FLANKS && index == present_slip_index(m)))) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
-        if (candidate.stable) return index;
+        if (candidate.stable && candidate.regime != REGIME_VISCOUS) return index;
+        if (candidate.stable && fabs(candidate.omega) < least) {
+            slowest = index;
+            least = SLOWER * fabs(candidate.omega);
+        }
         if (unstable < 0) unstable = index;
     }
+    if (slowest >= 0) return slowest;
     if (unstable >= 0) return unstable;
     return before >= 0 ? before : overflowing;
 }
@@ -143,33 +151,6 @@ COMPACT_END
 
 static Mode slip_mode(int direction) {
     return direction > 0 ? MODE_LOADING : MODE_RELEASING;
-}
-
-/* Without inertia several pairs of flanks can balance the torque, each at its own speed: where friction grows with the speed
- * while the axial load passes zero, or where a contact locks. The motion goes on along its pair as long as this pair
- * agrees. */
-static bool keeps_flanks(const Mechanism *m, int direction, LinearSlipMode *built) {
-    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params)) return false;
-    const Candidate candidate = candidate_building(m, present_slip_index(m), built);
-    return candidate.regime == REGIME_VISCOUS && candidate.stable && direction * candidate.omega > 0.0 &&
-           agrees(m, present_slip_index(m), &candidate, true);
-}
-
-static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
-    const int direction = stick_direction_beyond_band(m);
-    if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
-    if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
-        return (Decision){.mode = MODE_UPPER_STOP, .slip_index = -1};
-    if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
-        return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
-    /* The loads of a slip that begins later do not tell the flanks now. */
-    if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
-    if (keeps_flanks(m, direction, built))
-        return (Decision){.mode = m->state.mode, .slip_index = present_slip_index(m)};
-    const int index = find_slip_mode(m, direction, FROM_REST, built);
-    /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
-    if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
-    return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
 }
 
 COMPACT_BEGIN
@@ -195,6 +176,42 @@ static int slip_across_zero(const Mechanism *m, int present, const Candidate *ca
     return slip_index(direction, flank);
 }
 COMPACT_END
+
+/* Does the motion go on along the pair `index`? */
+static bool keeps(const Mechanism *m, int index, const Candidate *candidate) {
+    return candidate->regime == REGIME_VISCOUS && candidate->stable && slip_direction(index) * candidate->omega > 0.0 &&
+           agrees(m, index, candidate, true);
+}
+
+/* Without inertia several pairs of flanks can balance the torque, each at its own speed: where friction grows with the speed
+ * while the axial load passes zero, or where a contact locks. The motion goes on along its pair as long as this pair
+ * agrees, and then along the pair with the same speed. The index of this pair, or -1. */
+static int kept_flanks(const Mechanism *m, int direction, LinearSlipMode *built) {
+    if (m->state.mode != slip_mode(direction) || has_inertia(&m->params)) return -1;
+    const int present = present_slip_index(m);
+    const Candidate candidate = candidate_building(m, present, built);
+    if (keeps(m, present, &candidate)) return present;
+    const int across = candidate.regime == REGIME_VISCOUS ? slip_across_zero(m, present, &candidate) : -1;
+    if (across < 0) return -1;
+    const Candidate next = candidate_building(m, across, built);
+    return keeps(m, across, &next) ? across : -1;
+}
+
+static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
+    const int direction = stick_direction_beyond_band(m);
+    if (direction == 0) return (Decision){.mode = stick_mode(m), .slip_index = -1};
+    if (direction > 0 && m->state.theta.hi >= m->params.stop.upper)
+        return (Decision){.mode = MODE_UPPER_STOP, .slip_index = -1};
+    if (direction < 0 && m->state.theta.hi <= m->params.stop.lower)
+        return (Decision){.mode = MODE_LOWER_STOP, .slip_index = -1};
+    /* The loads of a slip that begins later do not tell the flanks now. */
+    if (!stick_excess_grows(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
+    const int kept = kept_flanks(m, direction, built);
+    const int index = kept >= 0 ? kept : find_slip_mode(m, direction, FROM_REST, built);
+    /* No slip mode agrees, and the torque is on the edge: rounding decides whether it is inside or beyond. */
+    if (index < 0 && stick_is_on_edge(m, direction)) return (Decision){.mode = MODE_STICK, .slip_index = -1};
+    return (Decision){.mode = index < 0 ? MODE_WEDGED : slip_mode(direction), .slip_index = index};
+}
 
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */

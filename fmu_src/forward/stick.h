@@ -50,8 +50,8 @@ Mode stick_mode(const Mechanism *m);
 RestInterval stick_rest_interval(const Mechanism *m);
 
 /* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. If the torque is on the edge of
- * the band and no slip mode agrees, rest lasts until the torque is beyond the edge by more than a tie. The time is at
- * least a rounding of `left`. */
+ * the band and no slip mode agrees, rest lasts until the torque is beyond the edge by more than a tie. The time is
+ * above 0. */
 double stick_rest_time(const Mechanism *m, double left);
 
 /* R_i per pin end and per F_0. */

@@ -8,7 +8,7 @@
 
 #include <float.h>
 
-#include "numerics/load_tolerances.h"
+#include "numerics/friction_tolerances.h"
 
 /* ---- numerics ---- */
 
@@ -134,14 +134,6 @@ static const double FLANK_CLEARANCE = 1e-9;
  * their terms; the polynomials round by some eps of the transmission's sizes, 1e-2 of 1e-13. */
 static const double TRANSMISSION_TERM_SHARE = 0.01;
 
-/* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
- * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
-enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
-                    STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
-                    STRIBECK_GONE_TUSTIN = 37.0;
-static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
-
 /* ---- closed_form ---- */
 
 /* Share of the sum of |terms| of x_i, or of dx_i/dt, below which the sum is zero: a few roundings. The flank of a zero
@@ -209,8 +201,9 @@ static const double RADAU_TANGENT_STIFFNESS = 0.3;
 /* Share of a piece's width by which a node may lie outside the piece: its polynomials still have 11 digits there. */
 static const double RADAU_BEYOND_PIECE = 0.05;
 
-/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. */
-static const double RADAU_ERROR_SAFETY = 10.0;
+/* Factor on the error estimate: keeps errors of benchmarks/integrators below ten times the tolerance. Stiffness per
+ * stage at which a step begins to lose the digits of its order 2s - 1. */
+static const double RADAU_ERROR_SAFETY = 10.0, RADAU_STIFF_PER_STAGE = 1.7;
 
 /* Share of theta below which an error of the angle is rounding: the sums of a step add up that many roundings. */
 static const double RADAU_ANGLE_ROUNDING = 64.0 * DBL_EPSILON;
@@ -311,9 +304,9 @@ enum { LOCATION_EXTENSIONS = 11 };
  * left. h |dalpha/domega| above which a step is stiff, and the share of the way to a change of flanks at which it ends. */
 static const double LOCATION_SHORTENING = 0.125, LOCATION_SHORTEST = 1e-13;
 static const double LOCATION_STIFF = 10.0, LOCATION_APPROACH = 0.75;
-enum {
-    LOCATION_TO_BREAKPOINT = 2
-}; /* Newton steps from within the overshoot to the breakpoint: the second is rounding */
+
+/* Newton steps from within the overshoot to the breakpoint: the second is rounding. */
+enum { LOCATION_TO_BREAKPOINT = 2 };
 
 /* Lobatto step */
 /* Share of what the tolerance allows that the next sweep may change; the same where the change is added: its own error is
@@ -321,14 +314,6 @@ enum {
  * the sweep before: else Newton's method is faster. Sweeps of one step. */
 static const double LOBATTO_SWEEP_SHARE = 0.05, LOBATTO_LAST_SHARE = 0.5, LOBATTO_CONTRACTION = 0.1;
 enum { LOBATTO_SWEEPS = 8 };
-
-/* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
- * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
- * the excess out. */
-enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
-/* Iterations for the loads at the start: with a power of the load; with tables alone, whose curve is then followed. */
-enum { LOBATTO_LOAD_GUESSES = 2, LOBATTO_TABLE_GUESSES = 1 };
-static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
 
 /* Share of the largest alpha (without inertia omega) below which a change is rounding; of theta, an error. Times the
  * tolerance, the share of theta by which the last sweep may move the end of the step, where friction varies. */
@@ -394,8 +379,9 @@ enum { CANDIDATE_LOOKS = 8 };
 static const double CANDIDATE_ANGLE_ROUNDING = 4.0 * DBL_EPSILON / REACTION_ZERO_SHARE;
 
 /* Two reactions vanish together if the one falls to zero within this many times the time in which the other counts as
- * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. */
-static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12;
+ * zero. Ahead of a jam, as shares: less than the rounding of theta; more than the rounding of the speed. A pair of flanks
+ * is slower than another one if its speed is below this share of the other. */
+static const double VANISH_TOGETHER = 2.0, JAM_ANGLE = 4.0 * DBL_EPSILON, JAM_SPEED = 1e-12, SLOWER = 1.0 - 1e-9;
 
 /* Breakaway: share of the terms of the right-hand side below which an acceleration at the edge of the band is
  * rounding. */

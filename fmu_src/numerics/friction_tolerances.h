@@ -1,6 +1,26 @@
-/* Tolerances and limits of friction that depends on the load; a part of tolerances.h. */
-#ifndef DUALCAM_LOAD_TOLERANCES_H
-#define DUALCAM_LOAD_TOLERANCES_H
+/* Tolerances and limits of friction that depends on the speed or the load; a part of tolerances.h. */
+#ifndef DUALCAM_FRICTION_TOLERANCES_H
+#define DUALCAM_FRICTION_TOLERANCES_H
+
+#include <float.h>
+
+/* ---- speed ---- */
+
+/* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
+ * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
+enum { VISCOUS_ITERATIONS = 200 };
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+                    STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
+                    STRIBECK_GONE_TUSTIN = 37.0;
+static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
+
+/* Where friction falls: the most parts of a step; the halvings of a part; the least steepness of Gauss's law; in roots
+ * of the tolerance the share of friction that an excess must have to need parts; v/v_s above which a first guess leaves
+ * the excess out. */
+enum { LOBATTO_FALL_PARTS = 8, LOBATTO_HALVINGS = 2 };
+static const double LOBATTO_FALL_LEAST = 8.0, LOBATTO_FALL_FAINT = 3.0, LOBATTO_FALL_OVER = 12.0;
+
+/* ---- load ---- */
 
 /* Share of R_ref below which friction levels off, so that a contact may change its flank. */
 static const double LEVEL_LOG_FROM = 0.01;
@@ -31,5 +51,8 @@ static const double LOADED_REST_CHANGE = 1e-6;
 
 /* Factor on the error estimate of a Radau step. */
 static const double RADAU_LOADED_STRICT = 10.0;
+
+/* Iterations for the loads at the start: with a power of the load; with tables alone, whose curve is then followed. */
+enum { LOBATTO_LOAD_GUESSES = 2, LOBATTO_TABLE_GUESSES = 1 };
 
 #endif

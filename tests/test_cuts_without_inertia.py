@@ -1,0 +1,149 @@
+"""Steps in which damping rules the motion: without inertia, or with hardly any.
+
+An answer does not depend on how an interval is cut into steps. Oracles: closed forms, SciPy, and the speed
+by the balance of torques (docs/mechanism.md, section 6).
+"""
+
+import math
+
+import pytest
+from driver import FORWARD
+from pin_equations import Pin, edge, ellipse, helix, polynomial, spring_force
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from test_cuts_of_general_grooves import CUTS, run
+
+NEAR = 1e-9  # the default tolerance
+
+
+# ---- stiff steps ----
+
+PIN = Pin(helix(0.016, 0.416), ellipse(0.035, 0.456, 0.17, 0.15, 1))
+CURVED = PIN.values | {
+    "cam1.friction": 0.13,
+    "cam2.friction": 0.25,
+    "spring.preload": 28.0,
+    "spring.stiffness": 4200.0,
+    "spring.stiffness2": 1.07e6,
+    "spring.stiffness3": 1.05e8,
+    "damper.c_load": 20.0,
+    "damper.q_load": 300.0,
+    "shaft.damping": 3e-4,
+    "inertia.shaft": 0.0,
+    "initial.theta": -0.08,
+    "stop.lower": -0.43,
+    "stop.upper": 1.13,
+}
+
+
+def speed(torque, theta):
+    """omega >= 0 without inertia: tau - b omega = rho (F_s + c v + q v^2), v = z' omega."""
+    place = PIN.at(theta)
+    rho = edge(place, (CURVED["cam1.friction"], CURVED["cam2.friction"]), 1, 1.0)[0]
+    left = torque - rho * spring_force(CURVED, place.z)
+    linear = CURVED["shaft.damping"] + rho * CURVED["damper.c_load"] * place.lift
+    square = rho * CURVED["damper.q_load"] * place.lift**2
+    return 2.0 * left / (linear + math.sqrt(linear**2 + 4.0 * square * left))
+
+
+def test_the_speed_in_a_stiff_step_without_inertia(make_model):
+    """The speed belongs to the angle: an error of the angle changes the speed by domega/dtheta, here up to
+    -530 1/s. The speed at the end keeps ten times the tolerance, relative to itself."""
+    h = 1.0
+    torque = [0.3, 0.1 / h, 0.15 / h**2, -0.3 / h**3]
+    way = solve_ivp(
+        lambda t, x: [speed(polynomial(torque, t), x[0])],
+        (0.0, h), [CURVED["initial.theta"]], method="Radau", rtol=1e-12, atol=1e-16,
+    )  # fmt: skip
+    fmu = make_model(FORWARD).start(CURVED)
+    fmu.set({"tau": torque[0]})
+    fmu.set_derivatives({"tau": torque[1:]})
+    fmu.step(h)
+    assert fmu.get("theta") == pytest.approx(way.y[0, -1], rel=NEAR)
+    assert fmu.get("omega") == pytest.approx(speed(polynomial(torque, h), way.y[0, -1]), rel=10.0 * NEAR)
+
+
+def test_the_speed_in_a_stiff_step_with_inertia(make_model):
+    """J alpha = tau - b omega - z' (F_s + D) without friction, J = 1e-5 kg.m2: a speed that nothing drives
+    would fall by exp(-600) in this step."""
+    J, h, groove = 1e-5, 2.0, PIN.second  # of both cams: gamma = phi = theta/2
+    p = CURVED | Pin(groove, groove).values
+    p |= {"cam1.friction": 0.0, "cam2.friction": 0.0, "shaft.damping": 3e-3, "inertia.shaft": J}
+    p |= {"damper.c_release": 20.0, "damper.q_release": 300.0}
+    torque = [0.3, 0.1 / h, 0.15 / h**2, -0.3 / h**3]
+
+    def rate(t, x):
+        lift = 0.5 * groove.slope(0.5 * x[0])
+        v = lift * x[1]
+        load = spring_force(p, groove.z(0.5 * x[0])) + v * (p["damper.c_load"] + p["damper.q_load"] * abs(v))
+        return [x[1], (polynomial(torque, t) - p["shaft.damping"] * x[1] - lift * load) / J]
+
+    way = solve_ivp(rate, (0.0, h), [p["initial.theta"], 0.0], method="DOP853", rtol=1e-11, atol=1e-14)
+    fmu = make_model(FORWARD).start(p)
+    fmu.set({"tau": torque[0]})
+    fmu.set_derivatives({"tau": torque[1:]})
+    fmu.step(h)
+    assert fmu.get("theta") == pytest.approx(way.y[0, -1], rel=NEAR)
+    assert fmu.get("omega") == pytest.approx(way.y[1, -1], rel=10.0 * NEAR)
+
+
+# ---- several pairs of flanks ----
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_motion_begins_at_the_slowest_of_several_speeds(make_model, cuts):
+    """An axial pull moves cam 2. Its friction mu = mu_v v locks the flat groove just above 0.014 rad/s, where
+    the torque passes zero. Two pairs of flanks agree: one with that speed, n_2 = a_2 - mu r_2 near zero, and
+    one with a speed of 1e8 rad/s, at which the damper carries the pull. A mechanism with hardly any inertia
+    reaches the slow one first. tau = r_1 r_2 n_1 n_2 F/Delta (docs/mechanism.md, section 3)."""
+    steep, flat = helix(0.05, 1.5706), ellipse(0.0012, 3e-6, 7.5, 5e-6, 1)
+    h, preload, pull, square, viscous = 3.5e-4, 834.0, -1702.0, 6400.0, 0.18
+    parameters = Pin(steep, flat).values | {
+        "cam1.friction": 0.0,
+        "cam2.friction": 0.0,
+        "cam2.friction_viscous": viscous,
+        "spring.preload": preload,
+        "spring.stiffness": 0.0,
+        "damper.c_load": 0.0,
+        "damper.q_load": square,
+        "inertia.shaft": 0.0,
+        "stop.lower": -6.8,
+        "stop.upper": 0.64,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    torque = 8e-7
+    run(fmu, h, cuts, tau=[0.0, 0.0, torque / h**2], F_ext=[pull])
+
+    def left(omega):  # gamma = 0 to all digits, so that phi = theta
+        (r1, r2), (a1, a2) = (steep.radius, flat.radius), (steep.slope(0.0), flat.slope(fmu.get("theta")))
+        lift, turn = a1 * a2 / (a1 + a2), a1 / (a1 + a2)
+        friction = -viscous * omega * turn * math.hypot(r2, a2)  # f_2 = sigma e_2 mu_2
+        n2, d2 = a2 + friction * r2, r2 - friction * a2
+        load = preload + pull + square * (lift * omega) ** 2
+        return 0.5 * torque - load * r1 * r2 * a1 * n2 / (r2 * r1 * n2 + r1 * d2 * a1)
+
+    assert fmu.get("omega") == pytest.approx(brentq(left, 0.01, 0.02, xtol=1e-16), rel=10.0 * NEAR)
+
+
+# ---- contacts without load ----
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+def test_a_force_pulls_the_follower_against_its_damper_while_no_contact_bears_a_load(make_model, cuts):
+    """Without torque and inertia the contacts stay without load: F_ext = f t against q v^2, so that
+    z = -2/3 sqrt(f/q) t^(3/2). The reactions are rounding, which grows with F_ext and tells no flank."""
+    h, rate, square = 1e-4, 10.0, 2.0
+    parameters = PIN.values | {
+        "cam1.friction": 0.06,
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "spring.stiffness": 0.0,
+        "damper.c_release": 0.0,
+        "damper.q_release": square,
+        "inertia.shaft": 0.0,
+        "stop.lower": -0.1,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    run(fmu, h, cuts, tau=[0.0], F_ext=[0.0, rate])
+    assert fmu.get("z") == pytest.approx(-2.0 / 3.0 * math.sqrt(rate / square * h**3), rel=NEAR)
+    assert fmu.get("energy.heat_cam1") <= NEAR * fmu.get("energy.heat_damper")
