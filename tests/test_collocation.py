@@ -41,7 +41,12 @@ class Bernstein(Structure):
     _fields_ = (("degree", ctypes.c_int), ("c", ctypes.c_double * 9))
 
 
-LARGEST = """\
+CODE = """\
+#include "collocation/lobatto_system.h"
+double cubic_term(const double *x) {
+    const LobattoValues v = {{x[0], x[1], x[2], x[3]}};
+    return lobatto_cubic_term(&v);
+}
 double largest(const double *x) {
     const LobattoValues v = {{x[0], x[1], x[2], x[3]}};
     return lobatto_largest(lobatto_range(&v));
@@ -51,8 +56,8 @@ double largest(const double *x) {
 
 @pytest.fixture(scope="module")
 def library(core):
-    made = core(["numerics/bernstein", "numerics/lobatto", "numerics/radau"], [Radau, Bernstein], LARGEST)
-    made.largest.restype = ctypes.c_double
+    made = core(["numerics/bernstein", "numerics/lobatto", "numerics/radau"], [Radau, Bernstein], CODE)
+    made.cubic_term.restype = made.largest.restype = ctypes.c_double
     made.radau_of.restype = ctypes.POINTER(Radau)
     made.radau_polynomial.restype = Bernstein
     made.radau_polynomial.argtypes = (ctypes.POINTER(Radau), ctypes.POINTER(ctypes.c_double))
@@ -119,6 +124,13 @@ def test_largest_size_of_four_values(library):
         for order in permutations([0.5, 1.0, 2.0, 4.0]):
             values = [sign * size for sign, size in zip(signs, order, strict=True)]
             assert library.largest((ctypes.c_double * 4)(*values)) == 4.0
+
+
+@pytest.mark.parametrize("c", [(2.0, -1.0, 0.0, 1.0), (0.0, 0.5, 0.02, -3.0), (1.0, 0.0, 0.0, -0.25)])
+def test_cubic_term_of_the_values_of_a_cubic(library, c):
+    """It is the coefficient of the cubic itself, also where both ends agree."""
+    values = np.polynomial.Polynomial(c)(lobatto()["node"])
+    assert library.cubic_term((ctypes.c_double * 4)(*values)) == pytest.approx(abs(c[3]), rel=1e-12)
 
 
 def test_cubic_and_what_a_parabola_misses():

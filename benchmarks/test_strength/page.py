@@ -39,10 +39,11 @@ A mutant is the C code with one small mistake. {count} places in the code of phy
 a fixed seed (`benchmarks/test_strength/choice.py`), equally many of each kind as far as the compiler takes
 the mistake. All mutants are compiled into one library per FMU, and a switch puts one of them in force. A
 mutant is killed if a test fails, crashes, or takes five times the processor time that it takes without the
-mutant, and 2 s more. An end counts only if the same test passes alone without the mutant. An end by time must
-happen again, with no other test beside it and four times this limit. Of the tests only those are run in
-which the mistaken place is reached with another outcome than that of the true code: a test that never
-compares two equal numbers cannot tell `<` from `<=`. The tests are those of
+mutant, and 2 s more. A function that leaves the bounds of an array crashes. An end counts only if the same
+test passes alone without the mutant. An end by time must happen again, with no other test beside it and four
+times this limit. Of the tests only those are run in which the mistaken place is reached with another outcome
+than that of the true code: a test that never compares two equal numbers cannot tell `<` from `<=`. The tests
+are those of
 `benchmarks/test_strength/tests.txt`, {tests} files and folders of the suite. They compare with closed forms,
 with solutions by other programs, with the account of energy and with the law of friction, not with earlier
 results of the FMU.
