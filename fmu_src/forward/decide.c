@@ -198,7 +198,7 @@ COMPACT_END
 
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */
-static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
+COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
     const int present = slip_index(direction, m->state.flank);
