@@ -215,7 +215,7 @@ static Decision decide_at_rest(const Mechanism *m, LinearSlipMode *built) {
 
 /* While the mechanism slips, the flanks stay the same as long as they agree with their reactions. Where several pairs
  * agree, the one that continues the motion comes first. */
-static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
+COMPACT static Decision decide_moving(const Mechanism *m, LinearSlipMode *built) {
     const int direction = sign_of(m->state.omega.hi);
     const Mode mode = slip_mode(direction);
     const int present = slip_index(direction, m->state.flank);
