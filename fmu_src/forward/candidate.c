@@ -195,6 +195,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         candidate.size[i].value += noise;
         candidate.size[i].rate += candidate.size[i].value / CANDIDATE_STEADY;
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
+        candidate.ahead[i] = m->load_ahead * now.axial[i];
     }
     if (is_undecided(&candidate, 0) || is_undecided(&candidate, 1)) extrapolate_contacts(&slip, &now, &candidate);
     return candidate;
