@@ -8,6 +8,7 @@
 #include "collocation/step_indicator.h"
 #include "elementary/elementary.h"
 #include "numerics/tolerances.h"
+#include "platform/attributes.h"
 
 /* ---- a step that ends on a crossing ---- */
 
@@ -204,7 +205,7 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
 
 /* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as rounding.
  * A long step would damp such a deviation, and follow the unstable balance. */
-static double departure_time(const SegmentLimits *limits, const Balance *start) {
+COMPACT static double departure_time(const SegmentLimits *limits, const Balance *start) {
     const SlipMode *slip = limits->slip;
     if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;
     const double load = balance_load_size(slip->params, start->force, start->damper, start->dz_dtheta * start->alpha);

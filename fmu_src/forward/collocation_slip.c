@@ -13,6 +13,7 @@
 #include "forward/rest.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* Does the mechanism move, in the direction of its mode? */
 static bool slips_on(const Mechanism *m) {
@@ -44,14 +45,14 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
 /* At a change of flanks, of a follower without inertia of rotation: the sign of the axial load A just after. There
  * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. A fast damping hides the rates of x_i in
  * rounding, but a contact that has left its flank tells the sign of A. */
-static int load_after(const SlipMode *slip, const Balance *end) {
+COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
     if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
     const int load = -slip->flank[0] * sign_of(end->axial[0]);
     return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
 }
 
 /* Do both contacts bear on their flanks (side 1), or press off these (side -1), by more than rounding? */
-static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
+COMPACT static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
     const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
     bool on_side = true;
     for (int i = 0; i < 2; i++)
@@ -62,7 +63,7 @@ static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
 /* In a motion that a fast damping rules, a decision can count reactions as zero for a long time. Contacts that bear no
  * load at the start, or less than none, and leave their flanks along the step, have left these at the start: a cut, or
  * rounding, lay behind the change. */
-static bool has_left_flanks(const SlipMode *slip, const RadauStep *step) {
+COMPACT static bool has_left_flanks(const SlipMode *slip, const RadauStep *step) {
     const Balance *start = &step->start;
     bool left = step->h * start->rhs.by_omega < -LOCATION_STIFF && is_on_side(slip, radau_step_end(step), -1);
     for (int i = 0; i < 2; i++) left &= slip->flank[i] * start->x[i] <= 0.0;

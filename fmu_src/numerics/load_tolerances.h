@@ -14,7 +14,7 @@ static const double LOADED_NO_TORQUE = 1e-6;
 /* Newton's method for both reactions ends at a relative change of LOADED_LAST_CHANGE, or where the changes stop falling
  * below LOADED_STALLED. Each change must fall by the share LOADED_SHARE_GAINED of the change made before, else less of the
  * next one is made, at least LOADED_LEAST_SHARE of it. */
-enum { LOADED_ITERATIONS = 25 };
+enum { LOADED_ITERATIONS = 80 };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_SHARE_GAINED = 0.25,
                     LOADED_LEAST_SHARE = 0.02;
 

@@ -137,7 +137,7 @@ static const double TRANSMISSION_TERM_SHARE = 0.01;
 /* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
  * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-12 /* before a lock */,
                     STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
                     STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
