@@ -1,11 +1,11 @@
 """Motions that the contacts stop at once, however the time is cut into steps (docs/limits.md, Painlevé).
 
-Oracles: a closed form up to the instant at which no flanks agree; and the equation of motion of section 6 up
-to the pole of its reactions, by DOP853.
+Oracles: a closed form up to the instant at which no flanks agree, or only those that brake; and the equation
+of motion of section 6 up to the pole of its reactions, by DOP853.
 """
 
 import math
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -171,3 +171,70 @@ def test_infinite_reactions_stop_the_motion_where_other_flanks_agree(make_model)
             step(fmu, begin, after)
         found.append([fmu.get("omega"), fmu.get("theta")])
     assert found == [[0.0, pytest.approx(theta, abs=1e-9)]] * len(found)
+
+
+class Slowing:
+    """A shaft without torque and with hardly any inertia, and a follower without inertia. A pull F(t) moves
+    the follower against its damper: c v = F to a share of 1e-10. The contacts carry that share: the force
+    that slows the shaft. Contact 1 is locked. The pull falls until `turn`, by 1e-4 of its value. No pair of
+    flanks can make the shaft faster then: of the four, one pair agrees with an axial load on the other side,
+    and brakes. The mechanism stops in some 1e-7 s: a deviation from that balance grows by 1e8 per second."""
+
+    r, slope, mu, damping, inertia, begin = 0.02, (0.1, 0.8), (0.2, 0.1), 1000.0, 1e-11, 1.0
+    turn, end = 0.01, 0.1
+
+    def __init__(self):
+        a = [self.r * s for s in self.slope]
+        self.lift = a[0] * a[1] / (a[0] + a[1])
+        self.pull = 1.0 - 1e-4 + 1e-4 * np.polynomial.Polynomial([-1.0, 1.0 / self.turn]) ** 2
+
+    def agreeing_flanks(self):
+        """Of releasing under an axial load A > 0, with the sign of alpha: x_i = A r_j n_j/Delta."""
+        a = [self.r * s for s in self.slope]
+        for flanks in product((1, -1), repeat=2):
+            p, _, delta = factors((self.r, self.r), a, [-e * m for e, m in zip(flanks, self.mu, strict=True)])
+            n = [a[i] - flanks[i] * self.mu[i] * self.r for i in (0, 1)]
+            if flanks[0] * n[1] / delta > 0 and flanks[1] * n[0] / delta > 0:
+                yield flanks, -math.copysign(1, p / delta)
+
+    def parameters(self):
+        cams = {f"cam{i}.lead_angle": math.atan(s) for i, s in enumerate(self.slope, 1)}
+        cams |= {f"cam{i}.radius": self.r for i in (1, 2)}
+        cams |= {f"cam{i}.friction": mu for i, mu in enumerate(self.mu, 1)}
+        return cams | {
+            "cam1.friction_viscous": 1e-6,
+            "spring.preload": 0.0,
+            "spring.stiffness": 0.0,
+            "damper.c_release": self.damping,
+            "inertia.shaft": self.inertia,
+            "initial.theta": self.begin,
+            "initial.omega": -1.01 * self.pull(0.0) / (self.damping * self.lift),
+            "F_ext": self.pull(0.0),
+        }
+
+    def angle(self, t):
+        return self.begin - self.pull.integ()(t) / (self.damping * self.lift)
+
+    def run(self, fmu, cuts):
+        fmu.start(self.parameters())
+        for begin, end in pairwise(cuts):
+            fmu.set({"F_ext": self.pull(begin)})
+            fmu.set_derivatives({"F_ext": [self.pull.deriv(k)(begin) for k in (1, 2)]})
+            step(fmu, begin, end)
+        return [fmu.get("theta"), fmu.get("omega")]
+
+
+def cuts_of(motion):
+    near = [motion.turn * (1.0 + side * 10.0**-n) for side in (-1, 1) for n in (3, 4)]
+    equal = [np.linspace(0.0, motion.end, n + 1).tolist() for n in (1, 2, 7, 50, 400)]
+    return [*equal, sorted([0.0, *near, motion.end]), *random_cuts(motion.end, 10)]
+
+
+def test_a_shaft_that_no_flanks_can_drive_stops(make_model):
+    """However small the load at the contacts is: the change of its sign counts, not its size. The load of
+    1e-10 F is known to 1e-13 F, and with it the instant to 1e-3 of `turn`."""
+    motion = Slowing()
+    assert list(motion.agreeing_flanks()) == [((1, -1), 1)]
+    theta, speed = motion.angle(motion.turn), -motion.parameters()["initial.omega"]
+    found = [motion.run(make_model(FORWARD), cuts) for cuts in cuts_of(motion)]
+    assert found == [[pytest.approx(theta, abs=1.1e-3 * motion.turn * speed), 0.0]] * len(found)

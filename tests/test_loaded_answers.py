@@ -5,12 +5,14 @@ Oracles: the balance of two contacts by SciPy's bisection, and instants in close
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from driver import models
 from reference.friction import FrictionLaw, LoadedContact
 from reference.parameters import DEFAULTS
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from test_friction_jams import OK, WEDGED, run
 
@@ -171,3 +173,70 @@ def test_a_short_dip_of_the_load_ends_rest(make_model, middle):
     moved, fine = (fmu.get("theta") for fmu in fmus)
     assert moved > 0.0
     assert moved == pytest.approx(fine, rel=1e-6)
+
+
+# ---- without inertia: the torque limits the speed ----
+
+
+class Limited:
+    """A steep and a nearly level groove without inertia. Friction at cam 1 grows with the load, at both cams
+    with the speed: from a torque on, more torque gives less speed. Two answers of the balance meet there. A
+    falling torque lets the contacts go at this torque, at a speed."""
+
+    p = (
+        FREE
+        | cam(1, 0.0091, math.pi / 2 - 1e-4, 0.033, 0.54, 930.0)
+        | cam(2, 0.31, 1e-6, 0.15)
+        | {"cam1.friction_viscous": 6e-4, "cam2.friction_viscous": 0.03, "contacts": 2, "inertia.shaft": 0.0}
+        | {"damper.c_load": 5600.0, "spring.stiffness": 1.6e5}
+        | {"initial.theta": -0.93, "stop.lower": -0.93, "stop.upper": 2.0}
+    )
+    torque, rate, end = 170.0, -2000.0, 0.0847  # N.m, N.m/s, s
+
+    def __init__(self):
+        full = DEFAULTS | self.p
+        self.r = [full[f"cam{i}.radius"] for i in (1, 2)]
+        self.s = [math.tan(full[f"cam{i}.lead_angle"]) for i in (1, 2)]
+        self.laws = [FrictionLaw.of_cam(full, i) for i in (1, 2)]
+        a = [r * s for r, s in zip(self.r, self.s, strict=True)]
+        self.lift = a[0] * a[1] / sum(a)
+        self.sliding = [a[1 - i] / sum(a) * math.hypot(self.r[i], a[i]) for i in (0, 1)]
+
+    def speed(self, torque, theta):
+        """The speed at which the contacts carry spring and damper."""
+
+        def missed(omega):
+            of = [
+                LoadedContact(r, s, law, omega * v, 2, 1)
+                for r, s, law, v in zip(self.r, self.s, self.laws, self.sliding, strict=True)
+            ]
+            carried = sum(c.axial(reaction_at(c, torque)) for c in of)
+            spring = self.p["spring.stiffness"] * self.lift * theta
+            return carried - spring - self.p["damper.c_load"] * self.lift * omega
+
+        return brentq(missed, 0.0, 1e4, xtol=1e-300, rtol=1e-14)
+
+    def angle(self):
+        """At the end, from the largest speed on."""
+        at = self.p["initial.theta"]
+        limit = brentq(lambda t: self.speed(1.001 * t, at) - self.speed(0.999 * t, at), 0.3, 2.0, rtol=1e-13)
+        start = (limit - self.torque) / self.rate
+
+        def rate(t, theta):
+            return [self.speed(self.torque + self.rate * t, theta[0])]
+
+        return solve_ivp(rate, (start, self.end), [at], "DOP853", rtol=1e-11, atol=1e-12).y[0, -1]
+
+
+def test_contacts_let_go_where_two_answers_meet(make_model):
+    """However the time is cut; an instant missed by 1e-8 s is an angle missed by 3e-6 rad."""
+    motion, found = Limited(), []
+    for cuts in (1, 7):
+        fmu = make_model(FORWARD).start(motion.p | {"tau": motion.torque})
+        times = np.linspace(0.0, motion.end, cuts + 1)
+        for begin, end in pairwise(times):
+            fmu.set({"tau": motion.torque + motion.rate * begin})
+            fmu.set_derivatives({"tau": [motion.rate]})
+            assert fmu.call("fmi2DoStep", begin, end - begin, 1) == OK, fmu.messages[-1].text
+        found.append(fmu.get("theta"))
+    assert found == [pytest.approx(motion.angle(), abs=3e-6)] * 2

@@ -232,14 +232,25 @@ static void propose_next(const StepProposal *first, double to_breakpoint, EventL
         location->next = (StepProposal){max_of(location->next.h, first->h), first->stages};
 }
 
+/* s: where a deviation of the speed grows and the contacts carry next to no load, the deviation is as small as rounding.
+ * A long step would damp such a deviation, and follow the unstable balance. */
+COMPACT static double departure_time(const SegmentLimits *limits, const Balance *start) {
+    const SlipMode *slip = limits->slip;
+    if (slip->regime != REGIME_INERTIAL || !limits->has_friction || !(start->rhs.by_omega > 0.0)) return INFINITY;
+    const double load = balance_load_size(slip->params, start->force, start->damper, start->dz_dtheta * start->alpha);
+    for (int i = 0; i < 2; i++)
+        if (balance_is_firm(slip, i, start->x[i], start->axial[i], load)) return INFINITY;
+    return LOCATION_DEPARTURE / start->rhs.by_omega;
+}
+
 bool event_location_find(const SlipMode *slip, const Balance *start, const StopAhead *stop, double left,
                          const StepProposal *first, EventLocation *location) {
     const SegmentLimits limits = segment_limits_of(slip, start, stop->angle);
     const double to_breakpoint = breakpoint_time(slip, start, &limits.breakpoint);
-    const double shortest = LOCATION_SHORTEST * left;
+    const double shortest = LOCATION_SHORTEST * left, most = min_of(left, departure_time(&limits, start));
     double length = first->h < INFINITY ? first->h : step_control_first_length(slip, start), solved = 0.0;
     do { /* at most 15 turns: the length falls to LOCATION_SHORTEST */
-        const double longest = min_of(min_of(left, length), to_breakpoint);
+        const double longest = min_of(min_of(most, length), to_breakpoint);
         if (!step_control_solve(slip, start, longest, first, &location->step)) return false;
         location->kind = EVENT_NONE;
         location->at_breakpoint = false;

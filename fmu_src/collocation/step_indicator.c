@@ -20,10 +20,15 @@ NOINLINE static double torque_beyond(const SlipMode *slip, const double slope[2]
     return slip->direction * (tau - edge * force);
 }
 
+/* a_i = z'/psi_i'. From r_i^2 + a_i^2 a nearly level groove would lose its digits, and the edge would be another one than
+ * that of the decision. Where psi_i' = 0, the groove is the steeper one. */
+COMPACT static double slope_of(const SlipMode *slip, const Balance *b, int i) {
+    const double r = slip->params->cam[i].radius;
+    return b->dpsi_dtheta[i] > 0.0 ? b->dz_dtheta / b->dpsi_dtheta[i] : sqrt(max_of(b->length2[i] - r * r, 0.0));
+}
+
 static double torque_beyond_edge(const SlipMode *slip, const Balance *b) {
-    const CamParams *cam = slip->params->cam;
-    double slope[2];
-    for (int i = 0; i < 2; i++) slope[i] = sqrt(max_of(b->length2[i] - cam[i].radius * cam[i].radius, 0.0));
+    const double slope[2] = {slope_of(slip, b, 0), slope_of(slip, b, 1)};
     return torque_beyond(slip, slope, b->force, b->tau);
 }
 
@@ -53,10 +58,8 @@ static bool differs_from_edge(const SlipMode *slip, const Balance *start) {
 
 static ContactFactors factors_of(const SlipMode *slip, const Balance *b) {
     ContactFactors f;
-    for (int i = 0; i < 2; i++) {
-        const double r = slip->params->cam[i].radius;
-        contact_factors_set(&f, i, r, b->friction[i], sqrt(max_of(b->length2[i] - r * r, 0.0)));
-    }
+    for (int i = 0; i < 2; i++)
+        contact_factors_set(&f, i, slip->params->cam[i].radius, b->friction[i], slope_of(slip, b, i));
     contact_factors_multiply(&f);
     return f;
 }

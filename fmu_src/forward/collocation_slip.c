@@ -13,6 +13,7 @@
 #include "forward/rest.h"
 #include "forward/stick.h"
 #include "numerics/sign.h"
+#include "platform/attributes.h"
 
 /* Does the mechanism move, in the direction of its mode? */
 static bool slips_on(const Mechanism *m) {
@@ -41,6 +42,35 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
     return balance_rhs(&here, theta, 0.0, t).value;
 }
 
+/* At a change of flanks, of a follower without inertia of rotation: the sign of the axial load A just after. There
+ * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. A fast damping hides the rates of x_i in
+ * rounding, but a contact that has left its flank tells the sign of A. */
+COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
+    if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
+    const int load = -slip->flank[0] * sign_of(end->axial[0]);
+    return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
+}
+
+/* Do both contacts bear on their flanks (side 1), or press off these (side -1), by more than rounding? */
+COMPACT static bool is_on_side(const SlipMode *slip, const Balance *b, int side) {
+    const double load = balance_load_size(slip->params, b->force, b->damper, b->dz_dtheta * b->alpha);
+    bool on_side = true;
+    for (int i = 0; i < 2; i++)
+        on_side &= side * slip->flank[i] * b->x[i] > REACTION_ZERO_SHARE * fabs(b->axial[i]) * load;
+    return on_side;
+}
+
+/* In a motion that a fast damping rules, a decision can count reactions as zero for a long time. Contacts that bear no
+ * load at the start, or less than none, and leave their flanks along the step, have left these at the start: a cut, or
+ * rounding, lay behind the change. */
+COMPACT static bool has_left_flanks(const SlipMode *slip, const RadauStep *step) {
+    const Balance *start = &step->start;
+    bool left = step->h * start->rhs.by_omega < -LOCATION_STIFF && is_on_side(slip, radau_step_end(step), -1);
+    for (int i = 0; i < 2; i++) left &= slip->flank[i] * start->x[i] <= 0.0;
+    for (int j = 0; left && j < step->method->stages; j++) left = !is_on_side(slip, &step->node[j], 1);
+    return left;
+}
+
 /* The segment along a Radau step to its end. False if a value is not finite. */
 static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *location, Segment *segment) {
     const RadauStep *step = &location->step;
@@ -52,6 +82,7 @@ static bool radau_segment(Mechanism *m, const SlipMode *slip, EventLocation *loc
     segment->energy_gained = step->energy_gained;
     if (m->params.ledger) raise_radau_peaks(m, slip, step, segment);
     segment->end = location->kind;
+    if (location->kind == EVENT_FLANK) segment->load_ahead = load_after(slip, end);
     segment->duration = step->h;
     segment->dtheta = step->dtheta;
     segment->varies = true;
@@ -102,7 +133,7 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
                           EventLocation *location, Segment *segment) {
     const StopAhead stop = {angle_to_stop(m, slip->direction), m->state.energy_gained};
     if (stop.angle <= 0.0) {
-        segment_begin(m, SEGMENT_AT_STOP, segment);
+        segment_begin(m, SEGMENT_AT_EVENT, segment);
         segment->omega_is_increment = true; /* the impact needs the speed */
         segment->end = EVENT_STOP;
         return true;
@@ -119,6 +150,14 @@ static bool propose_along(Mechanism *m, const SlipMode *slip, const Balance *sta
             rest_propose(m, left, segment);
             return true;
         }
+    }
+    const int load = m->load_ahead == 0 ? load_after(slip, start) : 0;
+    if (found && load != 0 && has_left_flanks(slip, &location->step)) {
+        segment_begin(m, SEGMENT_AT_EVENT, segment);
+        segment->omega_is_increment = true;
+        segment->end = EVENT_FLANK;
+        segment->load_ahead = load;
+        return true;
     }
     if (found) return radau_segment(m, slip, location, segment);
     const double unseen = unseen_time(m, slip, start, left);

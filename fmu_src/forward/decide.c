@@ -20,14 +20,16 @@ bool begins_with_jump(const Candidate *candidate, int direction) {
 }
 
 /* Is x_i on the flank that the slip mode assumes, or about to be there? Where x_i is zero, its first time derivative
- * decides; where this is zero, the second. A contact that stays without load suits either flank. */
+ * decides; where this is zero, the second; where rounding hides that too, the axial load that follows. A contact that
+ * stays without load suits either flank. */
 static bool flank_agrees(const Candidate *candidate, int direction, int flank, int i) {
     const ContactLoad *c = &candidate->contact[i], *size = &candidate->size[i];
     if (fabs(c->value) > REACTION_ZERO_SHARE * size->value) return flank * c->value > 0.0;
     if (begins_with_jump(candidate, direction)) /* in a jump only the spring's force changes, in proportion to theta */
         return flank * direction * candidate->axial[i] >= 0.0;
     if (fabs(c->rate) > REACTION_ZERO_SHARE * size->rate) return flank * c->rate > 0.0;
-    return fabs(c->second) <= REACTION_ZERO_SHARE * size->second || flank * c->second > 0.0;
+    if (fabs(c->second) > REACTION_ZERO_SHARE * size->second) return flank * c->second > 0.0;
+    return flank * candidate->ahead[i] >= 0.0;
 }
 
 /* Rate-independent slip that does not begin with a jump follows the moving edge of the band, in its own direction. */

@@ -149,6 +149,7 @@ static bool carry_out(Mechanism *m, StepRun *run, const Segment *segment) {
     past.omega = m->state.omega.hi;
     handle_event(m, direction_of(past.mode), segment->end);
     if (segment->finds_speed) jump_find_speed(m);
+    m->load_ahead = segment->load_ahead;
     run->left = max_of(run->left - segment->duration, 0.0); /* a rounding can locate an event past the end */
     run->rests_on = segment->kind == SEGMENT_REST && !segment->varies;
     run->goes_on = (segment->kind == SEGMENT_RADAU || segment->kind == SEGMENT_LOBATTO) && segment->end == EVENT_NONE;
@@ -207,6 +208,7 @@ static Outcome go_through(Mechanism *m, StepRun *run) {
     m->work = &run->work;
     const Outcome outcome = make_segments(m, run);
     m->work = NULL;
+    m->load_ahead = 0;
     return work_is_spent(&run->work) ? OUTCOME_TOO_MUCH_WORK : outcome;
 }
 

@@ -9,7 +9,7 @@
 /* The search for a speed that friction limits. Where friction falls: the change of v/v_s in one step, for longer steps
  * pass over the fall unseen; by tolerance the exponent at its end; v/v_s of an excess below all rounding. */
 enum { VISCOUS_ITERATIONS = 200 };
-static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-6 /* before a lock */,
+static const double VISCOUS_ROUNDING = 4.0 * DBL_EPSILON, VISCOUS_BLOCKED = 1e-12 /* before a lock */,
                     STRIBECK_SPAN_GAUSS = 1.0, STRIBECK_SPAN_TUSTIN = 2.0, STRIBECK_GONE_GAUSS = 6.1,
                     STRIBECK_GONE_TUSTIN = 37.0;
 static const double STRIBECK_FALLEN = 18.0, STRIBECK_FALLEN_TIGHT = 30.0, STRIBECK_TIGHT = 1e-7;
@@ -34,7 +34,7 @@ static const double LOADED_NO_TORQUE = 1e-6;
 /* Newton's method for both reactions ends at a relative change of LOADED_LAST_CHANGE, or where the changes stop falling
  * below LOADED_STALLED. Each change must fall by the share LOADED_SHARE_GAINED of the change made before, else less of the
  * next one is made, at least LOADED_LEAST_SHARE of it. */
-enum { LOADED_ITERATIONS = 25 };
+enum { LOADED_ITERATIONS = 80 };
 static const double LOADED_LAST_CHANGE = 1e-13, LOADED_STALLED = 1e-9, LOADED_ZERO = 1e-13, LOADED_SHARE_GAINED = 0.25,
                     LOADED_LEAST_SHARE = 0.02;
 

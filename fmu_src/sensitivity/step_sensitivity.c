@@ -131,7 +131,7 @@ static bool carry_along_slip(const Mechanism *m, const Segment *segment, const I
  * variation is not known. */
 static bool carry(const Mechanism *m, const Segment *segment, const Inputs *inputs, Mode mode, Carried *v) {
     switch (segment->kind) {
-        case SEGMENT_AT_STOP: return true;
+        case SEGMENT_AT_EVENT: return true;
         case SEGMENT_JAM: return carry_through_jam(v);
         case SEGMENT_REST: carry_through_rest(mode, v); return true;
         case SEGMENT_JUMP: carry_over_jump(m, direction_of(mode), segment->duration, v); return true;
