@@ -9,6 +9,7 @@ import math
 import pytest
 from driver import FORWARD
 from pin_equations import Pin, edge, ellipse, helix, polynomial, spring_force
+from reference import RELEASING, write_table
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from test_cuts_of_general_grooves import CUTS, run
@@ -53,7 +54,7 @@ def test_the_speed_in_a_stiff_step_without_inertia(make_model):
     torque = [0.3, 0.1 / h, 0.15 / h**2, -0.3 / h**3]
     way = solve_ivp(
         lambda t, x: [speed(polynomial(torque, t), x[0])],
-        (0.0, h), [CURVED["initial.theta"]], method="Radau", rtol=1e-12, atol=1e-16,
+        (0.0, h), [CURVED["initial.theta"]], method="DOP853", rtol=1e-11, atol=1e-14,
     )  # fmt: skip
     fmu = make_model(FORWARD).start(CURVED)
     fmu.set({"tau": torque[0]})
@@ -147,3 +148,36 @@ def test_a_force_pulls_the_follower_against_its_damper_while_no_contact_bears_a_
     run(fmu, h, cuts, tau=[0.0], F_ext=[0.0, rate])
     assert fmu.get("z") == pytest.approx(-2.0 / 3.0 * math.sqrt(rate / square * h**3), rel=NEAR)
     assert fmu.get("energy.heat_cam1") <= NEAR * fmu.get("energy.heat_damper")
+
+
+@pytest.mark.parametrize("cuts", CUTS)
+@pytest.mark.parametrize("above", [4e-10, 1e-8, 1e-7])
+def test_a_locked_contact_passes_the_place_where_a_groove_becomes_level(make_model, tmp_path, above, cuts):
+    """Down from there the axial load passes no torque: b omega = tau. The slope above, over so short a way,
+    counts for nothing. Contact 1 loses its load at that place and does not change its flank."""
+    path, h, damping, knot = tmp_path / "groove.csv", 1e-4, 1e-4, 0.013
+    write_table(path, [knot * k for k in range(7)], [0.0, 0.0, 0.0, *[5.7e-9] * 4])
+    parameters = {
+        "cam1.radius": 0.07,
+        "cam1.lead_angle": 5.6e-6,
+        "cam1.friction": 0.023,
+        "cam2.radius": 0.36,
+        "cam2.profile": 3,
+        "cam2.table": str(path),
+        "cam2.friction": 0.0,
+        "spring.preload": 0.0,
+        "spring.stiffness": 0.0,
+        "damper.c_load": 0.0,
+        "damper.c_release": 0.0,
+        "shaft.damping": damping,
+        "inertia.shaft": 0.0,
+        "initial.theta": 2.0 * knot + above,
+        "stop.lower": 0.0,
+        "stop.upper": 0.076,
+    }
+    fmu = make_model(FORWARD).start(parameters)
+    tau = [0.0, -1e-6 / h, -0.02 / h**2]
+    run(fmu, h, cuts, tau=tau, F_ext=[-1280.0])
+    change = (tau[1] * h**2 / 2.0 + tau[2] * h**3 / 6.0) / damping
+    assert fmu.get("mode") == RELEASING
+    assert fmu.get("theta") - 2.0 * knot - above == pytest.approx(change, rel=NEAR)

@@ -1,5 +1,6 @@
 #include "forward/candidate.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "collocation/radau_step.h"
@@ -172,6 +173,13 @@ static double noise_of_angle(const Mechanism *m, const SlipMode *slip, const Bal
     return CANDIDATE_ANGLE_ROUNDING * largest_angle(&m->params) * fabs(change);
 }
 
+/* s, in which a rate must change a reaction by more than its rounding to count. Beyond the present piece of the grooves
+ * another rate holds: where a groove becomes level, a locked contact loses its load without changing its flank. */
+static double steady_time(const SlipMode *slip, const Balance *now) {
+    const double left = slip->direction > 0 ? slip->piece->upper - now->theta : now->theta - slip->piece->lower;
+    return min_of(CANDIDATE_STEADY, max_of(left, DBL_MIN) / fabs(now->omega));
+}
+
 static Candidate general_candidate(const Mechanism *m, int index) {
     const SlipMode slip = slip_mode_from_here(m, index);
     const Balance now = balance_from_here(m, &slip);
@@ -192,6 +200,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
         .stiffness = now.rhs.by_theta,
     };
     const double spring = spring_rate(&m->params.spring, m->configuration.z);
+    const double steady = steady_time(&slip, &now);
     const double coarse = slip.friction_varies ? CANDIDATE_COARSE_VARYING : CANDIDATE_COARSE;
     for (int i = 0; i < 2; i++) {
         candidate.axial[i] = now.axial[i] * spring;
@@ -200,7 +209,7 @@ static Candidate general_candidate(const Mechanism *m, int index) {
             (ContactLoad){.value = coarse * rates.size[i], .rate = CANDIDATE_COARSE * rates.rate_size[i]};
         const double noise = slip.regime != REGIME_RATE_INDEPENDENT ? noise_of_angle(m, &slip, &now, i) : 0.0;
         candidate.size[i].value += noise;
-        candidate.size[i].rate += candidate.size[i].value / CANDIDATE_STEADY;
+        candidate.size[i].rate += candidate.size[i].value / steady;
         candidate.rounding[i] = CANDIDATE_COARSE * rates.size[i] + noise;
         candidate.unseen[i] = !slip.friction_is_loaded && !is_visible(now.x[i], coarse * rates.size[i]);
         candidate.ahead[i] = m->load_ahead * now.axial[i];
