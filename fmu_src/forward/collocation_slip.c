@@ -43,10 +43,13 @@ static double speed_at_end(const Mechanism *m, const SlipMode *slip, double thet
 }
 
 /* At a change of flanks, of a follower without inertia of rotation: the sign of the axial load A just after. There
- * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. A fast damping hides the rates of x_i in
+ * x_i = (dx_i/dA) A, so both reactions pass zero, for every pair of flanks. Zero where one of them does not. A fast damping hides the rates of x_i in
  * rounding, but a contact that has left its flank tells the sign of A. */
 COMPACT static int load_after(const SlipMode *slip, const Balance *end) {
     if (slip->regime != REGIME_INERTIAL || slip->params->inertia.follower != 0.0) return 0;
+    const double size = balance_load_size(slip->params, end->force, end->damper, end->dz_dtheta * end->alpha);
+    for (int i = 0; i < 2; i++)
+        if (balance_is_firm(slip, i, end->x[i], end->axial[i], size)) return 0;
     const int load = -slip->flank[0] * sign_of(end->axial[0]);
     return load == -slip->flank[1] * sign_of(end->axial[1]) ? load : 0;
 }

@@ -88,15 +88,15 @@ static bool vanish_together(int index, const Candidate *candidate) {
     return false;
 }
 
-/* Toward a dwell the load of a locked contact falls to zero and stays zero: its rate, which no later load confirms, does
- * not jam the contacts. True if each reaction agrees with its flank, or is rounding and stays so. */
+/* Toward a dwell the load of a locked contact falls to zero and stays zero, while the other contact bears a load: the rate,
+ * which no later load confirms, does not jam the contacts. True if one reaction is rounding and stays so, and the other one
+ * agrees with its flank. */
 static bool is_unloaded(int index, const Candidate *candidate) {
     int flank[2];
     slip_flanks(index, flank);
-    bool unloaded = candidate->possible;
-    for (int i = 0; i < 2; i++)
-        unloaded &= candidate->unseen[i] || flank_agrees(candidate, slip_direction(index), flank[i], i);
-    return unloaded;
+    if (!candidate->possible || candidate->unseen[0] == candidate->unseen[1]) return false;
+    const int loaded = candidate->unseen[0] ? 1 : 0;
+    return flank_agrees(candidate, slip_direction(index), flank[loaded], loaded);
 }
 
 /* Do the reactions leave the range of numbers? Then no comparison with them means anything. */
@@ -116,16 +116,17 @@ typedef enum {
     FROM_FLANKS, /* the mechanism moves on flanks that do not agree any more */
 } SearchStart;
 
-/* The index of the slip mode whose flanks agree, or -1. Without inertia each pair of flanks that agrees has a speed of its
- * own. The slowest comes first: a mechanism with hardly any inertia, accelerated from rest by the torque that is left,
- * reaches it first (A. N. Tikhonov's theorem on systems with a small parameter). Where none agrees, from a motion one that
- * is just before a change of flanks or without loads, or one that leaves the range of numbers: the step is then refused in
- * this mode. *built receives the coefficients of the last candidate that had none in the model; mostly this is the slip
- * mode that is found. */
+/* The index of the slip mode whose flanks agree, or -1. Of several the pair of the flanks that support the axial load comes
+ * first. Without inertia each pair has a speed of its own; where friction varies with the speed the slowest comes first: a
+ * mechanism with hardly any inertia, accelerated from rest by the torque that is left, reaches it first (A. N. Tikhonov's
+ * theorem on systems with a small parameter). Where none agrees, from a motion one that is just before a change of flanks or
+ * without loads, or one that leaves the range of numbers: the step is then refused in this mode. *built receives the
+ * coefficients of the last candidate that had none in the model; mostly this is the slip mode that is found. */
 static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, LinearSlipMode *built) {
     const int sign = load_sign(m, direction);
     int unstable = -1, before = -1, overflowing = -1, slowest = -1;
     double least = INFINITY;
+    const bool slowest_first = !has_inertia(&m->params) && any_friction_varies(&m->params);
     for (int k = 0; k < FLANK_PAIR_COUNT; k++) {
         int flank[2];
         flank_pair(k, sign, flank);
@@ -136,7 +137,7 @@ static int find_slip_mode(const Mechanism *m, int direction, SearchStart from, L
         if (unloaded && (before < 0 || (from == FROM_FLANKS && index == present_slip_index(m)))) before = index;
         if (overflows(&candidate)) overflowing = index;
         if (!agrees(m, index, &candidate, from == FROM_REST)) continue;
-        if (candidate.stable && candidate.regime != REGIME_VISCOUS) return index;
+        if (candidate.stable && !slowest_first) return index;
         if (candidate.stable && fabs(candidate.omega) < least) {
             slowest = index;
             least = SLOWER * fabs(candidate.omega);

@@ -345,10 +345,10 @@ static double rest_time(const Mechanism *m, double ties, double left) {
 }
 
 double stick_rest_time(const Mechanism *m, double left) {
-    const double t = rest_time(m, 0.0, left), least = DBL_EPSILON * left;
-    if (t > least) return t;
-    const double beyond = rest_time(m, STICK_TIES_OF_NO_SLIP, left); /* no share of the step: other loads act then */
-    return beyond > 0.0 ? beyond : least;
+    /* Far below the rounding of the step, whose end has other loads; a load that passes zero with the angle would else end
+     * rest after rest. */
+    const double t = rest_time(m, 0.0, left), least = DBL_EPSILON * DBL_EPSILON * left;
+    return t > least ? t : max_of(rest_time(m, STICK_TIES_OF_NO_SLIP, left), least);
 }
 
 double stick_sharing(const Mechanism *m, int i) {

@@ -51,7 +51,7 @@ RestInterval stick_rest_interval(const Mechanism *m);
 
 /* The time, s, at most `left`, for which rest lasts under inputs that are polynomials. If the torque is on the edge of
  * the band and no slip mode agrees, rest lasts until the torque is beyond the edge by more than a tie. The time is
- * above 0. */
+ * at least the square of the rounding of `left`. */
 double stick_rest_time(const Mechanism *m, double left);
 
 /* R_i per pin end and per F_0. */
