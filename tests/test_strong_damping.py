@@ -1,7 +1,7 @@
 """Damping that ends a motion within nanoseconds, under torques and forces that rise through a whole step.
 
-The slow part of the motion is lost in the rounding of the derivatives at the start. Oracle: the closed form at
-60 digits (tests/reference).
+The slow part of the motion is lost in the rounding of the derivatives at the start. Oracle: the closed form
+at 60 digits (tests/reference).
 """
 
 from itertools import product
@@ -25,9 +25,7 @@ QUICK = [(0.0, 4e5, -30.0, 0.0), (0.1, 1e-3, -30.0, 0.4), (0.1, -4e5, 0.0, 0.4)]
     ("friction", "omega", "force_rate", "torque_rate"),
     QUICK + [pytest.param(*case, marks=pytest.mark.long) for case in ALL if case not in QUICK],
 )
-def test_a_motion_damped_at_once_turns_at_the_right_place(
-    make, friction, omega, force_rate, torque_rate
-):
+def test_a_motion_damped_at_once_turns_at_the_right_place(make, friction, omega, force_rate, torque_rate):
     """One step of 1 s: a start at high speed, the turn after nanoseconds, the slow return, further turns."""
     parameters = HELICES | FORCES | DAMPING | STOPS | {"initial.omega": omega, "initial.theta": 0.4}
     parameters |= {"cam1.friction": friction, "cam2.friction": friction}
