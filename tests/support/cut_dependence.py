@@ -55,9 +55,10 @@ class Verdict:
 
 
 def started(make: Callable[[], Driver], parameters: Mapping[str, Any]) -> Driver | None:
-    """A started FMU, or None where the start is refused."""
+    """A started FMU, or None where a parameter or the start is refused."""
     fmu = make()
-    fmu.set(parameters)
+    if any(fmu.try_set({name: value}) != OK for name, value in parameters.items()):
+        return None
     fmu.setup()
     fmu.ok("fmi2EnterInitializationMode")
     return fmu if fmu.call("fmi2ExitInitializationMode") == OK else None
