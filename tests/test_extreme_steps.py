@@ -8,6 +8,22 @@ from driver import ROOT, models
 
 PROGRAM = ROOT / "tests" / "support" / "extreme_scenes.py"
 PATIENCE = 240.0  # s, for all scenes of an FMU; each takes milliseconds
+LOCKS_AGAIN = {
+    **{
+        "cam1.radius": 0.0056,
+        "cam1.lead_angle": 0.2,
+        "cam1.friction": 0.112,
+        "cam1.friction_viscous": 8.7e-4,
+    },
+    **{"cam1.friction_peak": 1.824, "cam1.stribeck_velocity": 2.4e-6, "cam1.stribeck_exponent": 2},
+    **{"cam1.friction_load": 22.0, "cam1.friction_load_exponent": 0.584},
+    **{"cam2.radius": 0.0468, "cam2.lead_angle": 0.556, "cam2.friction": 0.169},
+    **{"cam2.friction_load": 528.0, "cam2.friction_load_exponent": 0.496, "contacts": 1},
+    **{"damper.c_load": 46_500.0, "damper.c_release": 1350.0, "shaft.damping": 5.38},
+    **{"inertia.shaft": 9.9e-4, "inertia.follower_mass": 305.0},
+    **{"spring.preload": 0.0, "spring.stiffness": 20_100.0, "spring.stiffness2": 43_800.0},
+    **{"stop.lower": 0.0, "stop.upper": 1.84, "initial.theta": 1.835, "initial.omega": -0.016},
+}
 
 
 @pytest.mark.parametrize("identifier", models)
@@ -90,3 +106,17 @@ def test_a_cam_that_follows_its_torque_ends_in_the_band_or_at_a_stop_or_is_refus
         theta >= 1.3963 - 1e-9 or last <= load * (1 + 1e-9)
     )
     assert abs(fmu.get("energy.residual")) <= 1e-9 * abs(work)
+
+
+def test_a_step_that_needs_too_many_evaluations_is_refused(make_model):
+    """A contact locks in motion, lets go at once and locks again: the work of the step is bounded. The step
+    changes nothing, and the instance goes on after a reset."""
+    fmu = make_model(models["DualCamForward"])
+    fmu.start(LOCKS_AGAIN)
+    fmu.set({"tau": 0.67, "F_ext": 0.0})
+    fmu.set_rates(tau=0.0, F_ext=-12_000.0)
+    fmu.refused("DoStep", 0.0, 0.04, 1, mentions=("too many evaluations", "10000000"))
+    fmu.ok("fmi2Reset")
+    fmu.start({})
+    fmu.step(1e-3, tau=3.0)
+    assert fmu.get("theta") > 0.0
