@@ -32,7 +32,7 @@ from rich.progress import Progress
 from benchmarks.harness import core, results
 from benchmarks.harness.circumstances import circumstances
 from benchmarks.harness.oracles import cut_dependence, driver, random_scenes
-from benchmarks.stress.drive import prepare
+from benchmarks.stress.drive import shipped_library
 
 FINDINGS = core.BUILD / "cuts"
 BATCH = 200  # scenes of one call of hypothesis
@@ -179,7 +179,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first batch (0)")
     parser.add_argument("--replay", type=Path, help="the folder of a finding, which is played again")
     arguments = parser.parse_args()
-    console, binary = results.new_console(), prepare().shipped
+    console, binary = results.new_console(), shipped_library()
     if arguments.replay:
         return int(replay(arguments.replay, binary, console))
     counts = scan(arguments.minutes, arguments.seed, binary, console)

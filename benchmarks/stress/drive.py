@@ -37,13 +37,18 @@ class Libraries:
         return {False: driver.load(self.shipped), True: driver.load(self.general)}
 
 
-def prepare() -> Libraries:
+def shipped_library() -> Path:
+    """The library of the FMU."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     shipped, fresh = FOLDER / "shipped.so", FOLDER / f"shipped.{os.getpid()}"
     with zipfile.ZipFile(core.fmu_path(core.FORWARD)) as archive:
         fresh.write_bytes(archive.read(f"binaries/linux64/{core.FORWARD}.so"))
     fresh.replace(shipped)
-    return Libraries(shipped, core.library_without_closed_forms(FOLDER / "general.so"))
+    return shipped
+
+
+def prepare() -> Libraries:
+    return Libraries(shipped_library(), core.library_without_closed_forms(FOLDER / "general.so"))
 
 
 def equal_cuts(steps: int) -> Cut:

@@ -13,7 +13,7 @@ from typing import Any
 
 from driver import OK, Driver
 from random_scenes import LEAST, curve, inertia_felt, slopes, unit_of_torque
-from reference import groove_of
+from reference import Groove, groove_of
 
 TOLERANCE = 1e-9  # the FMU's, where none is given
 # Cuts may change ten times the tolerance, and ten times what a nudge of every number by a hundred tolerances
@@ -68,10 +68,11 @@ def plays(fmu: Driver, torque_unit: float, one: Curve, parts: Iterable[Part]) ->
     return all(curve(fmu, torque_unit, *one, part) == OK for part in parts)
 
 
-def rounding_of_speed(fmu: Driver, parameters: Mapping[str, Any], torque_unit: float, one: Curve) -> float:
+def rounding_of_speed(
+    fmu: Driver, parameters: Mapping[str, Any], grooves: Sequence[Groove], torque_unit: float, one: Curve
+) -> float:
     """rad/s: the speed that a tie of the torques gives the inertia within the interval `one`."""
     h, taus, forces = one
-    grooves = [groove_of(parameters, i) for i in (1, 2)]
     felt, z = inertia_felt(fmu, parameters, grooves), fmu.get("z")
     if not felt:
         return 0.0
@@ -131,9 +132,10 @@ def judge(make: Callable[[], Driver], scene: Scene) -> Verdict:
     if whole is None or cut is None:
         return Verdict(Outcome.REFUSED, -1)
     unit, places = unit_of_torque(whole, LEAST), [0.0, *scene.cuts, 1.0]
+    grooves = [groove_of(scene.parameters, i) for i in (1, 2)]
     rounding = {"theta": 0.0, "omega": 0.0}
     for k, one in enumerate(scene.curves):
-        rounding["omega"] += rounding_of_speed(whole, scene.parameters, unit, one)
+        rounding["omega"] += rounding_of_speed(whole, scene.parameters, grooves, unit, one)
         done = plays(whole, unit, one, WHOLE), plays(cut, unit, one, pairwise(places))
         if not all(done):
             return Verdict(Outcome.REFUSED_IN_PART if any(done) else Outcome.REFUSED, k)
